@@ -19,7 +19,6 @@ from elitescript.messages.outputs import ChannelRequest, CloseChannel, OpenChann
 from elitescript.protocol.connection import Connection
 from elitescript.protocol.table import SERVICES
 from elitescript.services.child.output_changes import OutputReader, OutputWriter
-from elitescript.services.config_codec import full_codec
 
 PROGRAM = """def day():
   n = 0
@@ -116,7 +115,7 @@ class Clients:
 def main(hours: float) -> None:
     """Print robot hours, wall seconds and memory after each 24th."""
     kernel, peers = Kernel(RobotOptions(power_on=True)), Peers()
-    writer, reader = OutputWriter(full_codec()), OutputReader(full_codec())
+    writer, reader = OutputWriter(), OutputReader()
     output = reader.read(*writer.message(kernel.tick_and_snapshot()))
     clients = Clients(kernel, output)
     inputs: list[Input] = [RunUnit("primary#0", "program", PROGRAM)]

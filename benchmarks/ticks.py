@@ -63,11 +63,10 @@ def _parts(what: str, program: bytes) -> Row:
     from elitescript.protocol.rtsi.connection import RtsiConnection
     from elitescript.protocol.rtsi.recipes import RtsiPort
     from elitescript.services.child.output_changes import OutputReader, OutputWriter
-    from elitescript.services.config_codec import full_codec
 
     kernel = Kernel(RobotOptions(power_on=True))
     begin: list[Input] = [RunUnit("primary#1", "program", program.decode())] if program else []
-    writer, reader = OutputWriter(full_codec()), OutputReader(full_codec())
+    writer, reader = OutputWriter(), OutputReader()
     port = RtsiPort()
     clients = [RtsiConnection(f"rtsi#{index}", kernel.description, port) for index in range(CLIENTS)]
     first = kernel.tick_and_snapshot()

@@ -51,7 +51,7 @@ IDLE_TICKS: Final = ticks_for(1.0)
 """An arm that stands for so long, while nothing else is due, does not get under way by itself any more."""
 
 TRACE_TICKS_MAX: Final = 10_000
-"""Rows that are recorded before somebody may look at the clock or interrupt."""
+"""Rows that are recorded before `pace` is called, or an interrupt is seen."""
 
 Pace = Callable[[int], None]
 Watch = Callable[["VirtualRobot"], None]
@@ -171,7 +171,7 @@ class VirtualRobot:
         return self._run
 
     def threads(self) -> tuple[Any, ...]:
-        """Every script thread: name, line and what it waits for."""
+        """Return every script thread: name, line and what it waits for."""
         return self._host.threads()
 
     # ---------------------------------------------------------------- changing
@@ -501,7 +501,7 @@ class VirtualRobot:
             raise error
 
     def _rest(self, run: Run) -> None:
-        """Program and arm have come to rest, or nobody waits for it: take the last look, once."""
+        """Complete the record of a run whose program and arm have come to rest, once."""
         if run.is_over:
             return
         for event in self._limit.rest(self.tick):
@@ -515,7 +515,7 @@ class VirtualRobot:
         )
 
     def _is_drained(self) -> bool:
-        """Whether nothing of the program that is over is under way any more; its record is complete then."""
+        """Return whether nothing of the program that is over is under way any more; its record is complete then."""
         if self._drain is not None and self._drain.is_over(self.tick):
             self._conclude()
         return self._drain is None
@@ -542,7 +542,7 @@ class VirtualRobot:
         self._conclude()
 
     def _look(self, run: Run) -> Look:
-        """The run as it stands at this tick."""
+        """Return the run as it stands at this tick."""
         state = self.controller.state()
         return Look(
             seconds(self.tick - run.start_tick),
@@ -589,7 +589,7 @@ class VirtualRobot:
         self._finish("stuck")
 
     def _program_ended(self, state: str) -> None:
-        """The host's program is over: `finished`, `alarm` or `stopped`."""
+        """Note that the program has ended: `finished`, `alarm` or `stopped`."""
         run = self._run
         if run is not None and run.state == "" and run.unit.kind != SECONDARY:
             run.state = state  # type: ignore[assignment]

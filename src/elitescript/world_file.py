@@ -31,7 +31,7 @@ WORLD_SECTIONS: Final = ("world", "tcp", "rpc", "modbus", "serial", "device", "w
 
 
 class WorldFile(RobotSettings):
-    """Holds all that a world file says.
+    """Holds the content of a world file.
 
     Attributes:
         world: what is beside the robot; None if nothing is.
@@ -49,7 +49,7 @@ def load_world_file(path: str | Path, *, network: str = "") -> WorldFile:
 
     Args:
         path: of the file.
-        network: where connections lead that no device of it takes, if it does not say so; see `devices.scenario`.
+        network: where connections lead that no device of it takes, if it does not have that; see `devices.scenario`.
 
     Raises:
         UsageError: no such file, no TOML, an unknown section or key, or a value that makes no sense; the text names

@@ -10,7 +10,7 @@ from typing import IO, Any
 
 import pytest
 
-from elitescript.environment.state_file import FORMAT, SIZE_MAX, StateFile, kept_levels, state_text
+from elitescript.environment.state_file import FORMAT, SIZE_MAX, Disk, StateFile, kept_levels, state_text
 from elitescript.errors import UsageError
 from elitescript.messages.signals import KEPT, SIGNALS
 from elitescript.robot import VirtualRobot
@@ -25,7 +25,7 @@ class Crash(Exception):
     """The process is killed, or the computer goes off."""
 
 
-class MemoryDisk:
+class MemoryDisk(Disk):
     """A disk that counts its steps and can end everything at one of them.
 
     Args:

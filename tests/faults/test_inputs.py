@@ -12,6 +12,7 @@ import pytest
 
 from elitescript import VirtualRobot
 from elitescript.codec.json_text import from_text, to_text
+from elitescript.codec.messages import shape_of
 from elitescript.controller.signals.by_name import signal_write
 from elitescript.controller.signals.input_faults import EFFECTS
 from elitescript.devices.channels.faults import ANALOG, DIGITAL, TABLE
@@ -23,7 +24,6 @@ from elitescript.messages.enums import AnalogDomain
 from elitescript.messages.events import SignalChanged
 from elitescript.messages.inputs import AddFault, Do, EndFaults, Input
 from elitescript.messages.machine import SetAnalogDomain
-from elitescript.services.config_codec import full_codec
 from elitescript.testing.world import Device, Fault, Schedule, TcpServer, Wire, World
 
 CASES: dict[str, dict[str, Any]] = tomllib.loads(Path(__file__).with_name("inputs.toml").read_text("utf-8"))
@@ -365,5 +365,5 @@ def test_what_makes_no_sense_is_refused(settings: dict[str, Any], words: str) ->
 
 @pytest.mark.parametrize("title", CASES)
 def test_a_fault_reaches_the_robot_of_another_process_as_it_is(title: str) -> None:
-    shape, fault = full_codec().shape(Input), AddFault("ctl", machine_fault(case_fault(CASES[title])))
+    shape, fault = shape_of(Input), AddFault("ctl", machine_fault(case_fault(CASES[title])))
     assert repr(shape.decode(from_text(to_text(shape.encode(fault))))) == repr(fault)

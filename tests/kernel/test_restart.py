@@ -1,7 +1,7 @@
 """A robot goes on where another one ended."""
 
 from elitescript.kernel import Kernel, RobotOptions
-from elitescript.kernel.restart import restored_config, restored_inputs
+from elitescript.kernel.restart import restored_inputs, restored_options
 from elitescript.messages.enums import AnalogDomain, RobotMode, SafetyMode, TaskState
 from elitescript.messages.inputs import Do, RunUnit, SetRemote
 from elitescript.messages.machine import (
@@ -25,7 +25,7 @@ def do(*requests):
 def restarted(kernel: Kernel, config: RobotOptions, first_tick: int):
     """A kernel that goes on, and what it says in its first tick."""
     last = kernel.tick_and_snapshot().snapshot
-    fresh = Kernel(restored_config(config, kernel.description, last, first_tick))
+    fresh = Kernel(restored_options(config, kernel.description, last, first_tick))
     return last, fresh, fresh.tick_and_snapshot(restored_inputs(last))
 
 

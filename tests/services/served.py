@@ -19,32 +19,30 @@ LIMIT_S = 10.0
 
 
 class Scene:
-    """A station with its robot, and what it was heard to say."""
+    """A server with its robot, and what it was heard to say."""
 
     def __init__(self, robot: Any = None, **options: Any) -> None:
         self.robot = robot or FakeRobot()
         self.said: list[Event | LogLine] = []
         self.peers: list[Peer] = []
-        self.station = served_robot(
-            "CS66", InProcessLink(self.robot), lambda _, what: self.said.append(what), **options
-        )
+        self.server = served_robot("CS66", InProcessLink(self.robot), lambda _, what: self.said.append(what), **options)
 
     def notes(self, kind: str) -> list[LogLine]:
         return [note for note in self.said if isinstance(note, LogLine) and note.kind == kind]
 
     async def connect(self, service: str) -> Peer:
-        reader, writer = await asyncio.open_connection("127.0.0.1", self.station.ports[service])
+        reader, writer = await asyncio.open_connection("127.0.0.1", self.server.ports[service])
         peer = Peer(reader, writer)
         self.peers.append(peer)
         return peer
 
     async def ticks(self, count: int = 1) -> None:
         for _ in range(count):
-            await self.station.next_output()
+            await self.server.next_output()
 
     async def stands(self) -> None:
         """Wait until time stands still in lockstep."""
-        while not self.station._time.is_standing:
+        while not self.server._time.is_standing:
             await asyncio.sleep(0)
 
     async def until(self, condition: Any) -> None:
@@ -103,15 +101,15 @@ class Peer:
 @contextlib.asynccontextmanager
 async def serving(robot: Any = None, **options: Any) -> AsyncIterator[Scene]:
     scene = Scene(robot, **options)
-    await scene.station.boot()
-    scene.station.bind("127.0.0.1", dict.fromkeys(NAMES, 0))
-    await scene.station.open()
+    await scene.server.boot()
+    scene.server.bind("127.0.0.1", dict.fromkeys(NAMES, 0))
+    await scene.server.open()
     try:
         yield scene
     finally:
         for peer in scene.peers:
             await peer.close()
-        await scene.station.close()
+        await scene.server.close()
 
 
 def run(test: Coroutine[Any, Any, None]) -> None:

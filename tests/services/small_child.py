@@ -1,7 +1,6 @@
 """A child that starts in a few milliseconds, says what it is given, and misbehaves after its first answer.
 
-Arguments: how it misbehaves; files with its description and an output; where the first tick stands in a configuration;
-the number of its socket.
+Arguments: how it misbehaves; files with its description and an output; the number of its socket.
 """
 
 import json
@@ -9,7 +8,8 @@ import os
 import struct
 import sys
 
-HOW, DESCRIPTION, OUTPUT, PLACE, DESCRIPTOR = sys.argv[1:4] + [int(text) for text in sys.argv[4:]]
+HOW, DESCRIPTION, OUTPUT = sys.argv[1:4]
+DESCRIPTOR = int(sys.argv[4])
 MARK = "987654321"
 """Stands for the tick in the output."""
 
@@ -61,7 +61,7 @@ def main():
                 os._exit(3)
             say("L", "[]")
         elif letter == "B":
-            tick = json.loads(body[1:])[PLACE]
+            tick = json.loads(body[1:])["first_tick"]
             say("D", content(DESCRIPTION))
         elif letter == "T":
             say("O", content(OUTPUT).replace(MARK, str(tick)))

@@ -29,7 +29,7 @@ async def is_closed(scene: Scene, service: str, *pieces: bytes) -> bool:
     except ConnectionError:
         pass
     await scene.ticks(30)
-    return not scene.station.listeners[service].clients and not scene.robot.heard
+    return not scene.server.listeners[service].clients and not scene.robot.heard
 
 
 @pytest.mark.parametrize("service", NAMES)

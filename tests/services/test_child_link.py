@@ -13,6 +13,7 @@ import pytest
 
 from elitescript.cli.main import main
 from elitescript.codec.json_text import from_text, to_text
+from elitescript.codec.messages import shape_of
 from elitescript.environment.memory import MemoryFiles
 from elitescript.errors import ElitescriptError
 from elitescript.kernel import Kernel, RobotOptions
@@ -30,13 +31,12 @@ from elitescript.services.child.link import REFRESH_TICKS, ChildLink
 from elitescript.services.child.process import child_environment, processor_time_s
 from elitescript.services.child.supervision import BOOTS_MAX, COMPILE_HINT, HANG_LIMIT_TICKS, HINT
 from elitescript.services.clients.input_queue import InputQueue
-from elitescript.services.config_codec import full_codec
 from elitescript.services.journal.replay import Replay
 from elitescript.services.journal.writer import Journal, JournalReader
+from elitescript.services.options_data import options_from_data
 from elitescript.services.time.cycle import Cycle
 from tests.protocol.snapshots import description, output
 
-CODEC = full_codec()
 TCP = (0.1, 0.0, 0.2, 0.0, 0.5, 0.0)
 PATIENT_S = 30.0
 IMPATIENT_S = 0.25
@@ -64,8 +64,8 @@ class FakeChild:
         if letter == frames.LOCK_IN:
             self.say(frames.LOCKED_IN, b'[["files",true,"all of it"]]')
         elif letter == frames.BEGIN:
-            self.tick = CODEC.shape(RobotOptions).decode(from_text(text)).first_tick
-            self.say(frames.DESCRIBED, to_text(CODEC.shape(RobotDescription).encode(description())).encode())
+            self.tick = options_from_data(from_text(text)).first_tick
+            self.say(frames.DESCRIBED, to_text(shape_of(RobotDescription).encode(description())).encode())
         elif letter in (frames.TICK, frames.TICK_UNREAD) and not self.is_mute:
             if letter == frames.TICK or self.has_changed:
                 self.answer()
@@ -76,13 +76,13 @@ class FakeChild:
         assert self.tick is not None
         whole = output(self.tick, task_state=TaskState.PLAYING, **changes)
         self.tick += 1
-        self.say(frames.OUTPUT, to_text(CODEC.shape(Output).encode(whole)).encode())
+        self.say(frames.OUTPUT, to_text(shape_of(Output).encode(whole)).encode())
 
     def answer_without_snapshot(self) -> None:
         assert self.tick is not None
         result = TickResult(self.tick, (), (), ())
         self.tick += 1
-        self.say(frames.RESULT, to_text([31, CODEC.shape(TickResult).encode(result)]).encode())
+        self.say(frames.RESULT, to_text([31, shape_of(TickResult).encode(result)]).encode())
 
     def worked_s(self) -> float | None:
         return self.processor_s

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from elitescript.codec.json_text import to_text
+from elitescript.codec.messages import shape_of
 from elitescript.errors import ElitescriptError
 from elitescript.kernel import RobotOptions
 from elitescript.messages.events import Alarm
@@ -21,7 +22,6 @@ from elitescript.messages.snapshot import RobotDescription
 from elitescript.services.child import process as child_process
 from elitescript.services.child import supervision
 from elitescript.services.child.link import ChildLink
-from elitescript.services.config_codec import full_codec
 from tests.protocol.snapshots import description, output
 
 LIMIT_S = 60.0
@@ -34,14 +34,12 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="children inherit a s
 @pytest.fixture
 def small(monkeypatch, tmp_path):
     """Children that are small, and misbehave as the test says."""
-    codec = full_codec()
     texts = tmp_path / "description.json", tmp_path / "output.json"
-    texts[0].write_text(to_text(codec.shape(RobotDescription).encode(description())))
-    texts[1].write_text(to_text(codec.shape(Output).encode(output(MARK))))
-    place = codec.shape(RobotOptions).encode(RobotOptions(first_tick=MARK)).index(MARK)
+    texts[0].write_text(to_text(shape_of(RobotDescription).encode(description())))
+    texts[1].write_text(to_text(shape_of(Output).encode(output(MARK))))
 
     def choose(how: str) -> None:
-        command = (sys.executable, "-I", "-S", str(SMALL_CHILD), how, *map(str, texts), str(place))
+        command = (sys.executable, "-I", "-S", str(SMALL_CHILD), how, *map(str, texts))
         monkeypatch.setattr(child_process, "COMMAND", command)
 
     return choose

@@ -59,7 +59,7 @@ def short_folder(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 @contextlib.asynccontextmanager
 async def controlled(robot: FakeRobot | None = None) -> AsyncIterator[tuple[Scene, ControlChannel]]:
     async with serving(robot) as scene:
-        channel = ControlChannel(scene.station, 0)
+        channel = ControlChannel(scene.server, 0)
         await channel.open()
         try:
             yield scene, channel
@@ -134,7 +134,7 @@ def test_power_goes_off_and_on_also_in_local_control() -> None:
                 ("brakes", [], RobotMode.RUNNING),
             ):
                 assert (await order(channel, verb, *arguments))["ok"]
-                assert scene.station.output.snapshot.robot.robot_mode is mode
+                assert scene.server.output.snapshot.robot.robot_mode is mode
 
     run(test())
 
@@ -249,7 +249,7 @@ def test_ports_tell_who_is_connected() -> None:
         async with controlled() as (scene, channel):
             await (await scene.connect("dashboard")).line()
             ports = (await order(channel, "ports"))["result"]
-            assert ports["dashboard"]["port"] == scene.station.ports["dashboard"]
+            assert ports["dashboard"]["port"] == scene.server.ports["dashboard"]
             assert [client["origin"] for client in ports["dashboard"]["clients"]] == ["dashboard#1"]
 
     run(test())

@@ -10,22 +10,23 @@ from typing import Any
 import pytest
 
 from elitescript.codec.json_text import from_text, to_text
+from elitescript.codec.messages import field_shapes, shape_of
 from elitescript.codec.values import CodecError
 from elitescript.environment.memory import MemoryFiles
 from elitescript.errors import ElitescriptError
 from elitescript.kernel import Kernel, RobotOptions
-from elitescript.kernel.restart import restored_config, restored_inputs
+from elitescript.kernel.restart import restored_inputs, restored_options
 from elitescript.messages.inputs import RunUnit
 from elitescript.messages.outputs import Output
 from elitescript.services.child import frames, output_changes
 from elitescript.services.child.output_changes import OutputReader
 from elitescript.services.child.remote_files import FileDesk
-from elitescript.services.config_codec import full_codec, output_text
+from elitescript.services.options_data import options_data, options_from_data
+from elitescript.services.output_text import output_text
 from tests.services.test_child_link import FakeChild, children, clock, with_link  # noqa: F401
 from tests.services.test_untrusted_numbers import say_everywhere
 
-CODEC = full_codec()
-SHAPE = CODEC.shape(Output)
+SHAPE = shape_of(Output)
 PROGRAM = 'def f():\n  textmsg("a")\n  socket_open("127.0.0.1", 1, "s")\n  nothing()\nend'
 
 
@@ -34,7 +35,7 @@ def outputs() -> list[Any]:
     kernel = Kernel(RobotOptions(power_on=True))
     begin = RunUnit("primary#1", "program", PROGRAM)
     found = [kernel.tick_and_snapshot(inputs) for inputs in ((), [begin], (), ())]
-    return [from_text(output_text(SHAPE, output)) for output in found]
+    return [from_text(output_text(output)) for output in found]
 
 
 WHOLES = outputs()
@@ -80,7 +81,7 @@ def test_any_structure_is_refused_or_can_be_served_and_gone_on_from(seed: int) -
         data = mutated(chance.choice(WHOLES), chance)
         try:
             text = to_text(data).encode()
-            output = OutputReader(CODEC).read(frames.OUTPUT, text)
+            output = OutputReader().read(frames.OUTPUT, text)
         except (CodecError, UnicodeEncodeError):
             continue
         assert say_everywhere(data)
@@ -89,8 +90,8 @@ def test_any_structure_is_refused_or_can_be_served_and_gone_on_from(seed: int) -
 
 
 def goes_on_from(output: Output, description: Any) -> None:
-    config = restored_config(RobotOptions(), description, output.snapshot, 7)
-    config = CODEC.shape(RobotOptions).decode(from_text(to_text(CODEC.shape(RobotOptions).encode(config))))
+    config = restored_options(RobotOptions(), description, output.snapshot, 7)
+    config = options_from_data(from_text(to_text(options_data(config))))
     Kernel(config).tick_and_snapshot(restored_inputs(output.snapshot))
 
 
@@ -99,9 +100,9 @@ def goes_on_from(output: Output, description: Any) -> None:
 def test_a_robot_goes_on_from_a_picture_without_sense(field: str, value: Any) -> None:
     whole = deepcopy(WHOLES[0])
     snapshot, robot = whole[4], whole[4][0]
-    names = list(CODEC.field_shapes(type(SHAPE.decode(WHOLES[0]).snapshot.robot)))
+    names = list(field_shapes(type(SHAPE.decode(WHOLES[0]).snapshot.robot)))
     if field == "signals":
-        signals = snapshot[list(CODEC.field_shapes(type(SHAPE.decode(WHOLES[0]).snapshot))).index("signals")]
+        signals = snapshot[list(field_shapes(type(SHAPE.decode(WHOLES[0]).snapshot))).index("signals")]
         for index, family in enumerate(signals):
             if type(family) is list and family and type(family[0]) is float:
                 signals[index] = [value] * len(family)
@@ -217,8 +218,7 @@ class TestLink:
                 for _ in range(2000):
                     await link.tick(())
             begun = [data for child in children for letter, data in child.told if letter == frames.BEGIN]
-            joints = list(CODEC.field_shapes(RobotOptions)).index("joints")
-            assert [data[joints] is None for data in begun] == [True, False, False, True, True, True]
+            assert [data["joints"] is None for data in begun] == [True, False, False, True, True, True]
 
         with_link(body)
 
@@ -229,12 +229,12 @@ class TestFlood:
         data[1] = [["TextMessage", 1, "x", "main", 1]] * 12_000
         began_s = time.process_time()
         with pytest.raises(CodecError, match="12000 events"):
-            OutputReader(CODEC).read(frames.OUTPUT, to_text(data).encode())
+            OutputReader().read(frames.OUTPUT, to_text(data).encode())
         assert time.process_time() - began_s < 0.5
 
     def test_too_many_values_are_refused_before_they_are_read(self):
         with pytest.raises(CodecError, match="more than 100000 values"):
-            OutputReader(CODEC).read(frames.OUTPUT, b"[" + b"0," * 200_000 + b"0]")
+            OutputReader().read(frames.OUTPUT, b"[" + b"0," * 200_000 + b"0]")
 
     def test_commas_in_texts_are_no_values(self):
         output_changes.check_values(to_text(["a," * 200_000 + '"\\', "b"]).encode())

@@ -72,7 +72,7 @@ def test_a_disk_that_hangs_holds_nobody_up(path, monkeypatch):
 
 
 def test_a_file_that_is_removed_ends_the_journal(path, monkeypatch):
-    monkeypatch.setattr(journal_file, "LOOK_S", 0.0)
+    monkeypatch.setattr(journal_file, "CHECK_S", 0.0)
     file = JournalFile(path)
     path.unlink()
     file.put(b"a\n")
@@ -80,7 +80,7 @@ def test_a_file_that_is_removed_ends_the_journal(path, monkeypatch):
 
 
 def test_a_file_that_is_cut_ends_the_journal_and_is_left_as_it_is(path, monkeypatch):
-    monkeypatch.setattr(journal_file, "LOOK_S", 0.0)
+    monkeypatch.setattr(journal_file, "CHECK_S", 0.0)
     monkeypatch.setattr(journal_file, "LAG_S", 0.0)
     has_written = threading.Event()
     monkeypatch.setattr(journal_file.time, "sleep", lambda _: has_written.set())
@@ -95,7 +95,7 @@ def test_a_file_that_is_cut_ends_the_journal_and_is_left_as_it_is(path, monkeypa
 
 
 def test_a_file_that_is_renamed_goes_on(path, monkeypatch):
-    monkeypatch.setattr(journal_file, "LOOK_S", 0.0)
+    monkeypatch.setattr(journal_file, "CHECK_S", 0.0)
     file = JournalFile(path)
     file.put(b"a\n")
     path.rename(path.with_name("b.journal"))

@@ -7,7 +7,6 @@ from typing import Any
 
 import pytest
 
-from elitescript.services.config_codec import full_codec
 from elitescript.services.journal.records import DIGEST_TICKS, RecordError, RecordReader, check_answer
 
 TICK = {"tick": 3, "in": []}
@@ -15,7 +14,7 @@ DIGEST = {"digest": 3, "hash": "", "ticks": "00000000"}
 
 
 def read(*records: Any, first_tick: int = 0) -> list[dict[str, Any]]:
-    reader = RecordReader(full_codec(), first_tick)
+    reader = RecordReader(first_tick)
     return [reader.read(json.dumps(record).encode() + b"\n") for record in records]
 
 
@@ -65,7 +64,7 @@ def test_a_gap_without_a_digest_is_refused_at_once():
 
 
 def test_the_place_of_a_mistake_is_told():
-    reader = RecordReader(full_codec(), 0)
+    reader = RecordReader(0)
     for line, at in ((b'{"tick": 3, in}\n', 12), (b'{"\xff": 3}\n', 2), (b"[]\n", 0)):
         with pytest.raises(RecordError) as caught:
             reader.read(line)

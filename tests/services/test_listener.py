@@ -20,7 +20,7 @@ def test_refused_clients_are_told_once_a_burst(monkeypatch: pytest.MonkeyPatch) 
         async with serving() as scene:
             for _ in range(2):
                 await (await scene.connect("dashboard")).line()
-            port = scene.station.listeners["dashboard"]
+            port = scene.server.listeners["dashboard"]
             for _ in range(20):
                 late = await scene.connect("dashboard")
                 assert await late.reader.read() == b"", "the end comes without a reset"
@@ -38,7 +38,7 @@ def test_refused_clients_are_told_once_a_burst(monkeypatch: pytest.MonkeyPatch) 
 def test_a_storm_of_clients_is_accepted_at_a_pace() -> None:
     async def test() -> None:
         async with serving() as scene:
-            port = scene.station.listeners["dashboard"]
+            port = scene.server.listeners["dashboard"]
             storm = [socket.create_connection(("127.0.0.1", port.number)) for _ in range(300)]
             try:
                 # All of them have connected; the operating system holds those who are not accepted.

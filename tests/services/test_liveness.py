@@ -38,7 +38,7 @@ def test_clients_of_every_port_are_watched(service: str) -> None:
     async def test() -> None:
         async with serving() as scene:
             await scene.connect(service)
-            clients = scene.station.listeners[service].clients
+            clients = scene.server.listeners[service].clients
             await scene.until(lambda: clients)
             raw = next(iter(clients.values()))._transport.get_extra_info("socket")
             assert raw.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE)
@@ -55,7 +55,7 @@ def test_inputs_of_a_client_that_has_vanished_are_free_again() -> None:
             late = await scene.connect("rtsi")
             late.send(rtsi_client.message("I", b"input_int_register0"))
             assert (await late.rtsi("I"))[1] == b"\x00IN_USE"
-            client = scene.station.listeners["rtsi"].clients["rtsi#1"]
+            client = scene.server.listeners["rtsi"].clients["rtsi#1"]
             # What the operating system does once the signs of life are missing.
             client._transport._fatal_error(TimeoutError("timed out"))
             await scene.until(lambda: scene.notes("gone"))

@@ -40,7 +40,7 @@ class Partner:
         ident, types = rtsi_client.set_up((await peer.rtsi("I"))[1])
         peer.send(rtsi_client.output_recipe(frequency_hz, ["timestamp", *outputs]) + rtsi_client.message("S"))
         await peer.rtsi("S")
-        return cls(scene, peer, list(scene.station.listeners["rtsi"].clients)[-1], ident, types)
+        return cls(scene, peer, list(scene.server.listeners["rtsi"].clients)[-1], ident, types)
 
     @classmethod
     async def join(
@@ -53,12 +53,12 @@ class Partner:
     async def begin(self) -> int:
         """Send the first input; return the tick at which time stands for this client, whose package is read then."""
         self.answer()
-        station = self.scene.station
+        server = self.scene.server
         await self.scene.stands()
-        assert station.waits_for == self.origin
-        while await self.take() < station.output.tick:
+        assert server.waits_for == self.origin
+        while await self.take() < server.output.tick:
             pass
-        return station.output.tick
+        return server.output.tick
 
     async def take(self) -> int:
         """The tick of the next package."""
@@ -80,13 +80,13 @@ def test_time_stands_still_until_the_client_has_answered() -> None:
         async with serving(is_lockstep=True) as scene:
             partner, begin = await Partner.join(scene)
             await wall_time()
-            assert scene.station.output.tick == begin
-            assert scene.station.waits_for == "rtsi#1"
+            assert scene.server.output.tick == begin
+            assert scene.server.waits_for == "rtsi#1"
             for number in range(1, 100):
                 partner.answer(number)
                 assert await partner.take() == begin + number
             await wall_time()
-            assert scene.station.output.tick == begin + 99
+            assert scene.server.output.tick == begin + 99
 
     run(test())
 
@@ -110,13 +110,13 @@ def test_time_waits_for_all_who_take_part() -> None:
             assert await two.take() == begin
             two.answer()
             await wall_time()
-            assert scene.station.output.tick == begin
+            assert scene.server.output.tick == begin
             one.answer()
             assert await one.take() == await two.take() == begin + 1
             one.answer()
             await wall_time()
-            assert scene.station.output.tick == begin + 1
-            assert scene.station.waits_for == two.origin
+            assert scene.server.output.tick == begin + 1
+            assert scene.server.waits_for == two.origin
             two.answer()
             assert await one.take() == await two.take() == begin + 2
 
@@ -170,7 +170,7 @@ def test_a_client_takes_part_from_its_first_input_on() -> None:
             assert ticks == list(range(ticks[0], ticks[0] + 5))
             begin = await partner.begin()
             await wall_time()
-            assert scene.station.output.tick == begin
+            assert scene.server.output.tick == begin
 
     run(test())
 
@@ -198,7 +198,7 @@ def test_a_client_without_packages_cannot_hold_or_hurry_time() -> None:
             peer.send(rtsi_client.message("S") + rtsi_client.package(ident, types, [1]))
             await peer.rtsi("S")
             await scene.ticks(3)
-            assert not scene.station._time._gate.gate().has_participants
+            assert not scene.server._time._gate.gate().has_participants
 
     run(test())
 
@@ -261,7 +261,7 @@ def test_what_the_client_gets_is_the_same_to_the_byte_in_every_run() -> None:
             primary.send(PROGRAM)
             names = ("runtime_state", "target_joint_positions", "actual_joint_positions", "actual_joint_current")
             partner = await Partner.connect(scene, outputs=names)
-            await scene.until(lambda: scene.station.output.snapshot.robot.task_state is TaskState.PLAYING)
+            await scene.until(lambda: scene.server.output.snapshot.robot.task_state is TaskState.PLAYING)
             await partner.begin()
             packages = []
             for step in range(400):
@@ -382,8 +382,8 @@ def test_a_robot_that_fails_ends_its_time_and_not_the_client() -> None:
             scene.robot.on_tick = fail
             partner.answer()
             with pytest.raises(RuntimeError, match="a mistake of ours"):
-                await scene.station.task
-            assert scene.station.output.tick == begin
+                await scene.server.task
+            assert scene.server.output.tick == begin
             assert not scene.notes("gone")
 
     run(test())

@@ -91,9 +91,9 @@ def test_who_may_not_have_port_502_gets_the_spare_one(monkeypatch: pytest.Monkey
 
     async def test() -> None:
         scene = Scene()
-        await scene.station.boot()
-        scene.station.bind("127.0.0.1", port_numbers(0, {}), spare_numbers(0, {}))
-        await scene.station.close()
+        await scene.server.boot()
+        scene.server.bind("127.0.0.1", port_numbers(0, {}), spare_numbers(0, {}))
+        await scene.server.close()
         (note,) = scene.notes("spare_port")
         assert note.text == "port 502 (modbus) may not be had by this user: modbus is served at 5020"
 
@@ -106,12 +106,12 @@ def test_a_port_that_was_chosen_is_that_one_or_none(monkeypatch: pytest.MonkeyPa
 
     async def test() -> None:
         scene = Scene()
-        await scene.station.boot()
+        await scene.server.boot()
         chosen = {"modbus": 502}
         with pytest.raises(UsageError, match=r"port 502 \(modbus\) may not be had by this user"):
-            scene.station.bind("127.0.0.1", port_numbers(0, chosen), spare_numbers(0, chosen))
-        assert scene.station.ports == {}
-        await scene.station.close()
+            scene.server.bind("127.0.0.1", port_numbers(0, chosen), spare_numbers(0, chosen))
+        assert scene.server.ports == {}
+        await scene.server.close()
 
     run(test())
     assert tried[-1] == 502

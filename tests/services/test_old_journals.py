@@ -16,7 +16,6 @@ from elitescript.codec.json_text import from_text
 from elitescript.codec.values import CodecError
 from elitescript.errors import UsageError
 from elitescript.messages.events import Printed, Warned
-from elitescript.services.config_codec import full_codec
 from elitescript.services.journal.format2 import Format2
 from elitescript.services.journal.replay import Replay
 from elitescript.services.journal.writer import JournalReader
@@ -40,7 +39,7 @@ def test_format_2_comes_out_the_same():
 
 
 def test_warnings_of_format_2_are_read_and_written_without_what_came_later():
-    old = Format2(full_codec())
+    old = Format2()
     fields = [1, "[SEC] Exception: x", "sec", 2, "", "", 0, "warning"]
     assert old.event(["Warned", *fields]) == Warned(*fields)
     text = old.output_text(output(1, events=(Warned(*fields, is_exception=True), Printed(1, "a", "main", 1))))
@@ -63,7 +62,7 @@ def test_warnings_of_format_2_are_read_and_written_without_what_came_later():
     ],
 )
 def test_reasons_of_format_2_get_their_number(data: list[Any], number: int):
-    assert Format2(full_codec()).input(data).error == number
+    assert Format2().input(data).error == number
 
 
 def record_of(tmp_path: Path, old: str, new: str) -> Path:

@@ -12,13 +12,11 @@ from elitescript.codec.values import CodecError
 from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.enums import RobotMode
 from elitescript.messages.inputs import RunUnit
-from elitescript.messages.outputs import Output
 from elitescript.services.child import frames
 from elitescript.services.child.output_changes import OutputReader, OutputWriter
-from elitescript.services.config_codec import full_codec, output_text
+from elitescript.services.output_text import output_text
 from tests.protocol.snapshots import output
 
-CODEC = full_codec()
 PROGRAM = (
     "def p():\n  textmsg('on')\n  set_standard_digital_out(1, True)\n  movej([0.1, -1.4, -1.6, -1.5, 1.5, 0.2])\nend\n"
 )
@@ -30,25 +28,25 @@ def sent(writer, reader, whole):
 
 
 def test_what_arrives_is_what_was_sent():
-    kernel, writer, reader = Kernel(RobotOptions(power_on=True)), OutputWriter(CODEC), OutputReader(CODEC)
+    kernel, writer, reader = Kernel(RobotOptions(power_on=True)), OutputWriter(), OutputReader()
     letters = []
     for tick in range(400):
         whole = kernel.tick_and_snapshot([RunUnit("primary#1", "program", PROGRAM)] if tick == 10 else ())
         letter, found = sent(writer, reader, whole)
         letters.append(letter)
         assert found == whole
-        assert reader.text() == output_text(CODEC.shape(Output), whole)
+        assert reader.text() == output_text(whole)
     assert letters == [frames.OUTPUT] + [frames.OUTPUT_CHANGES] * 399
 
 
 def test_a_robot_at_rest_says_little():
-    kernel, writer = Kernel(RobotOptions(power_on=True)), OutputWriter(CODEC)
+    kernel, writer = Kernel(RobotOptions(power_on=True)), OutputWriter()
     sizes = [len(writer.message(kernel.tick_and_snapshot())[1]) for _ in range(100)]
     assert max(sizes[1:]) < sizes[0] / 8
 
 
 def test_the_sign_of_a_zero_is_a_change():
-    writer, reader = OutputWriter(CODEC), OutputReader(CODEC)
+    writer, reader = OutputWriter(), OutputReader()
     first = output(1)
     first = replace(first, snapshot=replace(first.snapshot, tcp_force=(0.0,) * 6))
     sent(writer, reader, first)
@@ -67,8 +65,8 @@ TIME, MODE = 0, 1
 
 
 def test_a_change_is_taken_by_its_place():
-    reader = OutputReader(CODEC)
-    before = reader.read(*OutputWriter(CODEC).message(output(1))).snapshot.robot
+    reader = OutputReader()
+    before = reader.read(*OutputWriter().message(output(1))).snapshot.robot
     after = reader.read(frames.OUTPUT_CHANGES, changes([[], [], [], [MODE, 5]], bits=1 << TIME, numbers=bytes(8)))
     assert after.snapshot.robot == replace(before, tick=2, time_s=0.0, robot_mode=RobotMode.IDLE)
 
@@ -107,21 +105,21 @@ def test_a_change_is_taken_by_its_place():
     ],
 )
 def test_what_makes_no_sense_is_refused(content):
-    reader = OutputReader(CODEC)
-    reader.read(*OutputWriter(CODEC).message(output(1)))
+    reader = OutputReader()
+    reader.read(*OutputWriter().message(output(1)))
     with pytest.raises(CodecError):
         reader.read(frames.OUTPUT_CHANGES, content)
 
 
 def test_any_bytes_are_an_output_or_refused():
     random = Random(7)
-    writer = OutputWriter(CODEC)
+    writer = OutputWriter()
     whole = writer.message(output(1))
     first = output(1)
     later = writer.message(replace(first, snapshot=replace(first.snapshot, popup="a", tcp_force=(1.0,) * 6)))[1]
     refused = 0
     for _ in range(500):
-        reader = OutputReader(CODEC)
+        reader = OutputReader()
         reader.read(*whole)
         content = bytearray(later)
         for _ in range(random.randint(1, 4)):
@@ -134,23 +132,23 @@ def test_any_bytes_are_an_output_or_refused():
 
 
 def test_numbers_keep_every_bit():
-    writer, reader = OutputWriter(CODEC), OutputReader(CODEC)
+    writer, reader = OutputWriter(), OutputReader()
     first = output(1)
     sent(writer, reader, first)
     numbers = (0.1, -0.0, 5e-324, inf, -inf, 1.7976931348623157e308)
     second = replace(first, snapshot=replace(first.snapshot, raw_wrench=numbers, io_current=1 / 3))
     _, found = sent(writer, reader, second)
     assert repr(found) == repr(second)
-    assert reader.text() == output_text(CODEC.shape(Output), second)
+    assert reader.text() == output_text(second)
 
 
 def test_changes_of_nothing_are_refused():
     with pytest.raises(CodecError, match="not sent"):
-        OutputReader(CODEC).read(frames.OUTPUT_CHANGES, changes())
+        OutputReader().read(frames.OUTPUT_CHANGES, changes())
 
 
 def test_an_output_that_is_whole_begins_anew():
-    reader = OutputReader(CODEC)
+    reader = OutputReader()
     for tick in (1, 7):
-        text = OutputWriter(CODEC).message(output(tick))[1]
+        text = OutputWriter().message(output(tick))[1]
         assert reader.read(frames.OUTPUT, text).tick == from_text(text)[0] == tick

@@ -16,7 +16,7 @@ PROGRAM = "\n".join(["def f():", *(f"  x = {number}" for number in range(LINES))
 
 
 def connected(scene: Scene, service: str) -> socket.socket:
-    return socket.create_connection(("127.0.0.1", scene.station.ports[service]))
+    return socket.create_connection(("127.0.0.1", scene.server.ports[service]))
 
 
 async def heard(scene: Scene, kind: type) -> list[str]:
@@ -45,7 +45,7 @@ def test_a_program_is_read_to_its_end(service: str, end: str) -> None:
                 raw.close()
             assert await heard(scene, RunUnit) == [PROGRAM.decode().rstrip("\n")]
             raw.close()
-            await scene.until(lambda: not scene.station.listeners[service].clients)
+            await scene.until(lambda: not scene.server.listeners[service].clients)
 
     run(test())
 
@@ -88,9 +88,9 @@ def test_others_keep_their_stream_meanwhile() -> None:
             assert sent > 100_000
             raw.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
             raw.close()
-            before = scene.station.output.tick
-            await scene.until(lambda: not scene.station.listeners["primary"].clients)
-            assert scene.station.output.tick - before > sent // 100_000, "it was read over many ticks"
+            before = scene.server.output.tick
+            await scene.until(lambda: not scene.server.listeners["primary"].clients)
+            assert scene.server.output.tick - before > sent // 100_000, "it was read over many ticks"
 
     run(test())
 
@@ -98,9 +98,9 @@ def test_others_keep_their_stream_meanwhile() -> None:
 def test_a_tick_before_the_connection_is_made_does_not_lose_the_greeting() -> None:
     async def test() -> None:
         async with serving() as scene:
-            listener = scene.station.listeners["dashboard"]
-            client = Client(scene.station, listener.service, listener.connect("dashboard#9"), str.upper, str.upper)
-            client.publish(scene.station.output)
+            listener = scene.server.listeners["dashboard"]
+            client = Client(scene.server, listener.service, listener.connect("dashboard#9"), str.upper, str.upper)
+            client.publish(scene.server.output)
             assert client.connection.take()
 
     run(test())

@@ -50,10 +50,10 @@ def play(program, is_over, after=lambda scene, streams: None):
     async def run():
         scene = Scene()
         link = ChildLink(RobotOptions(power_on=True))
-        scene.station = served_robot("CS66", link, lambda _, what: scene.said.append(what))
-        await scene.station.boot()
-        scene.station.bind("127.0.0.1", dict.fromkeys(NAMES, 0))
-        await scene.station.open()
+        scene.server = served_robot("CS66", link, lambda _, what: scene.said.append(what))
+        await scene.server.boot()
+        scene.server.bind("127.0.0.1", dict.fromkeys(NAMES, 0))
+        await scene.server.open()
         readers = []
         try:
             streams = [Stream(await scene.connect("rtsi")) for _ in range(2)]
@@ -62,9 +62,9 @@ def play(program, is_over, after=lambda scene, streams: None):
                 readers.append(asyncio.get_running_loop().create_task(stream.read()))
             primary = await scene.connect("primary")
             primary.send(program.encode())
-            first = scene.station.output.tick
+            first = scene.server.output.tick
             await scene.until(lambda: is_over(scene, link))
-            ticks = scene.station.output.tick - first
+            ticks = scene.server.output.tick - first
             for stream in streams:
                 assert stream.worst_s < GAP_S
                 assert len(stream.stamps) > 0.8 * ticks
@@ -75,7 +75,7 @@ def play(program, is_over, after=lambda scene, streams: None):
                 reader.cancel()
             for peer in scene.peers:
                 await peer.close()
-            await scene.station.close()
+            await scene.server.close()
 
     asyncio.run(asyncio.wait_for(run(), LIMIT_S))
 
@@ -99,7 +99,7 @@ def test_a_call_that_never_returns_is_ended_and_the_streams_go_on():
     program = "def p():\n  textmsg('now')\n  sum(range(10**12))\nend\n"
 
     def goes_on(scene, link):
-        now = scene.station.output.snapshot.robot.tick
+        now = scene.server.output.snapshot.robot.tick
         return any(isinstance(event, Alarm) and now > event.tick for event in scene.said)
 
     play(program, goes_on, after)
@@ -114,7 +114,7 @@ def test_a_crash_is_told_with_its_line_and_the_streams_go_on():
     program = "def p():\n  x = [1]\n  for i in range(150000):\n    x = map(int, x)\n  end\n  y = list(x)\nend\n"
 
     def goes_on(scene, link):
-        now = scene.station.output.snapshot.robot.tick
+        now = scene.server.output.snapshot.robot.tick
         return any(isinstance(event, Alarm) and now > event.tick for event in scene.said)
 
     play(program, goes_on, after)

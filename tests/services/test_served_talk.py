@@ -1,6 +1,6 @@
 """Served robots whose programs talk to faulty devices: nothing stays open, and the journal plays the same again.
 
-The station is a real one, with a kernel in this process and devices beside it; the ticks are counted, not timed.
+The server is a real one, with a kernel in this process and devices beside it; the ticks are counted, not timed.
 """
 
 from __future__ import annotations
@@ -74,24 +74,24 @@ class Session:
     async def _play(self, seed: int, journal: Any) -> None:
         config = RobotOptions(power_on=True, seed=seed, rpc_timeout_s=RPC_S, firmware="2.14")
         link = robot_link(config, task_dir=None, in_process=True, is_jailed=False, journal=journal)
-        station = served_robot("CS66", link, lambda _, what: self.said.append(what), world=self.world)
-        await station.boot()
-        self.outputs.append(station.output)
+        server = served_robot("CS66", link, lambda _, what: self.said.append(what), world=self.world)
+        await server.boot()
+        self.outputs.append(server.output)
         for tick in range(1, TICKS + CLEANUP_TICKS):
-            station.post(self.asked.get(tick, []))
-            await station.step()
-            self.outputs.append(station.output)
-        self.left_in_kernel = dict(link.robot._kernel.host.connections)  # type: ignore[attr-defined]
-        assert station.devices is not None
-        self.left_in_station = dict(station.devices._leads)
+            server.post(self.asked.get(tick, []))
+            await server.step()
+            self.outputs.append(server.output)
+        self.left_in_kernel = dict(link.robot.host.connections)  # type: ignore[attr-defined]
+        assert server.devices is not None
+        self.left_in_server = dict(server.devices._leads)
         self.left_in_world = self.world.network.open_channels
-        await station.close()
+        await server.close()
 
 
 @pytest.mark.parametrize("seed", [*range(3), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3, 40))])
 def test_a_session_with_faults_leaves_nothing_open_and_plays_again(seed: int, tmp_path: Any) -> None:
     session = Session(seed, tmp_path / "first.journal")
-    assert (session.left_in_kernel, session.left_in_station, session.left_in_world) == ({}, {}, 0)
+    assert (session.left_in_kernel, session.left_in_server, session.left_in_world) == ({}, {}, 0)
     assert session.outputs[-1].snapshot.robot.task_state is TaskState.STOPPED
     assert [what for what in session.said if isinstance(what, LogLine) and what.kind != DEVICE] == []
     assert [what for what in session.said if isinstance(what, Alarm)] == []

@@ -78,7 +78,7 @@ end
 
 
 class Bench:
-    """A kernel with a world beside it, ticked as a station does."""
+    """A kernel with a world beside it, ticked as a server does."""
 
     def __init__(self, world, **config):
         self.kernel = Kernel(RobotOptions(power_on=True, **config))

@@ -43,16 +43,16 @@ class CountingKernel(Kernel):
 async def moving() -> AsyncIterator[Scene]:
     """A robot that moves, and that nothing reads."""
     async with serving(CountingKernel()) as scene:
-        scene.station.post([RunUnit("primary#1", "program", MOVING)])
-        await scene.until(lambda: scene.station.output.snapshot.robot.is_moving)
+        scene.server.post([RunUnit("primary#1", "program", MOVING)])
+        await scene.until(lambda: scene.server.output.snapshot.robot.is_moving)
         yield scene
 
 
 async def made_in(scene: Scene, ticks: int = TICKS) -> list[int]:
     """Of so many ticks those with a snapshot, counted from the first one."""
-    begin = scene.station.output.tick + 1
+    begin = scene.server.output.tick + 1
     scene.robot.shown.clear()
-    while scene.station.output.tick < begin + ticks:
+    while scene.server.output.tick < begin + ticks:
         await asyncio.sleep(0.001)
     return [tick - begin for tick in scene.robot.shown if tick < begin + ticks]
 
@@ -106,16 +106,16 @@ def test_what_changes_in_steps_is_always_shown() -> None:
     async def test() -> None:
         async with moving() as scene:
             dashboard = await scene.connect("dashboard")
-            scene.station.post([Do("test", SetSpeedScale(0.25)), Do("test", WriteSignal("flag", 2, True))])
-            scene.station.post([SetRemote("test", False)])
+            scene.server.post([Do("test", SetSpeedScale(0.25)), Do("test", WriteSignal("flag", 2, True))])
+            scene.server.post([SetRemote("test", False)])
             await made_in(scene, 5)
-            snapshot = scene.station.output.snapshot
+            snapshot = scene.server.output.snapshot
             assert (snapshot.robot.speed_scale, snapshot.signals["flag"][2], snapshot.is_remote) == (0.25, True, False)
             dashboard.send(b"speed\n")
             while not (line := await dashboard.line()).startswith("Target Speed"):
                 pass
             assert "25" in line
-            assert not scene.station.output.is_fresh
+            assert not scene.server.output.is_fresh
 
     run(test())
 
@@ -124,18 +124,18 @@ def test_the_first_answers_of_a_new_client_are_not_old() -> None:
     async def test() -> None:
         async with moving() as scene:
             await made_in(scene, 30)
-            before = scene.station.output.tick
+            before = scene.server.output.tick
             peer = await scene.connect("rtsi")
             peer.send(rtsi_client.output_recipe(250.0, ["timestamp"]) + rtsi_client.message("S"))
             _, body = await peer.rtsi("U")
             assert struct.unpack(">d", body[1:9])[0] >= before * 0.004
             await peer.close()
             await made_in(scene, 30)
-            joints = scene.station.output.snapshot.robot.q_actual
+            joints = scene.server.output.snapshot.robot.q_actual
             modbus = await scene.connect("modbus")
             modbus.send(modbus_client.frame(1, modbus_client.read(3, 270, 6)))
             await modbus.reader.readexactly(9)
-            assert scene.station.output.snapshot.robot.q_actual != joints
+            assert scene.server.output.snapshot.robot.q_actual != joints
 
     run(test())
 
@@ -145,10 +145,10 @@ def test_ctl_tells_where_the_arm_is_now(monkeypatch: pytest.MonkeyPatch) -> None
         with tempfile.TemporaryDirectory(prefix="es") as folder:
             monkeypatch.setenv("XDG_RUNTIME_DIR", folder)
             async with moving() as scene:
-                channel = ControlChannel(scene.station, 0)
+                channel = ControlChannel(scene.server, 0)
                 await channel.open()
                 await made_in(scene, 30)
-                before = scene.station.output.tick
+                before = scene.server.output.tick
                 state = (await asyncio.to_thread(ask, Path(channel.address), "state", [], {}))["result"]
                 assert state["time_s"] >= before * 0.004
                 assert state["time_s"] == pytest.approx(state["tick"] * 0.004)

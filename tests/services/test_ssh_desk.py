@@ -30,13 +30,13 @@ START = (
 @contextlib.asynccontextmanager
 async def serving_ssh(**options: object) -> AsyncIterator[tuple[Scene, object]]:
     scene = Scene(ssh_password="secret", **options)
-    await scene.station.boot()
-    scene.station.bind("127.0.0.1", dict.fromkeys((*NAMES, "ssh"), 0))
-    await scene.station.open()
+    await scene.server.boot()
+    scene.server.bind("127.0.0.1", dict.fromkeys((*NAMES, "ssh"), 0))
+    await scene.server.open()
     try:
         async with asyncssh.connect(
             "127.0.0.1",
-            scene.station.ports["ssh"],
+            scene.server.ports["ssh"],
             username="root",
             password="secret",
             known_hosts=None,
@@ -46,7 +46,7 @@ async def serving_ssh(**options: object) -> AsyncIterator[tuple[Scene, object]]:
         ) as client:
             yield scene, client
     finally:
-        await scene.station.close()
+        await scene.server.close()
 
 
 def test_the_log_has_the_messages_of_the_robot() -> None:
@@ -104,7 +104,7 @@ def test_a_bridge_to_nothing_connects_and_the_log_says_so_once() -> None:
     run(test())
 
 
-def test_bridges_end_with_the_station() -> None:
+def test_bridges_end_with_the_server() -> None:
     async def test() -> None:
         async with serving_ssh() as (_, client):
             port = free_port()
@@ -122,14 +122,14 @@ def test_bridges_end_with_the_station() -> None:
 def test_a_port_that_is_taken_leaves_nothing_open() -> None:
     async def test() -> None:
         scene = Scene(ssh_password="secret")
-        await scene.station.boot()
+        await scene.server.boot()
         bound = bind("127.0.0.1", 0)
         taken = bound.getsockname()[1]
         with pytest.raises(UsageError, match=rf"port {taken} \(ssh\) is in use"):
-            scene.station.bind("127.0.0.1", dict.fromkeys(NAMES, 0) | {"ssh": taken})
+            scene.server.bind("127.0.0.1", dict.fromkeys(NAMES, 0) | {"ssh": taken})
         bound.close()
-        assert scene.station.ports == {}
-        await scene.station.close()
+        assert scene.server.ports == {}
+        await scene.server.close()
 
     run(test())
 
@@ -137,10 +137,10 @@ def test_a_port_that_is_taken_leaves_nothing_open() -> None:
 def test_without_a_password_there_is_no_ssh_port() -> None:
     async def test() -> None:
         scene = Scene()
-        await scene.station.boot()
-        scene.station.bind("127.0.0.1", dict.fromkeys((*NAMES, "ssh"), 0))
-        assert "ssh" not in scene.station.ports
-        assert scene.station.host_key == ""
-        await scene.station.close()
+        await scene.server.boot()
+        scene.server.bind("127.0.0.1", dict.fromkeys((*NAMES, "ssh"), 0))
+        assert "ssh" not in scene.server.ports
+        assert scene.server.host_key == ""
+        await scene.server.close()
 
     run(test())

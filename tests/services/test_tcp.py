@@ -37,7 +37,7 @@ def test_a_flood_of_requests_leaves_the_others_their_time() -> None:
         async with serving() as scene:
             good = await stream(scene)
             flood = await scene.connect("rtsi")
-            before = scene.station.output.tick
+            before = scene.server.output.tick
             data = rtsi_client.message("V", b"\0\1") * 20_000
             flood.send(data)
             read = 0
@@ -45,7 +45,7 @@ def test_a_flood_of_requests_leaves_the_others_their_time() -> None:
                 chunk = await flood.reader.read(65536)
                 assert chunk
                 read += len(chunk)
-            assert scene.station.output.tick - before > 5, "it was served over many ticks"
+            assert scene.server.output.tick - before > 5, "it was served over many ticks"
             await reads_on_time(scene, good)
 
     run(test())
@@ -57,7 +57,7 @@ def test_a_client_that_asks_and_does_not_read_is_not_read_either() -> None:
             good = await stream(scene)
             deaf = await scene.connect("dashboard")
             deaf.writer.transport.pause_reading()
-            client = next(iter(scene.station.listeners["dashboard"].clients.values()))
+            client = next(iter(scene.server.listeners["dashboard"].clients.values()))
             for _ in range(400):
                 deaf.send(b"help\n" * 100)
                 await asyncio.sleep(0)
@@ -78,7 +78,7 @@ def test_a_stream_that_is_not_read_loses_packages_and_goes_on_when_it_is() -> No
             slow = await stream(scene, names=rtsi_client.STANDARD_OUTPUTS * 20)
             raw = slow.writer.get_extra_info("socket")
             raw.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-            client = scene.station.listeners["rtsi"].clients["rtsi#2"]
+            client = scene.server.listeners["rtsi"].clients["rtsi#2"]
             slow.writer.transport.pause_reading()
             own: Any = client._transport
             own.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)
@@ -98,12 +98,12 @@ def test_a_client_that_takes_nothing_for_long_is_cut_off(monkeypatch: pytest.Mon
     async def test() -> None:
         async with serving() as scene:
             slow = await stream(scene, names=rtsi_client.STANDARD_OUTPUTS * 20)
-            client = scene.station.listeners["rtsi"].clients["rtsi#1"]
+            client = scene.server.listeners["rtsi"].clients["rtsi#1"]
             slow.writer.transport.pause_reading()
             own: Any = client._transport
             own.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)
             await scene.until(lambda: scene.notes("cut_off"))
-            await scene.until(lambda: not scene.station.listeners["rtsi"].clients)
+            await scene.until(lambda: not scene.server.listeners["rtsi"].clients)
             slow.writer.transport.resume_reading()
 
     run(test())
@@ -121,8 +121,8 @@ def test_a_disconnect_in_the_middle_of_a_package_is_the_end_of_one_client() -> N
                 else:
                     await bad.close()
             await reads_on_time(scene, good)
-            await scene.until(lambda: len(scene.notes("gone")) == 4 or scene.station.output.tick > 2000)
-            assert scene.station.listeners["rtsi"].clients.keys() == {"rtsi#1"}
+            await scene.until(lambda: len(scene.notes("gone")) == 4 or scene.server.output.tick > 2000)
+            assert scene.server.listeners["rtsi"].clients.keys() == {"rtsi#1"}
 
     run(test())
 
@@ -208,11 +208,11 @@ def test_floods_of_all_kinds_at_once_cost_no_tick() -> None:
             storm = [await scene.connect("readonly") for _ in range(100)]
             await reads_on_time(scene, good, 200)
             # A computer that is busy accepts a storm later.
-            door = scene.station.listeners["readonly"]
+            door = scene.server.listeners["readonly"]
             await scene.until(lambda: door.refused + door.count >= len(storm))
             assert door.count == listener.CLIENTS_MAX
-            assert scene.station.left_out == 0
+            assert scene.server.left_out == 0
             assert not scene.notes("left_out")
-            assert all(scene.station.waiting_of(f"rtsi#{number}") <= 2 * tcp.POSTED_MAX for number in range(2, 8))
+            assert all(scene.server.waiting_of(f"rtsi#{number}") <= 2 * tcp.POSTED_MAX for number in range(2, 8))
 
     run(test())

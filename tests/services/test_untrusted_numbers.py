@@ -10,17 +10,18 @@ from typing import Any, get_args, get_type_hints
 import pytest
 
 from elitescript.codec.json_text import from_text, to_text
+from elitescript.codec.messages import shape_of
 from elitescript.codec.values import CodecError
 from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.events import Alarm, Event, Popup, TextMessage, Warned
 from elitescript.messages.outputs import Output
 from elitescript.protocol.rtsi.variables import OUTPUTS
 from elitescript.protocol.table import SERVICES
-from elitescript.services.config_codec import full_codec, output_text
+from elitescript.services.output_text import output_text
 
-SHAPE = full_codec().shape(Output)
+SHAPE = shape_of(Output)
 KERNEL = Kernel(RobotOptions(power_on=True))
-WHOLE = from_text(output_text(SHAPE, KERNEL.tick_and_snapshot()))
+WHOLE = from_text(output_text(KERNEL.tick_and_snapshot()))
 INTEGERS = (-(2**63), -1, 25, 256, 2**16, 2**31, 2**63 - 1)
 ORDINARY: dict[Any, Any] = {int: 1, str: "a", bool: False}
 

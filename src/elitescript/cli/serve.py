@@ -404,22 +404,22 @@ class ServeLog:
         if self._is_json:
             robots: list[dict[str, Any]] = [
                 {"robot": config.robot_id, "model": config.model, "ports": server.ports, "ctl": address}
-                for config, server, address in zip(configs, session.stations, session.control_addresses, strict=True)
+                for config, server, address in zip(configs, session.servers, session.control_addresses, strict=True)
             ]
             if login is not None:
-                for robot, server in zip(robots, session.stations, strict=True):
+                for robot, server in zip(robots, session.servers, strict=True):
                     robot["ssh"] = {"user": login.user, "host_key": server.host_key}
                     if login.is_random:
                         robot["ssh"]["password"] = login.password
             self._record({"type": "ready", "host": host, "robots": robots, "allow_connect": reach})
             return
-        robots_text = "; ".join(_ports_text(server) for server in session.stations)
+        robots_text = "; ".join(_ports_text(server) for server in session.servers)
         self._out.write(f"ready on {host}: {robots_text}\n")
         self._out.write(f"ctl at {', '.join(session.control_addresses)}\n")
         self._out.write(f"programs reach {'no address' if reach == NONE else reach}\n")
         if login is not None:
             password = f"password {login.password}" if login.is_random else "password as given"
-            keys = ", ".join(server.host_key for server in session.stations)
+            keys = ", ".join(server.host_key for server in session.servers)
             self._out.write(f"ssh: user {login.user}, {password}, host key {keys}\n")
         for address, usual in zip(session.control_addresses, session.usual_addresses, strict=True):
             if address != usual:

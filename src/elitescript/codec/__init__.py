@@ -1,1 +1,1 @@
-"""Writes messages of the waist as JSON text and reads them back, whoever has written them."""
+"""Messages of the waist as JSON text, and back; the sender need not be trusted."""

@@ -1,11 +1,11 @@
 """Encodes messages of the waist as lists that JSON can hold, and decodes them.
 
-Both ends know the classes, so a message is the list of its fields in their order. A field that may hold one of several
-classes is a list that begins with the name of the class. Decoding makes classes of `REGISTRY` only, by their
-constructors, from values whose types, lengths and ranges it has checked. So the sender need not be trusted.
+Both ends have the classes, so a message is the list of its fields in their order. A field that may hold one of several
+classes is a list that begins with the name of the class. Decoding makes the classes that the fields of the expected
+message may hold and no others, by their constructors, from values whose types, lengths and ranges it has checked. So
+the sender need not be trusted.
 
-    >>> codec = Codec()
-    >>> codec.shape(Input).encode(PlayTask("dashboard#1"))
+    >>> shape_of(Input).encode(PlayTask("dashboard#1"))
     ['PlayTask', 'dashboard#1']
 
 Bytes are base64. Floats keep every bit but for the payload of a NaN; in JSON text infinities and NaN are the strings
@@ -17,7 +17,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from enum import IntEnum
-from types import NoneType, UnionType
+from functools import cache
+from types import MappingProxyType, NoneType, UnionType
 from typing import Any, Final, TypeVar, get_args, get_origin, get_type_hints, overload
 
 from elitescript.codec.values import (
@@ -38,44 +39,11 @@ from elitescript.codec.values import (
     write_text,
 )
 from elitescript.errors import UsageError
-from elitescript.messages import machine, motion, outputs, snapshot, state, yielding
 from elitescript.messages.enums import AnalogDomain
-from elitescript.messages.events import Event
-from elitescript.messages.faults import ChannelFault
-from elitescript.messages.inputs import Input
-from elitescript.messages.line import LineSettings
-from elitescript.messages.outcomes import Outcome
-from elitescript.messages.outputs import ChannelRequest
-from elitescript.messages.plant import PlantConfig
 from elitescript.messages.signals import INT32_HIGH, INT32_LOW
 from elitescript.messages.timing import TICK_MAX
 
 T = TypeVar("T")
-
-REGISTRY: Final[tuple[type, ...]] = (
-    *get_args(Input),
-    *get_args(Event),
-    *get_args(ChannelRequest),
-    *get_args(machine.MachineRequest),
-    ChannelFault,
-    *get_args(motion.MotionRequest),
-    *get_args(motion.TrackRequest),
-    *get_args(yielding.YieldRequest),
-    motion.MicroLine,
-    LineSettings,
-    *get_args(Outcome),
-    outputs.Output,
-    outputs.TickResult,
-    outputs.Reply,
-    snapshot.RobotDescription,
-    snapshot.Snapshot,
-    snapshot.TaskPicture,
-    state.JointState,
-    state.Payload,
-    state.RobotState,
-    PlantConfig,
-)
-"""Every class that decoding may make."""
 
 _IMAGES: Final[dict[tuple[str, str], Shape[Any]]] = {
     ("Snapshot", "signals"): SIGNAL_IMAGE,
@@ -110,177 +78,164 @@ _WIDEST: Final = (-INT_LIMIT, INT_LIMIT - 1)
 """Range of all other whole numbers."""
 
 
-class Codec:
-    """Makes the shapes of registered classes, each when it is first asked for.
+@overload
+def shape_of(kind: type[T]) -> Shape[T]: ...
 
-    Args:
-        more: classes besides those of `REGISTRY`, such as a configuration.
+
+@overload
+def shape_of(kind: UnionType) -> Shape[Any]: ...
+
+
+def shape_of(kind: Any) -> Shape[Any]:
+    """Return the shape of a message: a frozen dataclass, or a union of such classes.
 
     Raises:
-        ValueError: two classes of one name.
+        TypeError: it is none, or one of its fields has a type that no message may have.
     """
+    return _shape(kind, _WIDEST)
 
-    __slots__ = ("_classes", "_shapes")
 
-    def __init__(self, *more: type) -> None:
-        self._classes = {known.__name__: known for known in (*REGISTRY, *more)}
-        if len(self._classes) != len({*REGISTRY, *more}):
-            raise ValueError("two classes of messages have the same name")
-        self._shapes: dict[Any, Shape[Any]] = {}
+def field_shapes(kind: type, names: Mapping[str, type] = MappingProxyType({})) -> dict[str, Shape[Any]]:
+    """Return the shape of every field of a message, in the order in which they are written.
 
-    @overload
-    def shape(self, kind: type[T]) -> Shape[T]: ...
+    Args:
+        kind: a dataclass.
+        names: classes that its module imports for type checkers alone.
 
-    @overload
-    def shape(self, kind: UnionType) -> Shape[Any]: ...
+    Raises:
+        TypeError: a field has a type that no message may have.
+    """
+    assert is_dataclass(kind)
+    name, hints = kind.__name__, get_type_hints(kind, localns=dict(names))
+    return {
+        field.name: _IMAGES.get((name, field.name)) or _shape(hints[field.name], _bounds_of(name, field.name))
+        for field in fields(kind)
+        if field.init
+    }
 
-    def shape(self, kind: Any) -> Shape[Any]:
-        """Return the shape of a registered class, or of a union of such classes.
 
-        Raises:
-            TypeError: there is none for that type.
-        """
-        return self._shape(kind, _WIDEST)
+@cache
+def _shape(kind: Any, bounds: tuple[int, int]) -> Shape[Any]:
+    if kind in SCALARS:
+        return SCALARS[kind]
+    if kind is int:
+        return whole(*bounds)
+    origin, parts = get_origin(kind), get_args(kind)
+    if origin is tuple:
+        return _tuple(parts, bounds)
+    if origin in (dict, Mapping):
+        return _mapping(parts, bounds)
+    if origin is UnionType:
+        return _union(parts, bounds)
+    if isinstance(kind, type) and issubclass(kind, IntEnum):
+        return enum_shape(kind)
+    if isinstance(kind, type) and is_dataclass(kind):
+        return _fields(kind)
+    raise TypeError(f"{kind!r} is no message")
 
-    def field_shapes(self, kind: type) -> dict[str, Shape[Any]]:
-        """Return the shape of every field of a registered class, in the order in which they are written.
 
-        Raises:
-            TypeError: a field has a type that no message may have.
-        """
-        assert is_dataclass(kind)
-        name = kind.__name__
-        # Names that a module imports for type checkers alone are those of other registered classes.
-        hints = get_type_hints(kind, localns=self._classes)
-        return {
-            field.name: _IMAGES.get((name, field.name)) or self._shape(hints[field.name], _bounds_of(name, field.name))
-            for field in fields(kind)
-            if field.init
-        }
+def _fields(kind: type) -> Shape[Any]:
+    """Return the shape of a frozen dataclass: the list of the fields that its constructor takes."""
+    name = kind.__name__
+    shapes_by_name = field_shapes(kind)
+    names, shapes = list(shapes_by_name), list(shapes_by_name.values())
+    encoders = [(field, shape.encode) for field, shape in zip(names, shapes, strict=True)]
+    decoders = [shape.decode for shape in shapes]
+    count = len(names)
 
-    def _shape(self, kind: Any, bounds: tuple[int, int]) -> Shape[Any]:
-        known = self._shapes.get((kind, bounds))
-        if known is None:
-            known = self._shapes[kind, bounds] = self._made(kind, bounds)
-        return known
+    def encode(value: Any) -> list[Any]:
+        if type(value) is not kind:
+            raise TypeError(f"a {name} is expected, not a {type(value).__name__}")
+        return [write(getattr(value, field)) for field, write in encoders]
 
-    def _made(self, kind: Any, bounds: tuple[int, int]) -> Shape[Any]:
-        if kind in SCALARS:
-            return SCALARS[kind]
-        if kind is int:
-            return whole(*bounds)
-        origin, parts = get_origin(kind), get_args(kind)
-        if origin is tuple:
-            return self._tuple(parts, bounds)
-        if origin in (dict, Mapping):
-            return self._mapping(parts, bounds)
-        if origin is UnionType:
-            return self._union(parts, bounds)
-        if isinstance(kind, type) and issubclass(kind, IntEnum):
-            return enum_shape(kind)
-        if isinstance(kind, type) and self._classes.get(kind.__name__) is kind:
-            return self._fields(kind)
-        raise TypeError(f"{kind!r} is not registered as a message")
+    def decode(data: Any) -> Any:
+        if type(data) is not list or len(data) != count:
+            raise CodecError(f"{name}: {count} fields are expected, not {shown(data)}")
+        try:
+            # A failed loop is repeated to name the field; naming it at each step would make every message slower.
+            return kind(*[read(item) for read, item in zip(decoders, data, strict=True)])
+        except CodecError:
+            blame(name, names, decoders, data)
+            raise
+        except (ValueError, TypeError, UsageError) as error:
+            raise CodecError(f"{name}: {error}") from None
 
-    def _fields(self, kind: type) -> Shape[Any]:
-        """Return the shape of a frozen dataclass: the list of the fields that its constructor takes."""
-        name = kind.__name__
-        shapes_by_name = self.field_shapes(kind)
-        names, shapes = list(shapes_by_name), list(shapes_by_name.values())
-        encoders = [(field, shape.encode) for field, shape in zip(names, shapes, strict=True)]
-        decoders = [shape.decode for shape in shapes]
-        count = len(names)
+    return Shape(encode, decode)
+
+
+def _union(parts: tuple[Any, ...], bounds: tuple[int, int]) -> Shape[Any]:
+    if NoneType in parts:
+        rest = tuple(part for part in parts if part is not NoneType)
+        inner = _shape(rest[0], bounds) if len(rest) == 1 else _union(rest, bounds)
+        return Shape(
+            lambda value: None if value is None else inner.encode(value),
+            lambda data: None if data is None else inner.decode(data),
+        )
+    if set(parts) <= {bool, int, float, str}:
+        return plain(parts)
+    by_class = {part: _shape(part, bounds) for part in parts}
+    by_name = {part.__name__: shape for part, shape in by_class.items()}
+
+    def encode(value: Any) -> list[Any]:
+        kind = type(value)
+        if kind not in by_class:
+            raise TypeError(f"one of {', '.join(by_name)} is expected, not a {kind.__name__}")
+        return [kind.__name__, *by_class[kind].encode(value)]
+
+    def decode(data: Any) -> Any:
+        if type(data) is not list or not data or type(data[0]) is not str:
+            raise CodecError(f"one of {', '.join(by_name)} is expected, not {shown(data)}")
+        if data[0] not in by_name:
+            raise CodecError(f"one of {', '.join(by_name)} is expected, not {data[0][:40]!r}")
+        return by_name[data[0]].decode(data[1:])
+
+    return Shape(encode, decode)
+
+
+def _tuple(parts: tuple[Any, ...], bounds: tuple[int, int]) -> Shape[Any]:
+    count = -1 if parts[-1] is Ellipsis else len(parts)
+    kinds = set(parts) - {Ellipsis}
+    if kinds == {float}:
+        return floats(count)
+    if len(kinds) > 1:
+        shapes = [_shape(part, bounds) for part in parts]
 
         def encode(value: Any) -> list[Any]:
-            if type(value) is not kind:
-                raise TypeError(f"a {name} is expected, not a {type(value).__name__}")
-            return [write(getattr(value, field)) for field, write in encoders]
+            return [shape.encode(item) for shape, item in zip(shapes, value, strict=True)]
 
-        def decode(data: Any) -> Any:
-            if type(data) is not list or len(data) != count:
-                raise CodecError(f"{name}: {count} fields are expected, not {shown(data)}")
-            try:
-                # A failed loop is repeated to name the field; naming it at each step would make every message slower.
-                return kind(*[read(item) for read, item in zip(decoders, data, strict=True)])
-            except CodecError:
-                blame(name, names, decoders, data)
-                raise
-            except (ValueError, TypeError, UsageError) as error:
-                raise CodecError(f"{name}: {error}") from None
-
-        return Shape(encode, decode)
-
-    def _union(self, parts: tuple[Any, ...], bounds: tuple[int, int]) -> Shape[Any]:
-        if NoneType in parts:
-            rest = tuple(part for part in parts if part is not NoneType)
-            inner = self._shape(rest[0], bounds) if len(rest) == 1 else self._union(rest, bounds)
-            return Shape(
-                lambda value: None if value is None else inner.encode(value),
-                lambda data: None if data is None else inner.decode(data),
-            )
-        if set(parts) <= {bool, int, float, str}:
-            return plain(parts)
-        by_class = {part: self._shape(part, bounds) for part in parts}
-        by_name = {part.__name__: shape for part, shape in by_class.items()}
-
-        def encode(value: Any) -> list[Any]:
-            kind = type(value)
-            if kind not in by_class:
-                raise TypeError(f"one of {', '.join(by_name)} is expected, not a {kind.__name__}")
-            return [kind.__name__, *by_class[kind].encode(value)]
-
-        def decode(data: Any) -> Any:
-            if type(data) is not list or not data or type(data[0]) is not str:
-                raise CodecError(f"one of {', '.join(by_name)} is expected, not {shown(data)}")
-            if data[0] not in by_name:
-                raise CodecError(f"one of {', '.join(by_name)} is expected, not {data[0][:40]!r}")
-            return by_name[data[0]].decode(data[1:])
-
-        return Shape(encode, decode)
-
-    def _tuple(self, parts: tuple[Any, ...], bounds: tuple[int, int]) -> Shape[Any]:
-        count = -1 if parts[-1] is Ellipsis else len(parts)
-        kinds = set(parts) - {Ellipsis}
-        if kinds == {float}:
-            return floats(count)
-        if len(kinds) > 1:
-            shapes = [self._shape(part, bounds) for part in parts]
-
-            def encode(value: Any) -> list[Any]:
-                return [shape.encode(item) for shape, item in zip(shapes, value, strict=True)]
-
-            def decode(data: Any) -> tuple[Any, ...]:
-                check_list(data, count)
-                return tuple(shape.decode(item) for shape, item in zip(shapes, data, strict=True))
-
-            return Shape(encode, decode)
-        one = self._shape(parts[0], bounds)
-
-        def encode_all(value: Any) -> list[Any]:
-            if count >= 0 and len(value) != count:
-                raise TypeError(f"{count} values are expected, not {len(value)}")
-            return [one.encode(item) for item in value]
-
-        def decode_all(data: Any) -> tuple[Any, ...]:
+        def decode(data: Any) -> tuple[Any, ...]:
             check_list(data, count)
-            return tuple([one.decode(item) for item in data])
-
-        return Shape(encode_all, decode_all)
-
-    def _mapping(self, parts: tuple[Any, ...], bounds: tuple[int, int]) -> Shape[Any]:
-        if parts[0] is not str:
-            raise TypeError("keys of a message are texts")
-        one = self._shape(parts[1], bounds)
-
-        def encode(value: Any) -> dict[str, Any]:
-            return {write_text(key): one.encode(item) for key, item in value.items()}
-
-        def decode(data: Any) -> dict[str, Any]:
-            if type(data) is not dict:
-                raise CodecError(f"names with values are expected, not {shown(data)}")
-            return {read_text(key): one.decode(item) for key, item in data.items()}
+            return tuple(shape.decode(item) for shape, item in zip(shapes, data, strict=True))
 
         return Shape(encode, decode)
+    one = _shape(parts[0], bounds)
+
+    def encode_all(value: Any) -> list[Any]:
+        if count >= 0 and len(value) != count:
+            raise TypeError(f"{count} values are expected, not {len(value)}")
+        return [one.encode(item) for item in value]
+
+    def decode_all(data: Any) -> tuple[Any, ...]:
+        check_list(data, count)
+        return tuple([one.decode(item) for item in data])
+
+    return Shape(encode_all, decode_all)
+
+
+def _mapping(parts: tuple[Any, ...], bounds: tuple[int, int]) -> Shape[Any]:
+    if parts[0] is not str:
+        raise TypeError("keys of a message are texts")
+    one = _shape(parts[1], bounds)
+
+    def encode(value: Any) -> dict[str, Any]:
+        return {write_text(key): one.encode(item) for key, item in value.items()}
+
+    def decode(data: Any) -> dict[str, Any]:
+        if type(data) is not dict:
+            raise CodecError(f"names with values are expected, not {shown(data)}")
+        return {read_text(key): one.decode(item) for key, item in data.items()}
+
+    return Shape(encode, decode)
 
 
 def _bounds_of(kind: str, field: str) -> tuple[int, int]:

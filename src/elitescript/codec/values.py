@@ -24,7 +24,7 @@ _LEVELS: Final = bytes.maketrans(b"\0\1", b"01")
 
 
 class CodecError(PeerError):
-    """Raised for data that is no message; the text says where and why."""
+    """Raised for data that is no message, with place and reason."""
 
 
 class Shape(Generic[T]):

@@ -27,8 +27,8 @@ class Agenda:
     """Calls by tick.
 
     Attributes:
-        clock: gives the present tick of whoever has the time; it may be beyond the last tick that was run.
-        on_failure: called with whoever owned a call that raised, and the exception. As long as it is None, what was
+        clock: gives the present tick; it may be beyond the last tick that was run.
+        on_failure: called with the owner of a call that raised, and the exception. As long as it is None, what was
             raised goes on to the caller of `run`.
     """
 
@@ -52,12 +52,12 @@ class Agenda:
         return seconds(self.tick)
 
     def put(self, after_ticks: int, act: Act, owner: object = None) -> None:
-        """Have something called after so many ticks; 0 is this tick, or the next one if this one has run already.
+        """Make a call after so many ticks; 0 is this tick, or the next one if this one has run already.
 
         Args:
             after_ticks: counted from the present tick.
             act: the call.
-            owner: whose code it is.
+            owner: device that the call belongs to.
 
         Raises:
             DeviceError: too much waits already.

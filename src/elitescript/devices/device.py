@@ -113,7 +113,7 @@ class Device:
         UsageError: a keyword that is no setting, or a value that makes no sense.
 
     Example:
-        A button that somebody presses every ten seconds.
+        A button that is pressed every ten seconds.
 
         >>> from elitescript.testing.world import Device, World
         >>> class Button(Device):
@@ -147,17 +147,17 @@ class Device:
     # ---------------------------------------------------------------- what a subclass may override
 
     def check(self) -> None:
-        """Look at the settings.
+        """Check the settings.
 
         Raises:
             UsageError: one makes no sense; the text begins with its name and a colon.
         """
 
     def started(self) -> None:
-        """The robot's time begins; called once, before its first tick."""
+        """Act on the start; called once, before the first tick of the robot."""
 
     def signal_changed(self, name: str, value: Value) -> None:
-        """A signal of the robot has changed; called after the tick in which it did."""
+        """Act on a signal of the robot that has changed; called after the tick in which it did."""
 
     # ---------------------------------------------------------------- what a subclass may use
 
@@ -189,12 +189,12 @@ class Device:
         return self._random
 
     def after(self, delay_s: float, call: Callable[..., Any], *arguments: Any) -> None:
-        """Have something called when so much time has passed; one tick at least."""
+        """Make a call when so much time has passed; one tick at least."""
         ticks = max(1, ticks_for(delay_s))
         self._in_world().agenda.put(ticks, lambda: call(*arguments), self)
 
     def every(self, period_s: float, call: Callable[..., Any], *arguments: Any) -> None:
-        """Have something called again and again, for the first time after one period.
+        """Make a call again and again, for the first time after one period.
 
         Raises:
             UsageError: a period that is not above 0.
@@ -216,14 +216,14 @@ class Device:
         plan()
 
     def log(self, text: str) -> None:
-        """Say something in the record of the run."""
+        """Add a line to the record of the run."""
         self._in_world().note(self.title, text)
 
     def warn(self, text: str) -> None:
-        """Say in the record of the run that something is not as it should be."""
+        """Add a warning to the record of the run."""
         self._in_world().note(self.title, text, is_warning=True)
 
-    # ---------------------------------------------------------------- the world's side
+    # ---------------------------------------------------------------- called by the world
 
     def _in_world(self) -> DeviceContext:
         if self._context is None:
@@ -243,7 +243,7 @@ class Device:
         self.cell = RobotSignals(context.signals, self)
 
     def begin(self) -> None:
-        """The robot's time begins; for what a kind of devices does by itself, before `started`."""
+        """Begin what a kind of devices does by itself; called before `started`."""
 
     @property
     def is_connected(self) -> bool:
@@ -251,7 +251,7 @@ class Device:
         return False
 
     def next_output_tick(self, tick: int) -> int | None:
-        """Return the next tick after `tick` whose output it must get although nothing happens in it."""
+        """Return the next tick after `tick` of which it must get the output although nothing happens in it."""
         return None
 
     def reads_snapshot(self, tick: int) -> bool:
@@ -262,7 +262,7 @@ class Device:
         """Take the output of a tick that has run."""
 
     def run_ended(self) -> None:
-        """A run is over: report what has come and is not complete."""
+        """Report what has come in a run that is over, and is not complete."""
 
     @property
     def is_gone(self) -> bool:
@@ -270,7 +270,7 @@ class Device:
         return self._is_gone
 
     def leave(self) -> None:
-        """Its code has failed: do nothing any more."""
+        """Do nothing any more: its code has failed."""
         self._is_gone = True
 
 

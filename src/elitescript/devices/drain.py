@@ -60,7 +60,7 @@ class Drain:
         surroundings: Surroundings | None,
         drain_s: float,
     ) -> None:
-        # A network that a caller of the library has made itself need not know what is under way.
+        # A network that a caller of the library has made need not report what is under way.
         self._pending_channels: Ask = getattr(channels, "pending", _nothing)
         self._give_up_channels: Ask = getattr(channels, "give_up", _nothing)
         self._background = background

@@ -1,6 +1,6 @@
 """The devices, wires and faults of a world file.
 
-`KINDS` says which section makes what. Every row of a section is a table of settings; with `class = "cell.py:Camera"`
+`KINDS` has what each section makes. Every row of a section is a table of settings; with `class = "cell.py:Camera"`
 it is a device of that class, from a Python file beside the world file, which is trusted as any Python file is.
 """
 
@@ -25,7 +25,7 @@ class Section(NamedTuple):
     """One row: a section of the file."""
 
     declared: str
-    """`module:class` of what a row makes; empty if only `class` can say it."""
+    """`module:class` of what a row makes; empty if only `class` has it."""
     base: str = ""
     """`module:class` that a class of the user's must be made of; empty if there can be none."""
     is_reachable: bool = False
@@ -58,7 +58,7 @@ def build_world(tables: Mapping[str, Any], folder: Path, *, network: str = "") -
     Args:
         tables: its sections, as far as they are about a world.
         folder: where the file is.
-        network: what `[world]` says if it says nothing: `virtual` if there is something to connect to, else `real`.
+        network: default of `network` in `[world]`: `virtual` if there is something to connect to, else `real`.
 
     Raises:
         UsageError: something makes no sense. The text begins with its place, such as `[[tcp]] 2: port:`.

@@ -107,8 +107,8 @@ class SignalHub:
 
     Attributes:
         agenda: see above.
-        robot: whose signals they are; None before there is one.
-        watchers: by name of the signal, calls and whose code they are.
+        robot: that has the signals; None before there is one.
+        watchers: by name of the signal, calls and the devices that they belong to.
         listeners: calls for every signal.
     """
 
@@ -122,12 +122,12 @@ class SignalHub:
         self._changes: list[tuple[str, Value]] = []
 
     def changed(self, name: str, value: Value) -> None:
-        """A signal has changed in the tick that runs."""
+        """Note that a signal has changed in the tick that runs."""
         if name in self.watchers or self.listeners:
             self._changes.append((name, value))
 
     def settle(self) -> None:
-        """Tell whoever watches what has changed, in the order in which it happened."""
+        """Call the watchers of what has changed, in the order in which it happened."""
         if not self._changes:
             return
         changes, self._changes = self._changes, []

@@ -64,7 +64,7 @@ class RobotAccess(Protocol):
 
 
 class RobotSettings:
-    """What a world file says about the robot itself.
+    """What a world file has about the robot itself.
 
     Attributes:
         options: of the robot, by name; those that are not in the file are missing.
@@ -83,7 +83,7 @@ class Surroundings:
 
     Attributes:
         channels: the network that programs see.
-        settings: what a world file says about the robot; None without one.
+        settings: what a world file has about the robot; None without one.
     """
 
     channels: Channels
@@ -104,14 +104,14 @@ class Surroundings:
         """Let what is not declared here be reached through other channels."""
 
     def signal_changed(self, name: str, value: Value) -> None:
-        """A signal of the robot has changed in the tick that runs."""
+        """Note that a signal of the robot has changed in the tick that runs."""
 
     def next_tick(self, tick: int) -> int | None:
         """Return the next tick after `tick` at which a device does something."""
         return None
 
     def settle(self) -> None:
-        """The tick has run: act on the signals that have changed in it."""
+        """Act on the signals that have changed in the tick that has run."""
 
     def run_ended(self) -> None:
-        """A run is over, and all that it gave away has arrived: report what cannot be meant to be incomplete."""
+        """Report what is incomplete after a run whose bytes have all arrived."""

@@ -39,7 +39,7 @@ _LIBRARY: Final = str(Path(traceback.__file__).parent)
 class World(Surroundings):
     """Devices, wires and faults around one robot, in the robot's own time.
 
-    Nothing in it knows a clock: a program runs as fast as without it, and every run with the same seed is the same.
+    It has no clock: a program runs as fast as without it, and every run with the same seed is the same.
     What is not in it does not exist: a connection to another port is refused.
 
     Args:
@@ -58,7 +58,7 @@ class World(Surroundings):
         devices: all of them, wires too.
 
     Raises:
-        UsageError: two devices want the same place, or one is part of another world.
+        UsageError: two devices have the same place, or one is part of another world.
 
     Example:
         An output closes a gripper, which raises an input 0.3 s later.
@@ -205,13 +205,13 @@ class World(Surroundings):
         return fault
 
     def end_faults(self) -> None:
-        """Nothing goes wrong any more."""
+        """End all faults."""
         self._faults.clear()
         self._faulty.clear()
         if self.signals.robot is not None:
             self.signals.robot.disturb(EndInputFaults())
 
-    # ---------------------------------------------------------------- the robot's side
+    # ---------------------------------------------------------------- called by the robot
 
     def begin(self, robot: RobotAccess) -> None:
         """Belong to a robot, from its first tick on.
@@ -249,7 +249,7 @@ class World(Surroundings):
         self._context.publish()
 
     def reads_snapshot(self, tick: int) -> bool:
-        """Whether a device that is connected to a port of the robot reads the snapshot of a tick."""
+        """Return whether a device that is connected to a port of the robot reads the snapshot of a tick."""
         return any(device.reads_snapshot(tick) for device in self._context.clients)
 
     def run_ended(self) -> None:
@@ -260,7 +260,7 @@ class World(Surroundings):
         self._context.note("fault", text)
 
     def _failed(self, owner: object, error: Exception) -> None:
-        """The code of a device has raised."""
+        """Disconnect a device whose code has raised."""
         if not isinstance(owner, Device):
             raise error
         owner.leave()

@@ -63,7 +63,7 @@ class Allowance:
 
 
 def shown_size(size: int) -> str:
-    """Return a number of bytes for people: `100 MB`."""
+    """Return a number of bytes in words: `100 MB`."""
     for power, unit in ((1e9, "GB"), (1e6, "MB"), (1e3, "kB")):
         if size >= power:
             return f"{size / power:.4g} {unit}"

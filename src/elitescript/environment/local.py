@@ -35,7 +35,7 @@ class LocalEnvironment:
 
 
 class LocalFiles:
-    """The files below one folder. Links that lead out of it are refused.
+    """Implements `runtime.environment.Files` with one folder. Links that lead out of it are refused.
 
     Args:
         root: the folder, without links in its path.
@@ -49,7 +49,6 @@ class LocalFiles:
         self._allowance = Allowance() if allowance is None else allowance
 
     def open(self, name: str, mode: str, encoding: str | None, newline: str | None) -> IO[Any]:
-        """See `runtime.environment.Files.open`."""
         path = self._path(name)
         try:
             size = path.stat().st_size if path.is_file() else None
@@ -65,12 +64,10 @@ class LocalFiles:
         return opened(file, mode, encoding, newline)
 
     def kind(self, name: str) -> str:
-        """See `runtime.environment.Files.kind`."""
         path = self._path(name)
         return "file" if path.is_file() else "folder" if path.is_dir() else ""
 
     def size(self, name: str) -> int:
-        """See `runtime.environment.Files.size`."""
         path = self._path(name)
         try:
             return path.stat().st_size
@@ -78,7 +75,6 @@ class LocalFiles:
             raise _renamed(error, name) from None
 
     def names(self, name: str) -> list[str]:
-        """See `runtime.environment.Files.names`."""
         path = self._path(name)
         try:
             return sorted(entry.name for entry in path.iterdir())
@@ -86,7 +82,6 @@ class LocalFiles:
             raise _renamed(error, name) from None
 
     def remove(self, name: str) -> None:
-        """See `runtime.environment.Files.remove`."""
         path = self._path(name)
         try:
             size = path.stat().st_size
@@ -96,7 +91,6 @@ class LocalFiles:
         self._allowance.add(-size, -1)
 
     def make_folder(self, name: str) -> None:
-        """See `runtime.environment.Files.make_folder`."""
         path = self._path(name)
         self._allowance.check_entry(name)
         try:

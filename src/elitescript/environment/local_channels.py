@@ -1,6 +1,6 @@
 """TCP connections and serial ports of this computer, looked at between two ticks.
 
-While one is open, ticks are held back to the wall clock, so that time-outs and polling mean what they say to the peer.
+While one is open, ticks are held back to the wall clock, so that time-outs and polling are what the peer expects.
 So they are for a while after a connection was lost, and after each try to make it anew: a peer that comes back after a
 second has to find a program that is still waiting for it.
 """
@@ -71,7 +71,7 @@ class LocalChannels:
         self._places: dict[int, tuple[str, int]] = {}
         """Where each TCP connection leads."""
         self._met: set[tuple[str, int]] = set()
-        """Places where somebody has answered."""
+        """Places where a peer has answered."""
         self._tick = 0
         self._hope_tick = 0
         """Until then a lost connection may come back."""
@@ -115,12 +115,10 @@ class LocalChannels:
             self._open[channel].send(data)
 
     def credit(self, channel: int, size: int) -> None:
-        """See `runtime.environment.Channels.credit`."""
         if channel in self._open:
             self._open[channel].room += size
 
     def close(self, channel: int) -> None:
-        """See `runtime.environment.Channels.close`."""
         open_channel = self._open.pop(channel, None)
         self._places.pop(channel, None)
         if open_channel is not None:
@@ -155,7 +153,6 @@ class LocalChannels:
         return events
 
     def pending(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
-        """See `runtime.environment.Channels.pending`."""
         return tuple(_words(channel, channel.pending) for channel in self._pending(ignoring))
 
     def give_up(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:

@@ -47,7 +47,7 @@ class _Content:
 
 
 class MemoryFiles:
-    """A task folder in memory.
+    """A task folder in memory; implements `runtime.environment.Files`.
 
     A file that is removed while it is open can be used until it is closed, as on a disk, and counts until then.
 
@@ -70,7 +70,6 @@ class MemoryFiles:
         return {name: bytes(node.data) for name, node in self._nodes.items()}
 
     def open(self, name: str, mode: str, encoding: str | None, newline: str | None) -> IO[Any]:
-        """See `runtime.environment.Files.open`."""
         self._check_openable(name)
         node = self._nodes.get(name)
         if "r" in mode and node is None:
@@ -93,15 +92,12 @@ class MemoryFiles:
             raise FileNotFoundError(2, "No such file or directory", name)
 
     def kind(self, name: str) -> str:
-        """See `runtime.environment.Files.kind`."""
         return "file" if name in self._nodes else "folder" if name in self._folders else ""
 
     def size(self, name: str) -> int:
-        """See `runtime.environment.Files.size`."""
         return len(self._node(name).data)
 
     def names(self, name: str) -> list[str]:
-        """See `runtime.environment.Files.names`."""
         if name not in self._folders:
             raise FileNotFoundError(2, "No such file or directory", name)
         start = name + "/" if name else ""
@@ -109,14 +105,12 @@ class MemoryFiles:
         return sorted(other for other in inside if other and "/" not in other)
 
     def remove(self, name: str) -> None:
-        """See `runtime.environment.Files.remove`."""
         node = self._node(name)
         del self._nodes[name]
         node.is_removed = True
         self._allowance.add(0 if node.handles else -len(node.data), -1)
 
     def make_folder(self, name: str) -> None:
-        """See `runtime.environment.Files.make_folder`."""
         if self.kind(name):
             raise FileExistsError(17, "File exists", name)
         if name.rpartition("/")[0] not in self._folders:

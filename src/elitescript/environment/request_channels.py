@@ -1,11 +1,9 @@
-"""Channels that somebody else holds: what programs ask for is collected, the host is told what comes of it."""
+"""Channels that are held elsewhere: what programs ask for is collected, and channel events come as inputs."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
 from typing import Final
 
-from elitescript.messages.inputs import ChannelEvent
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import (
     ChannelRequest,
@@ -15,47 +13,30 @@ from elitescript.messages.outputs import (
     OpenLine,
     SendChannel,
 )
-from elitescript.runtime.environment import Channels, Files
+from elitescript.runtime.environment import Channels, Files, NoChannels
 
 TCP: Final = "tcp"
 
 
 class RequestEnvironment:
-    """The world of a robot that has no network of its own.
-
-    Attributes:
-        files: the task folder.
-        channels: collect what is asked for.
-    """
-
-    __slots__ = ("channels", "files")
-
-    def __init__(self, files: Files) -> None:
-        self.files = files
-        self.channels = RequestChannels()
-
-
-class FaultyEnvironment:
-    """A world with another network.
+    """Task folder and network of a robot that has no network of its own.
 
     Args:
         files: the task folder.
-        channels: the network.
+        channels: the network; one that collects what is asked for if None.
     """
 
     __slots__ = ("channels", "files")
 
-    def __init__(self, files: Files, channels: Channels) -> None:
+    def __init__(self, files: Files, channels: Channels | None = None) -> None:
         self.files = files
-        self.channels = channels
+        self.channels: Channels = RequestChannels() if channels is None else channels
 
 
-class RequestChannels:
+class RequestChannels(NoChannels):
     """Implements `runtime.environment.Channels` for a robot that has no network of its own."""
 
     __slots__ = ("_last", "_requests")
-
-    is_real: Final = False
 
     def __init__(self) -> None:
         self._last = 0
@@ -79,29 +60,10 @@ class RequestChannels:
         return self._last
 
     def send(self, channel: int, data: bytes) -> None:
-        """See `runtime.environment.Channels.send`."""
         self._requests.append(SendChannel(channel, data))
 
     def credit(self, channel: int, size: int) -> None:
-        """See `runtime.environment.Channels.credit`."""
         self._requests.append(CreditChannel(channel, size))
 
     def close(self, channel: int) -> None:
-        """See `runtime.environment.Channels.close`."""
         self._requests.append(CloseChannel(channel))
-
-    def arrivals(self, tick: int) -> Sequence[ChannelEvent]:
-        """Nothing: whoever holds the connections tells the host."""
-        return ()
-
-    def pending(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
-        """Not known here: whoever holds the connections brings to its end what was asked for."""
-        return ()
-
-    def give_up(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
-        """Not done here."""
-        return ()
-
-    def next_tick(self, tick: int) -> int | None:
-        """Not known here."""
-        return None

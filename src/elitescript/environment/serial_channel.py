@@ -98,7 +98,7 @@ class SerialChannel:
 
     @property
     def pending(self) -> int:
-        """Bytes that are not out of the port yet, as far as the system can say."""
+        """Bytes that are not out of the port yet, as far as the system reports it."""
         try:
             return len(self._outgoing) + (0 if self._port is None else self._port.out_waiting)
         except _FAILURES:

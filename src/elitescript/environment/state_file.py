@@ -6,8 +6,8 @@
 
 Only points that are not at their default are in it, under the names that `--set` takes. A file is replaced as a whole:
 the new one is written beside it, brought to the disk, and takes its name. So there is the old one or the new one at
-every moment, whatever happens to process or computer. A file that is not understood, or that somebody else has changed
-since it was read, is left as it is.
+every moment, whatever happens to process or computer. A file that is not understood, or that another process has
+changed since it was read, is left as it is.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import os
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import IO, Any, Final, Protocol
+from typing import IO, Any, Final
 
 from elitescript.controller.signals.by_name import signal_write
 from elitescript.errors import UsageError
@@ -33,8 +33,10 @@ SIZE_MAX: Final = 1_000_000
 Levels = Mapping[str, tuple[Value, ...]]
 
 
-class Disk(Protocol):
-    """What a state file does to the disk, step by step."""
+class Disk:
+    """What a state file does to the disk of this computer, step by step."""
+
+    __slots__ = ()
 
     def read(self, path: Path, size_max: int) -> bytes:
         """Return the first bytes of a file.
@@ -42,40 +44,15 @@ class Disk(Protocol):
         Raises:
             OSError: there is none, or it cannot be read.
         """
-
-    def write(self, path: Path, data: bytes) -> None:
-        """Make a file, or replace what is in it."""
-
-    def sync(self, path: Path) -> None:
-        """Bring a file, or the names in a folder, to the disk."""
-
-    def replace(self, path: Path, target: Path) -> None:
-        """Give a file another name, which another file may have until then."""
-
-    def lock(self, path: Path) -> IO[bytes]:
-        """Return lock a file, which is made if there is none, until what this returns is closed.
-
-        Raises:
-            BlockingIOError: somebody else has it.
-        """
-
-
-class RealDisk:
-    """The disk of this computer."""
-
-    __slots__ = ()
-
-    def read(self, path: Path, size_max: int) -> bytes:
-        """See `Disk.read`."""
         with path.open("rb") as file:
             return file.read(size_max)
 
     def write(self, path: Path, data: bytes) -> None:
-        """See `Disk.write`."""
+        """Make a file, or replace what is in it."""
         path.write_bytes(data)
 
     def sync(self, path: Path) -> None:
-        """See `Disk.sync`."""
+        """Bring a file, or the names in a folder, to the disk."""
         if os.name != "posix" and path.is_dir():
             return  # Other systems cannot, and need not.
         handle = os.open(path, os.O_RDONLY if os.name == "posix" else os.O_RDWR)
@@ -85,11 +62,15 @@ class RealDisk:
             os.close(handle)
 
     def replace(self, path: Path, target: Path) -> None:
-        """See `Disk.replace`."""
+        """Give a file another name, which another file may have until then."""
         path.replace(target)
 
     def lock(self, path: Path) -> IO[bytes]:
-        """See `Disk.lock`."""
+        """Lock a file, which is made if there is none, until what this returns is closed.
+
+        Raises:
+            BlockingIOError: another process has it.
+        """
         file = path.open("ab")
         try:
             if sys.platform == "win32":
@@ -125,7 +106,7 @@ class StateFile:
     def __init__(self, path: str | Path, disk: Disk | None = None) -> None:
         # Two names of one file are one file.
         self._path = Path(path).resolve()
-        self._disk: Disk = RealDisk() if disk is None else disk
+        self._disk = Disk() if disk is None else disk
         self._lock: IO[bytes] | None = None
         self._seen: bytes | None = None
         """What was there when it was looked at last; None without a file."""
@@ -149,10 +130,10 @@ class StateFile:
         return self._path.with_name(self._path.name + ".new")
 
     def hold(self) -> None:
-        """Keep everybody else away until `release`.
+        """Lock out other processes until `release`.
 
         Raises:
-            UsageError: somebody else has it.
+            UsageError: another process has it.
         """
         if self._lock is not None:
             return
@@ -175,20 +156,20 @@ class StateFile:
         """Read what is kept, by the names of `--set`; nothing if there is no file.
 
         Raises:
-            UsageError: somebody else uses it, it cannot be read, or it is no state file of this version.
+            UsageError: another process uses it, it cannot be read, or it is no state file of this version.
         """
         with self._held():
             self._seen = self._read()
             return {} if self._seen is None else self._levels(self._seen)
 
     def save(self, levels: Levels) -> None:
-        """Write what is to be kept, unless the file says so already.
+        """Write what is to be kept, unless the file has it already.
 
         Args:
             levels: every family of signals; those that are not kept may be missing.
 
         Raises:
-            UsageError: somebody else uses it, has changed it since it was read, or it cannot be written.
+            UsageError: another process uses it, has changed it since it was read, or it cannot be written.
         """
         data = state_text(levels).encode()
         if data == self._seen or (self._seen is None and not _kept(levels)):

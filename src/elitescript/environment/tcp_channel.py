@@ -33,7 +33,7 @@ _ERRORS: Final = {
     errno.EHOSTUNREACH: ChannelError.HOST_UNREACHABLE,
 }
 _UNDER_WAY: Final = (EINPROGRESS, EWOULDBLOCK, EINTR)
-"""What a system says of an attempt to connect that goes on."""
+"""Error numbers of an attempt to connect that goes on."""
 
 
 class TcpChannel:
@@ -88,7 +88,7 @@ class TcpChannel:
         try:
             self._look_up(socket.AI_NUMERICHOST)
         except (OSError, ValueError):
-            # A name: whoever knows it may take seconds to answer.
+            # A name: a name server may take seconds to answer.
             Thread(target=self._look_up_name, name=f"look up {address!r:.40}", daemon=True).start()
 
     # ---------------------------------------------------------------- connecting
@@ -124,7 +124,7 @@ class TcpChannel:
         with suppress(OSError):
             self._is_open = bool(self._socket.getpeername())
         if self._is_open and self._socket.getpeername() == self._socket.getsockname():
-            # Nobody listens, but the system has chosen that very port for this end.
+            # Nothing listens, but the system has chosen that very port for this end.
             self._failure, self._error = "connection refused", ChannelError.REFUSED
 
     # ---------------------------------------------------------------- bytes
@@ -191,7 +191,7 @@ class TcpChannel:
 
     @property
     def pending(self) -> int:
-        """Bytes that the peer's computer does not have yet, as far as this one can say."""
+        """Bytes that the peer's computer does not have yet, as far as this one reports it."""
         return len(self._outgoing) + (0 if self._socket is None or self.is_over else _unacknowledged(self._socket))
 
     def close(self) -> None:

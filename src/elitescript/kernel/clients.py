@@ -1,4 +1,4 @@
-"""Clients of a robot's ports in memory and virtual time: what another computer sees, without a socket."""
+"""Clients of a robot's ports in memory and virtual time, without a socket."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from elitescript.messages.timing import ticks_for
 from elitescript.protocol.transport import MemoryTransport
 
 EXPECT_S: Final = 1.0
-"""How long `Client.expect` waits, unless it is told otherwise."""
+"""How long `Client.expect` waits by default, s of robot time."""
 _SHOWN: Final = 200
 """Bytes that the text of an error shows."""
 
@@ -101,7 +101,7 @@ class Client:
 
 
 class Clients:
-    """All clients of one robot that are in memory.
+    """Holds the clients of one robot that are in memory.
 
     Args:
         robot: the robot.
@@ -136,7 +136,7 @@ class Clients:
         return Client(transport, step)
 
     def take_in(self) -> None:
-        """Before a tick: give the robot what the clients have sent."""
+        """Give the robot what the clients have sent, before a tick."""
         robot = self._robot
         senders = [transport for transport in self._open if transport.has_sent]
         if senders:
@@ -146,7 +146,7 @@ class Clients:
                 self._report(transport)
 
     def publish(self) -> None:
-        """After a tick: give it to the clients."""
+        """Give a tick that has run to the clients."""
         robot = self._robot
         tick, has_news = robot.present_tick, robot.has_news
         for transport in self._open:

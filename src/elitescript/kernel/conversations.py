@@ -1,4 +1,4 @@
-"""Statements of interpreter mode and queries: begun a few in each tick, answered when they are through."""
+"""Statements of interpreter mode and queries: begun a few in each tick, answered when they are done."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ Reply = Callable[[str, Outcome], None]
 
 
 class Conversations:
-    """Begins statements and queries in their order, and answers them.
+    """Begins statements and queries in their order, and answers them; a `runtime.interpreter.StatementListener`.
 
     Args:
         host: runs statements and queries.
@@ -57,12 +57,12 @@ class Conversations:
         host.interpreter.answers = self
 
     def interpret(self, item: Interpret) -> None:
-        """A statement of interpreter mode; the answer may come in a later tick."""
+        """Take a statement of interpreter mode; the answer may come in a later tick."""
         if not self._statements.put(item, len(item.text)):
             self._tell(item.origin, StatementDiscarded(DiscardReason.TOO_MANY, item.text))
 
     def word(self, item: InterpreterWord) -> None:
-        """A word that does not wait until statements are executed; `abort` not even until they are compiled."""
+        """Take a word that does not wait until statements are executed; `abort` not even until they are compiled."""
         if item.word == "abort":
             self._log(item.origin, item.word)
             self._host.abort_move()
@@ -70,7 +70,7 @@ class Conversations:
             self._tell(item.origin, StatementDiscarded(DiscardReason.TOO_MANY, item.word))
 
     def query(self, item: Query) -> None:
-        """A query; the answer comes in this tick or a later one."""
+        """Take a query; the answer comes in this tick or a later one."""
         if not self._queries.put(item, len(item.text)):
             self._reply(item.origin, QueryFailed(is_compiled=True))
 
@@ -107,15 +107,12 @@ class Conversations:
             self._tell(item.origin, StatementNumber(item.word, numbers[item.word]))
 
     def accepted(self, origin: str, number: int, text: str) -> None:
-        """See `runtime.interpreter.StatementListener`."""
         self._tell(origin, StatementAccepted(number, text))
 
     def discarded(self, origin: str, reason: DiscardReason, text: str, trace: str = "") -> None:
-        """See `runtime.interpreter.StatementListener`."""
         self._tell(origin, StatementDiscarded(reason, text, trace))
 
     def executed(self, number: int, step: str, text: str) -> None:
-        """See `runtime.interpreter.StatementListener`."""
         if self._logs is not None:
             self._logs.execution.add(f"{step}: {number}: {text}")
 
@@ -167,7 +164,7 @@ class _Turns(Generic[Item]):
         return bool(self._waiting)
 
     def put(self, item: Item, size: int) -> bool:
-        """Take an item of so many characters; whether there is room for it."""
+        """Take an item of so many characters; return whether there is room for it."""
         work = max(size, self._least_work)
         if not self._waiting and self._left > 0:
             self._do(item, work)
@@ -178,7 +175,7 @@ class _Turns(Generic[Item]):
         return True
 
     def go_on(self) -> None:
-        """A new share of work."""
+        """Begin a tick, with a new share of work."""
         self._left = WORK_PER_TICK
         while self._waiting and self._left > 0:
             self._do(*self._waiting.popleft())

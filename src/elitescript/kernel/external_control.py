@@ -69,17 +69,17 @@ class Fetch:
 
     Args:
         channels: carry the bytes.
-        sender: who has it.
-        origin: who has started the task.
-        tick: when.
+        sender: where the program is.
+        origin: of the request that started the task.
+        tick: of that request.
     """
 
     __slots__ = (
         "_abandoned",
         "_channels",
         "_failure",
-        "_heard_tick",
         "_is_over",
+        "_last_tick",
         "_start_tick",
         "channel",
         "data",
@@ -92,7 +92,7 @@ class Fetch:
         self.sender = sender
         self.origin = origin
         self.data = bytearray()
-        self._start_tick = self._heard_tick = tick
+        self._start_tick = self._last_tick = tick
         self._abandoned = self._failure = ""
         self._is_over = False
         self.channel = channels.open(sender.host, sender.port, CONNECT_S)
@@ -100,7 +100,7 @@ class Fetch:
             self._failure = "there is no network"
 
     def event(self, event: ChannelEvent, tick: int) -> None:
-        """Something has happened on the channel."""
+        """Take an event of the channel."""
         if isinstance(event, ChannelOpened):
             if event.is_open:
                 self._channels.send(self.channel, REQUEST)
@@ -109,7 +109,7 @@ class Fetch:
                 self._failure = event.reason or "no connection"
         elif isinstance(event, ChannelData):
             self.data += event.data
-            self._heard_tick = tick
+            self._last_tick = tick
             self._channels.credit(self.channel, len(event.data))
             if len(self.data) > MAX_UNIT_BYTES:
                 self._failure = f"the program is longer than {MAX_UNIT_BYTES} bytes"
@@ -118,10 +118,10 @@ class Fetch:
             self._is_over = True
 
     def result(self, tick: int) -> bytes | None:
-        """The program once it is whole; None as long as it is not.
+        """Return the program once it is whole; None as long as it is not.
 
         Raises:
-            ConnectionError: it does not come; says why.
+            ConnectionError: it does not come; with the reason.
         """
         if not self._abandoned and not self._failure and not self._is_whole(tick):
             if tick - self._start_tick < FETCH_TICKS:
@@ -137,11 +137,11 @@ class Fetch:
         return bytes(self.data)
 
     def abandon(self, why: str) -> None:
-        """It is not wanted any more."""
+        """End with this reason: the program is not wanted any more."""
         self._abandoned = why
 
     def close(self) -> None:
-        """Let the sender go."""
+        """Close the connection to the sender."""
         if self.channel:
             self._channels.close(self.channel)
             self.channel = 0
@@ -149,4 +149,4 @@ class Fetch:
     def _is_whole(self, tick: int) -> bool:
         if self._is_over or LAST_LINE in self.data[-200:]:
             return True
-        return bool(self.data) and tick - self._heard_tick >= SILENCE_TICKS
+        return bool(self.data) and tick - self._last_tick >= SILENCE_TICKS

@@ -70,7 +70,7 @@ _CAUSES: Final = {RESTART: "schedule"} | {f"{WORLD}:{by}": by for by in ("device
 
 
 def cause_of(origin: str) -> str:
-    """Return `SignalChanged.by` for what an input of an origin changes: what the origin says, else `client`."""
+    """Return `SignalChanged.by` for what an input of an origin changes: what the origin names, else `client`."""
     return _CAUSES.get(origin, "client")
 
 
@@ -206,9 +206,6 @@ class InputHandlers:
 
     # ---------------------------------------------------------------- programs and messages
 
-    def _run_unit(self, item: RunUnit) -> None:
-        self.programs.run(item)
-
     def _task_input(self, item: LoadTask | LoadConfiguration | PlayTask | SetVariable | GetVariable) -> None:
         if (outcome := self.tasks.answer(item)) is not None:
             self._reply(item.origin, outcome)
@@ -289,7 +286,7 @@ def _check_point(request: object) -> None:
 
 HANDLERS: Final[dict[type, Callable[[InputHandlers, Any], None]]] = {
     Do: InputHandlers._do,
-    RunUnit: InputHandlers._run_unit,
+    RunUnit: lambda handlers, item: handlers.programs.run(item),
     **dict.fromkeys((LoadTask, LoadConfiguration, PlayTask, SetVariable, GetVariable), InputHandlers._task_input),
     Interpret: lambda handlers, item: handlers.conversations.interpret(item),
     InterpreterWord: lambda handlers, item: handlers.conversations.word(item),

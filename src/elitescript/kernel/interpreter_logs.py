@@ -1,4 +1,4 @@
-"""The two logs of interpreter mode: what clients sent and were told, and what was executed.
+"""The two logs of interpreter mode: what clients sent and got as replies, and what was executed.
 
 There are two, for what was received or discarded and for what was executed under which number: *documented* (manual
 2.14, interpreter mode). Their names, their form and how long they grow are *assumed*.
@@ -25,7 +25,7 @@ PENDING_MAX: Final = 1 << 16
 
 
 class LogFile:
-    """One of them.
+    """Writes one log.
 
     Args:
         files: the task folder.
@@ -47,11 +47,11 @@ class LogFile:
         return bool(self._lines)
 
     def begin_tick(self, tick: int) -> None:
-        """What is added from now on happens in this tick."""
+        """Begin a tick: what is added from now on happens in it."""
         self._tick = tick
 
     def add(self, text: str) -> None:
-        """Something has happened."""
+        """Add a line."""
         if not self._lines:
             self._waits_since = self._tick
         line = f"{seconds(self._tick):10.3f} s  {' '.join(text.splitlines())}\n"
@@ -84,13 +84,13 @@ class LogFile:
 
 
 class InterpreterLogs:
-    """Both.
+    """Holds both logs.
 
     Args:
         files: the task folder.
 
     Attributes:
-        received: every line that came, with what its client was told.
+        received: every line that came, and the replies.
         execution: every statement when it begins and when it is over, with its number.
     """
 
@@ -112,7 +112,7 @@ class InterpreterLogs:
         self.execution.begin_tick(tick)
 
     def end_tick(self) -> str:
-        """A tick is over: write what is due; return why something could not be written, if that is news."""
+        """End a tick: write what is due; return why something could not be written, if that is news."""
         for log in (self.received, self.execution):
             try:
                 log.end_tick()

@@ -1,7 +1,7 @@
-"""Lines that clients mean as script and that are none: the first of a burst are told one by one, the others counted.
+"""Lines of clients that are no script: the first of a burst are reported one by one, the others counted.
 
 That a line which does not compile is an exception is *documented*. How many exceptions a controller makes of a flood of
-them is not known; each would keep what others are to hear waiting, so there is an end to them (*assumed*).
+them is not known; each delays what others get, so their number is limited (*assumed*).
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Final
 
 from elitescript.messages.timing import TICKS_PER_S
 
-TOLD_MAX: Final = 10
+REPORTED_MAX: Final = 10
 """Of one client's burst."""
 BURST_TICKS: Final = TICKS_PER_S
 """Without such a line, after which a burst is over."""
@@ -20,16 +20,16 @@ REPORT_TICKS: Final = TICKS_PER_S
 
 
 class InvalidLineLimiter:
-    """Such lines of all clients.
+    """Counts such lines of all clients.
 
     Args:
-        tell: takes a line for the log.
+        warn: takes a line for the log.
     """
 
-    __slots__ = ("_bursts", "_tell")
+    __slots__ = ("_bursts", "_warn")
 
-    def __init__(self, tell: Callable[[str], None]) -> None:
-        self._tell = tell
+    def __init__(self, warn: Callable[[str], None]) -> None:
+        self._warn = warn
         self._bursts: dict[str, _Burst] = {}
 
     @property
@@ -37,35 +37,35 @@ class InvalidLineLimiter:
         """Whether the burst of a client goes on."""
         return bool(self._bursts)
 
-    def is_told(self, origin: str, tick: int) -> bool:
-        """Count a line of a client; whether it is to be told by itself."""
+    def is_reported(self, origin: str, tick: int) -> bool:
+        """Count a line of a client; return whether it is to be reported by itself."""
         burst = self._bursts.get(origin)
         if burst is None:
             burst = self._bursts[origin] = _Burst(tick)
         burst.last_tick = tick
-        if burst.told < TOLD_MAX:
-            burst.told += 1
+        if burst.reported < REPORTED_MAX:
+            burst.reported += 1
             return True
         burst.left_out += 1
         return False
 
     def go_on(self, tick: int) -> None:
-        """A tick begins: tell of bursts that are over, or have not been told of for long."""
+        """Begin a tick: report bursts that are over, or go on since the last report of `REPORT_TICKS` ago."""
         for origin, burst in list(self._bursts.items()):
             is_over = tick - burst.last_tick >= BURST_TICKS
             if burst.left_out and (is_over or tick - burst.report_tick >= REPORT_TICKS):
                 lines = "1 more line" if burst.left_out == 1 else f"{burst.left_out} more lines"
-                self._tell(f"{origin} sent {lines} that are no script. Does that client speak another protocol?")
+                self._warn(f"{origin} sent {lines} that are no script. Does that client speak another protocol?")
                 burst.left_out, burst.report_tick = 0, tick
             if is_over:
                 del self._bursts[origin]
 
 
 class _Burst:
-    """What a client has sent without a pause."""
+    """Lines that a client has sent without a pause."""
 
-    __slots__ = ("last_tick", "left_out", "report_tick", "told")
+    __slots__ = ("last_tick", "left_out", "report_tick", "reported")
 
     def __init__(self, tick: int) -> None:
         self.last_tick = self.report_tick = tick
-        self.told = self.left_out = 0
+        self.reported = self.left_out = 0

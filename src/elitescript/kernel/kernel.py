@@ -3,7 +3,7 @@
 `Kernel.tick` runs one tick and returns what happened in it. The machine as ports show it is a call of its own,
 `Kernel.snapshot`: it takes most of the time of a tick of an arm that moves, and changes nothing.
 
-`VirtualRobot`, `serve` and its child hold a `Kernel`. Nothing here knows a clock, a socket or a file of this computer:
+`VirtualRobot`, `serve` and its child hold a `Kernel`. Nothing here uses a clock, a socket or a file of this computer:
 a kernel does the same whenever it is made with the same options and given the same inputs at the same ticks.
 
 A plain run needs neither ports nor inputs. They are imported by the first that is used.
@@ -172,13 +172,13 @@ class Kernel:
     def _asking_environment(self, environment: ProgramEnvironment | None) -> ProgramEnvironment:
         """Return an environment whose network is requests in the outputs, around which faults act."""
         from elitescript.devices.channels.faulty_channels import FaultyChannels
-        from elitescript.environment.request_channels import FaultyEnvironment, RequestChannels
+        from elitescript.environment.request_channels import RequestChannels, RequestEnvironment
         from elitescript.runtime.environment import FilesRefused
 
         faults = [fault for fault in self.options.faults if not isinstance(fault, DisturbInput)]
         self._requests = RequestChannels()
         self._faulty = FaultyChannels(self._requests, faults, seed=self.options.seed, say=self._note_fault)
-        return FaultyEnvironment(FilesRefused() if environment is None else environment.files, self._faulty)
+        return RequestEnvironment(FilesRefused() if environment is None else environment.files, self._faulty)
 
     def _made_handlers(self, has_logs: bool) -> InputHandlers:
         from elitescript.kernel.handlers import InputHandlers
@@ -325,14 +325,14 @@ class Kernel:
         """Return the machine at the present tick, as ports show it."""
         handlers = self.handlers
         return self._snapshot_builder().picture(
-            handlers.tasks.picture, self.popup.text, is_remote=handlers.is_remote, overruns=self.overruns
+            handlers.tasks.shown, self.popup.text, is_remote=handlers.is_remote, overruns=self.overruns
         )
 
     def discrete_state(self) -> tuple[object, ...]:
         """Return all that a snapshot shows and that does not change with time alone; see `SnapshotBuilder`."""
         handlers = self.handlers
         state = self._snapshot_builder().discrete_state()
-        return (*state, handlers.tasks.picture, self.popup.text, handlers.is_remote)
+        return (*state, handlers.tasks.shown, self.popup.text, handlers.is_remote)
 
     def _snapshot_builder(self) -> SnapshotBuilder:
         if self._snapshots is None:
@@ -346,22 +346,18 @@ class Kernel:
         """Script line of the main thread; 0 while no program runs."""
         return self.controller.task.program.line
 
-    # ---------------------------------------------------------------- what is beside the robot
+    # ---------------------------------------------------------------- `RobotAccess`
 
     def read(self, name: str, index: int) -> Value:
-        """See `devices.surroundings.RobotAccess.read`."""
         return self.controller.read(name, index)
 
     def write(self, request: WriteSignal, by: str) -> None:
-        """See `devices.surroundings.RobotAccess.write`."""
         self.controller.put(self.controller.tick, request, by)
 
     def disturb(self, request: DisturbInput | EndInputFaults) -> None:
-        """See `devices.surroundings.RobotAccess.disturb`."""
         self.controller.put(self.controller.tick, request, "fault")
 
     def emit(self, event: Event) -> None:
-        """See `devices.surroundings.RobotAccess.emit`."""
         self.controller.emit(event)
 
     def channel_event(self, event: ChannelEvent) -> None:
@@ -391,8 +387,8 @@ class Kernel:
 
     def _record(self, event: Event) -> None:
         """Have the clients get an event, unless it is a warning of which the program has made many."""
-        if isinstance(event, Warned) and event.thread and (event.code, event.line) in self.handlers.programs.told:
-            return  # said when the program was checked
+        if isinstance(event, Warned) and event.thread and (event.code, event.line) in self.handlers.programs.reported:
+            return  # reported when the program was checked
         if isinstance(event, TaskStateChanged) and event.state is TaskState.STOPPED:
             self._events += self._limit.rest(event.tick)
         elif self._is_of_program(event) and not self._limit.takes(event):

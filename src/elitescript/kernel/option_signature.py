@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 from typing import Any, TypeVar
 
 from elitescript.kernel.options import DEFAULTS, IN_VIRTUAL_TIME, KEYWORDS, OPTIONS, RobotOptions
@@ -15,23 +14,11 @@ _ENTRY = "        **options: "
 def takes_options(cls: type[T]) -> type[T]:
     """Name each option in signature and docstring of a class whose constructor takes `**options`; a decorator.
 
-    Nothing is worked out before somebody looks.
+    Both are worked out when they are first read.
     """
     for name, value in (("__signature__", _Signature()), ("__doc__", _Docstring(cls.__doc__ or ""))):
         setattr(cls, name, value)
     return cls
-
-
-def option_lines() -> list[str]:
-    """Return an entry of a docstring's `Args` for each keyword, indented by eight spaces."""
-    from textwrap import fill
-
-    lines: list[str] = []
-    for row in fields(RobotOptions):
-        if row.name in KEYWORDS:
-            text = f"{row.name}: {described(row.name)}."
-            lines.append(fill(text, 120, initial_indent=" " * 8, subsequent_indent=" " * 12))
-    return lines
 
 
 def described(name: str) -> str:
@@ -46,15 +33,13 @@ class _Signature:
     def __get__(self, instance: object, owner: Any) -> Any:
         from inspect import Parameter, signature
 
-        own = list(signature(owner.__init__).parameters.values())[1:]
-        defaults = {**DEFAULTS, **IN_VIRTUAL_TIME}
-        kept = [parameter for parameter in own if parameter.kind is not Parameter.VAR_KEYWORD]
+        written = signature(owner.__init__)
+        _, *own, _ = written.parameters.values()  # without `self` and `**options`
+        defaults, types = {**DEFAULTS, **IN_VIRTUAL_TIME}, RobotOptions.__annotations__
         options = [
-            Parameter(row.name, Parameter.KEYWORD_ONLY, default=defaults[row.name], annotation=row.type)
-            for row in fields(RobotOptions)
-            if row.name in KEYWORDS
+            Parameter(name, Parameter.KEYWORD_ONLY, default=defaults[name], annotation=types[name]) for name in KEYWORDS
         ]
-        return signature(owner.__init__).replace(parameters=[*kept, *options], return_annotation=Parameter.empty)
+        return written.replace(parameters=[*own, *options], return_annotation=Parameter.empty)
 
 
 class _Docstring:
@@ -64,7 +49,13 @@ class _Docstring:
         self._text = text
 
     def __get__(self, instance: object, owner: Any) -> str:
+        from textwrap import fill
+
         head, _, rest = self._text.partition(_ENTRY)
         lines = rest.splitlines(keepends=True)
         more = next((number for number, line in enumerate(lines[1:], 1) if not line.startswith(" " * 9)), len(lines))
-        return head + "".join(f"{line}\n" for line in option_lines()) + "".join(lines[more:])
+        entries = [
+            fill(f"{name}: {described(name)}.", 120, initial_indent=" " * 8, subsequent_indent=" " * 12)
+            for name in KEYWORDS
+        ]
+        return head + "".join(f"{entry}\n" for entry in entries) + "".join(lines[more:])

@@ -15,7 +15,7 @@ from importlib import import_module
 from math import inf, isfinite
 from operator import index
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from elitescript.controller.modes import AT_ONCE, REALISTIC, PowerTimes
 from elitescript.errors import UsageError, did_you_mean
@@ -34,21 +34,18 @@ if TYPE_CHECKING:
 ROBOT_SECTION: Final = "robot"
 """Section of a world file that sets options by their names."""
 
-# ---------------------------------------------------------------- what values an option takes
+# ---------------------------------------------------------------- kinds of values
 #
 # The text of a kind describes its values. `accept` returns a value in the form in which options hold it, or raises
 # `UsageError` with a text that begins with `must be`.
 
 
-class Number:
+class Number(NamedTuple):
     """Finite numbers from `low` to `high`, in an SI unit."""
 
-    __slots__ = ("high", "low", "unit")
-
-    def __init__(self, low: float = -inf, high: float = inf, unit: str = "") -> None:
-        self.low = low
-        self.high = high
-        self.unit = unit
+    low: float = -inf
+    high: float = inf
+    unit: str = ""
 
     def __str__(self) -> str:
         if isfinite(self.low) and isfinite(self.high):
@@ -83,13 +80,10 @@ class Time(Number):
         return super().accept(value.timestamp() if hasattr(value, "year") else value)
 
 
-class Whole:
+class Whole(NamedTuple):
     """Whole numbers from `low` on."""
 
-    __slots__ = ("low",)
-
-    def __init__(self, low: int | None = None) -> None:
-        self.low = low
+    low: int | None = None
 
     def __str__(self) -> str:
         return "a whole number" if self.low is None else f"a whole number >= {self.low}"
@@ -115,13 +109,10 @@ class Switch:
         return value
 
 
-class Text:
+class Text(NamedTuple):
     """Texts; those of `choices` if there are some."""
 
-    __slots__ = ("choices",)
-
-    def __init__(self, *choices: str) -> None:
-        self.choices = choices
+    choices: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         return " or ".join(f'"{choice}"' for choice in self.choices) or "a text"
@@ -151,20 +142,15 @@ class Joints:
         return (a, b, c, d, e, f)
 
 
-class Section:
-    """Objects of a class that a section of a world file describes as well, under the name of the option; or None.
+class Section(NamedTuple):
+    """Objects of a class that a section of a world file describes as well, under the name of the option; or None."""
 
-    Args:
-        home: `module:class`; the class has `from_table`, and is imported on first use.
-    """
-
-    __slots__ = ("_module", "_name")
-
-    def __init__(self, home: str) -> None:
-        self._module, _, self._name = home.partition(":")
+    module: str
+    name: str
+    """Of the class, which has `from_table` and is imported on first use."""
 
     def __str__(self) -> str:
-        return f"a `{self._name}`"
+        return f"a `{self.name}`"
 
     def accept(self, value: Any) -> Any:
         if value is not None and not isinstance(value, self._class()):
@@ -180,7 +166,7 @@ class Section:
         return self._class().from_table(table)
 
     def _class(self) -> Any:
-        return getattr(import_module(self._module), self._name)
+        return getattr(import_module(self.module), self.name)
 
 
 _RAD: Final = Number(unit="rad")
@@ -188,36 +174,21 @@ _RAD: Final = Number(unit="rad")
 # ---------------------------------------------------------------- the options
 
 
-class Option:
-    """What is known of an option besides name, type and default.
+class Option(NamedTuple):
+    """What is known of an option besides name, type and default."""
 
-    Attributes:
-        text: what it means, with the unit.
-        kind: what values it takes; None for what only this package sets.
-        default_text: the default in words, where the value says too little.
-        flag: on the command line; empty if it has none.
-        metavar: what stands behind the flag in help texts.
-        commands: that have the flag.
-    """
-
-    __slots__ = ("commands", "default_text", "flag", "kind", "metavar", "text")
-
-    def __init__(
-        self,
-        text: str,
-        kind: Number | Whole | Switch | Text | Joints | Section | None = None,
-        *,
-        default_text: str = "",
-        flag: str = "",
-        metavar: str = "",
-        commands: tuple[str, ...] = (),
-    ) -> None:
-        self.text = text
-        self.kind = kind
-        self.default_text = default_text
-        self.flag = flag
-        self.metavar = metavar
-        self.commands = commands
+    text: str
+    """What it means, with the unit."""
+    kind: Number | Whole | Switch | Text | Joints | Section | None = None
+    """What values it takes; None for what only this package sets."""
+    default_text: str = ""
+    """The default in words, where the value says too little."""
+    flag: str = ""
+    """On the command line; empty if it has none."""
+    metavar: str = ""
+    """What stands behind the flag in help texts."""
+    commands: tuple[str, ...] = ()
+    """Commands that have the flag."""
 
 
 def option(default: Any, *about: Any, **more: Any) -> Any:
@@ -245,7 +216,7 @@ class RobotOptions:
     firmware: str = option(
         DEFAULT_FIRMWARE,
         "controller firmware",
-        Text(*PROFILES),
+        Text(tuple(PROFILES)),
         flag="--firmware",
         commands=("run", "plot", "check", "serve"),
     )
@@ -294,15 +265,15 @@ class RobotOptions:
         "default.configuration", "path of the configuration that is loaded at the start", Text()
     )
     safety: SafetyLimits | None = option(
-        None, "what the safety system watches", Section("elitescript.controller.safety.limits:SafetyLimits")
+        None, "what the safety system watches", Section("elitescript.controller.safety.limits", "SafetyLimits")
     )
     contact: ContactConfig | None = option(
-        None, "planes that the TCP can touch", Section("elitescript.controller.force.contact:ContactConfig")
+        None, "planes that the TCP can touch", Section("elitescript.controller.force.contact", "ContactConfig")
     )
     plant: PlantConfig | None = option(
         None,
         "how the joints follow their targets",
-        Section("elitescript.messages.plant:PlantConfig"),
+        Section("elitescript.messages.plant", "PlantConfig"),
         default_text="exactly, unless an own arm has a `[plant]`",
     )
     signals: tuple[tuple[str, Value], ...] = option((), "levels at the start, by the names of `--set`")

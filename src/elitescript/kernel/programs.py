@@ -44,7 +44,7 @@ class Programs:
 
     Attributes:
         presets: values that program globals have before a program begins.
-        told: code and line of what was found in the newest program before it began.
+        reported: code and line of what was found in the newest program before it began.
     """
 
     __slots__ = (
@@ -56,7 +56,7 @@ class Programs:
         "_is_strict",
         "_profile",
         "presets",
-        "told",
+        "reported",
     )
 
     def __init__(
@@ -75,7 +75,7 @@ class Programs:
         self._profile = profile
         self._arm = arm
         self._environment = environment
-        self.told: frozenset[tuple[str, int]] = frozenset()
+        self.reported: frozenset[tuple[str, int]] = frozenset()
         self._is_strict = is_strict
         self._invalid_lines = InvalidLineLimiter(self._warn)
         self.presets: dict[str, object] = {}
@@ -98,7 +98,7 @@ class Programs:
         try:
             compiled = self.compiled(f"<{unit.origin}>", unit.text, unit.kind)
         except ProgramError as error:
-            if unit.kind != LINE or self._invalid_lines.is_told(unit.origin, self._controller.tick):
+            if unit.kind != LINE or self._invalid_lines.is_reported(unit.origin, self._controller.tick):
                 self.report(error, unit.kind, unit.origin)
             return
         if unit.kind == SECONDARY:
@@ -108,7 +108,7 @@ class Programs:
                 self._warn_secondary(str(error))
             return
         if unit.kind == LINE and (name := self._missing_name(unit.text)):
-            if self._invalid_lines.is_told(unit.origin, self._controller.tick):
+            if self._invalid_lines.is_reported(unit.origin, self._controller.tick):
                 text = f"name {name!r} is not defined"
                 self._alarm("R100", "NameError", text, 1, 1, unit.origin, unit.text.split("\n", 1)[0])
             return
@@ -129,7 +129,7 @@ class Programs:
         if checked.unit is None or checked.is_refused:
             raise ProgramError(checked.problems)
         self._tell(checked.problems)
-        self.told = frozenset((problem.code, problem.line) for problem in checked.problems)
+        self.reported = frozenset((problem.code, problem.line) for problem in checked.problems)
         return checked.unit
 
     def start(self, unit: CompiledUnit, name: str) -> None:
@@ -139,12 +139,12 @@ class Programs:
         self._host.start(unit, dict(self.presets), world=self._environment)
 
     def report(self, error: ProgramError, kind: str | None, origin: str) -> None:
-        """Say why a text does not compile: the first error as an alarm, the others of a program in the log.
+        """Report why a text does not compile: the first error as an alarm, the others of a program in the log.
 
         Args:
             error: why.
             kind: of the unit; None for a task.
-            origin: who sent it; stands in the place of the thread.
+            origin: of the text; stands in the place of the thread.
         """
         problems = sorted(error.problems, key=lambda problem: not problem.keeps_from_starting)
         if self._is_strict:
@@ -178,7 +178,7 @@ class Programs:
             self._warn(f"{more} more finding{'' if more == 1 else 's'}: `elitescript check` shows all of them")
 
     def _missing_name(self, text: str) -> str:
-        """The name that a line calls, if there is nothing of that name."""
+        """Return the name that a line calls if there is nothing of that name; else empty."""
         try:
             body = ast.parse(text.strip()).body
         except SyntaxError:

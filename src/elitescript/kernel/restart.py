@@ -39,13 +39,13 @@ _SAFETY_ACTIONS: Final = {
 }
 
 
-def restored_config(
-    config: RobotOptions, description: RobotDescription, last: Snapshot, first_tick: int
+def restored_options(
+    options: RobotOptions, description: RobotDescription, last: Snapshot, first_tick: int
 ) -> RobotOptions:
     """Return the options with which a robot goes on.
 
     Args:
-        config: of the robot that ended.
+        options: of the robot that ended.
         description: of the robot that ended.
         last: its last snapshot.
         first_tick: number of the next tick.
@@ -57,19 +57,19 @@ def restored_config(
         for index, value in enumerate(last.signals[name])
         if value != row.default and _is_level(row, value)
     ]
-    joints = config.joints
+    joints = options.joints
     if _are_finite(state.q_actual):
         ranges = zip(description.q_min, description.q_max, strict=True)
         a, b, c, d, e, f = (min(max(q, low), high) for q, (low, high) in zip(state.q_actual, ranges, strict=True))
         joints = (a, b, c, d, e, f)
     return replace(
-        config,
+        options,
         first_tick=first_tick,
         joints=joints,
-        speed=min(max(state.speed_scale, 0.0), 1.0) if isfinite(state.speed_scale) else config.speed,
+        speed=min(max(state.speed_scale, 0.0), 1.0) if isfinite(state.speed_scale) else options.speed,
         power_on=state.robot_mode in (RobotMode.RUNNING, RobotMode.BACK_DRIVE),
         remote=last.is_remote,
-        configuration=last.task.configuration or config.configuration,
+        configuration=last.task.configuration or options.configuration,
         signals=tuple(levels),
     )
 

@@ -30,14 +30,14 @@ from elitescript.runtime.environment import ProgramEnvironment, relative_name
 from elitescript.runtime.host import ScriptHost
 
 VALUE_MAX: Final = 4096
-"""Characters of a value that are told."""
+"""Characters of a value that are shown."""
 
 _NAMES_SHOWN: Final = 5
 """Programs of the task folder that a message names."""
 
 
 class Tasks:
-    """What is loaded.
+    """Loads and starts tasks, and sets variables.
 
     Args:
         controller: the machine.
@@ -56,8 +56,8 @@ class Tasks:
         "_host",
         "_initial",
         "_loaded",
-        "_picture",
         "_programs",
+        "_shown",
     )
 
     def __init__(
@@ -76,7 +76,7 @@ class Tasks:
         self._fetch: Fetch | None = None
         self._loaded = ""
         self._initial = self._configuration = configuration
-        self._picture: TaskPicture | None = None
+        self._shown: TaskPicture | None = None
 
     @property
     def is_waiting(self) -> bool:
@@ -84,19 +84,19 @@ class Tasks:
         return self._fetch is not None
 
     @property
-    def picture(self) -> TaskPicture:
+    def shown(self) -> TaskPicture:
         """The task as the dashboard shows it."""
         task = self._controller.task
         running = task.name if task.is_running else ""
-        if self._picture is None or self._picture.running != running:
-            self._picture = TaskPicture(
+        if self._shown is None or self._shown.running != running:
+            self._shown = TaskPicture(
                 self._loaded, running, self._configuration, is_saved=True, is_configuration_modified=False
             )
-        return self._picture
+        return self._shown
 
     def forget(self) -> None:
-        """Nothing is loaded, and no variable has a value."""
-        self._loaded, self._configuration, self._picture = "", self._initial, None
+        """Forget the loaded task and all variables."""
+        self._loaded, self._configuration, self._shown = "", self._initial, None
         self._programs.presets.clear()
         self._abandon("the controller was started anew")
 
@@ -105,16 +105,16 @@ class Tasks:
         return self._guarded(lambda: self._answer(item), item.origin)
 
     def stop(self) -> None:
-        """The task is to stop: a program that is on its way does not start."""
+        """Stop: a program that is on its way does not start."""
         self._abandon("the task was stopped")
 
     def _abandon(self, why: str) -> None:
-        """A program that is on its way is not wanted any more; who has asked for it hears so in this tick."""
+        """Give up a program that is on its way; its client gets the refusal in this tick."""
         if self._fetch is not None:
             self._fetch.abandon(why)
 
     def channel_event(self, event: ChannelEvent) -> bool:
-        """Take an event of a channel; whether it was for a task."""
+        """Take an event of a channel; return whether it was for a task."""
         if self._fetch is None or self._fetch.channel != event.channel:
             return False
         self._fetch.event(event, self._controller.tick)
@@ -160,12 +160,12 @@ class Tasks:
         if sender_of(self._files, relative_name(path)) is None:
             self._program_of(path)
         self._abandon("another task was loaded")
-        self._loaded, self._picture = path, None
+        self._loaded, self._shown = path, None
         self._controller.emit(TaskLoaded(self._controller.tick, path))
         return Done()
 
     def _program_of(self, path: str) -> str:
-        """Name of the file that holds the program of a task.
+        """Return the name of the file that holds the program of a task.
 
         Raises:
             FileNotFoundError: there is none.
@@ -190,7 +190,7 @@ class Tasks:
     def _load_configuration(self, path: str) -> Outcome:
         if self._files.kind(relative_name(path)) != "file":
             return Refused("there is no such file in the task folder")
-        self._configuration, self._picture = path, None
+        self._configuration, self._shown = path, None
         return Done()
 
     def _play(self, origin: str) -> Outcome | None:
@@ -223,7 +223,10 @@ class Tasks:
         return Done()
 
     def _start_fetched(self, fetch: Fetch) -> Outcome | None:
-        """What keeps a task from starting ends the waiting too: nothing starts by itself after an emergency stop."""
+        """Start a program that has come.
+
+        What keeps a task from starting ends the waiting too: nothing starts by itself after an emergency stop.
+        """
         controller = self._controller
         data = fetch.result(controller.tick)
         if controller.task.is_running:

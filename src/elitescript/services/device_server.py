@@ -44,7 +44,7 @@ class DeviceServer:
         host: address at which they listen.
         ports: number of the port of this computer by that of a device; the same if it is not there.
         lines: serial port of this computer by the name of a line; a pseudo-terminal if it is not there.
-        say: takes what there is to say.
+        say: takes a text and whether it is a problem.
 
     Attributes:
         places: what each device is reached by, in words, once `open` has returned.
@@ -59,7 +59,7 @@ class DeviceServer:
         self._values: dict[str, Value] = {}
         self._servers: list[asyncio.Server] = []
         self._ends: dict[int, _End] = {}
-        self._ports = SerialPorts(self._heard)
+        self._ports = SerialPorts(self._take_events)
         self._terminals: list[_Terminal] = []
         self._refusal = ""
         """Why a serial port could not be had, while ports are being taken."""
@@ -67,7 +67,7 @@ class DeviceServer:
         self.places: list[str] = []
         world.on_device_failure = lambda error: say(f"{error}; the device is disconnected", True)
 
-    # ---------------------------------------------------------------- the robot that is not there
+    # ---------------------------------------------------------------- `RobotAccess` without a robot
 
     @property
     def present_tick(self) -> int:
@@ -80,7 +80,7 @@ class DeviceServer:
         return False
 
     def read(self, name: str, index: int) -> Value:
-        """A level that was set before."""
+        """Return a level that was set before."""
         row = SIGNALS[name]
         return self._values.get(signal_name(row, index), row.default)
 
@@ -92,23 +92,23 @@ class DeviceServer:
             self._world.signal_changed(name, request.value)
 
     def disturb(self, request: DisturbInput | EndInputFaults) -> None:
-        """There is no robot that could read anything else."""
+        """Warn that no robot reads the input."""
         if isinstance(request, DisturbInput):
             self._say(f"{request.kind} on {request.name}[{request.index}]: there is no robot here that reads it", True)
 
     def connect(self, service: str, origin: str) -> Connection:
-        """There is no robot."""
+        """Refuse: there is no robot."""
         raise UsageError(f"service: there is no robot here whose port {service} could be reached")
 
     def output(self) -> Output:
-        """There is no robot."""
+        """Refuse: there is no robot."""
         raise UsageError("there is no robot here")
 
     def post(self, inputs: Sequence[Input]) -> None:
-        """There is no robot."""
+        """Do nothing: there is no robot."""
 
     def emit(self, event: Event) -> None:
-        """Say what a device says."""
+        """Pass on a note of a device."""
         if isinstance(event, DeviceNoted):
             self._say(f"{event.device}: {event.text}", event.is_warning)
 
@@ -149,7 +149,7 @@ class DeviceServer:
             cycle.close()
 
     def step(self, tick: int) -> None:
-        """One tick."""
+        """Run one tick."""
         try:
             events = self._world.channels.arrivals(tick)
             self._world.settle()
@@ -190,21 +190,21 @@ class DeviceServer:
         self.places.append(f"{getattr(owner, 'title', port)} {server.sockets[0].getsockname()[1]}")
 
     def admit(self, end: _End, address: str, port: int) -> int:
-        """A client has come."""
+        """Open a channel for a client, and return its number."""
         channel = self._world.channels.open(address, port, CONNECT_S)
         self._ends[channel] = end
         return channel
 
     def send(self, channel: int, data: bytes) -> None:
-        """Something for a device."""
+        """Send bytes to a device."""
         self._world.channels.send(channel, data)
 
     def credit(self, channel: int, size: int) -> None:
-        """What a device sent has left."""
+        """Give a device credit for bytes that have left."""
         self._world.channels.credit(channel, size)
 
     def forget(self, channel: int) -> None:
-        """A client has gone."""
+        """Close the channel of a client that has gone."""
         if self._ends.pop(channel, None) is not None:
             self._world.channels.close(channel)
 
@@ -229,8 +229,8 @@ class DeviceServer:
         self._ends[channel] = end
         self.places.append(f"{getattr(device, 'title', line)} {target}")
 
-    def _heard(self, inputs: list[Input]) -> None:
-        """Something has happened on a serial port of this computer."""
+    def _take_events(self, inputs: list[Input]) -> None:
+        """Take events of the serial ports of this computer."""
         for item in inputs:
             if isinstance(item, ChannelData):
                 self.send(item.channel, item.data)
@@ -245,7 +245,7 @@ class _End:
     """The other end of a channel: a client, a terminal, a serial port."""
 
     def take(self, event: ChannelEvent) -> None:
-        """A device has done something."""
+        """Take an event of a device."""
 
     def drop(self) -> None:
         """Close at once."""

@@ -35,7 +35,7 @@ class ServerLog:
     """Passes on what is written to it.
 
     Args:
-        robot: its name, which tells it from the other robots of a `serve`.
+        robot: its name, unique among the robots of a `serve`.
         listen: takes everything.
 
     Attributes:

@@ -1,10 +1,10 @@
 """How the serving process reaches a robot: in this process, or in a child.
 
-Whichever it is, a tick is one call: inputs in, output out. The robot knows no clock: how fast its time passes is
-decided by the calls.
+In both cases a tick is one call: inputs in, output out. How fast the time of the robot passes depends on the calls
+alone.
 
 A snapshot takes most of the time of a tick, so one is made only at ticks of which something reads it, and when the
-discrete state has changed. The snapshot of any output therefore tells the truth about levels, modes, tool and task;
+discrete state has changed. So levels, modes, tool and task are up to date in the snapshot of any output;
 joints, poses and forces in it may be older, if nothing was to read them.
 """
 
@@ -13,26 +13,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
+from elitescript.kernel import Kernel
 from elitescript.messages.inputs import Input
-from elitescript.messages.outputs import Output, TickResult
+from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription, Snapshot
-
-
-class TickedRobot(Protocol):
-    """One robot as a function; `elitescript.kernel.Kernel` is one."""
-
-    @property
-    def description(self) -> RobotDescription:
-        """What never changes about it."""
-
-    def tick(self, inputs: Sequence[Input]) -> TickResult:
-        """Apply inputs in their order and go on by one tick."""
-
-    def snapshot(self) -> Snapshot:
-        """Return the machine as its ports show it after the last tick."""
-
-    def discrete_state(self) -> tuple[object, ...]:
-        """Return all that a snapshot shows and that does not change with time alone."""
 
 
 class RobotLink(Protocol):
@@ -73,7 +57,7 @@ class InProcessLink:
 
     __slots__ = ("_discrete_state", "_snapshot", "robot")
 
-    def __init__(self, robot: TickedRobot) -> None:
+    def __init__(self, robot: Kernel) -> None:
         self.robot = robot
         self._discrete_state: tuple[object, ...] = ()
         self._snapshot: Snapshot
@@ -87,13 +71,13 @@ class InProcessLink:
         return 1.0
 
     async def open(self) -> None:
-        """Nothing has to be brought up."""
+        """Do nothing: the robot is there."""
 
     async def tick(self, inputs: Sequence[Input], reads_snapshot: bool = True) -> Output:
         return self.tick_now(inputs, reads_snapshot)
 
     def tick_now(self, inputs: Sequence[Input], reads_snapshot: bool = True) -> Output:
-        """As `tick`, without waiting."""
+        """Run one tick as `tick` does, without waiting."""
         robot = self.robot
         result, discrete_state = robot.tick(inputs), robot.discrete_state()
         if reads_snapshot or discrete_state != self._discrete_state:
@@ -101,4 +85,4 @@ class InProcessLink:
         return result.with_snapshot(self._snapshot)
 
     async def close(self) -> None:
-        """Nothing is left behind."""
+        """Do nothing: there is nothing to end."""

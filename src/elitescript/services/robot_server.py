@@ -57,14 +57,13 @@ class RobotServer:
         ssh: the SSH port; there is none if None.
 
     Attributes:
-        name: tells it from the other robots of this `serve`.
+        name: unique among the robots of this `serve`.
         output: of the last tick.
     """
 
     __slots__ = (
         "_answered",
         "_by_urgency",
-        "_comers",
         "_followers",
         "_inputs",
         "_is_lockstep",
@@ -73,6 +72,7 @@ class RobotServer:
         "_lag_ticks",
         "_lockstep_timeout_s",
         "_log",
+        "_next_followers",
         "_overruns_before",
         "_ssh",
         "_stepped",
@@ -122,15 +122,15 @@ class RobotServer:
         # Time that waits for clients waits for what they ask, too.
         self._inputs = InputQueue(inf) if is_lockstep else InputQueue()
         self._stepped: list[asyncio.Future[Output]] = []
-        """Wait for the tick that begins next."""
+        """Futures that wait for the tick that begins next."""
         self._answered: list[asyncio.Future[Output]] = []
-        """Wait for the output of the tick that is under way."""
-        self._comers: list[Callable[[Output], bool]] = []
-        """Follow from the tick that begins next."""
+        """Futures that wait for the output of the tick that is under way."""
+        self._next_followers: list[Callable[[Output], bool]] = []
+        """Calls that follow from the tick that begins next."""
         self._followers: list[Callable[[Output], bool]] = []
         self._task: asyncio.Task[None] | None = None
 
-    # ---------------------------------------------------------------- what clients call
+    # ---------------------------------------------------------------- called by clients
 
     def post(self, inputs: list[Input]) -> int:
         """Take inputs for the next tick that begins; return its number."""
@@ -164,7 +164,7 @@ class RobotServer:
 
     def follow(self, take: Callable[[Output], bool]) -> None:
         """Call `take` with every output from the next tick that begins on, without a gap, until it returns False."""
-        self._comers.append(take)
+        self._next_followers.append(take)
 
     def connect(self, service: str, origin: str) -> Connection:
         """Make a connection to a port, for a device in this process.
@@ -304,7 +304,7 @@ class RobotServer:
         self._end_tick(await self.link.tick(self._begin_tick(), self._reads_snapshot()))
 
     def _step_now(self) -> bool:
-        """Do the same without waiting, if the robot is in this process; return whether it is."""
+        """Run one tick without waiting, if the robot is in this process; return whether it is."""
         if not isinstance(self.link, InProcessLink):
             return False
         self._end_tick(self.link.tick_now(self._begin_tick(), self._reads_snapshot()))
@@ -342,8 +342,8 @@ class RobotServer:
         self._is_under_way = True
         self._answered += self._stepped
         self._stepped.clear()
-        self._followers += self._comers
-        self._comers.clear()
+        self._followers += self._next_followers
+        self._next_followers.clear()
         if self._inputs.refused:
             self._note_refused()
         inputs = self._inputs.take(self.link.room)
@@ -381,7 +381,7 @@ class RobotServer:
         self._overruns_before = overruns
 
     def _reads_snapshot(self) -> bool:
-        """Whether anything reads more of the snapshot of the tick that begins now than the discrete state.
+        """Return whether anything reads more of the snapshot of the tick that begins now than the discrete state.
 
         Time that stands still leaves no later tick to read, so in lockstep every snapshot is new.
         """

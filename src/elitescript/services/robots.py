@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from elitescript.environment.allowance import TASK_DIR_BYTES, Allowance
 from elitescript.environment.local import LocalFiles
@@ -16,6 +16,7 @@ from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.runtime.environment import Files
+from elitescript.services.channels.connect_policy import ConnectPolicy
 from elitescript.services.child.jail import Layer
 from elitescript.services.child.link import ChildLink
 from elitescript.services.journal.replay import RecordedRobot
@@ -24,6 +25,7 @@ from elitescript.services.log import Listen, ServerLog
 from elitescript.services.robot_link import InProcessLink, RobotLink
 from elitescript.services.robot_server import RobotServer
 from elitescript.services.state_keeper import StateKeeper
+from elitescript.services.time.lockstep import TIMEOUT_S
 
 if TYPE_CHECKING:
     from elitescript.devices.world import World
@@ -32,7 +34,7 @@ if TYPE_CHECKING:
 
 
 def robot_link(
-    config: RobotOptions,
+    options: RobotOptions,
     *,
     task_dir: Path | None,
     task_dir_limit: int = TASK_DIR_BYTES,
@@ -40,10 +42,10 @@ def robot_link(
     is_jailed: bool,
     journal: Path | None,
 ) -> RobotLink:
-    """The way to one robot.
+    """Return the way to one robot.
 
     Args:
-        config: of the robot.
+        options: of the robot.
         task_dir: its task folder; an empty one in memory if None.
         task_dir_limit: bytes that its programs may add to it.
         in_process: keep it in this process.
@@ -55,12 +57,12 @@ def robot_link(
     """
     allowance = Allowance(task_dir_limit)
     files: Files = MemoryFiles({}, allowance) if task_dir is None else LocalFiles(task_dir.resolve(), allowance)
-    record = None if journal is None else Journal(journal, config)
+    record = None if journal is None else Journal(journal, options)
     if not in_process:
-        return ChildLink(config, files=files, is_jailed=is_jailed, journal=record)
+        return ChildLink(options, files=files, is_jailed=is_jailed, journal=record)
     if record is None:
-        return InProcessLink(Kernel(config, RequestEnvironment(files)))
-    return _RecordedLink(RecordedRobot(config, files, record), record)
+        return InProcessLink(Kernel(options, RequestEnvironment(files)))
+    return _RecordedLink(RecordedRobot(options, files, record), record)
 
 
 def served_robot(
@@ -71,22 +73,28 @@ def served_robot(
     world: World | None = None,
     keeper: StateKeeper | None = None,
     ssh_password: str | None = None,
-    **options: Any,
+    is_lockstep: bool = False,
+    lockstep_timeout_s: float = TIMEOUT_S,
+    lines: Mapping[str, str] | None = None,
+    policy: ConnectPolicy | None = None,
 ) -> RobotServer:
     """Return the server of one robot.
 
     Args:
-        name: tells it from the other robots of this `serve`.
+        name: unique among the robots of this `serve`.
         link: the way to the robot.
         listen: takes every event of the robot, and every line about clients, ports and time; must not block.
         world: virtual devices beside the robot.
         keeper: writes down what the robot keeps; nothing is written if None.
         ssh_password: that SSH clients log in with; there is no SSH port if None.
-        options: see `RobotServer`.
+        is_lockstep: see `RobotServer`.
+        lockstep_timeout_s: see `RobotServer`.
+        lines: see `RobotServer`.
+        policy: see `RobotServer`.
     """
     log = ServerLog(name, listen)
     if keeper is not None:
-        keeper.tell = lambda text: log.note("state", text, is_problem=True)
+        keeper.warn = lambda text: log.note("state", text, is_problem=True)
     devices: ServedDevices | None = None
     if world is not None:
         from elitescript.services.served_devices import ServedDevices
@@ -97,16 +105,26 @@ def served_robot(
         from elitescript.services.ssh.desk import SshDesk
 
         ssh = SshDesk(log, ssh_password)
-    return RobotServer(link, log, devices=devices, keeper=keeper, ssh=ssh, **options)
+    return RobotServer(
+        link,
+        log,
+        is_lockstep=is_lockstep,
+        lockstep_timeout_s=lockstep_timeout_s,
+        lines=lines,
+        devices=devices,
+        keeper=keeper,
+        policy=policy,
+        ssh=ssh,
+    )
 
 
 def numbered_path(path: Path, index: int) -> Path:
-    """The file of one of several robots: `day.journal`, `day.1.journal`, `day.2.journal`, ..."""
+    """Return the file of one of several robots: `day.journal`, `day.1.journal`, `day.2.journal`, ..."""
     return path if index == 0 else path.with_name(f"{path.stem}.{index}{path.suffix}")
 
 
 async def probe_jail() -> tuple[tuple[Layer, ...], str]:
-    """The layers that a child finds here, and what went wrong with it if something did."""
+    """Return the layers of the jail that a child finds here, and why it did not come up; empty if it did."""
     link = ChildLink(RobotOptions())
     try:
         await link.open()

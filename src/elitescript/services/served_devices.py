@@ -83,7 +83,7 @@ class ServedDevices:
         self._refusals: list[Input] = []
         world.on_device_failure = self._failed
 
-    # ---------------------------------------------------------------- what the devices call
+    # ---------------------------------------------------------------- called by devices
 
     @property
     def present_tick(self) -> int:
@@ -104,7 +104,7 @@ class ServedDevices:
         self._inputs.append(Do(f"{WORLD}:fault", request))
 
     def connect(self, service: str, origin: str) -> Connection:
-        """A connection to a port of the robot."""
+        """Make a connection to a port of the robot."""
         return self._connect(service, origin)
 
     @property
@@ -113,23 +113,23 @@ class ServedDevices:
         return bool(self.output().events or self.output().replies)
 
     def output(self) -> Output:
-        """The last tick."""
+        """Return the output of the last tick."""
         assert self._output is not None
         return self._output
 
     def post(self, inputs: Sequence[Input]) -> None:
-        """Inputs for the next tick."""
+        """Take inputs for the next tick."""
         self._inputs += inputs
 
     def emit(self, event: Event) -> None:
-        """Put what a device says into the log."""
+        """Write a note of a device into the log."""
         if isinstance(event, DeviceNoted):
             self._say(f"{event.device}: {event.text}", event.is_warning)
 
     def _failed(self, error: DeviceError) -> None:
         self._say(f"{error}; the device is disconnected", True)
 
-    # ---------------------------------------------------------------- what the server calls
+    # ---------------------------------------------------------------- called by the robot server
 
     def check_fault(self, fault: Fault) -> Fault:
         """See `World.check_fault`."""
@@ -147,7 +147,7 @@ class ServedDevices:
         self._world.begin(self)
 
     def reads_snapshot(self, tick: int) -> bool:
-        """Whether a device that is connected to a port of the robot reads the snapshot of a tick."""
+        """Return whether a device that is connected to a port of the robot reads the snapshot of a tick."""
         return self._world.reads_snapshot(tick)
 
     def inputs(self, tick: int) -> list[Input]:
@@ -213,7 +213,7 @@ class ServedDevices:
         return True
 
     def _has_room(self, number: int) -> bool:
-        """Whether a channel may be opened; if not, the robot gets the reason."""
+        """Return whether a channel may be opened; if not, the robot gets the reason."""
         if number not in self._leads and len(self._leads) < CHANNELS_MAX:
             return True
         why = f"channel {number} is in use" if number in self._leads else f"{CHANNELS_MAX} connections are open"

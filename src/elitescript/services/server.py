@@ -15,7 +15,7 @@ LOOPBACK: Final = frozenset({"127.0.0.1", "localhost", "::1", "ip6-localhost"})
 
 
 def is_loopback(host: str) -> bool:
-    """Whether only this computer reaches a server at this address."""
+    """Return whether only this computer reaches a server at this address."""
     return host in LOOPBACK or (host.startswith("127.") and host.count(".") == 3)
 
 
@@ -23,26 +23,26 @@ class ServeSession:
     """Opens, runs and closes all robots of one `serve`.
 
     Args:
-        stations: the robots.
+        servers: the robots.
         host: address to serve at.
         numbers: of each robot, its port for each service; 0 takes a free one.
         instance: of the first robot; the control channel of each is found by its instance.
         spares: of each robot, what stands in for ports that this user may not have; nothing if there are none.
     """
 
-    __slots__ = ("_controls", "_host", "_instance", "_numbers", "_spares", "stations")
+    __slots__ = ("_controls", "_host", "_instance", "_numbers", "_spares", "servers")
 
     def __init__(
         self,
-        stations: Sequence[RobotServer],
+        servers: Sequence[RobotServer],
         host: str,
         numbers: Sequence[Mapping[str, int]],
         instance: int,
         spares: Sequence[Mapping[str, int]] = (),
     ) -> None:
-        self.stations = tuple(stations)
-        for station in self.stations:
-            station.shares.robots = len(self.stations)
+        self.servers = tuple(servers)
+        for server in self.servers:
+            server.shares.robots = len(self.servers)
         self._host = host
         self._numbers = tuple(numbers)
         self._spares = tuple(spares) or ({},) * len(self._numbers)
@@ -56,23 +56,23 @@ class ServeSession:
             UsageError: a port cannot be had. Then nothing is open.
         """
         try:
-            for station in self.stations:
-                await station.boot()
-            for station, numbers, spares in zip(self.stations, self._numbers, self._spares, strict=True):
-                station.bind(self._host, numbers, spares)
-            for index, station in enumerate(self.stations):
-                control = ControlChannel(station, self._instance + index)
+            for server in self.servers:
+                await server.boot()
+            for server, numbers, spares in zip(self.servers, self._numbers, self._spares, strict=True):
+                server.bind(self._host, numbers, spares)
+            for index, server in enumerate(self.servers):
+                control = ControlChannel(server, self._instance + index)
                 await control.open()
                 self._controls.append(control)
-            own = {number for station in self.stations for number in station.ports.values()}
+            own = {number for server in self.servers for number in server.ports.values()}
             own.update(control.port for control in self._controls if control.port)
-            for station in self.stations:
-                station.broker.policy.own_ports |= own
+            for server in self.servers:
+                server.broker.policy.own_ports |= own
             # What is there now stays; the collector need not look at it in every round.
             gc.collect()
             gc.freeze()
-            for station in self.stations:
-                await station.open()
+            for server in self.servers:
+                await server.open()
         except BaseException:
             await self.close()
             raise
@@ -96,7 +96,7 @@ class ServeSession:
         stopped = asyncio.get_running_loop().create_task(stop.wait())
         try:
             done, _ = await asyncio.wait(
-                [stopped, *(station.task for station in self.stations)], return_when=asyncio.FIRST_COMPLETED
+                [stopped, *(server.task for server in self.servers)], return_when=asyncio.FIRST_COMPLETED
             )
             for task in done:
                 await task
@@ -109,5 +109,5 @@ class ServeSession:
         """Close every port, let every client and robot go; also what is only half open."""
         for control in self._controls:
             await control.close()
-        for station in self.stations:
-            await station.close()
+        for server in self.servers:
+            await server.close()

@@ -27,18 +27,18 @@ class StateKeeper:
 
     Args:
         file: its file, which is held until `close`.
-        tell: called with the reason of a write that fails.
+        warn: called with the reason of a write that fails.
 
     Raises:
         UsageError: another process uses the file.
     """
 
-    __slots__ = ("_ending", "_file", "_kept", "_saved", "_signals", "_task", "tell")
+    __slots__ = ("_ending", "_file", "_kept", "_saved", "_signals", "_task", "warn")
 
-    def __init__(self, file: StateFile, tell: Callable[[str], None] = lambda _text: None) -> None:
+    def __init__(self, file: StateFile, warn: Callable[[str], None] = lambda _text: None) -> None:
         file.hold()
         self._file = file
-        self.tell = tell
+        self.warn = warn
         self._ending = asyncio.Event()
         self._signals: Levels | None = None
         self._kept: dict[str, tuple[Value, ...]] = {}
@@ -81,14 +81,14 @@ class StateKeeper:
                 await asyncio.wait_for(self._ending.wait(), pause_s)
 
     async def _write(self) -> bool:
-        """Write what is kept now; whether that went well."""
+        """Write what is kept now; return whether that went well."""
         kept = self._kept
         if kept == self._saved:
             return True
         try:
             await asyncio.get_running_loop().run_in_executor(None, self._file.save, kept)
         except UsageError as error:
-            self.tell(str(error))
+            self.warn(str(error))
             return False
         self._saved = kept
         return True

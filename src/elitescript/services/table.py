@@ -45,7 +45,7 @@ def _rows(has_ssh: bool) -> tuple[Service | Extra, ...]:
 
 
 def port_numbers(instance: int, chosen: Mapping[str, int], *, robot: int = 0, has_ssh: bool = False) -> dict[str, int]:
-    """The port of every service of one robot.
+    """Return the port of every service of one robot.
 
     Args:
         instance: moves every port that is not chosen.

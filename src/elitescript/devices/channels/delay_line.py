@@ -26,7 +26,7 @@ class DelayLine:
         delay: ticks that one call's bytes take besides, drawn for each call.
 
     Attributes:
-        owner: whose code `deliver` is.
+        owner: device that `deliver` belongs to.
         under_way: bytes that were sent and have not arrived.
         is_ending: whether `finish` was called and its call has not come.
     """

@@ -1,6 +1,6 @@
 """Faults of channels and inputs: what there is, on what it makes sense, and one fault as it is asked for.
 
-`TABLE` is the one place that says which fault a TCP connection, a serial line, a digital or an analog input can have;
+`TABLE` is the one place for which fault a TCP connection, a serial line, a digital or an analog input can have;
 what is refused, what the documentation prints, and what `faulty_channels` and
 `controller.signals.input_faults` do follow it.
 """
@@ -477,7 +477,7 @@ def check_protocol(fault: Fault, devices: Mapping[str, str]) -> None:
     Args:
         fault: anything that goes wrong.
         devices: for each device at its place, by its title, the protocol that it speaks; nothing refuses if there is
-            none, as nobody knows then who is there.
+            none, as it is not known then which are there.
 
     Raises:
         UsageError: it makes no sense there.

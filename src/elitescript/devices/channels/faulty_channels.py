@@ -46,13 +46,13 @@ class _Active:
 
 
 class _FaultyChannel:
-    """One channel as the robot knows it."""
+    """One channel as the robot sees it."""
 
     __slots__ = (
         "credits",
-        "hears",
         "held",
         "inner",
+        "is_heard",
         "is_message",
         "last",
         "last_data",
@@ -66,8 +66,8 @@ class _FaultyChannel:
         self.number = number
         self.place = place
         self.inner = 0
-        self.hears = True
-        """Whether the robot still wants to hear of it."""
+        self.is_heard = True
+        """Whether the robot still gets its events."""
         self.held: dict[int, tuple[int, Callable[[], None]]] = {}
         """What faults hold back on its way to the device, by a number: how many bytes, 0 for the end of the connection,
         and the call that lets it go on."""
@@ -140,7 +140,7 @@ class FaultyChannels:
         return self._inner.is_real
 
     def add(self, fault: ChannelFault) -> None:
-        """One more fault, from now on or from its time on if that is later.
+        """Add a fault, from now on or from its time on if that is later.
 
         Raises:
             UsageError: a reconnect where nothing is disconnected.
@@ -152,11 +152,11 @@ class FaultyChannels:
         self.put(fault)
 
     def clear(self) -> None:
-        """No fault acts any more."""
+        """End all faults."""
         self._active.clear()
 
     def put(self, fault: ChannelFault) -> None:
-        """One more fault, as `add`, but of those that were looked at together."""
+        """Add a fault that was checked together with the others."""
         active = _Active(fault, self._faults, self._agenda.tick)
         self._faults += 1
         self._active.append(active)
@@ -164,7 +164,7 @@ class FaultyChannels:
             self._agenda.put(active.begin - self._agenda.tick, lambda: self._switch(active))
 
     def _switch(self, active: _Active) -> None:
-        """The moment of a disconnect or reconnect."""
+        """Carry out a disconnect or reconnect."""
         if active not in self._active:
             return
         self._acts(active)
@@ -178,7 +178,7 @@ class FaultyChannels:
                 if channel.inner:
                     self._inner.close(channel.inner)
                 self._tell(channel, ChannelClosed(channel.number, BROKEN))
-                channel.hears = False
+                channel.is_heard = False
 
     def _acts(self, active: _Active) -> None:
         if not active.has_acted:
@@ -193,10 +193,9 @@ class FaultyChannels:
                 return active
         return None
 
-    # ---------------------------------------------------------------- the program's side
+    # ---------------------------------------------------------------- requests
 
     def open(self, address: str, port: int, timeout_s: float) -> int:
-        """See `runtime.environment.Channels.open`."""
         place = (TCP, address, port)
         refused = self._found(place, "refuse", "disconnect")
         if refused is not None:
@@ -212,7 +211,6 @@ class FaultyChannels:
         return self._opened(self._inner.open(address, port, timeout_s), place)
 
     def open_line(self, device: str, settings: LineSettings) -> int:
-        """See `runtime.environment.Channels.open_line`."""
         return self._opened(self._inner.open_line(device, settings), (LINE, device, 0))
 
     def _number(self) -> int:
@@ -229,7 +227,6 @@ class FaultyChannels:
         return channel.number
 
     def send(self, channel: int, data: bytes) -> None:
-        """See `runtime.environment.Channels.send`."""
         found = self._channels.get(channel)
         if found is None:
             return
@@ -243,7 +240,6 @@ class FaultyChannels:
         self._pass_all(found, TO_DEVICE, pieces, lambda piece: self._inner.send(found.inner, piece))
 
     def credit(self, channel: int, size: int) -> None:
-        """See `runtime.environment.Channels.credit`."""
         found = self._channels.get(channel)
         if found is not None:
             extra = min(size, found.surplus)
@@ -252,10 +248,9 @@ class FaultyChannels:
                 self._inner.credit(found.inner, size - extra)
 
     def close(self, channel: int) -> None:
-        """See `runtime.environment.Channels.close`."""
         found = self._channels.get(channel)
         if found is not None:
-            found.hears = False
+            found.is_heard = False
             del self._channels[channel]
 
             def close() -> None:
@@ -264,10 +259,9 @@ class FaultyChannels:
 
             self._pass(found, TO_DEVICE, 0, close)
 
-    # ---------------------------------------------------------------- what comes back
+    # ---------------------------------------------------------------- events
 
     def arrivals(self, tick: int) -> Sequence[ChannelEvent]:
-        """See `runtime.environment.Channels.arrivals`."""
         arrived = self._inner.arrivals(tick)
         self._agenda.run(tick)
         for event in arrived:
@@ -276,7 +270,7 @@ class FaultyChannels:
         return events
 
     def incoming(self, event: ChannelEvent) -> Sequence[ChannelEvent]:
-        """Return what the robot hears now of an event that was brought to it."""
+        """Return the events that the robot gets now for one that was brought to it."""
         self._take(event)
         events, self._events = self._events, []
         return events
@@ -287,7 +281,6 @@ class FaultyChannels:
         return (*held, *self._inner.pending(self._inner_numbers(ignoring)))
 
     def give_up(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
-        """See `runtime.environment.Channels.give_up`."""
         inner = self._inner_numbers(ignoring)
         given_up = list(self._inner.give_up(inner))
         for channel in [channel for channel in self._holding.values() if channel.number not in ignoring]:
@@ -306,7 +299,6 @@ class FaultyChannels:
         return [self._channels[channel].inner for channel in channels if channel in self._channels]
 
     def next_tick(self, tick: int) -> int | None:
-        """See `runtime.environment.Channels.next_tick`."""
         own, other = self._agenda.next_tick(tick), self._inner.next_tick(tick)
         return own if other is None else other if own is None else min(own, other)
 
@@ -354,7 +346,7 @@ class FaultyChannels:
             self._tell(channel, ChannelCredit(channel.number, given))
 
     def _tell(self, channel: _FaultyChannel, event: ChannelEvent) -> None:
-        if channel.hears:
+        if channel.is_heard:
             self._events.append(event)
 
     def _forget(self, channel: _FaultyChannel) -> None:
@@ -393,7 +385,7 @@ class FaultyChannels:
             shift += max(0, channel.last[direction] - at)
             self._pass(channel, direction, ticks + shift, lambda piece=piece: act(piece), len(piece))  # type: ignore[misc]
 
-    # ---------------------------------------------------------------- what goes wrong
+    # ---------------------------------------------------------------- faults
 
     def _pieces(self, channel: _FaultyChannel, direction: str, data: bytes) -> Pieces:
         """Return what becomes of a message, or of one part of it."""

@@ -25,7 +25,7 @@ REFUSED: Final = "connection refused"
 NO_LINE: Final = "no device is on this line"
 
 UNSENT_MAX: Final = 16 * 1024 * 1024
-"""Bytes that a device may have sent and nobody has taken."""
+"""Bytes that a device may have sent and that are not taken."""
 
 
 class DeviceLink:
@@ -109,7 +109,7 @@ class DeviceLink:
         """Virtual time."""
         return self._network.agenda.time_s
 
-    # ---------------------------------------------------------------- the device's side
+    # ---------------------------------------------------------------- called by the device
 
     def send(self, data: bytes) -> None:
         """Send to the program; what it has no room for waits here.
@@ -125,7 +125,7 @@ class DeviceLink:
         self._push()
 
     def later(self, after_s: float, call: Callable[[], Any]) -> None:
-        """Have something called when so much time has passed, if the connection still stands then."""
+        """Make a call when so much time has passed, if the connection still stands then."""
         act = lambda: call() if self.is_open else None  # noqa: E731
         self._network.agenda.put(max(1, ticks_for(after_s)), act, self.owner)
 
@@ -136,20 +136,20 @@ class DeviceLink:
             self._is_closing = True
             self._push()
 
-    # ---------------------------------------------------------------- the program's side
+    # ---------------------------------------------------------------- called for the program
 
     def take(self, data: bytes) -> None:
-        """The program has sent something."""
+        """Take bytes of the program."""
         if self.is_open:
             self._to_device.send(data)
 
     def credit(self, size: int) -> None:
-        """The program has taken so many bytes."""
+        """Send on: the program has taken so many bytes."""
         self._room += size
         self._push()
 
     def leave(self) -> None:
-        """The program has closed; the device hears of it after what was sent before."""
+        """Close from the program's side; the device gets what was sent before."""
         self.is_open = False
         self._outgoing.clear()
         if self._has_stood:
@@ -166,7 +166,7 @@ class DeviceLink:
         return f"the end of the connection to {self.place}" if wire.is_ending else ""
 
     def drop(self) -> None:
-        """Forget what is on its way to the device; one that has not heard of the end of the connection does now."""
+        """Forget what is on its way to the device, and bring the end of the connection that waits behind it."""
         is_ending = self._to_device.is_ending
         dropped = self._to_device.drop()
         if is_ending:
@@ -175,7 +175,7 @@ class DeviceLink:
             self._network.tell(ChannelCredit(self.channel, dropped))
 
     def stand(self) -> None:
-        """The connection stands from now on."""
+        """Let the connection stand from now on."""
         if self.is_open:
             self._has_stood = True
             self._network.tell(ChannelOpened(self.channel, True))
@@ -210,16 +210,16 @@ class Peer:
         self.link = link
 
     def opened(self) -> None:
-        """The connection stands."""
+        """Act on a connection that stands."""
 
     def received(self, data: bytes) -> None:
-        """The program has sent something."""
+        """Take bytes of the program."""
 
     def closed(self) -> None:
-        """The program has closed."""
+        """Act on the end: the program has closed."""
 
     def given_up(self) -> None:
-        """The program has closed before the connection stood; nothing else is called."""
+        """Act on a program that has closed before the connection stood; nothing else is called."""
 
 
 Server = Callable[[DeviceLink], Peer | None]
@@ -280,14 +280,14 @@ class VirtualNetwork:
         """The tick that runs, or ran last."""
         return self.agenda.tick
 
-    # ---------------------------------------------------------------- what is there
+    # ---------------------------------------------------------------- servers and lines
 
     def server(self, address: str, port: int) -> Server | None:
-        """Who listens there."""
+        """Return the server that listens there."""
         return self.servers.get((address, port)) or self.servers.get(port)
 
     def owners(self, kind: str, address: str, port: int) -> list[object]:
-        """Who is at the place of a fault, see `faults.place_of`."""
+        """Return what is at the place of a fault, see `faults.place_of`."""
         if kind == LINE:
             found = [self.lines.get(address)]
         elif address:
@@ -310,7 +310,7 @@ class VirtualNetwork:
         self._begin(DeviceLink(self, channel, place=f"{address}:{port}"), server, REFUSED, ChannelError.REFUSED)
 
     def connect_line(self, channel: int, device: str, settings: LineSettings) -> None:
-        """Connect a channel to what is on a serial line, or refuse. Whoever had the line before loses it."""
+        """Connect a channel to what is on a serial line, or refuse. The channel that had the line before loses it."""
         for link in [link for link in self._links.values() if link.line == device]:
             self.close(link.channel)
         self._begin(DeviceLink(self, channel, device, settings), self.lines.get(device), NO_LINE, ChannelError.OTHER)
@@ -324,7 +324,7 @@ class VirtualNetwork:
         self._links[link.channel] = link
         self.agenda.put(1, link.stand, link.owner)
 
-    # ---------------------------------------------------------------- the program's side
+    # ---------------------------------------------------------------- called for the program
 
     def open(self, address: str, port: int, timeout_s: float) -> int:
         """Connect to the server of a port."""
@@ -351,21 +351,19 @@ class VirtualNetwork:
         return self._last
 
     def send(self, channel: int, data: bytes) -> None:
-        """Bytes for the device, which has them in the next tick, or later at the speed of a line."""
+        """Send bytes to the device, which has them in the next tick, or later at the speed of a line."""
         if channel in self._links:
             self._links[channel].take(data)
         elif self.outside is not None and channel in self._inner:
             self.outside.send(self._inner[channel], data)
 
     def credit(self, channel: int, size: int) -> None:
-        """See `runtime.environment.Channels.credit`."""
         if channel in self._links:
             self._links[channel].credit(size)
         elif self.outside is not None and channel in self._inner:
             self.outside.credit(self._inner[channel], size)
 
     def close(self, channel: int) -> None:
-        """See `runtime.environment.Channels.close`."""
         if channel in self._links:
             link = self._links.pop(channel)
             link.leave()
@@ -378,17 +376,17 @@ class VirtualNetwork:
     # ---------------------------------------------------------------- the devices' side
 
     def tell(self, event: ChannelEvent) -> None:
-        """Let the program hear of something in this tick, unless it has closed the channel."""
+        """Give the program an event in this tick, unless it has closed the channel."""
         if isinstance(event, ChannelOpened) or event.channel in self._links:
             self._events.append(event)
 
     def end(self, channel: int, reason: str = "") -> None:
-        """A channel is closed by the device, and the program hears of it in this tick."""
+        """Close a channel from the device's side; the program gets the event in this tick."""
         self.tell(ChannelClosed(channel, reason, ChannelError.OTHER if reason else ChannelError.RESET))
         self._links.pop(channel, None)
 
     def drop(self, owner: object, reason: str) -> None:
-        """A device has gone: its channels break, its ports and lines refuse."""
+        """Take a device away: its channels break, its ports and lines refuse."""
         for link in [link for link in self._links.values() if link.owner is owner]:
             link.is_open = False
             self.end(link.channel, reason)
@@ -418,12 +416,10 @@ class VirtualNetwork:
         return events
 
     def pending(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
-        """See `runtime.environment.Channels.pending`."""
         own = tuple(text for link in self._pending(ignoring) if (text := link.pending))
         return own if self.outside is None else (*own, *self.outside.pending(self._led_outside(ignoring)))
 
     def give_up(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
-        """See `runtime.environment.Channels.give_up`."""
         given_up = []
         for link in self._pending(ignoring):
             if text := link.pending:

@@ -38,7 +38,7 @@ def wrong_reply(fault: ChannelFault, request: bytes, data: bytes) -> bytes:
     """Return what arrives instead of a reply.
 
     Args:
-        fault: says what it is.
+        fault: which one.
         request: what the program sent last.
         data: what has arrived of the right one.
     """

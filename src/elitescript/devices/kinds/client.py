@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from elitescript.devices.agenda import Agenda
 from elitescript.devices.device import Device, check_number, check_text
 from elitescript.devices.kinds.lines import Answer, LineBuffer, check_lines, encoded
 from elitescript.devices.surroundings import RobotAccess
 from elitescript.errors import UsageError
 from elitescript.modbus.frames import pdu
 from elitescript.modbus.frames.tcp import TcpSplitter, tcp_frame
-from elitescript.protocol.connection import Connection
 from elitescript.protocol.transport import MemoryTransport
 
 if TYPE_CHECKING:
@@ -20,76 +18,6 @@ if TYPE_CHECKING:
     from elitescript.messages.outputs import Output
 
 Then = Callable[[Sequence[int]], Any]
-
-
-class PortLink:
-    """A connection of a device to a port of the robot: bytes take one tick in each direction.
-
-    Args:
-        connection: the robot's side.
-        robot: takes what it asks for.
-        agenda: of the world.
-        device: the other side.
-    """
-
-    __slots__ = ("_agenda", "_device", "_robot", "_transport")
-
-    def __init__(self, connection: Connection, robot: RobotAccess, agenda: Agenda, device: TcpClient) -> None:
-        self._transport = MemoryTransport(connection)
-        self._robot = robot
-        self._agenda = agenda
-        self._device = device
-        agenda.put(1, self._begin, device)
-
-    @property
-    def is_open(self) -> bool:
-        """Whether neither side has closed."""
-        return self._transport.is_open
-
-    def next_tick(self, tick: int) -> int | None:
-        """Return the next tick after `tick` that the device must get although nothing happens in it."""
-        return self._transport.next_tick(tick)
-
-    def reads_snapshot(self, tick: int) -> bool:
-        """See `Connection.reads_snapshot`."""
-        return self.is_open and self._transport.connection.reads_snapshot(tick)
-
-    def send(self, data: bytes) -> None:
-        """Send bytes to the robot, which has them in the next tick."""
-        self._agenda.put(1, lambda: self._receive(data), self._device)
-
-    def close(self) -> None:
-        """Close from the device's side."""
-        self._robot.post(self._transport.end())
-
-    def publish(self, output: Output) -> None:
-        """Give the device a tick that has run."""
-        self._passed_on(self._transport.publish(output))
-
-    def _begin(self) -> None:
-        self._device.stand()
-        self._pass_on_data()
-
-    def _receive(self, data: bytes) -> None:
-        if self.is_open:
-            self._transport.send(data)
-            self._passed_on(self._transport.take_in(self._robot.present_tick, self._robot.output()))
-
-    def _passed_on(self, inputs: list[Input]) -> None:
-        transport = self._transport
-        self._robot.post(inputs)
-        if transport.error and not transport.is_open:
-            service = self._device.service
-            self._device.warn(f"sent what the {service} port of the robot cannot read: {transport.error}")
-        self._pass_on_data()
-        if not transport.is_open:
-            self._agenda.put(1, self._device.end, self._device)
-        elif transport.has_sent:
-            self._agenda.put(1, lambda: self._receive(b""), self._device)
-
-    def _pass_on_data(self) -> None:
-        if data := self._transport.receive():
-            self._agenda.put(1, lambda: self._device.hear(data), self._device)
 
 
 class TcpClient(Device):
@@ -121,17 +49,18 @@ class TcpClient(Device):
     line_end: str = "\n"
     encoding: str = "utf-8"
 
-    _link: PortLink | None = None
+    _transport: MemoryTransport | None = None
+    _robot: RobotAccess
     _lines: LineBuffer | None = None
 
     # ---------------------------------------------------------------- what a subclass may override
 
     def opened(self) -> Answer:
-        """The connection stands."""
+        """Act on a connection that stands."""
         return None
 
     def received(self, data: bytes) -> Answer:
-        """Bytes have come; without an override they are cut into lines for `line_received`."""
+        """Take bytes; without an override they are cut into lines for `line_received`."""
         if self._lines is None:
             self._lines = LineBuffer(self.line_end, self.encoding)
         for line in self._lines.receive(data):
@@ -139,18 +68,18 @@ class TcpClient(Device):
         return None
 
     def line_received(self, line: str) -> Answer:
-        """A line has come, without its end."""
+        """Take a line, without its end."""
         return None
 
     def closed(self) -> None:
-        """The robot has closed the connection."""
+        """Act on a connection that the robot has closed."""
 
     # ---------------------------------------------------------------- what a subclass may use
 
     @property
     def is_connected(self) -> bool:
         """Whether the connection stands."""
-        return self._link is not None and self._link.is_open
+        return self._transport is not None and self._transport.is_open
 
     def connect(self) -> None:
         """Connect, unless the connection stands.
@@ -163,19 +92,21 @@ class TcpClient(Device):
             context = self._in_world()
             connection, robot = context.connect(self, self.service), context.signals.robot
             assert robot is not None
-            self._link = PortLink(connection, robot, context.agenda, self)
+            self._robot = robot
+            self._transport = transport = MemoryTransport(connection)
+            self.after(0.0, self._begin, transport)
 
     def send(self, answer: Answer) -> None:
         """Send a text as a line, or bytes as they are; lost without a connection."""
-        if answer is not None and self._link is not None:
-            self._link.send(encoded(answer, self.line_end, self.encoding))
+        if answer is not None and self.is_connected:
+            self.after(0.0, self._give_data, self._transport, encoded(answer, self.line_end, self.encoding))
 
     def close(self) -> None:
         """Close the connection."""
-        if self._link is not None:
-            self._link.close()
+        if self._transport is not None:
+            self._robot.post(self._transport.end())
 
-    # ---------------------------------------------------------------- the world's side
+    # ---------------------------------------------------------------- called by the world
 
     def check(self) -> None:
         check_text("service", self.service)
@@ -193,29 +124,48 @@ class TcpClient(Device):
         self.close()
 
     def next_output_tick(self, tick: int) -> int | None:
-        """See `Device.next_output_tick`."""
-        return None if self._link is None else self._link.next_tick(tick)
+        return None if self._transport is None else self._transport.next_tick(tick)
 
     def reads_snapshot(self, tick: int) -> bool:
-        """See `Device.reads_snapshot`."""
-        return self._link is not None and self._link.reads_snapshot(tick)
+        transport = self._transport
+        return transport is not None and transport.is_open and transport.connection.reads_snapshot(tick)
 
     def take_output(self, output: Output) -> None:
-        """See `Device.take_output`."""
-        assert self._link is not None
-        self._link.publish(output)
+        assert self._transport is not None
+        self._pass_on(self._transport, self._transport.publish(output))
+
+    def _begin(self, transport: MemoryTransport) -> None:
+        self.stand()
+        self._pass_on_data(transport)
 
     def stand(self) -> None:
-        """Take note that the connection stands."""
+        """Begin a connection."""
         self.send(self.opened())
 
-    def hear(self, data: bytes) -> None:
-        """Bytes of the robot have come."""
+    # What the device sends and what the robot sends takes one tick each: `after(0.0, ...)`.
+
+    def _give_data(self, transport: MemoryTransport, data: bytes) -> None:
+        if transport.is_open:
+            transport.send(data)
+            self._pass_on(transport, transport.take_in(self._robot.present_tick, self._robot.output()))
+
+    def _pass_on(self, transport: MemoryTransport, inputs: list[Input]) -> None:
+        """Give the robot what the connection asks for, and the device what it has sent."""
+        self._robot.post(inputs)
+        if transport.error and not transport.is_open:
+            self.warn(f"sent what the {self.service} port of the robot cannot read: {transport.error}")
+        self._pass_on_data(transport)
+        if not transport.is_open:
+            self.after(0.0, self.closed)
+        elif transport.has_sent:
+            self.after(0.0, self._give_data, transport, b"")
+
+    def _take_data(self, data: bytes) -> None:
         self.send(self.received(data))
 
-    def end(self) -> None:
-        """The robot has closed."""
-        self.closed()
+    def _pass_on_data(self, transport: MemoryTransport) -> None:
+        if data := transport.receive():
+            self.after(0.0, self._take_data, data)
 
 
 class ModbusClient(TcpClient):
@@ -278,7 +228,7 @@ class ModbusClient(TcpClient):
         super().stand()
 
     def received(self, data: bytes) -> Answer:
-        """Answers have come."""
+        """Give the values of answers to the callers of `ask`."""
         for transaction, _, answer in self._splitter.feed(data):
             asked = self._asked.pop(transaction, None)
             if asked is None:

@@ -139,19 +139,19 @@ class ModbusDevice(Device):
     # ---------------------------------------------------------------- what a subclass may override
 
     def register_written(self, address: int, value: int) -> None:
-        """A holding register has been written; called once for each, after all of a request are written.
+        """Act on a holding register that was written; called once for each, after all of a request are written.
 
         Masters repeat what they write: the value may be the one that it had.
         """
 
     def coil_written(self, address: int, level: bool) -> None:
-        """A coil has been written, perhaps to the level that it had."""
+        """Act on a coil that was written, perhaps to the level that it had."""
 
     def reading(self, table: str, address: int, count: int) -> None:
         """Prepare for a request that reads `coils`, `discrete_inputs`, `holding_registers` or `input_registers`."""
 
     def refuse(self, code: int) -> None:
-        """Called in one of the methods above: answer the request with an exception code, such as 6 for a busy device.
+        """Answer the request with an exception code, such as 6 for a busy device; called in one of the methods above.
 
         Raises:
             DeviceError: always.
@@ -289,7 +289,7 @@ class _TcpRequests(TcpConnection):
 
 class _RtuBus(_Bus, LineDevice):
     _slave: RtuSlave
-    _heard = 0
+    _count = 0
 
     @property
     def author(self) -> Device:
@@ -300,14 +300,14 @@ class _RtuBus(_Bus, LineDevice):
 
     def bytes_received(self, data: bytes) -> None:
         self.send_bytes(self._slave.take(data))
-        self._heard += 1
+        self._count += 1
         settings = self.settings
         if settings is not None:
             # Bytes that belong together may come in two ticks.
-            self.after(FRAME_GAP * settings.character_s + PERIOD_S, self._end_frame, self._heard)
+            self.after(FRAME_GAP * settings.character_s + PERIOD_S, self._end_frame, self._count)
 
-    def _end_frame(self, heard: int) -> None:
-        if heard == self._heard:
+    def _end_frame(self, count: int) -> None:
+        if count == self._count:
             self.send_bytes(self._slave.silence())
 
 

@@ -22,7 +22,7 @@ class Parts(Device):
     """A source of parts on a conveyor: a sensor sees them pass, the robot takes them, the others fall off the end.
 
     Places are distances along the belt from the source, to the front of a part. The belt moves as the encoder signal
-    `encoder_speed` says; with `speed_m_s` it has a drive of its own, which sets that signal.
+    of `encoder_speed`; with `speed_m_s` it has a drive of its own, which sets that signal.
 
     Attributes:
         encoder: which of the two encoders.
@@ -204,7 +204,7 @@ class Parts(Device):
         self.released += 1
 
     def _release_in_time(self) -> None:
-        """A part comes every so many seconds, unless the one before still lies there."""
+        """Release a part every so many seconds, unless the one before still lies there."""
         now_m = self._travelled_m(self._in_world().agenda.tick)
         if not self._starts or now_m - self._starts[-1] >= self.length_m:
             self._release(now_m + self._drawn_m() * -1.0)

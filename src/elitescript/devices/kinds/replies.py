@@ -189,12 +189,12 @@ class DeclaredSerial(_Speaker, SerialDevice):
             texts = self.unasked
             count = 0
 
-            def tell() -> None:
+            def send_next() -> None:
                 nonlocal count
                 self.send(texts[min(count, len(texts) - 1)])
                 count += 1
 
-            self.every(self.every_s, tell)
+            self.every(self.every_s, send_next)
 
     def opened(self) -> Answer:
         return self.greeting or None
@@ -280,7 +280,7 @@ class Reaction:
         check_number("after_s", self.after_s, 0.0, LATENCY_MAX_S, "s")
 
     def act(self, device: ModbusDevice, value: int) -> None:
-        """Something was written."""
+        """Act on what was written."""
         arguments = {"value": value}
         if self._when is not None and not self._when.value(device.cell.read, arguments):
             return

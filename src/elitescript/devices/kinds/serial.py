@@ -49,13 +49,13 @@ class LineDevice(Device):
         check_number("latency_s", self.latency_s, 0.0, LATENCY_MAX_S, "s")
 
     def line_opened(self) -> None:
-        """A program has opened the line."""
+        """Act on a program that has opened the line."""
 
     def bytes_received(self, data: bytes) -> None:
-        """Bytes have come over the line, as far as they can be understood."""
+        """Take bytes of the line, as far as they can be understood."""
 
     def line_closed(self) -> None:
-        """The program has closed the line, or has ended."""
+        """Act on the end: the program has closed the line, or has ended."""
 
     @property
     def settings(self) -> LineSettings | None:
@@ -67,7 +67,7 @@ class LineDevice(Device):
         if data and self._link is not None:
             self._link.send(self.understood(data))
 
-    # ---------------------------------------------------------------- the world's side
+    # ---------------------------------------------------------------- called by the world
 
     def join(self, context: DeviceContext) -> None:
         super().join(context)
@@ -79,12 +79,12 @@ class LineDevice(Device):
         context.network.lines[self.line] = self.accept
 
     def accept(self, link: DeviceLink) -> Peer | None:
-        """A program opens the line."""
+        """Accept a program that opens the line."""
         link.shape(latency_s=self.latency_s, owner=self)
         return _LinePeer(self, link)
 
     def hold(self, link: DeviceLink) -> None:
-        """The line is open."""
+        """Note that the line is open."""
         self._link = link
 
     def let_go(self, link: DeviceLink) -> None:
@@ -105,7 +105,7 @@ class SerialDevice(LineDevice):
 
     Override `line_received`, or `received` for what is not made of lines. A text that `opened`, `received` or
     `line_received` returns is sent as a line, bytes are sent as they are, and None sends nothing. Bytes take as long as
-    the settings of the line say, in both directions.
+    at the settings of the line, in both directions.
 
     Attributes:
         line: name of the line: `tool`, or a device of the control box such as `/dev/ttymxc0`.
@@ -132,11 +132,11 @@ class SerialDevice(LineDevice):
     _has_complained = False
 
     def opened(self) -> Answer:
-        """A program has opened the line."""
+        """Act on a program that has opened the line."""
         return None
 
     def received(self, data: bytes) -> Answer:
-        """Bytes have come; without an override they are cut into lines for `line_received`."""
+        """Take bytes; without an override they are cut into lines for `line_received`."""
         if self._lines is None:
             self._lines = LineBuffer(self.line_end, self.encoding)
         lines = self._lines
@@ -155,18 +155,18 @@ class SerialDevice(LineDevice):
             )
 
     def line_received(self, line: str) -> Answer:
-        """A line has come, without its end."""
+        """Take a line, without its end."""
         return None
 
     def closed(self) -> None:
-        """The program has closed the line, or has ended."""
+        """Act on the end: the program has closed the line, or has ended."""
 
     def send(self, answer: Answer) -> None:
         """Send a text as a line, or bytes as they are; lost while no program has the line open."""
         if answer is not None:
             self.send_bytes(encoded(answer, self.line_end, self.encoding))
 
-    # ---------------------------------------------------------------- the world's side
+    # ---------------------------------------------------------------- called by the world
 
     def check(self) -> None:
         super().check()

@@ -54,7 +54,7 @@ class TcpConnection(Peer):
             self.link.close()
             self.server.forget(self)
 
-    # ---------------------------------------------------------------- what the network calls
+    # ---------------------------------------------------------------- called by the network
 
     def answer(self, answer: Answer) -> None:
         """Send what a method of the server has returned."""
@@ -155,21 +155,21 @@ class TcpServer(Device):
     # ---------------------------------------------------------------- what a subclass may override
 
     def opened(self, connection: TcpConnection) -> Answer:
-        """A program has connected."""
+        """Act on a program that has connected."""
         return None
 
     def received(self, connection: TcpConnection, data: bytes) -> Answer:
-        """Bytes have come; without an override they are cut into lines for `line_received`."""
+        """Take bytes; without an override they are cut into lines for `line_received`."""
         for line in connection.lines(data):
             connection.answer(self.line_received(connection, line))
         return None
 
     def line_received(self, connection: TcpConnection, line: str) -> Answer:
-        """A line has come, without its end."""
+        """Take a line, without its end."""
         return None
 
     def closed(self, connection: TcpConnection) -> None:
-        """The program has closed the connection, or has ended."""
+        """Act on the end: the program has closed the connection, or has ended."""
 
     # ---------------------------------------------------------------- what a subclass may use
 
@@ -188,7 +188,7 @@ class TcpServer(Device):
         for connection in self.connections:
             connection.close()
 
-    # ---------------------------------------------------------------- the world's side
+    # ---------------------------------------------------------------- called by the world
 
     def check(self) -> None:
         if not self.port:
@@ -217,7 +217,7 @@ class TcpServer(Device):
         self._connections = []
 
     def accept(self, link: DeviceLink) -> Peer | None:
-        """A program wants to connect; None refuses."""
+        """Accept a connection of a program; None refuses."""
         assert self._connections is not None
         if not self.is_listening or len(self._connections) >= self.connections_max:
             return None
@@ -234,7 +234,7 @@ class TcpServer(Device):
         return TcpConnection(self, link, number)
 
     def forget(self, connection: TcpConnection) -> None:
-        """A connection is over."""
+        """Forget a connection that is over."""
         if self._connections is not None and connection in self._connections:
             self._connections.remove(connection)
 

@@ -26,7 +26,7 @@ class RpcFault(Exception):
 
     Args:
         code: any number.
-        text: what the program's alarm will say.
+        text: of the program's alarm.
     """
 
     def __init__(self, code: int, text: str) -> None:
@@ -113,7 +113,7 @@ class XmlRpcServer(TcpServer):
         try:
             signature = inspect.signature(procedure)
         except ValueError:
-            return procedure(*given)  # a function of the interpreter, which does not tell
+            return procedure(*given)  # a function of the interpreter, which has no signature
         try:
             signature.bind(*given)
         except TypeError as error:
@@ -168,7 +168,7 @@ class _HttpConnection(TcpConnection):
         try:
             arguments, name = values_and_method(body)
         except Exception:
-            # Bytes that somebody else has sent may be anything.
+            # Bytes from outside may be anything.
             self._refuse(400, "Bad Request")
             return
         try:

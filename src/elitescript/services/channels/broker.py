@@ -1,6 +1,6 @@
 """The outgoing TCP connections of a robot's programs, and their serial lines.
 
-The robot asks by channel requests and hears by channel events; it never has a socket. Everything is bounded: channels,
+The robot sends channel requests and gets channel events; it never has a socket. Everything is bounded: channels,
 attempts to connect, and the bytes that are on their way in either direction (`messages.outputs.CHANNEL_WINDOW`). A
 program that does not read stops its peer; a peer that does not read stops the program, by the credit that it misses.
 Programs reach the addresses that the user allows (`connect_policy`); what is bound to a serial port the user chose.
@@ -57,10 +57,10 @@ Post = Callable[[list[Input]], object]
 
 
 class Broker:
-    """All channels of one robot.
+    """Holds all channels of one robot.
 
     Args:
-        post: takes what the robot is to hear.
+        post: takes inputs of the robot.
         lines: what is on the robot's serial ports, by device; see `environment.line_bindings`.
         policy: what programs may reach.
     """
@@ -167,7 +167,7 @@ class Broker:
             channel.start()
 
     async def _found(self, address: str, port: int) -> list[Any]:
-        """What `getaddrinfo` finds for an address.
+        """Return what `getaddrinfo` finds for an address.
 
         Raises:
             OSError: nothing, or too many others are asked for.
@@ -187,10 +187,10 @@ class Broker:
         return await asyncio.wrap_future(job)
 
     async def _first_of(self, found: list[Any], number: int) -> _BrokerChannel:
-        """A connection to the first address that accepts one.
+        """Return a connection to the first address that accepts one.
 
         Raises:
-            OSError: none does; why the first one does not.
+            OSError: none does; of the first one.
         """
         failure: OSError | None = None
         for family, *_, address in found:
@@ -223,7 +223,7 @@ class Broker:
         self._part(number)
 
     def _part(self, number: int) -> None:
-        """Nothing more is said on a channel; it may get rid of what was sent before."""
+        """Forget a channel; its connection may still send what waits."""
         if (channel := self._channels.pop(number, None)) is None:
             return
         channel.close()
@@ -270,17 +270,17 @@ class _BrokerChannel(asyncio.BufferedProtocol):
         return self._transport is None
 
     def start(self) -> None:
-        """The robot knows of the channel."""
+        """Begin to read: the robot has the event that the channel is open."""
         self._is_started = True
         self._read_or_not()
 
     def credit(self, size: int) -> None:
-        """The program has taken so many bytes."""
+        """Read on: the program has taken so many bytes."""
         self._room = min(self._room + max(size, 0), CHANNEL_WINDOW)
         self._read_or_not()
 
     def send(self, data: bytes) -> bool:
-        """Send; whether there is room for it."""
+        """Send bytes; return whether there is room for them."""
         transport = self._transport
         if transport is None or self._is_closed:
             return True
@@ -293,14 +293,14 @@ class _BrokerChannel(asyncio.BufferedProtocol):
         return True
 
     def close(self) -> None:
-        """Send what waits, then close; the robot hears nothing more."""
+        """Send what waits, then close; the robot gets no more events."""
         self._is_closed = True
         if self._transport is not None:
             self._transport.close()
             self._linger = asyncio.get_running_loop().call_later(LINGER_S, self.give_up)
 
     def give_up(self) -> None:
-        """Close at once; what has not left is lost, and the robot's log says so."""
+        """Close at once; what has not left is lost, with a line in the robot's log."""
         transport = self._transport
         if transport is not None and (size := transport.get_write_buffer_size()):
             self._post([AddLog("", f"not delivered: {size} bytes to {_place(transport)}", is_warning=True)])
@@ -312,7 +312,7 @@ class _BrokerChannel(asyncio.BufferedProtocol):
         if self._transport is not None:
             self._transport.abort()
 
-    # ---------------------------------------------------------------- what the event loop calls
+    # ---------------------------------------------------------------- called by the event loop
 
     def connection_made(self, transport: Any) -> None:
         self._transport = transport
@@ -361,10 +361,10 @@ class _BrokerChannel(asyncio.BufferedProtocol):
         transport = self._transport
         if transport is None or transport.is_closing():
             return
-        wants = self._is_started and self._room > 0
-        if wants != self._is_reading:
-            self._is_reading = wants
-            if wants:
+        may_read = self._is_started and self._room > 0
+        if may_read != self._is_reading:
+            self._is_reading = may_read
+            if may_read:
                 transport.resume_reading()
             else:
                 transport.pause_reading()
@@ -376,10 +376,10 @@ def _place(transport: asyncio.Transport) -> str:
 
 
 def _allowed(found: list[Any], request: OpenChannel, policy: ConnectPolicy | None) -> list[Any]:
-    """Of what was found for an address, what a program may connect to.
+    """Return the addresses that a program may connect to, of those that were found.
 
     Raises:
-        OSError: nothing; why it may not connect to the first of it.
+        OSError: there are none; with the reason of the first.
     """
     if policy is None:
         return found
@@ -394,7 +394,7 @@ def reason_of(error: BaseException) -> tuple[str, ChannelError]:
     """Return why a connection failed: in the words of the operating system if it has any, and as a number."""
     number = getattr(error, "errno", None)
     if number is None and (found := search(r"\[Errno (\d+)\]", str(error))):
-        # Of several addresses each has failed; programs hear of the first.
+        # Of several addresses each has failed; programs get the error of the first.
         number = int(found[1])
     if number is not None and number > 0:
         return strerror(number).lower(), channel_error(number)

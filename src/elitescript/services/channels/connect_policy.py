@@ -43,23 +43,23 @@ Address = IPv4Address | IPv6Address
 
 @dataclass(frozen=True, slots=True)
 class _Rule:
-    """What one option allows: networks, or the host of that name; one port of it, or all."""
+    """Holds what one option allows: networks, or the host of that name; one port of it, or all."""
 
     networks: tuple[IPv4Network | IPv6Network, ...]
     name: str
     port: int | None
 
     def has(self, address: Address, port: int) -> bool:
-        """Whether an address lies in its networks."""
+        """Return whether an address lies in its networks."""
         return self.port in (None, port) and any(address in network for network in self.networks)
 
     def names(self, name: str, port: int) -> bool:
-        """Whether a program has asked for its name."""
+        """Return whether a program has asked for its name."""
         return bool(self.name) and self.port in (None, port) and name.rstrip(".").lower() == self.name
 
 
 class ConnectPolicy:
-    """The decision.
+    """Decides which connections programs may open.
 
     Args:
         texts: values of `--allow-connect`; without one that names addresses, what `DEFAULT_TEXT` says.
@@ -87,7 +87,7 @@ class ConnectPolicy:
         """What programs reach, in words."""
 
     def refusal(self, name: str, address: str, port: int) -> str:
-        """Why a program may not connect; empty if it may.
+        """Return why a program may not connect; empty if it may.
 
         Args:
             name: what the program asked for.
@@ -144,7 +144,7 @@ def _host_and_port(text: str) -> tuple[str, int | None]:
 
 
 def _plain(address: Address) -> Address:
-    """The IPv4 address that an IPv6 address stands for, if it does."""
+    """Return the IPv4 address that an IPv6 address stands for; any other address as it is."""
     if isinstance(address, IPv6Address):
         if inner := address.ipv4_mapped or address.sixtofour:
             return inner
@@ -154,7 +154,7 @@ def _plain(address: Address) -> Address:
 
 
 def _special(address: Address) -> str:
-    """What an address is, if it is none of one computer that programs speak to."""
+    """Return what an address is that is not one of a single computer; else empty."""
     if address.is_unspecified or address in _THIS_NETWORK:
         return "no address of a computer"
     if address.is_link_local:
@@ -165,7 +165,7 @@ def _special(address: Address) -> str:
 
 
 def _is_of_this_computer(address: Address) -> bool:
-    """Whether a connection to an address ends on this computer."""
+    """Return whether a connection to an address ends on this computer."""
     if address.is_loopback or address.is_unspecified or address in _THIS_NETWORK:
         return True
     family = socket.AF_INET if isinstance(address, IPv4Address) else socket.AF_INET6

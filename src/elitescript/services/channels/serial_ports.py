@@ -25,7 +25,7 @@ class SerialPorts:
     """The ports that are open.
 
     Args:
-        post: takes what the robot is to hear.
+        post: takes inputs of the robot.
     """
 
     __slots__ = ("_leaving", "_open", "_post", "_timer")
@@ -41,7 +41,7 @@ class SerialPorts:
         return number in self._open
 
     def open(self, number: int, device: str, settings: LineSettings) -> None:
-        """Open a port of this computer, or say why that cannot be."""
+        """Open a port of this computer, or post why that cannot be."""
         # Few robots have one, and the ports of this computer take their time to load.
         from elitescript.environment.serial_channel import SerialChannel
 
@@ -63,7 +63,7 @@ class SerialPorts:
             channel.send(data)
 
     def credit(self, number: int, size: int) -> None:
-        """The program has taken so many bytes."""
+        """Give a port credit for bytes that the program has taken."""
         channel = self._open[number]
         channel.room = min(channel.room + max(size, 0), CHANNEL_WINDOW)
 
@@ -85,7 +85,7 @@ class SerialPorts:
         self._leaving.clear()
 
     def _look(self) -> None:
-        """Let the robot hear what has happened at every port."""
+        """Post what has happened at every port."""
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None

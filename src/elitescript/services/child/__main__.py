@@ -15,9 +15,10 @@ import traceback
 from typing import Any
 
 from elitescript.codec.json_text import from_text, to_text
+from elitescript.codec.messages import shape_of
 from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.errors import ElitescriptError, UsageError
-from elitescript.kernel import Kernel, RobotOptions
+from elitescript.kernel import Kernel
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import TickResult
 from elitescript.messages.snapshot import RobotDescription
@@ -25,13 +26,13 @@ from elitescript.services.child import frames
 from elitescript.services.child.jail import enter_jail
 from elitescript.services.child.output_changes import OutputWriter
 from elitescript.services.child.remote_files import RemoteFiles
-from elitescript.services.config_codec import full_codec, without_points
+from elitescript.services.options_data import options_from_data
+from elitescript.services.output_text import without_points
 
 
 def serve(line: frames.BlockingLine) -> None:
     """Carry out the messages of the parent, until it goes."""
-    codec = full_codec()
-    inputs_shape, result_shape, writer = codec.shape(Input), codec.shape(TickResult), OutputWriter(codec)
+    input_shape, result_shape, writer = shape_of(Input), shape_of(TickResult), OutputWriter()
     shown: tuple[object, ...] = ()
     """Discrete state of the last snapshot that was sent."""
 
@@ -43,7 +44,7 @@ def serve(line: frames.BlockingLine) -> None:
     while True:
         letter, text = line.receive()
         if letter in (frames.TICK, frames.TICK_UNREAD) and kernel is not None:
-            inputs = () if text == frames.NO_INPUTS else [inputs_shape.decode(item) for item in from_text(text)]
+            inputs = () if text == frames.NO_INPUTS else [input_shape.decode(item) for item in from_text(text)]
             result, state = kernel.tick(inputs), kernel.discrete_state()
             if letter == frames.TICK_UNREAD and state == shown:
                 line.send(frames.RESULT, to_text([kernel.line, result_shape.encode(without_points(result))]))
@@ -57,12 +58,11 @@ def serve(line: frames.BlockingLine) -> None:
             layers = enter_jail(memory_max=memory_max) if is_jailed else ()
             line.send(frames.LOCKED_IN, to_text([list(layer) for layer in layers]))
         elif letter == frames.BEGIN:
-            config = codec.shape(RobotOptions).decode(data)
-            kernel = Kernel(config, RequestEnvironment(RemoteFiles(ask)))
+            kernel = Kernel(options_from_data(data), RequestEnvironment(RemoteFiles(ask)))
             # What is there now stays; the collector need not look at it in every round.
             gc.collect()
             gc.freeze()
-            line.send(frames.DESCRIBED, to_text(codec.shape(RobotDescription).encode(kernel.description)))
+            line.send(frames.DESCRIBED, to_text(shape_of(RobotDescription).encode(kernel.description)))
         else:
             raise UsageError(f"no message {letter!r} is expected here")
 

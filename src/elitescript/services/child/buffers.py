@@ -142,7 +142,7 @@ class OutputBuffer:
             self.newest = output.snapshot
 
     def add_own(self, *events: Event, requests: tuple[ChannelRequest, ...] = ()) -> None:
-        """Add what the child has not said; it leaves after what waits already, with the next tick."""
+        """Add what does not come from the child; it leaves after what waits already, with the next tick."""
         self._events += events
         self._requests += requests
 

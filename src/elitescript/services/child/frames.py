@@ -23,9 +23,9 @@ _HEAD: Final = struct.Struct(">IB")
 
 # Down.
 LOCK_IN: Final = "L"
-"""`[is_jailed, memory_max]`: the child locks itself in and says `LOCKED_IN`."""
+"""`[is_jailed, memory_max]`: the child locks itself in and answers `LOCKED_IN`."""
 BEGIN: Final = "B"
-"""A configuration: the child makes its robot and says `DESCRIBED`."""
+"""Options: the child makes its robot and answers `DESCRIBED`."""
 TICK: Final = "T"
 """Inputs; the child answers with `OUTPUT`, later `OUTPUT_CHANGES`."""
 TICK_UNREAD: Final = "U"

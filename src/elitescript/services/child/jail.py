@@ -69,7 +69,7 @@ def enter_jail(readable: Iterable[str] | None = None, memory_max: int = MEMORY_M
         memory_max: bytes of address space.
 
     Returns:
-        Every layer: what cannot be had is left out and says so, the others are there all the same.
+        Every layer: one that cannot be had is marked as missing, the others are there all the same.
     """
     paths = own_modules() if readable is None else list(readable)
     return (
@@ -82,7 +82,7 @@ def enter_jail(readable: Iterable[str] | None = None, memory_max: int = MEMORY_M
 
 
 def is_complete(layers: Iterable[Layer]) -> bool:
-    """Whether what is locked in can reach nothing: all layers are there."""
+    """Return whether what is locked in can reach nothing: all layers are there."""
     found = tuple(layers)
     return bool(found) and all(layer.is_active for layer in found)
 
@@ -162,7 +162,7 @@ def _give_up_privileges() -> str:
     parent = os.getppid()
     _prctl(_PR_SET_PDEATHSIG, _SIGKILL, "prctl(PR_SET_PDEATHSIG)")
     if os.getppid() != parent:
-        # The parent ended in between, and its end will not be told any more.
+        # The parent ended in between; no signal of that comes any more.
         os._exit(1)
     _prctl(_PR_SET_NO_NEW_PRIVS, 1, "prctl(PR_SET_NO_NEW_PRIVS)")
     _prctl(_PR_SET_DUMPABLE, 0, "prctl(PR_SET_DUMPABLE)")

@@ -2,8 +2,8 @@
 
 A tick is sent to the child, and its output taken, within the period. A child that is a little late is waited for, so
 that nothing is missing; if it takes longer, clients see the last snapshot meanwhile, the ticks queue up, and the child
-makes up for them; while it cannot, ticks leave late. One that does not answer, ends or talks nonsense is replaced (see
-`supervision`); a fresh child goes on from the last snapshot.
+makes up for them; while it cannot, ticks leave late. One that does not answer, ends or sends what is no message is
+replaced (see `supervision`); a fresh child goes on from the last snapshot.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Final
 
 from elitescript.errors import ElitescriptError, UsageError
 from elitescript.kernel import RobotOptions
-from elitescript.kernel.restart import restored_config, restored_inputs
+from elitescript.kernel.restart import restored_inputs, restored_options
 from elitescript.messages.events import Warned
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output, TickResult
@@ -36,7 +36,6 @@ from elitescript.services.child.supervision import (
     termination_events,
 )
 from elitescript.services.child.transport import ChildTransport, SentTick
-from elitescript.services.config_codec import full_codec
 from elitescript.services.journal.writer import Journal
 from elitescript.services.time.cycle import CATCH_UP_TICKS
 
@@ -62,7 +61,7 @@ class ChildLink:
     """The way to one robot in a child process. See `robot_link.RobotLink`.
 
     Args:
-        config: of the robot.
+        options: of the robot.
         files: its task folder; none if None.
         is_jailed: lock the child in.
         journal: where to write the session down.
@@ -76,8 +75,6 @@ class ChildLink:
 
     __slots__ = (
         "_changed",
-        "_codec",
-        "_config",
         "_description",
         "_desk",
         "_grace_left_s",
@@ -88,6 +85,7 @@ class ChildLink:
         "_lost",
         "_memory_max",
         "_next",
+        "_options",
         "_outputs",
         "_pending",
         "_snapshot_tick",
@@ -98,7 +96,7 @@ class ChildLink:
 
     def __init__(
         self,
-        config: RobotOptions,
+        options: RobotOptions,
         *,
         files: Files | None = None,
         is_jailed: bool = True,
@@ -107,16 +105,15 @@ class ChildLink:
         grace_s: float = GRACE_S,
         memory_max: int = MEMORY_MAX,
     ) -> None:
-        self._config = config
+        self._options = options
         self._is_jailed = is_jailed
         self._journal = journal
         self._supervision = Supervision(hang_limit_s)
         self._grace_s = grace_s
         self._grace_left_s = grace_s
         self._memory_max = memory_max
-        self._codec = full_codec()
         self._desk = FileDesk(FilesRefused() if files is None else files)
-        self._next = config.first_tick
+        self._next = options.first_tick
         self._transport: ChildTransport | None = None
         self._description: RobotDescription | None = None
         self._outputs = OutputBuffer()
@@ -165,7 +162,7 @@ class ChildLink:
             await self._wait_until(lambda: transport.layers is not None or bool(transport.end_reason), BOOT_S)
             self.layers = transport.layers or ()
             if transport.layers is not None:
-                transport.begin(self._config)
+                transport.begin(self._options)
             await self._wait_until(lambda: transport.description is not None or bool(transport.end_reason), BOOT_S)
         finally:
             self._description = transport.description
@@ -216,7 +213,6 @@ class ChildLink:
 
     def _start_child(self) -> ChildTransport:
         self._transport = transport = ChildTransport(
-            self._codec,
             self._desk,
             self._take_output,
             self._take_question,
@@ -232,9 +228,9 @@ class ChildLink:
         last = self._outputs.newest
         assert last is not None
         if self._supervision.boots >= BOOTS_FROM_SNAPSHOT:
-            transport.begin(replace(self._config, first_tick=tick))
+            transport.begin(replace(self._options, first_tick=tick))
             return
-        transport.begin(restored_config(self._config, self.description, last, tick))
+        transport.begin(restored_options(self._options, self.description, last, tick))
         self._pending.put_first(restored_inputs(last))
         if self._journal is not None:
             self._journal.restart(tick, self._supervision.reason, last, self._lost)
@@ -252,7 +248,7 @@ class ChildLink:
         transport.send_tick(tick, inputs, has_snapshot=has_snapshot)
 
     def _needs_snapshot(self, transport: ChildTransport, tick: int) -> bool:
-        """Whether a tick needs a snapshot that nothing reads in it.
+        """Return whether a tick needs a snapshot that nothing reads in it.
 
         The digests of a journal cover the snapshot of every tick; the first of a child has all that changes later ones
         refer to; while outputs leave later than in their own tick, what is due then reads the one of an earlier tick.
@@ -280,7 +276,7 @@ class ChildLink:
             self._outputs.add_own(*self._journal.take_warning(sent.number))
 
     def _take_question(self, sent: SentTick | None) -> None:
-        """Count a question about files as a sign of life, unless they take too long altogether."""
+        """Count a question about files as an answer, unless they take too long altogether."""
         assert self._transport is not None
         if sent is not None and time.monotonic() - sent.asking_since_s < FILES_MAX_S:
             self._supervision.watch_from_now(self._transport.process.worked_s())
@@ -307,8 +303,8 @@ class ChildLink:
         # The oldest of the ticks is what it died of; it has not seen the others.
         unanswered = list(transport.unanswered)
         self._lost = unanswered[0].inputs if unanswered else ()
-        told = failure._replace(reason=self._supervision.note_failure(tick, failure.reason))
-        events = termination_events(tick, told, self._outputs.newest, self._lost, transport.line)
+        shown = failure._replace(reason=self._supervision.note_failure(tick, failure.reason))
+        events = termination_events(tick, shown, self._outputs.newest, self._lost, transport.line)
         if self._journal is not None:
             self._journal.told(tick, events)
         self._outputs.add_own(*events, requests=self._pending.end_connections())
@@ -334,7 +330,7 @@ class ChildLink:
     # ---------------------------------------------------------------- waiting
 
     async def _let_catch_up(self, transport: ChildTransport) -> None:
-        """Wait for a child whose ticks last longer than a period; what keeps time finds itself late, and counts it."""
+        """Wait for a child whose ticks last longer than a period; the cycle counts the late ticks."""
         unanswered, supervision = transport.unanswered, self._supervision
         if not self._is_catching_up and supervision.silent_s() < LAG_S:
             await self._wait_until(lambda: len(unanswered) < LAG_MAX or bool(transport.end_reason), LAG_S)
@@ -352,7 +348,7 @@ class ChildLink:
             await self._wait_until(lambda: not transport.unanswered or bool(transport.end_reason), grace_s)
             self._grace_left_s -= time.monotonic() - began_s
         else:
-            # Ticks without a pause must not keep a fresh child from being heard.
+            # The event loop reads a fresh child even if ticks come without a pause.
             await asyncio.sleep(0)
         if self._outputs.newest is None and transport is not None:
             # The first tick of all: there is no snapshot yet to show instead.

@@ -18,26 +18,27 @@ from __future__ import annotations
 
 import re
 import struct
+from functools import cache
 from operator import attrgetter
 from typing import Any, Final, NamedTuple, get_args, get_origin, get_type_hints
 
 from elitescript.codec.json_text import from_text, to_text
-from elitescript.codec.messages import Codec
+from elitescript.codec.messages import field_shapes, shape_of
 from elitescript.codec.values import CodecError, Shape, check_list
 from elitescript.errors import UsageError
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.state import RobotState
 from elitescript.services.child import frames
-from elitescript.services.config_codec import output_text, without_points
+from elitescript.services.output_text import output_text, without_points
 
 _HEAD: Final = struct.Struct("<qqQ")
-SAID_MAX: Final = 10_000
-"""Events, requests and replies of one output, of each: a program says less, by its work in a tick."""
+LISTS_MAX: Final = 10_000
+"""Events, requests and replies of one output, of each: a program makes fewer, by its work in a tick."""
 VALUES_MAX: Final = 100_000
 """Values of one output, about; as many take 50 ms to be read."""
 _TEXT: Final = re.compile(rb'"[^"\\]*+(?:\\.[^"\\]*+)*+"', re.DOTALL)
-_SAID: Final = ("events", "requests", "replies")
+_LISTS: Final = ("events", "requests", "replies")
 _OF_ROBOT: Final = len(RobotState.__dataclass_fields__) - 1
 """Fields of a robot's state that come first in the order of `_fields`; all but its tick."""
 
@@ -53,12 +54,13 @@ class _Field(NamedTuple):
     is_vector: bool
 
 
-def _fields(codec: Codec) -> list[_Field]:
+@cache
+def _fields() -> list[_Field]:
     """Return the fields of the robot's state but its first one, the tick, then those of the snapshot but the robot."""
     found = []
     for kind, start in ((RobotState, "robot."), (Snapshot, "")):
         hints = get_type_hints(kind)
-        for name, shape in list(codec.field_shapes(kind).items())[1:]:
+        for name, shape in list(field_shapes(kind).items())[1:]:
             parts = get_args(hints[name]) if get_origin(hints[name]) is tuple else ()
             is_vector = bool(parts) and set(parts) == {float}
             has_numbers = is_vector or hints[name] is float
@@ -69,19 +71,15 @@ def _fields(codec: Codec) -> list[_Field]:
 
 
 class OutputWriter:
-    """The child's end.
+    """Writes outputs at the child's end."""
 
-    Args:
-        codec: of everything that an output holds.
-    """
+    __slots__ = ("_fields", "_lists", "_packed", "_shape", "_values", "_values_of")
 
-    __slots__ = ("_fields", "_packed", "_said", "_shape", "_values", "_values_of")
-
-    def __init__(self, codec: Codec) -> None:
-        self._shape = codec.shape(Output)
-        said = codec.field_shapes(Output)
-        self._said = [said[name].encode for name in _SAID]
-        fields = _fields(codec)
+    def __init__(self) -> None:
+        self._shape = shape_of(Output)
+        shapes = field_shapes(Output)
+        self._lists = [shapes[name].encode for name in _LISTS]
+        fields = _fields()
         self._values_of = attrgetter(*(field.name for field in fields))
         self._fields: list[tuple[int, Any]] = []
         """For each field its bit and what packs it, or 0 and what encodes it."""
@@ -104,7 +102,7 @@ class OutputWriter:
             for value, (bit, pack) in zip(self._values, self._fields, strict=True):
                 if bit:
                     packed[bit] = pack(value)
-            return frames.OUTPUT, output_text(self._shape, output).encode()
+            return frames.OUTPUT, output_text(output).encode()
         bits = 0
         parts = [b""]
         changes: list[Any] = []
@@ -124,8 +122,8 @@ class OutputWriter:
                 changes += (place, write(value))
         parts[0] = _HEAD.pack(output.tick, output.snapshot.robot.tick, bits)
         if changes or output.events or output.requests or output.replies:
-            said = without_points(output)
-            written = [encode(getattr(said, name)) for name, encode in zip(_SAID, self._said, strict=True)]
+            short = without_points(output)
+            written = [encode(getattr(short, name)) for name, encode in zip(_LISTS, self._lists, strict=True)]
             parts.append(to_text([*written, changes]).encode())
         return frames.OUTPUT_CHANGES, b"".join(parts)
 
@@ -135,20 +133,16 @@ def _packer(layout: struct.Struct) -> Any:
 
 
 class OutputReader:
-    """The parent's end of the line from one child.
+    """Reads the outputs of one child at the parent's end."""
 
-    Args:
-        codec: of everything that an output holds.
-    """
+    __slots__ = ("_data", "_decoders", "_lists", "_numbers", "_robot_tick", "_shape", "_tick", "_values", "_values_of")
 
-    __slots__ = ("_data", "_decoders", "_numbers", "_robot_tick", "_said", "_shape", "_tick", "_values", "_values_of")
-
-    def __init__(self, codec: Codec) -> None:
-        self._shape = codec.shape(Output)
-        said = codec.field_shapes(Output)
-        self._said = [said[name].decode for name in _SAID]
-        self._tick = codec.field_shapes(RobotState)["tick"].decode
-        fields = _fields(codec)
+    def __init__(self) -> None:
+        self._shape = shape_of(Output)
+        shapes = field_shapes(Output)
+        self._lists = [shapes[name].decode for name in _LISTS]
+        self._tick = field_shapes(RobotState)["tick"].decode
+        fields = _fields()
         self._values_of = attrgetter(*(field.name for field in fields))
         self._decoders = [field.shape.decode if field.numbers is None else None for field in fields]
         self._numbers = [
@@ -172,7 +166,7 @@ class OutputReader:
         if not self._data:
             raise CodecError("changes of a snapshot that was not sent")
         values = self._values
-        said: list[Any] = [(), (), ()]
+        lists: list[Any] = [(), (), ()]
         written: list[Any] = [[], [], []]
         try:
             tick, robot_tick, bits = _HEAD.unpack_from(content)
@@ -182,20 +176,20 @@ class OutputReader:
                 more = from_text(content[at:])
                 check_list(more, 4)
                 written = more[:3]
-                check_said(written)
-                said = [read(item) for read, item in zip(self._said, written, strict=True)]
+                check_counts(written)
+                lists = [read(item) for read, item in zip(self._lists, written, strict=True)]
                 self._take_changes(more[3])
             robot = RobotState(self._robot_tick, *values[:_OF_ROBOT])
             snapshot = Snapshot(robot, *values[_OF_ROBOT:])
         except (ValueError, TypeError, UsageError, struct.error) as error:
             raise CodecError(f"changes of a snapshot: {error}") from None
         self._data[:4] = tick, *written
-        events, requests, replies = said
+        events, requests, replies = lists
         return Output(tick, events, requests, replies, snapshot)
 
     def _read_whole(self, data: Any) -> Output:
         if type(data) is list:
-            check_said(data[1:4])
+            check_counts(data[1:4])
         output = self._shape.decode(data)
         robot, *rest = data[4]
         self._robot_tick = robot[0]
@@ -254,12 +248,12 @@ def check_values(content: bytes) -> None:
         raise CodecError(f"an output of more than {VALUES_MAX} values; reading it takes the time of other clients")
 
 
-def check_said(said: list[Any]) -> None:
+def check_counts(lists: list[Any]) -> None:
     """Refuse a tick with too many events, requests or replies.
 
     Raises:
         CodecError: it has.
     """
-    for items in said:
-        if type(items) is list and len(items) > SAID_MAX:
-            raise CodecError(f"an output with {len(items)} events, requests or replies; {SAID_MAX} are read")
+    for items in lists:
+        if type(items) is list and len(items) > LISTS_MAX:
+            raise CodecError(f"an output with {len(items)} events, requests or replies; {LISTS_MAX} are read")

@@ -128,7 +128,7 @@ class ChildProcess:
             self._over("it does not read what it is sent")
 
     def worked_s(self) -> float | None:
-        """Return the processor time that it has used so far, s; None if this system does not tell."""
+        """Return the processor time that it has used so far, s; None if that is not known here."""
         return processor_time_s(self._process.pid)
 
     def ask_where(self) -> None:
@@ -262,7 +262,7 @@ class ChildProcess:
 
 
 def processor_time_s(pid: int) -> float | None:
-    """Return the processor time of all threads of a process, s; None if it has gone, or this system does not tell.
+    """Return the processor time of all threads of a process, s; None if it has gone, or that is not known here.
 
     Linux has a clock for every process, whose number is the complement of the process' with the kind of the clock in
     the lowest three bits (`clock_getcpuclockid(3)`).

@@ -44,7 +44,7 @@ class FileDesk:
         self._next = 1
 
     def answer(self, question: Any) -> Answer:
-        """The answer.
+        """Return the answer to a question.
 
         Raises:
             CodecError: that is no question.
@@ -170,29 +170,23 @@ class RemoteFiles:
         self._ask = ask
 
     def open(self, name: str, mode: str, encoding: str | None, newline: str | None) -> IO[Any]:
-        """See `runtime.environment.Files.open`."""
         letters = mode.replace("t", "").replace("b", "") + "b"
         raw = _RemoteFile(self._ask, _value(self._ask(["open", name, letters])), mode)
         return opened(raw, mode, None if "b" in mode else encoding, newline, read_ahead=PIECE_MAX)
 
     def kind(self, name: str) -> str:
-        """See `runtime.environment.Files.kind`."""
         return str(_value(self._ask(["kind", name])))
 
     def size(self, name: str) -> int:
-        """See `runtime.environment.Files.size`."""
         return int(_value(self._ask(["size", name])))
 
     def names(self, name: str) -> list[str]:
-        """See `runtime.environment.Files.names`."""
         return list(_value(self._ask(["names", name])))
 
     def remove(self, name: str) -> None:
-        """See `runtime.environment.Files.remove`."""
         _value(self._ask(["remove", name]))
 
     def make_folder(self, name: str) -> None:
-        """See `runtime.environment.Files.make_folder`."""
         _value(self._ask(["make_folder", name]))
 
 

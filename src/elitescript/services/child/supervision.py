@@ -1,4 +1,4 @@
-"""Supervision of children: when one has failed, when the next one starts, and what clients hear in between.
+"""Supervision of children: when one has failed, when the next one starts, and the events that clients get in between.
 
 A child that has worked for `HANG_LIMIT_S` without an answer is in a call that does not come back. Its own processor
 time counts, so that a busy computer does not look like such a call; one that does not work either, because it sleeps,
@@ -102,16 +102,16 @@ class Supervision:
         self.answered = self.boots = self.restarts = 0
         self.reason = ""
 
-    # ---------------------------------------------------------------- what happens
+    # ---------------------------------------------------------------- events
 
     def note_start(self) -> None:
-        """A child was started."""
+        """Count a child that was started."""
         self.boots += 1
         self.answered = 0
         self._asked_where_s = 0.0
 
     def note_answer(self, worked_s: float | None) -> None:
-        """The child has answered a tick.
+        """Count a tick that the child has answered.
 
         Args:
             worked_s: processor time that it has used so far; None if it is not known.
@@ -124,12 +124,12 @@ class Supervision:
         self.watch_from_now(worked_s)
 
     def watch_from_now(self, worked_s: float | None) -> None:
-        """The child has given a sign of life, or is asked and owed no answer before."""
+        """Begin to wait for an answer anew."""
         self._since_s = time.monotonic()
         self._worked_s = worked_s
 
     def note_failure(self, tick: int, reason: str) -> str:
-        """A child has failed; return the reason, with when the next one starts if that is not at once."""
+        """Count a failure; return the reason, with when the next child starts if that is not at once."""
         self.restarts += 1
         pause = self._put_off(tick, reason)
         if pause:
@@ -137,7 +137,7 @@ class Supervision:
         return reason
 
     def note_no_process(self, tick: int, reason: str) -> None:
-        """No process can be started just now; try again after the longest pause."""
+        """Note that no process can be started just now: try again after the longest pause."""
         self._put_off(tick, reason)
         self._restart_at = tick + PAUSES_TICKS[-1]
 
@@ -148,14 +148,14 @@ class Supervision:
         self._restart_at = tick + pause
         return pause
 
-    # ---------------------------------------------------------------- what is to be done
+    # ---------------------------------------------------------------- decisions
 
     def may_start(self, tick: int) -> bool:
-        """Whether the next child is to start at a tick."""
+        """Return whether the next child is to start at a tick."""
         return tick >= self._restart_at
 
     def silent_s(self) -> float:
-        """Return how long the child has given no sign of life."""
+        """Return how long the child has not answered, s."""
         return time.monotonic() - self._since_s
 
     def failure_of(self, transport: ChildTransport, tick: int) -> Failure | None:
@@ -180,7 +180,7 @@ class Supervision:
         return self._hang(sent, where, is_compiling=process.is_compiling)
 
     def is_hanging(self, ticks: int, worked_s: Callable[[], float | None], *, more_s: float = 0.0) -> bool:
-        """Whether the child takes too long to answer.
+        """Return whether the child takes too long to answer.
 
         Args:
             ticks: that have gone by since it was asked what it has not answered.

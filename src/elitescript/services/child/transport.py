@@ -1,7 +1,7 @@
 """One robot in one child process: the messages down, and those up, of which nothing is trusted.
 
-What arrives is decoded, checked and handed on in the order of the ticks. Whatever makes no sense ends the transport;
-nothing more of the child is read then. See `frames` for the messages.
+What arrives is decoded, checked and handed on in the order of the ticks. What is no message ends the transport; nothing
+more of the child is read then. See `frames` for the messages.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from elitescript.codec.json_text import from_text, to_text
-from elitescript.codec.messages import Codec
+from elitescript.codec.messages import field_shapes, shape_of
 from elitescript.codec.values import CodecError, check_list
 from elitescript.errors import UsageError
 from elitescript.kernel import RobotOptions
@@ -28,6 +28,7 @@ from elitescript.services.child.jail import Layer
 from elitescript.services.child.output_changes import OutputReader
 from elitescript.services.child.process import ChildProcess
 from elitescript.services.child.remote_files import FileDesk
+from elitescript.services.options_data import options_data
 
 READING_MAX_S: Final = 0.25
 READING_KEPT: Final = 0.99
@@ -58,7 +59,6 @@ class ChildTransport:
     """The way to one child process, from its start to its end.
 
     Args:
-        codec: of everything that is sent.
         desk: answers questions about files.
         on_output: takes a tick that was sent, and what it has given.
         on_question: called when a question about files was answered, with the tick that it was asked in; None if that
@@ -74,6 +74,7 @@ class ChildTransport:
         is_begun: whether the child was asked to make a robot.
         layers: of the jail; None until the child has locked itself in.
         line: of the program, at the last tick that was answered.
+        process: the process.
         unanswered: ticks that were sent and not answered yet, the oldest first.
 
     Raises:
@@ -81,8 +82,6 @@ class ChildTransport:
     """
 
     __slots__ = (
-        "_child",
-        "_codec",
         "_desk",
         "_input_shape",
         "_line_shape",
@@ -98,12 +97,12 @@ class ChildTransport:
         "is_begun",
         "layers",
         "line",
+        "process",
         "unanswered",
     )
 
     def __init__(
         self,
-        codec: Codec,
         desk: FileDesk,
         on_output: Callable[[SentTick, Output | TickResult], None],
         on_question: Callable[[SentTick | None], None],
@@ -112,15 +111,14 @@ class ChildTransport:
         is_jailed: bool,
         memory_max: int,
     ) -> None:
-        self._codec = codec
         self._desk = desk
         self._on_output = on_output
         self._on_question = on_question
         self._on_change = on_change
-        self._input_shape = codec.shape(Input)
-        self._line_shape = codec.field_shapes(RobotState)["line"]
-        self._result_shape = codec.shape(TickResult)
-        self._reader = OutputReader(codec)
+        self._input_shape = shape_of(Input)
+        self._line_shape = field_shapes(RobotState)["line"]
+        self._result_shape = shape_of(TickResult)
+        self._reader = OutputReader()
         self._reading_s = 0.0
         self.description: RobotDescription | None = None
         self.end_reason = self.failure = ""
@@ -132,15 +130,10 @@ class ChildTransport:
             # A descriptor cannot be handed to a child there.
             raise UsageError(f"robots have no process of their own on this system ({sys.platform}); use --in-process")
         try:
-            self._child = ChildProcess(self._message, self.end)
+            self.process = ChildProcess(self._message, self.end)
         except (OSError, ValueError) as error:
             raise UsageError(f"no process for the robot can be started: {error}; use --in-process") from error
-        self._child.send(frames.LOCK_IN, to_text([is_jailed, memory_max]))
-
-    @property
-    def process(self) -> ChildProcess:
-        """The process."""
-        return self._child
+        self.process.send(frames.LOCK_IN, to_text([is_jailed, memory_max]))
 
     @property
     def is_ready(self) -> bool:
@@ -149,17 +142,17 @@ class ChildTransport:
 
     # ---------------------------------------------------------------- down
 
-    def begin(self, config: RobotOptions) -> None:
+    def begin(self, options: RobotOptions) -> None:
         """Have the child make its robot."""
         self.is_begun = True
-        self._child.send(frames.BEGIN, to_text(self._codec.shape(RobotOptions).encode(config)))
+        self.process.send(frames.BEGIN, to_text(options_data(options)))
 
     def send_tick(self, number: int, inputs: Sequence[Input], *, has_snapshot: bool) -> None:
         """Send a tick with its inputs, and whether its snapshot is asked for."""
         text = to_text([self._input_shape.encode(item) for item in inputs])
         size = sum(len(item.text) for item in inputs if isinstance(item, RunUnit | Interpret | Query))
         self.unanswered.append(SentTick(number, inputs, has_snapshot, text, size))
-        self._child.send(frames.TICK if has_snapshot else frames.TICK_UNREAD, text)
+        self.process.send(frames.TICK if has_snapshot else frames.TICK_UNREAD, text)
 
     # ---------------------------------------------------------------- up
 
@@ -194,7 +187,7 @@ class ChildTransport:
             self.layers = tuple(Layer(str(name), active is True, str(why)) for name, active, why in from_text(text))
         elif letter == frames.DESCRIBED and self.is_begun and self.description is None:
             output_changes.check_values(text)
-            self.description = self._codec.shape(RobotDescription).decode(from_text(text))
+            self.description = shape_of(RobotDescription).decode(from_text(text))
         elif letter == frames.FAILED:
             output_changes.check_values(text)
             kind, why = (str(part)[:FAILURE_MAX] for part in from_text(text))
@@ -225,13 +218,13 @@ class ChildTransport:
         output_changes.check_values(text)
         data = from_text(text)
         check_list(data, 2)
-        line, said = data
-        check_list(said, 4)
-        output_changes.check_said(said[1:])
+        line, result = data
+        check_list(result, 4)
+        output_changes.check_counts(result[1:])
         line = self._line_shape.decode(line)
-        result = self._result_shape.decode(said)
+        decoded = self._result_shape.decode(result)
         self.line = line
-        return result
+        return decoded
 
     def _take_question(self, text: bytes) -> None:
         answer = self._desk.answer(from_text(text))
@@ -243,4 +236,4 @@ class ChildTransport:
                 sent.size += len(answer_text)
             sent.asking_since_s = sent.asking_since_s or time.monotonic()
         self._on_question(sent)
-        self._child.send(frames.ANSWER, answer_text)
+        self.process.send(frames.ANSWER, answer_text)

@@ -23,7 +23,7 @@ def bind_one(name: str, host: str, number: int, spare: int | None = None) -> tup
         spare: what to take instead of a number that this user may not have.
 
     Returns:
-        The socket, and what to tell the user if it is the spare one.
+        The socket, and a note for the user if it is the spare one.
 
     Raises:
         UsageError: the port cannot be had.
@@ -38,7 +38,7 @@ def bind_one(name: str, host: str, number: int, spare: int | None = None) -> tup
 
 
 def bind(host: str, number: int) -> socket.socket:
-    """A socket that listens at a port; 0 is a free one.
+    """Return a socket that listens at a port; 0 is a free one.
 
     Raises:
         OSError: it is in use, or may not be had; the host is none of this computer.

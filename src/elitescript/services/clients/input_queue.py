@@ -1,7 +1,7 @@
-"""What waits for the robot: as much of it goes in at a tick as the robot can do in one.
+"""Inputs that wait for the robot: as much goes in at a tick as the robot can do in one.
 
 What a client asks for keeps its order, and what one read of it has brought goes in together, so that no package of
-variables is torn apart. Between clients the queue is fair: when more waits than fits, those who ask for little come
+variables is torn apart. Between clients the queue is fair: when more waits than fits, those that ask for little come
 first, and the others take turns. What peers of a program's connections send is not held up; it has windows of its own.
 """
 
@@ -142,7 +142,7 @@ class InputQueue:
             queue.append(together)
 
     def _take_small(self, taken: list[Input]) -> None:
-        """Clients that ask for little, of which there is nothing else."""
+        """Take the inputs of clients that ask for little, of which nothing else waits."""
         for client, queue in list(self._held.items()):
             if len(queue) == 1 and price_ns(queue[0]) < DEAR_NS:
                 taken += queue[0]

@@ -1,6 +1,6 @@
 """A port of a robot: it accepts clients at a pace that leaves the others their time.
 
-A client that finds no room is refused politely: its connection is accepted and ended at once. How many were refused,
+A client that finds no room is refused: its connection is accepted and ended at once. How many were refused,
 or were web browsers, is written once at the begin of a burst and once at its end.
 """
 
@@ -45,33 +45,33 @@ class RefusalBurst:
         count: of all refusals.
     """
 
-    __slots__ = ("_head", "_hub", "_last_tick", "_more", "_told", "_told_tick", "count")
+    __slots__ = ("_head", "_hub", "_last_tick", "_more", "_reported", "_reported_tick", "count")
 
     def __init__(self, hub: Hub, head: str, more: str) -> None:
         self.count = 0
         self._hub = hub
         self._head = head
         self._more = more
-        self._told = self._told_tick = self._last_tick = 0
+        self._reported = self._reported_tick = self._last_tick = 0
 
     def add(self, why: str) -> None:
         """Count another one."""
         self.count += 1
         tick = self._hub.output.tick
-        is_first = self._told == self.count - 1 and (not self._told or tick - self._last_tick >= BURST_TICKS)
+        is_first = self._reported == self.count - 1 and (not self._reported or tick - self._last_tick >= BURST_TICKS)
         self._last_tick = tick
         if is_first:
-            self._tell(why)
+            self._report(why)
 
-    def tell_due(self) -> None:
+    def report_due(self) -> None:
         """Write how many there were if the burst is over, or lasts long."""
-        if self._told < self.count:
+        if self._reported < self.count:
             tick = self._hub.output.tick
-            if tick - self._last_tick >= BURST_TICKS or tick - self._told_tick >= REPORT_TICKS:
-                self._tell(f"refused {self.count - self._told} more {self._more}")
+            if tick - self._last_tick >= BURST_TICKS or tick - self._reported_tick >= REPORT_TICKS:
+                self._report(f"refused {self.count - self._reported} more {self._more}")
 
-    def _tell(self, text: str) -> None:
-        count, self._told, self._told_tick = self.count - self._told, self.count, self._hub.output.tick
+    def _report(self, text: str) -> None:
+        count, self._reported, self._reported_tick = self.count - self._reported, self.count, self._hub.output.tick
         self._hub.note("refused", f"{self._head}: {text}", is_problem=True, count=count)
 
 
@@ -127,7 +127,7 @@ class Listener:
         self._task = asyncio.get_running_loop().create_task(self._accept())
 
     def reads_snapshot(self, tick: int) -> bool:
-        """Whether a client reads more of the snapshot of a tick than the discrete state."""
+        """Return whether a client reads more of the snapshot of a tick than the discrete state."""
         return any(client.connection.reads_snapshot(tick) for client in self.clients.values())
 
     def publish(self, output: Output) -> None:
@@ -141,13 +141,13 @@ class Listener:
         return sum(not client.is_leaving for client in self.clients.values())
 
     def begin_tick(self) -> None:
-        """There is time for more clients; the log hears how many were refused."""
+        """Accept on, and write how many clients were refused if that is due."""
         if self._accepted:
             self._accepted = 0
             if self._turn is not None:
                 self._hub.shares.wait(self, is_light=True)
-        self._crowd.tell_due()
-        self._browsers.tell_due()
+        self._crowd.report_due()
+        self._browsers.report_due()
 
     @property
     def refused(self) -> int:
@@ -155,12 +155,12 @@ class Listener:
         return self._crowd.count
 
     def go_on(self) -> None:
-        """It is its turn to accept."""
+        """Accept on now."""
         if self._turn is not None and not self._turn.done():
             self._turn.set_result(None)
 
     def release(self) -> None:
-        """Give the port back without having accepted anybody."""
+        """Give the port back without having accepted a client."""
         self._bound.close()
 
     async def close(self) -> None:

@@ -1,9 +1,9 @@
-"""Which clients are read in a tick, and how much: the share of every client in the time of one robot.
+"""Shares of clients in the reading time of one robot: which are read in a tick, and how much.
 
 Reading takes time that all clients need, for what they send must be decoded, and what it asks for must be done. In
 every tick there is `READ_BUDGET_NS` for it. A client that takes little is read whenever it sends something. One that
-has used up its share waits, its bytes in its socket, until its turn comes: those who had sent no more than was read
-of them before the others, each in the order in which they came. What was spent beyond a tick is paid by the next
+has used up its share waits, its bytes in its socket: clients that had sent no more than was read of them come before
+the others, each in the order in which they came. What was spent beyond a tick is paid by the next
 ones, so that the robot and other clients keep their time however many clients flood. While ticks begin late, because
 the computer has other work too, there is less of it.
 
@@ -59,7 +59,7 @@ class Shares:
 
     @property
     def waiting(self) -> int:
-        """How many wait to be read."""
+        """Number of clients that wait to be read."""
         return len(self._light) + len(self._heavy)
 
     def charge(self, spent_ns: int) -> None:
@@ -67,13 +67,12 @@ class Shares:
         self.spent_ns += spent_ns
 
     def is_used_up(self, own_ns: int, *, is_light: bool = False) -> bool:
-        """Whether a client that has used so much in this tick has to wait.
+        """Return whether a client that used `own_ns` must wait.
 
         Args:
             own_ns: what it has used.
-            is_light: it has sent no more than was read of it. Of a client that is not read it is not seen either that
-                it goes, and a package that waits for the next tick is late: so it may take more, and late ticks are not
-                caused by it.
+            is_light: it has sent no more than was read of it. It may take more: a package that waits for the next tick
+                is late, the end of a client that is not read is not seen, and late ticks are not caused by it.
         """
         if is_light:
             return own_ns > LIGHT_SHARES * SHARE_NS or self.spent_ns > LIGHT_SHARES * READ_BUDGET_NS

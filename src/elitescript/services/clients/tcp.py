@@ -1,4 +1,4 @@
-"""The pump of every TCP service: sockets on one side, sans-I/O connections on the other.
+"""TCP clients: sockets on one side, sans-I/O connections on the other.
 
 What arrives is decoded at once, what a tick gives leaves at once; each message is one write. A client harms no other:
 
@@ -46,7 +46,7 @@ LINGER_TICKS: Final = 5 * TICKS_PER_S
 
 
 class Hub(Protocol):
-    """The robot's side of the pump."""
+    """The robot server as its clients see it."""
 
     output: Output
     """Of the last tick."""
@@ -57,10 +57,10 @@ class Hub(Protocol):
         """Take inputs for the next tick that begins; return its number."""
 
     def waiting_of(self, origin: str) -> int:
-        """Inputs of a client that could not go in at the last tick."""
+        """Return how many inputs of a client could not go in at the last tick."""
 
     def wake(self) -> None:
-        """A client that owes an input has sent something, has read, or goes: time may go on, if it waited."""
+        """Let time go on, if it waited: a client that owes an input has sent something, has read, or goes."""
 
     def note(self, kind: str, text: str, *, is_problem: bool = False, **details: Any) -> None:
         """Write a line of the log."""
@@ -72,7 +72,7 @@ class Client(asyncio.BufferedProtocol):
     Args:
         hub: the robot.
         service: where it came in.
-        connection: what it says and hears.
+        connection: decodes and encodes its bytes.
         forget: called once when it has gone.
         refuse: called with the reason if it is a web browser.
 
@@ -146,7 +146,7 @@ class Client(asyncio.BufferedProtocol):
         """Its name, in inputs and in the log."""
         return self.connection.origin
 
-    # ---------------------------------------------------------------- what the event loop calls
+    # ---------------------------------------------------------------- called by the event loop
 
     def connection_made(self, transport: Any) -> None:
         self._transport = transport
@@ -164,7 +164,7 @@ class Client(asyncio.BufferedProtocol):
     def buffer_updated(self, nbytes: int) -> None:
         if self._deadline is not None:
             return
-        # An answer, a pause, nonsense: whatever it is, time may have waited for it.
+        # Whatever it is, time may have waited for it.
         is_asked = self.owes_input
         self._read(nbytes)
         if is_asked:
@@ -196,7 +196,7 @@ class Client(asyncio.BufferedProtocol):
             self._pause()
 
     def _is_browser(self, first_bytes: FirstBytes, data: bytes) -> bool:
-        """Whether a web browser speaks; then the connection ends, and nothing of it counts."""
+        """Return whether the client is a web browser; then its connection ends, and nothing of it counts."""
         if found := first_bytes.feed(data):
             self._is_silent = True
             self.owes_input = False
@@ -217,7 +217,7 @@ class Client(asyncio.BufferedProtocol):
         self._hub.shares.charge(spent_ns)
 
     def _has_taken_enough(self, size: int) -> bool:
-        """Whether the rest must wait for a later tick."""
+        """Return whether the rest must wait for a later tick."""
         self._is_light = size < self._size
         if self._hub.shares.is_used_up(self._spent_ns, is_light=self._is_light):
             return True
@@ -257,7 +257,7 @@ class Client(asyncio.BufferedProtocol):
         self._stalled_since = None
         self._hub.wake()
 
-    # ---------------------------------------------------------------- what a tick calls
+    # ---------------------------------------------------------------- called in a tick
 
     @property
     def is_behind(self) -> bool:
@@ -266,7 +266,7 @@ class Client(asyncio.BufferedProtocol):
 
     @property
     def is_leaving(self) -> bool:
-        """Whether it has said that it sends nothing more, is to be closed, or has gone."""
+        """Whether it has ended its half, is to be closed, or has gone."""
         return self._deadline is not None or self._left is not None
 
     def publish(self, output: Output) -> None:
@@ -308,7 +308,7 @@ class Client(asyncio.BufferedProtocol):
             self.read_on()
 
     def relieve(self) -> None:
-        """No tick comes: go on with what does not need one."""
+        """Go on with what needs no tick, while none comes."""
         connection = self.connection
         try:
             inputs = connection.read_on(self._hub.output)
@@ -413,7 +413,7 @@ class Client(asyncio.BufferedProtocol):
                 return
 
     def _part(self) -> None:
-        """It has gone, and all that it sent is read."""
+        """Forget the client: it has gone, and all that it sent is read."""
         if self._left is not None:
             self._left.close()
             self._left = None
@@ -442,7 +442,7 @@ class Client(asyncio.BufferedProtocol):
         self.abort()
 
     def _fail(self) -> None:
-        """A mistake of ours: this client pays for it, the others go on."""
+        """Report a defect of this program and end this client alone."""
         text = f"{self.origin}: internal error, please report it:\n{traceback.format_exc()}"
         self._hub.note("bug", text, is_problem=True, origin=self.origin)
         self.abort()

@@ -42,7 +42,7 @@ _HAS_UNIX: Final = hasattr(asyncio, "start_unix_server")
 
 
 def runtime_folder() -> Path:
-    """The folder of the addresses of this user's robots.
+    """Return the folder of the addresses of this user's robots.
 
     Raises:
         UsageError: it belongs to another user, or others may write to it.
@@ -62,24 +62,24 @@ def runtime_folder() -> Path:
 
 
 def address_of(instance: int) -> Path:
-    """Where the robot of an instance listens."""
+    """Return where the robot of an instance listens."""
     return runtime_folder() / f"serve-{instance}.{'sock' if _HAS_UNIX else 'json'}"
 
 
 class ControlChannel:
-    """The channel of one served robot.
+    """Answers requests about one served robot.
 
     Args:
-        station: the robot.
+        server: the robot.
         instance: which one this is on this computer.
     """
 
-    __slots__ = ("_count", "_expected", "_path", "_server", "_station", "_token", "_writers")
+    __slots__ = ("_count", "_expected", "_listener", "_path", "_server", "_token", "_writers")
 
-    def __init__(self, station: RobotServer, instance: int) -> None:
-        self._station = station
+    def __init__(self, server: RobotServer, instance: int) -> None:
+        self._server = server
         self._path = address_of(instance)
-        self._server: asyncio.Server | None = None
+        self._listener: asyncio.Server | None = None
         self._token = ""
         self._count = 0
         self._expected: set[asyncio.Future[Any]] = set()
@@ -87,13 +87,13 @@ class ControlChannel:
 
     @property
     def address(self) -> str:
-        """Path of the socket, or of the file that tells port and secret."""
+        """Path of the socket, or of the file with port and secret."""
         return str(self._path)
 
     @property
     def port(self) -> int:
         """Number of the TCP port; 0 if it is a socket in a folder."""
-        return 0 if _HAS_UNIX or self._server is None else int(self._server.sockets[0].getsockname()[1])
+        return 0 if _HAS_UNIX or self._listener is None else int(self._listener.sockets[0].getsockname()[1])
 
     async def open(self) -> None:
         """Listen. If another living robot has the address, take one of our own beside it."""
@@ -104,19 +104,19 @@ class ControlChannel:
             # No other user may connect, not even in the moment before the mode is set.
             mask = os.umask(0o177)
             try:
-                self._server = await asyncio.start_unix_server(self._serve, str(self._path), limit=LINE_MAX)
+                self._listener = await asyncio.start_unix_server(self._serve, str(self._path), limit=LINE_MAX)
             finally:
                 os.umask(mask)
             return
-        self._server = await asyncio.start_server(self._serve, "127.0.0.1", 0, limit=LINE_MAX)
+        self._listener = await asyncio.start_server(self._serve, "127.0.0.1", 0, limit=LINE_MAX)
         self._token = secrets.token_hex(16)
-        port = self._server.sockets[0].getsockname()[1]
+        port = self._listener.sockets[0].getsockname()[1]
         self._path.write_text(json.dumps({"port": port, "token": self._token}), encoding="utf-8")
 
     async def close(self) -> None:
         """Listen no more."""
-        if self._server is not None:
-            self._server.close()
+        if self._listener is not None:
+            self._listener.close()
             for expected in self._expected:
                 expected.cancel()
             for writer in self._writers:
@@ -156,9 +156,9 @@ class ControlChannel:
             arguments, values = asked.get("arguments", []), asked.get("values", {})
             if not isinstance(arguments, list) or not isinstance(values, dict):
                 raise UsageError("arguments are a list, values an object")
-            station = self._station
-            snapshot, description = station.output.snapshot, station.link.description
-            request = VerbRequest(origin, tuple(map(str, arguments)), values, snapshot, description, station.devices)
+            server = self._server
+            snapshot, description = server.output.snapshot, server.link.description
+            request = VerbRequest(origin, tuple(map(str, arguments)), values, snapshot, description, server.devices)
             if asked.get("wait") is True and verb.name == PLAY:
                 return await self._play_to_the_end(verb, request)
             return await self._carry_out(verb, request)
@@ -167,7 +167,7 @@ class ControlChannel:
 
     async def _play_to_the_end(self, verb: Verb, request: VerbRequest) -> dict[str, Any]:
         ending = Ending()
-        self._station.follow(ending.take)
+        self._server.follow(ending.take)
         self._expected.add(ending.finished)
         try:
             answer = await self._carry_out(verb, request)
@@ -179,37 +179,37 @@ class ControlChannel:
             self._expected.discard(ending.finished)
 
     async def _carry_out(self, verb: Verb, request: VerbRequest) -> dict[str, Any]:
-        station = self._station
+        server = self._server
         if verb.name == "ports":
-            return {"ok": True, "result": _clients(station)}
+            return {"ok": True, "result": _clients(server)}
         if verb.order is None:
-            assert verb.tell is not None
-            if verb.name == "state" and not station.output.is_fresh and not station.waits_for:
+            assert verb.read is not None
+            if verb.name == "state" and not server.output.is_fresh and not server.waits_for:
                 # Nothing has read where the arm is; the next tick shows it.
-                await station.next_output()
-            result = verb.tell(request, station.output)
+                await server.next_output()
+            result = verb.read(request, server.output)
             if verb.name == "state":
-                result |= {"left_out": station.left_out, "waits_for": station.waits_for}
+                result |= {"left_out": server.left_out, "waits_for": server.waits_for}
             return {"ok": True, "result": result}
         order, awaited = verb.order(request).answered(request.origin)
         if not order.inputs:
             return {"ok": True, "text": order.text}
         answers = OutputCollector(awaited)
-        station.post(list(order.inputs))
-        station.follow(answers.take)
+        server.post(list(order.inputs))
+        server.follow(answers.take)
         self._expected.add(answers.finished)
         try:
             await asyncio.wait_for(answers.finished, ANSWER_TIMEOUT_S)
             return {"ok": True, "text": outcome_text(order, answers.outcomes)}
         except TimeoutError:
-            waits = f": time waits for {station.waits_for}" if station.waits_for else ""
+            waits = f": time waits for {server.waits_for}" if server.waits_for else ""
             return {"ok": True, "text": f"{order.text} (asked for; the robot has not answered yet{waits})"}
         finally:
             self._expected.discard(answers.finished)
 
 
 class OutputCollector:
-    """What the robot says to several requests. Outputs may come in a row, before anybody else has a turn.
+    """Collects the replies to several requests; outputs may come in a row, before the event loop goes on.
 
     Args:
         origins: of the requests; without any, the next output is all that counts.
@@ -232,7 +232,7 @@ class OutputCollector:
         return [self._outcomes[origin] for origin in self._origins]
 
     def take(self, output: Output) -> bool:
-        """Look at an output; whether the next one is wanted too."""
+        """Take an output; return whether the next one is wanted too."""
         if self.finished.done():
             return False
         self._outcomes |= {reply.origin: reply.outcome for reply in output.replies if reply.origin in self._origins}
@@ -260,7 +260,7 @@ class Ending:
         self.finished: asyncio.Future[dict[str, Any]] = asyncio.get_running_loop().create_future()
 
     def take(self, output: Output) -> bool:
-        """Look at an output; return whether the next one is wanted too."""
+        """Take an output; return whether the next one is wanted too."""
         for event in output.events:
             if self.finished.done():
                 break
@@ -281,7 +281,7 @@ class Ending:
                 self.finished.set_result({"ok": True, "text": text, "ending": event.ending})
 
 
-def _clients(station: RobotServer) -> dict[str, Any]:
+def _clients(server: RobotServer) -> dict[str, Any]:
     return {
         name: {
             "port": listener.number,
@@ -290,8 +290,8 @@ def _clients(station: RobotServer) -> dict[str, Any]:
                 for client in listener.clients.values()
             ],
         }
-        for name, listener in station.listeners.items()
-    } | {"script_sockets": {"clients": station.broker.count}}
+        for name, listener in server.listeners.items()
+    } | {"script_sockets": {"clients": server.broker.count}}
 
 
 def ask(path: Path, verb: str, arguments: list[str], values: dict[str, Any], *, waits: bool = False) -> dict[str, Any]:

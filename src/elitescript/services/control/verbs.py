@@ -1,7 +1,7 @@
 """What `elitescript ctl` can ask of a served robot: one row for each verb.
 
-A verb is what a person beside the robot does: it is not bound to remote control. The robot itself does or refuses it,
-and says why; files, windows and control go the way of the same command of the dashboard.
+A verb stands for an action beside the robot: it is not bound to remote control. The robot itself does it, or refuses
+it with a reason; files, windows and control go the way of the same command of the dashboard.
 """
 
 from __future__ import annotations
@@ -43,12 +43,12 @@ class VerbAction(NamedTuple):
 
     inputs: tuple[Input, ...] = ()
     text: str = ""
-    """Said when it is done."""
+    """Shown when it is done."""
     failure: str = ""
     """If not empty the robot answers the input, and this begins the text of its refusal."""
 
     def answered(self, origin: str) -> tuple[VerbAction, tuple[str, ...]]:
-        """The same order, with an origin of its own for each request to the machine; and which origins get a reply."""
+        """Return the action with an origin for each request to the machine, and the origins that get a reply."""
         inputs: list[Input] = []
         awaited = [origin] if self.failure else []
         for number, item in enumerate(self.inputs, 1):
@@ -80,9 +80,9 @@ class Verb(NamedTuple):
     """As usage texts call it; empty for none, in brackets if it may be left out."""
     summary: str
     order: Callable[[VerbRequest], VerbAction] | None = None
-    """None if it only reads, see `tell`."""
-    tell: Callable[[VerbRequest, Output], dict[str, Any]] | None = None
-    """What it shows, from the tick at which it is done."""
+    """None if it only reads, see `read`."""
+    read: Callable[[VerbRequest, Output], dict[str, Any]] | None = None
+    """Returns what it shows, from the output of a tick."""
     details: Callable[[], tuple[str, ...]] = tuple
     """Further lines of its help."""
 
@@ -93,7 +93,7 @@ class Verb(NamedTuple):
 
 
 def outcome_text(order: VerbAction, outcomes: Iterable[Outcome]) -> str:
-    """Return what to say of an order that the robot has answered.
+    """Return the text for an action that the robot has answered.
 
     Args:
         order: what was asked for.
@@ -236,7 +236,7 @@ def _disturb(request: VerbRequest) -> VerbAction:
 
 
 def _fault_kinds() -> tuple[str, ...]:
-    """What `help` says of `disturb` besides."""
+    """Return lines that `help` adds to `disturb`."""
     from elitescript.devices.channels.faults import TABLE
 
     channels = ", ".join(name for name, row in TABLE.items() if not row.is_of_inputs)
@@ -294,8 +294,8 @@ def _state(request: VerbRequest, output: Output) -> dict[str, Any]:
 
 
 _ROWS: Final = (
-    Verb("state", "", "Modes, task, joints, late ticks.", tell=_state),
-    Verb("get", "[NAME...]", "Values of signals; all that are not at their default.", tell=_values),
+    Verb("state", "", "Modes, task, joints, late ticks.", read=_state),
+    Verb("get", "[NAME...]", "Values of signals; all that are not at their default.", read=_values),
     Verb("set", "NAME=VALUE...", "Set signals, inputs above all.", _set),
     Verb("estop", "", "Press the emergency stop.", _press("emergency_stop", True, "emergency stop pressed")),
     Verb("release", "", "Release the emergency stop.", _press("emergency_stop", False, "emergency stop released")),

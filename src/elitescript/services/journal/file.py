@@ -23,8 +23,8 @@ LAG_S: Final = 0.02
 """Lines that come within this time are written together."""
 WAITING_MAX: Final = 64 * 1024 * 1024
 """Bytes that may wait for the disk."""
-LOOK_S: Final = 1.0
-"""How often it is looked whether the file is still what was written."""
+CHECK_S: Final = 1.0
+"""How often it is checked whether the file is still what was written."""
 SYNC_S: Final = 5.0
 """How often the disk is asked to keep what was written even if the power goes."""
 CLOSE_S: Final = 5.0
@@ -45,11 +45,11 @@ class JournalFile:
     """
 
     __slots__ = (
+        "_checked_s",
         "_descriptor",
         "_is_closing",
         "_is_file",
         "_lines",
-        "_looked_s",
         "_news",
         "_synced_s",
         "_taken",
@@ -67,7 +67,7 @@ class JournalFile:
         self._written = 0
         self._news = threading.Event()
         self._is_closing = False
-        self._looked_s = self._synced_s = time.monotonic()
+        self._checked_s = self._synced_s = time.monotonic()
         self.failure = ""
         self._thread = threading.Thread(target=self._run, name="journal", daemon=True)
         self._thread.start()
@@ -108,9 +108,9 @@ class JournalFile:
 
     def _write_all(self) -> None:
         now_s = time.monotonic()
-        if now_s - self._looked_s >= LOOK_S:
-            self._looked_s = now_s
-            self._look()
+        if now_s - self._checked_s >= CHECK_S:
+            self._checked_s = now_s
+            self._check()
         while self._lines:
             data = b"".join(self._lines.popleft() for _ in range(len(self._lines)))
             write(self._descriptor, data)
@@ -119,7 +119,7 @@ class JournalFile:
             self._synced_s = now_s
             self._sync()
 
-    def _look(self) -> None:
+    def _check(self) -> None:
         found = os.fstat(self._descriptor)
         if not self._is_file:
             return
@@ -153,7 +153,7 @@ def write(descriptor: int, data: bytes) -> None:
 
 
 def _opened(path: Path) -> int:
-    """A new file, or a device that is there."""
+    """Open a new file, or a device that is there; return its descriptor."""
     # Appending, so that what is written behind the cut of another process shows in the size.
     flags = os.O_WRONLY | os.O_APPEND | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
     try:

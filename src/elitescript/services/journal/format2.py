@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any, Final
 
 from elitescript.codec.json_text import to_text
-from elitescript.codec.messages import Codec
+from elitescript.codec.messages import shape_of
 from elitescript.codec.values import CodecError, write_text
 from elitescript.devices.channels.faults import fault_from
 from elitescript.devices.channels.machine_faults import machine_fault
@@ -21,7 +21,8 @@ from elitescript.messages.machine import DisturbInput
 from elitescript.messages.outcomes import InterpreterOutcome, Refused, RegistersRead, ShownValue
 from elitescript.messages.outputs import NOT_CONNECTED, Output, Reply
 from elitescript.protocol import interpreter, query
-from elitescript.services.config_codec import options_from_data, without_points
+from elitescript.services.options_data import options_from_data
+from elitescript.services.output_text import without_points
 
 FORMAT: Final = 2
 
@@ -72,19 +73,11 @@ _ERRORS: Final = {
 
 
 class Format2:
-    """Translates one journal.
+    """Translates one journal."""
 
-    Args:
-        codec: of today's messages.
-    """
+    __slots__ = ("_idents",)
 
-    __slots__ = ("_codec", "_events", "_idents", "_inputs", "_output")
-
-    def __init__(self, codec: Codec) -> None:
-        self._codec = codec
-        self._events = codec.shape(Event)
-        self._inputs = codec.shape(Input)
-        self._output = codec.shape(Output)
+    def __init__(self) -> None:
         self._idents: dict[str, str] = {}
         """Ids of queries by their origin: replies had them."""
 
@@ -98,7 +91,7 @@ class Format2:
             raise CodecError(f"the options of format {FORMAT} have {len(_CONFIG)} fields")
         values = dict(zip(_CONFIG, data, strict=True))
         faults = tuple(_fault(text) for text in values.pop(_FAULTS))
-        return replace(options_from_data(self._codec, values), faults=faults)
+        return replace(options_from_data(values), faults=faults)
 
     def input(self, data: Any) -> Input:
         """Return an input of a tick.
@@ -116,7 +109,7 @@ class Format2:
             case ["Query", str(origin), str(ident), str(text)]:
                 self._idents[origin] = ident
                 return Query(origin, text)
-        item: Input = self._inputs.decode(data)
+        item: Input = shape_of(Input).decode(data)
         return item
 
     def event(self, data: Any) -> Event:
@@ -128,12 +121,12 @@ class Format2:
         match data:
             case ["Warned", *fields] if len(data) == _WARNED:
                 data = ["Warned", *fields, False]
-        item: Event = self._events.decode(data)
+        item: Event = shape_of(Event).decode(data)
         return item
 
     def output_text(self, output: Output) -> str:
         """Return an output as digests of that format cover it."""
-        data = self._output.encode(without_points(replace(output, replies=())))
+        data = shape_of(Output).encode(without_points(replace(output, replies=())))
         data[_EVENTS] = [event[:_WARNED] if event[0] == "Warned" else event for event in data[_EVENTS]]
         data[_REPLIES] = [[write_text(reply.origin), write_text(self._reply_text(reply))] for reply in output.replies]
         return to_text(data)

@@ -7,7 +7,7 @@ from base64 import b64decode
 from collections.abc import Callable
 from typing import Any, Final
 
-from elitescript.codec.messages import Codec
+from elitescript.codec.messages import shape_of
 from elitescript.codec.values import CodecError, shown
 from elitescript.messages.events import Event
 from elitescript.messages.inputs import Input
@@ -58,23 +58,22 @@ class RecordReader:
     """Reads the lines behind the first one, in their order.
 
     Args:
-        codec: knows the classes.
         first_tick: of the session.
         old: decodes inputs of a journal of format 2.
     """
 
-    __slots__ = ("_event", "_input", "_next_tick", "_picture", "_unmarked_tick")
+    __slots__ = ("_event", "_input", "_next_tick", "_snapshot", "_unmarked_tick")
 
-    def __init__(self, codec: Codec, first_tick: int, old: Format2 | None = None) -> None:
-        self._event: Callable[[Any], Event] = codec.shape(Event).decode if old is None else old.event
-        self._input: Callable[[Any], Input] = codec.shape(Input).decode if old is None else old.input
-        self._picture = codec.shape(Snapshot)
+    def __init__(self, first_tick: int, old: Format2 | None = None) -> None:
+        self._event: Callable[[Any], Event] = shape_of(Event).decode if old is None else old.event
+        self._input: Callable[[Any], Input] = shape_of(Input).decode if old is None else old.input
+        self._snapshot = shape_of(Snapshot)
         self._next_tick = first_tick
         self._unmarked_tick = first_tick
         """The first tick that no digest covers yet."""
 
     def read(self, line: bytes) -> dict[str, Any]:
-        """One line, with inputs and pictures decoded.
+        """Return one line, with inputs and snapshots decoded.
 
         Raises:
             RecordError: it makes no sense.
@@ -100,7 +99,7 @@ class RecordReader:
         if "events" in record:
             record["events"] = [self._event(item) for item in record["events"]]
         if "state" in record:
-            record["state"] = self._picture.decode(record["state"])
+            record["state"] = self._snapshot.decode(record["state"])
         if type(record.get("asked", [])) is not list:
             raise CodecError(f"asked must be a list, not {shown(record['asked'])}")
         if len(record.get("ticks", "")) % _CHECK_SUM_DIGITS:
@@ -108,7 +107,7 @@ class RecordReader:
 
     def _check_tick(self, kind: str, tick: int) -> None:
         if kind == "told":
-            # Of clients' time, which goes on while there is no robot.
+            # Clients' time goes on while there is no robot.
             return
         if tick < self._next_tick - (kind == "digest"):
             raise RecordError(f"{kind} {tick} comes too late: the lines before reach up to tick {self._next_tick - 1}")

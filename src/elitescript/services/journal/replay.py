@@ -1,4 +1,4 @@
-"""Robots with a journal: one whose session is written to it, and one that plays a session again."""
+"""Robots with a journal: one that writes its session to it, and one that plays a session again."""
 
 from __future__ import annotations
 
@@ -9,44 +9,39 @@ from typing import Any, NamedTuple
 from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.errors import UsageError
 from elitescript.kernel import Kernel, RobotOptions
-from elitescript.kernel.restart import restored_config
+from elitescript.kernel.restart import restored_options
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output, TickResult
-from elitescript.messages.snapshot import RobotDescription, Snapshot
+from elitescript.messages.snapshot import Snapshot
 from elitescript.runtime.environment import Files
 from elitescript.services.child.remote_files import FileDesk, RemoteFiles
-from elitescript.services.config_codec import full_codec, output_text
 from elitescript.services.journal.records import RecordError, check_answer
 from elitescript.services.journal.writer import Digest, Journal, JournalReader
+from elitescript.services.output_text import output_text
 
 
-class RecordedRobot:
-    """Runs a robot in this process whose session goes into a journal. See `robot_link.TickedRobot`.
+class RecordedRobot(Kernel):
+    """Runs a robot in this process whose session goes into a journal.
 
     Args:
-        config: of the robot.
+        options: of the robot.
         files: its task folder; what was read from it goes into the journal too.
         journal: where to write.
     """
 
-    __slots__ = ("_answers", "_desk", "_journal", "_kernel", "_snapshot")
+    __slots__ = ("_answers", "_desk", "_journal", "_snapshot")
 
-    def __init__(self, config: RobotOptions, files: Files, journal: Journal) -> None:
+    def __init__(self, options: RobotOptions, files: Files, journal: Journal) -> None:
         self._journal = journal
         self._desk = FileDesk(files)
         self._answers: list[Any] = []
-        self._kernel = Kernel(config, RequestEnvironment(RemoteFiles(self._ask)))
         self._snapshot: Snapshot
+        super().__init__(options, RequestEnvironment(RemoteFiles(self._ask)))
 
-    @property
-    def description(self) -> RobotDescription:
-        """What never changes about it."""
-        return self._kernel.description
-
-    def tick(self, inputs: Sequence[Input]) -> TickResult:
-        """Apply inputs in their order and go on by one tick; the digests of the journal cover every snapshot."""
-        result = self._kernel.tick(inputs)
-        self._snapshot = self._kernel.snapshot()
+    def tick(self, inputs: Sequence[Input] = ()) -> TickResult:
+        """Run one tick; the digests of the journal cover every snapshot."""
+        result = super().tick(inputs)
+        self._snapshot = super().snapshot()
         self._journal.tick(result.tick, inputs, self._answers, result.with_snapshot(self._snapshot))
         self._answers.clear()
         return result
@@ -54,10 +49,6 @@ class RecordedRobot:
     def snapshot(self) -> Snapshot:
         """Return the machine as its ports show it after the last tick."""
         return self._snapshot
-
-    def discrete_state(self) -> tuple[object, ...]:
-        """Return all that a snapshot shows and that does not change with time alone."""
-        return self._kernel.discrete_state()
 
     def _ask(self, question: list[Any]) -> list[Any]:
         answer = self._desk.answer(question)
@@ -102,14 +93,13 @@ class Replay:
         self._reader = reader
         self._until = until_tick
         self._answers: list[Any] = []
-        shape = full_codec().shape(Output)
-        self._text = (lambda output: output_text(shape, output)) if reader.old is None else reader.old.output_text
+        self._text = output_text if reader.old is None else reader.old.output_text
         self._digest = Digest()
-        self._kernel = self._fresh(reader.config)
+        self._kernel = self._fresh(reader.options)
         self._last: Output | None = None
         self.difference: Difference | None = None
         self.checked_ticks = 0
-        self.last_tick = reader.config.first_tick - 1
+        self.last_tick = reader.options.first_tick - 1
 
     def outputs(self, on_restart: Callable[[int, str], None] | None = None) -> Iterator[Output]:
         """Return what clients got, tick by tick; ends early where it differs.
@@ -141,16 +131,16 @@ class Replay:
                     return
                 if on_restart is not None:
                     on_restart(record["restart"], str(record["reason"]))
-                config, description = self._reader.config, self._kernel.description
-                self._kernel = self._fresh(restored_config(config, description, record["state"], record["restart"]))
+                options, description = self._reader.options, self._kernel.description
+                self._kernel = self._fresh(restored_options(options, description, record["state"], record["restart"]))
             elif "end" in record:
                 yield from self._run(record["end"] - 1)
             if self.difference is not None or (self._until is not None and self.last_tick >= self._until):
                 return
 
-    def _fresh(self, config: RobotOptions) -> Kernel:
+    def _fresh(self, options: RobotOptions) -> Kernel:
         try:
-            return Kernel(config, RequestEnvironment(RemoteFiles(self._ask)))
+            return Kernel(options, RequestEnvironment(RemoteFiles(self._ask)))
         except UsageError as error:
             raise UsageError(f"{self._reader.place}: {error}") from None
 

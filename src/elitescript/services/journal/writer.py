@@ -27,7 +27,7 @@ from zlib import crc32
 
 from elitescript import __version__
 from elitescript.codec.json_text import to_text
-from elitescript.codec.messages import Codec
+from elitescript.codec.messages import shape_of
 from elitescript.codec.values import CodecError
 from elitescript.errors import UsageError
 from elitescript.kernel import RobotOptions
@@ -35,11 +35,12 @@ from elitescript.messages.events import Event, Warned
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import Snapshot
-from elitescript.services.config_codec import full_codec, options_data, options_from_data, output_text
 from elitescript.services.journal import format2
 from elitescript.services.journal.file import JournalFile
 from elitescript.services.journal.format2 import Format2
 from elitescript.services.journal.records import DIGEST_TICKS, RecordError, RecordReader
+from elitescript.services.options_data import options_data, options_from_data
+from elitescript.services.output_text import output_text
 
 FORMAT: Final = 3
 """To be raised with every change of a record or of a message that is in one; options may come and go."""
@@ -72,20 +73,18 @@ class Journal:
 
     Args:
         path: the file; one that is there is replaced.
-        config: of the robot.
+        options: of the robot.
 
     Raises:
         UsageError: the file exists, or cannot be written.
     """
 
-    __slots__ = ("_codec", "_digest", "_file", "_inputs", "_is_over", "_is_told", "_last_tick", "_output")
+    __slots__ = ("_digest", "_file", "_inputs", "_is_over", "_is_told", "_last_tick")
 
-    def __init__(self, path: Path, config: RobotOptions) -> None:
-        self._codec = full_codec()
-        self._inputs = self._codec.shape(Input)
-        self._output = self._codec.shape(Output)
+    def __init__(self, path: Path, options: RobotOptions) -> None:
+        self._inputs = shape_of(Input)
         self._digest = Digest()
-        self._last_tick = config.first_tick - 1
+        self._last_tick = options.first_tick - 1
         self._is_told = False
         self._is_over = False
         self._file = JournalFile(path)
@@ -95,7 +94,7 @@ class Journal:
                 "version": __version__,
                 "python": platform.python_version(),
                 "hash_seed": os.environ.get("PYTHONHASHSEED", "random"),
-                "options": options_data(self._codec, config),
+                "options": options_data(options),
             }
         )
 
@@ -119,7 +118,7 @@ class Journal:
         if given != _NOTHING or answers:
             asked = f',"asked":{to_text(list(answers))}' if answers else ""
             self._file.put(f'{{"tick":{tick},"in":{given}{asked}}}\n'.encode())
-        text = output if isinstance(output, bytes) else output_text(self._output, output).encode()
+        text = output if isinstance(output, bytes) else output_text(output).encode()
         self._digest.add(text)
         self._last_tick = tick
         if len(self._digest.sums) >= DIGEST_TICKS:
@@ -135,7 +134,7 @@ class Journal:
             lost: inputs of the tick that it has not answered.
         """
         self._mark()
-        state = self._codec.shape(Snapshot).encode(last)
+        state = shape_of(Snapshot).encode(last)
         self._write(
             {
                 "restart": tick,
@@ -148,7 +147,7 @@ class Journal:
     def told(self, tick: int, events: Sequence[Event]) -> None:
         """Write the events that clients got at a tick, in the place of a robot that is gone."""
         self._mark()
-        event = self._codec.shape(Event)
+        event = shape_of(Event)
         self._write({"told": tick, "events": [event.encode(item) for item in events]})
 
     def take_warning(self, tick: int) -> tuple[Warned, ...]:
@@ -182,7 +181,7 @@ class JournalReader:
         path: the file.
 
     Attributes:
-        config: of the robot at the start.
+        options: of the robot at the start.
         header: the first line.
         old: translates what the journal has, if it is of format 2; None if it is of today's.
         note: what is wrong with the end of the file; empty if nothing is.
@@ -192,10 +191,9 @@ class JournalReader:
         UsageError: no journal, or one of another format.
     """
 
-    __slots__ = ("_codec", "_path", "config", "header", "note", "old", "place")
+    __slots__ = ("_path", "header", "note", "old", "options", "place")
 
     def __init__(self, path: Path) -> None:
-        self._codec: Codec = full_codec()
         self._path = path
         self.note = ""
         self.old: Format2 | None = None
@@ -209,7 +207,7 @@ class JournalReader:
             self.header: dict[str, Any] = json.loads(first)
             found = self.header["journal"]
             if found == format2.FORMAT:
-                self.old = Format2(self._codec)
+                self.old = Format2()
             elif found != FORMAT:
                 version = str(self.header.get("version", "unknown"))[:20]
                 raise UsageError(
@@ -217,9 +215,9 @@ class JournalReader:
                     f"{format2.FORMAT} and {FORMAT} are known here: replay it with the version that wrote it"
                 )
             if self.old is None:
-                self.config = options_from_data(self._codec, self.header["options"])
+                self.options = options_from_data(self.header["options"])
             else:
-                self.config = self.old.options(self.header["config"])
+                self.options = self.old.options(self.header["config"])
         except (ValueError, KeyError, TypeError, RecursionError) as error:
             at = getattr(error, "pos", getattr(error, "start", 0))
             raise UsageError(f"{path}: line 1, byte {at}: no journal of this program") from error
@@ -232,8 +230,8 @@ class JournalReader:
         Raises:
             UsageError: a line that makes no sense; the text names file, line and byte.
         """
-        reader = RecordReader(self._codec, self.config.first_tick, self.old)
-        last, has_end = self.config.first_tick - 1, False
+        reader = RecordReader(self.options.first_tick, self.old)
+        last, has_end = self.options.first_tick - 1, False
         with self._path.open("rb") as file:
             start = len(file.readline(LINE_MAX))
             for number, line in enumerate(file, 2):

@@ -64,9 +64,9 @@ class SshCommand(NamedTuple):
     """Matches the whole command."""
     action: Callable[[re.Match[str]], Action]
     form: str
-    """For people."""
+    """As documentation shows it."""
     effect: str
-    """For people."""
+    """What it does, in words."""
 
 
 _NUMBER: Final = r"([1-9][0-9]{0,6})"
@@ -99,7 +99,7 @@ COMMANDS: Final = (
 
 
 def read_command(command: str) -> Action:
-    """What a command asks for. Pure: nothing is done."""
+    """Return what a command asks for; nothing is done."""
     if len(command) > COMMAND_MAX:
         return Refuse(f"a command has {COMMAND_MAX} characters at most, not {len(command)}\n")
     for row in COMMANDS:

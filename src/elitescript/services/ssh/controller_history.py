@@ -54,7 +54,7 @@ class ControllerHistory:
             self._rows.append(_row((stamp, level, source, code, text[:TEXT_MAX])))
 
     def text(self) -> bytes:
-        """The whole log: CSV in UTF-8 with a row of names; times are UTC."""
+        """Return the whole log: CSV in UTF-8 with a row of names; times are UTC."""
         return b"".join((_row(COLUMNS), *self._rows))
 
 

@@ -59,10 +59,10 @@ class SshDesk:
         Raises:
             UsageError: it cannot be had.
         """
-        self._bound, said = bind_one(SSH.name, host, number, spare)
+        self._bound, note = bind_one(SSH.name, host, number, spare)
         self.number = self._bound.getsockname()[1]
-        if said:
-            self._log.note("spare_port", said, is_problem=True, port=SSH.name, number=self.number)
+        if note:
+            self._log.note("spare_port", note, is_problem=True, port=SSH.name, number=self.number)
         self._bridges = SerialBridges(host, self.taps)
         self._port = SshPort(self._password, RobotFiles({LOG_PATH: self._history.text}), self._bridges, self._warn)
 

@@ -34,7 +34,7 @@ READ_ONLY_MODE: Final = 0o444
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """What is known of a file or folder."""
+    """Return what is known of a file or folder."""
 
     is_folder: bool
     size: int
@@ -85,7 +85,7 @@ class RobotFiles:
         return BYTES_MAX - self._used
 
     def status(self, path: str) -> Status:
-        """What is known of a file or folder.
+        """Return what is known of a file or folder.
 
         Raises:
             FileNotFoundError: there is none.
@@ -246,7 +246,7 @@ class RobotFiles:
         if parent not in self._folders:
             raise _error(errno.ENOTDIR if self._is_there(parent) else errno.ENOENT, parent)
 
-    # ---------------------------------------------------------------- what open files ask
+    # ---------------------------------------------------------------- called by open files
 
     def _begin(self, file: _File) -> None:
         file.handles += 1
@@ -294,7 +294,7 @@ class OpenFile:
         return Status(False, len(self._file.data), mode, self._file.time_s)
 
     def read(self, offset: int, size: int) -> bytes:
-        """Bytes from an offset on, fewer at the end."""
+        """Return bytes from an offset on, fewer at the end."""
         return bytes(self._file.data[max(offset, 0) : max(offset, 0) + max(size, 0)])
 
     def write(self, offset: int, data: bytes) -> int:
@@ -331,7 +331,7 @@ class OpenFile:
 
 
 def absolute(path: str) -> str:
-    """A path without `.` and `..`; nothing is above the root.
+    """Return a path without `.` and `..`; nothing is above the root.
 
     Raises:
         OSError: too long, too deep, or with a character that no path has.

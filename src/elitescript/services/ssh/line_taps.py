@@ -42,13 +42,13 @@ class LineClient(Protocol):
         """Take what has come from the line."""
 
     def go_on(self) -> None:
-        """There is room to send again."""
+        """Send on: there is room again."""
 
 
 class _Tap:
     """One serial port."""
 
-    __slots__ = ("channel", "clients", "device", "is_told", "owed", "pending", "unsent", "waited", "why")
+    __slots__ = ("channel", "clients", "device", "is_reported", "owed", "pending", "unsent", "waited", "why")
 
     def __init__(self, device: str) -> None:
         self.device = device
@@ -56,8 +56,8 @@ class _Tap:
         """That the robot has open; 0 if there is none."""
         self.why = NOT_ENABLED
         """Why it is closed; empty if it is open."""
-        self.is_told = False
-        """Whether the log says already that bytes are lost."""
+        self.is_reported = False
+        """Whether the log has it that bytes are lost."""
         self.clients: list[LineClient] = []
         self.pending = bytearray()
         """From clients, until the next tick, or until the line opens."""
@@ -75,7 +75,7 @@ class _Tap:
 
     def begin(self, channel: int, why: str) -> None:
         is_first = self.why == NOT_ENABLED and why == OPENING
-        self.channel, self.why, self.is_told = channel, why, False
+        self.channel, self.why, self.is_reported = channel, why, False
         self.unsent = self.owed = self.waited = 0
         if not is_first:
             self.drop()
@@ -101,19 +101,19 @@ class LineTaps:
         self._by_channel: dict[int, _Tap] = {}
         self._warn = warn
 
-    # ---------------------------------------------------------------- what bridges call
+    # ---------------------------------------------------------------- called by bridges
 
     def join(self, device: str, client: LineClient) -> None:
-        """A client of a bridge connects to a serial port."""
+        """Connect a client of a bridge to a serial port."""
         tap = self._taps[device]
         if not tap.clients:
             tap.waited = 0
         tap.clients.append(client)
         if tap.is_lost:
-            self._tell(tap)
+            self._report(tap)
 
     def leave(self, device: str, client: LineClient) -> None:
-        """It has gone."""
+        """Disconnect a client."""
         tap = self._taps[device]
         tap.clients.remove(client)
         if tap.why and not tap.clients:
@@ -124,21 +124,21 @@ class LineTaps:
         """Send bytes at the next tick; whether there is room for more. Bytes for a line that stays closed are lost."""
         tap = self._taps[device]
         if tap.is_lost:
-            self._tell(tap)
+            self._report(tap)
             return True
         tap.pending += data
         return len(tap.pending) < CHANNEL_WINDOW
 
-    def _tell(self, tap: _Tap) -> None:
-        if not tap.is_told:
-            tap.is_told = True
+    def _report(self, tap: _Tap) -> None:
+        if not tap.is_reported:
+            tap.is_reported = True
             name = PORT_NAMES[tap.device]
             self._warn(f"a client bridges the serial port {name}, and its bytes go nowhere: {tap.why}")
 
-    # ---------------------------------------------------------------- what the station calls
+    # ---------------------------------------------------------------- called by the robot server
 
     def outgoing(self, requests: Sequence[ChannelRequest]) -> Sequence[ChannelRequest]:
-        """What the robot asks of channels in a tick, and what bridges ask besides."""
+        """Return the requests of a robot in a tick, and those of bridges behind them."""
         for request in requests:
             match request:
                 case OpenLine(number, device) if device in self._taps:
@@ -157,11 +157,11 @@ class LineTaps:
         return (*requests, *more) if more else requests
 
     def _wait(self, tap: _Tap) -> None:
-        """Clients wait one more tick for a line that is not open."""
+        """Count a tick for which clients wait for a line that is not open."""
         tap.waited += 1
         if tap.is_lost:
             tap.drop()
-            self._tell(tap)
+            self._report(tap)
 
     @staticmethod
     def _asked(tap: _Tap) -> list[ChannelRequest]:
@@ -180,7 +180,7 @@ class LineTaps:
         return asked
 
     def incoming(self, inputs: Sequence[Input]) -> list[Input]:
-        """What channels tell the robot, without what belongs to bridges."""
+        """Return channel events for the robot, without those that belong to bridges."""
         return [kept for one in inputs if (kept := self._kept(one)) is not None]
 
     def _kept(self, one: Input) -> Input | None:
@@ -206,4 +206,4 @@ class LineTaps:
         tap = self._by_channel.pop(number)
         tap.begin(0, why)
         if tap.clients:
-            self._tell(tap)
+            self._report(tap)

@@ -19,11 +19,11 @@ PORT_MIN: Final = 1024
 UNSENT_MAX: Final = 64 * 1024
 """Bytes that wait for a client before the line has to wait."""
 FIRST_NUMBER: Final = 2001
-"""Process number of the first bridge, so to speak."""
+"""Stands for the process number of the first bridge."""
 
 
 class SerialBridges:
-    """All bridges of one robot.
+    """Holds all bridges of one robot.
 
     Args:
         host: address to listen at.
@@ -63,11 +63,11 @@ class SerialBridges:
         return number
 
     def find(self, port: int) -> int:
-        """Number of the bridge at a TCP port; 0 if there is none."""
+        """Return the number of the bridge at a TCP port; 0 if there is none."""
         return next((number for number, bridge in self._bridges.items() if bridge.port == port), 0)
 
     def kill(self, number: int) -> bool:
-        """End a bridge and its connections; whether there was one."""
+        """End a bridge and its connections; return whether there was one."""
         bridge = self._bridges.pop(number, None)
         if bridge is not None:
             bridge.close()
@@ -106,7 +106,7 @@ class _BridgeClient(asyncio.Protocol):
         self._transport: asyncio.Transport | None = None
         self._is_reading = True
 
-    # ---------------------------------------------------------------- what the line calls
+    # ---------------------------------------------------------------- called by the line
 
     @property
     def is_behind(self) -> bool:
@@ -129,7 +129,7 @@ class _BridgeClient(asyncio.Protocol):
         if self._transport is not None:
             self._transport.abort()
 
-    # ---------------------------------------------------------------- what the event loop calls
+    # ---------------------------------------------------------------- called by the event loop
 
     def connection_made(self, transport: Any) -> None:
         bridge = self._bridge

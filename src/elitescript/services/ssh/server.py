@@ -116,7 +116,7 @@ class SshPort:
             with contextlib.suppress(OSError, asyncssh.Error):
                 await self._acceptor.wait_closed()
 
-    # ---------------------------------------------------------------- what connections call
+    # ---------------------------------------------------------------- called by connections
 
     def enter(self, login: _Login) -> bool:
         """Count a connection; whether there is room for it."""
@@ -127,11 +127,11 @@ class SshPort:
         return True
 
     def leave(self, login: _Login) -> None:
-        """A connection has gone."""
+        """Forget a connection that has gone."""
         self._connections.discard(login)
 
     async def admits(self, user: str, password: str) -> bool:
-        """Whether a login is right. Takes the same time whatever is wrong."""
+        """Return whether a login is right; takes the same time whatever is wrong."""
         given, wanted = (sha256(text.encode(errors="replace")).digest() for text in (password, self._password))
         is_right = hmac.compare_digest(given, wanted) & (user == USER)
         if not is_right:
@@ -338,7 +338,7 @@ class _Sftp(asyncssh.SFTPServer):
         """Files are in memory: nothing to do."""
 
     def exit(self) -> None:
-        """The client has ended the session: say that all is well, without which `scp` reports a failure."""
+        """End the session with status 0, without which `scp` reports a failure."""
         if not self.channel.is_closing():
             with contextlib.suppress(OSError):
                 self.channel.exit(0)

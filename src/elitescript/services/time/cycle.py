@@ -7,7 +7,7 @@ time does not show it.
 The timers of an event loop have a resolution of 1 ms; on Linux a `timerfd` wakes us within 0.1 ms instead. A tick that
 begins late is counted; ticks that have been missed are made up for, one after the other, so that robot time and wall
 clock agree again. If more than `CATCH_UP_TICKS` have been missed, because the computer was away or ticks last longer
-than their period, all of them are *left out*: robot time stands still for so long, and the log says so.
+than their period, all of them are *left out*: robot time stands still for so long, with a line in the log.
 """
 
 from __future__ import annotations
@@ -81,8 +81,8 @@ class Cycle:
     async def next(self) -> None:
         """Return when the next tick is due; others are served before it in any case.
 
-        Before a tick that begins late, whatever has arrived by the time that `lag_ticks` tells is read: of what arrives
-        later the tick knows nothing, and of what is not read it is not known when it came.
+        Before a tick that begins late, all that has arrived by the time of `lag_ticks` is read; what arrives later is
+        not for this tick.
         """
         now_ns = time.monotonic_ns()
         if self._due_ns == 0:
@@ -105,7 +105,7 @@ class Cycle:
             await _until(self._due_ns + OUTLET_NS, self._outlet_timer)
 
     def close(self) -> None:
-        """No tick comes after this."""
+        """End: no tick comes after this."""
         self._timer.close()
         self._outlet_timer.close()
 

@@ -237,7 +237,6 @@ class LockstepTime(PacedTime):
 
     @property
     def waits_for(self) -> str:
-        """See `PacedTime.waits_for`."""
         return self._waits_for
 
     async def next(self) -> None:
@@ -292,7 +291,6 @@ class LockstepTime(PacedTime):
             self._news.set()
 
     def close(self) -> None:
-        """See `PacedTime.close`."""
         self._relief.cancel()
         super().close()
 

@@ -14,7 +14,7 @@ from elitescript.services.log import ServerLog
 from elitescript.services.time.cycle import Cycle
 
 REPORT_TICKS: Final = 10 * TICKS_PER_S
-"""After so many ticks the log says how many of them were late."""
+"""After so many ticks the log gets the number of those that were late."""
 LATE_MANY: Final = REPORT_TICKS // 100
 """So many of them are a problem."""
 
@@ -74,7 +74,7 @@ class PacedTime:
         await self._cycle.outlet()
 
     def with_overruns(self, output: Output) -> Output:
-        """Return an output whose snapshot has the count of late ticks; the very same while nothing has changed."""
+        """Return an output whose snapshot has the count of late ticks; the same object while nothing has changed."""
         snapshot, overruns = output.snapshot, self._cycle.overruns
         if not overruns:
             return output
@@ -89,7 +89,7 @@ class PacedTime:
         """Look again whether time may go on: it waits for no client."""
 
     def close(self) -> None:
-        """No tick comes after this."""
+        """End: no tick comes after this."""
         self._cycle.close()
 
     def _report(self, late: int) -> None:

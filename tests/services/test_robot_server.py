@@ -15,7 +15,7 @@ from elitescript.messages.outputs import Output
 from elitescript.services.clients.binding import bind
 from elitescript.services.clients.tcp import Client
 from elitescript.services.table import NAMES
-from elitescript.services.time import paced as station
+from elitescript.services.time import paced as server
 from tests.protocol import primary_client, rtsi_client
 from tests.services.served import Scene, run, serving
 
@@ -114,7 +114,7 @@ def test_inputs_of_a_client_that_was_cut_off_are_free_whatever_its_share(monkeyp
                 assert rtsi_client.set_up(reply)[0] == 1
                 with monkeypatch.context() as patch:
                     patch.setattr(Client, "_may_be_read", lambda self: False)
-                    clients = scene.station.listeners["rtsi"].clients
+                    clients = scene.server.listeners["rtsi"].clients
                     peer.reset()
                     while clients and number == 0:
                         await asyncio.sleep(0)
@@ -179,13 +179,13 @@ def test_a_port_in_use_is_named_and_leaves_nothing_open() -> None:
         taken = bind("127.0.0.1", 0)
         try:
             scene = Scene()
-            await scene.station.boot()
+            await scene.server.boot()
             number = taken.getsockname()[1]
             numbers = {**dict.fromkeys(NAMES, 0), "query": number}
             with pytest.raises(UsageError, match=rf"port {number} \(query\) is in use.*--instance.*--port query="):
-                scene.station.bind("127.0.0.1", numbers)
-            assert scene.station.ports == {}
-            await scene.station.close()
+                scene.server.bind("127.0.0.1", numbers)
+            assert scene.server.ports == {}
+            await scene.server.close()
         finally:
             taken.close()
 
@@ -197,14 +197,14 @@ def test_late_ticks_are_made_up_for_and_counted() -> None:
 
     async def test() -> None:
         async with serving() as scene:
-            before = scene.station.output.tick
+            before = scene.server.output.tick
             start = time.monotonic()
             scene.robot.on_tick = lambda tick: time.sleep(0.03) if tick == before + 5 else None
-            await scene.until(lambda: scene.station.output.tick >= before + 30)
+            await scene.until(lambda: scene.server.output.tick >= before + 30)
             elapsed_ticks = (time.monotonic() - start) / 0.004
             assert 29 <= elapsed_ticks < 60
-            assert scene.station.overruns >= 5
-            assert scene.station.output.snapshot.overruns >= 5
+            assert scene.server.overruns >= 5
+            assert scene.server.output.snapshot.overruns >= 5
 
     run(test())
 
@@ -212,12 +212,12 @@ def test_late_ticks_are_made_up_for_and_counted() -> None:
 def test_the_log_is_told_of_late_ticks(monkeypatch: pytest.MonkeyPatch) -> None:
     import time
 
-    monkeypatch.setattr(station, "REPORT_TICKS", 20)
-    monkeypatch.setattr(station, "LATE_MANY", 1)
+    monkeypatch.setattr(server, "REPORT_TICKS", 20)
+    monkeypatch.setattr(server, "LATE_MANY", 1)
 
     async def test() -> None:
         async with serving() as scene:
-            begin = scene.station.output.tick
+            begin = scene.server.output.tick
             scene.robot.on_tick = lambda tick: time.sleep(0.02) if tick == begin + 3 else None
             await scene.until(lambda: scene.notes("late"))
             note = scene.notes("late")[0]
@@ -251,10 +251,10 @@ def test_a_follower_gets_every_output_of_a_row_until_it_has_enough() -> None:
                 seen.append(output.tick)
                 return len(seen) < 4
 
-            scene.station.follow(take)
+            scene.server.follow(take)
             for _ in range(6):
                 # No turn for anybody else in between.
-                await scene.station.step()
+                await scene.server.step()
             assert seen == list(range(seen[0], seen[0] + 4))
 
     run(test())
@@ -270,9 +270,9 @@ def test_who_asks_while_a_tick_is_under_way_hears_of_the_next_one() -> None:
             asked = asyncio.Event()
             await asked.wait()
             scene.robot.on_tick = lambda tick: None
-            scene.station.post([ClosePopup("test")])
-            scene.station.follow(lambda output: heard.append(output.tick) or False)
-            output = await scene.station.next_output()
+            scene.server.post([ClosePopup("test")])
+            scene.server.follow(lambda output: heard.append(output.tick) or False)
+            output = await scene.server.next_output()
             tick = next(tick for tick, item in scene.robot.heard if isinstance(item, ClosePopup))
             assert output.tick == tick
             assert heard == [tick]

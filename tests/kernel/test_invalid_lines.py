@@ -1,7 +1,7 @@
 """Lines that are no script: told one by one as long as they are few."""
 
 from elitescript.kernel import Kernel, RobotOptions
-from elitescript.kernel.invalid_lines import BURST_TICKS, REPORT_TICKS, TOLD_MAX
+from elitescript.kernel.invalid_lines import BURST_TICKS, REPORT_TICKS, REPORTED_MAX
 from elitescript.messages.events import Alarm, Event, Warned
 from elitescript.messages.inputs import RunUnit
 
@@ -15,18 +15,18 @@ def heard(kernel: Kernel, ticks: int, *lines: str, origin: str = "primary#1") ->
 def test_a_few_lines_are_told_one_by_one_and_a_flood_by_its_number():
     kernel = Kernel(RobotOptions())
     said = heard(kernel, 3 * REPORT_TICKS, "hello there", "no_such_thing()") + heard(kernel, BURST_TICKS)
-    assert len([event for event in said if isinstance(event, Alarm)]) == TOLD_MAX
+    assert len([event for event in said if isinstance(event, Alarm)]) == REPORTED_MAX
     reports = [event.text for event in said if isinstance(event, Warned)]
     assert len(reports) == 3
     assert "primary#1 sent" in reports[0]
     assert "more lines that are no script" in reports[0]
-    assert sum(int(text.split()[2]) for text in reports) == 6 * REPORT_TICKS - TOLD_MAX
+    assert sum(int(text.split()[2]) for text in reports) == 6 * REPORT_TICKS - REPORTED_MAX
     assert heard(kernel, 2 * BURST_TICKS) == []
 
 
 def test_every_client_and_every_burst_counts_for_itself():
     kernel = Kernel(RobotOptions())
-    heard(kernel, 2 * TOLD_MAX, "hello there")
+    heard(kernel, 2 * REPORTED_MAX, "hello there")
     assert [type(event) for event in heard(kernel, 1, "hello there", origin="primary#2")] == [Alarm]
     heard(kernel, BURST_TICKS)
     assert [type(event) for event in heard(kernel, 1, "hello there")] == [Alarm]
@@ -34,7 +34,7 @@ def test_every_client_and_every_burst_counts_for_itself():
 
 def test_programs_and_lines_that_make_sense_are_none_of_it():
     kernel = Kernel(RobotOptions())
-    heard(kernel, 2 * TOLD_MAX, "hello there")
+    heard(kernel, 2 * REPORTED_MAX, "hello there")
     program = [RunUnit("primary#1", "program", "def p():\n  x = = 1\nend\n")]
     assert any(isinstance(event, Alarm) for event in kernel.tick(program).events)
     assert not [event for event in heard(kernel, 3, "x = 1") if isinstance(event, Alarm | Warned)]

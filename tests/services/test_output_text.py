@@ -3,6 +3,7 @@ from array import array
 import pytest
 
 from elitescript.codec.json_text import from_text, to_text
+from elitescript.codec.messages import shape_of
 from elitescript.codec.values import CodecError
 from elitescript.controller.force.contact import ContactConfig, Plane
 from elitescript.controller.safety.limits import SafetyBounds, SafetyLimits, SafetyPlane, ToolDirection
@@ -13,8 +14,9 @@ from elitescript.messages.machine import DisturbInput
 from elitescript.messages.motion import MicroLine, MoveML
 from elitescript.messages.outputs import Output
 from elitescript.messages.plant import PlantConfig
-from elitescript.services.config_codec import full_codec, options_data, options_from_data, output_text
 from elitescript.services.journal.format2 import Format2
+from elitescript.services.options_data import options_data, options_from_data
+from elitescript.services.output_text import output_text
 from tests.protocol.snapshots import output
 
 
@@ -37,8 +39,7 @@ def test_every_part_of_a_configuration_comes_back():
         ),
         signals=(("flag[3]", True), ("output_float_register[1]", 0.1), ("output_int_register[1]", 7)),
     )
-    shape = full_codec().shape(RobotOptions)
-    back = shape.decode(from_text(to_text(shape.encode(config))))
+    back = options_from_data(from_text(to_text(options_data(config))))
     assert repr(back) == repr(config)
     assert back.contact.planes[0].direction == config.contact.planes[0].direction
 
@@ -59,7 +60,7 @@ class TestOptionsOfAJournal:
     )
 
     def test_those_of_format_2_have_no_names(self):
-        options = Format2(full_codec()).options(list(self.FORMAT_2))
+        options = Format2().options(list(self.FORMAT_2))
         assert options == RobotOptions(
             model="CS63",
             firmware="2.10",
@@ -78,11 +79,11 @@ class TestOptionsOfAJournal:
         )
 
     def test_an_option_that_is_not_named_has_its_default(self):
-        options = options_from_data(full_codec(), {"seed": 4, "speed": 0.5})
+        options = options_from_data({"seed": 4, "speed": 0.5})
         assert options == RobotOptions(seed=4, speed=0.5)
 
     def test_every_option_is_written_by_its_name(self):
-        data = options_data(full_codec(), RobotOptions(seed=4, signals=(("flag[3]", True),)))
+        data = options_data(RobotOptions(seed=4, signals=(("flag[3]", True),)))
         assert (data["seed"], data["signals"], data["power_times"]) == (4, [["flag[3]", True]], [0.4, 0.8, 1.0])
         assert set(data) == set(RobotOptions.__slots__)
 
@@ -96,12 +97,12 @@ class TestOptionsOfAJournal:
     )
     def test_a_mistake_is_named(self, options, words):
         with pytest.raises(CodecError, match=words):
-            options_from_data(full_codec(), options)
+            options_from_data(options)
 
 
 def test_the_points_of_a_file_stay_where_they_are():
     points = MicroLine("p.txt", 0.004, False, array("d", [0.5] * 600).tobytes(), array("I", range(100)).tobytes())
     event = MotionStarted(5, MoveML(points, 1, 100, 1.0, 1.0), 3, "main", 0.4)
-    shape = full_codec().shape(Output)
-    (back,) = shape.decode(from_text(output_text(shape, output(events=(event,))))).events
+    shape = shape_of(Output)
+    (back,) = shape.decode(from_text(output_text(output(events=(event,))))).events
     assert (back.request.points.name, back.request.last, back.request.points.numbers) == ("p.txt", 100, b"")
