@@ -27,7 +27,7 @@ class Code(NamedTuple):
 
     @property
     def default_severity(self) -> str:
-        """Without `--strict`."""
+        """Severity without `--strict`."""
         return "warning" if self.is_tolerated else self.severity
 
     @property

@@ -2,20 +2,20 @@
 
 Import the module you need; this package imports nothing by itself. From text to code:
 
-    source        the text of a program, its lines
+    text.source   the text of a program, its lines
     options       kinds of text, and how strictly one is read
-    lexer         logical lines, comments and brackets; `strings` and `masked` help it
-    dialect       what EliteScript has beyond Python, rewritten without moving a line, by
-                  `blocks` (indentation, `end`, `sec`), `python2`, `foreign` (other languages)
+    text.lexer    logical lines, comments and brackets; `strings` and `masked` help it
+    text.dialect  what EliteScript has beyond Python, rewritten without moving a line, by
+                  `blocks` (indentation, `end`, `sec`), `advice.python2`, `advice.foreign` (other languages)
                   and `rewriting` (the author's positions)
-    parser        text to syntax tree, several mistakes in one pass; `syntax_errors`
+    parser        text to syntax tree, several mistakes in one pass; `advice.syntax_errors`
                   rewords Python's messages
     policy        what programs may name; `nodes` is the table of known syntax
     checkpoints   where a running program can be paused, stopped and counted
     hoisting      `global` statements that come late
     compiler      all of the above in one call
 
-Beside that: `diagnostics` (what is wrong, where, and the repair), `units` (programs in a stream of
+Beside that: `diagnostics` (what is wrong, where, and the repair), `text.units` (programs in a stream of
 bytes) with `kinds`, `symbols` with `scopes` (names and calls, for tools), `hooks` (hidden names)
 and `modules` (what a program can import).
 """

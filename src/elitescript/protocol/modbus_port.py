@@ -50,7 +50,7 @@ from elitescript.protocol.connection import Connection, ProtocolError, is_restar
 
 NUMBER: Final = 502
 SPARE_NUMBER: Final = 5020
-"""Used where the system does not let this user have the other one."""
+"""Used where port 502 is not permitted."""
 REQUESTS_PER_TICK: Final = 20
 """Of one client; further ones wait for the next tick."""
 REQUESTS_OF_ALL: Final = 200

@@ -34,7 +34,7 @@ class Service(NamedTuple):
     name: str
     """Name for `--port` and `VirtualRobot.connect`; origins begin with it."""
     number: int
-    """Of instance 0."""
+    """Port number of instance 0."""
     summary: str
     evidence: str
     open: Callable[[RobotDescription], Connect]
@@ -46,7 +46,7 @@ class Service(NamedTuple):
     since: Release = (0, 0)
     """First firmware with the port; on older ones it is closed (*assumed*)."""
     spare_number: int | None = None
-    """Of instance 0, where the system does not let this user have the other one."""
+    """Port number of instance 0 where the first one is not permitted."""
 
 
 def _open_primary(port: PrimaryPort, description: RobotDescription) -> Connect:

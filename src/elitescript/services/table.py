@@ -24,11 +24,11 @@ class Extra(NamedTuple):
 
     name: str
     number: int
-    """Of instance 0."""
+    """Port number of instance 0."""
     summary: str
     evidence: str
     spare_number: int
-    """Of instance 0, where the system does not let this user have the other one."""
+    """Port number of instance 0 where the first one is not permitted."""
 
 
 SSH: Final = Extra(

@@ -31,7 +31,7 @@ SILENCE_MAX_S: Final = 5.0
 COMPILE_S_PER_BYTE: Final = 40e-6
 """Added for every byte of program text; checking and compiling lines of `movel` takes a fifth of it (*measured*)."""
 COMPILE_MAX_S: Final = 160.0
-"""Added at most."""
+"""Upper bound of the extra time for compiling."""
 FILES_MAX_S: Final = 10.0
 """How long questions about files in one tick count as answers."""
 HANG_LIMIT_TICKS: Final = 20

@@ -50,7 +50,7 @@ PRICE_NS: Final = 10_000
 DEAR_NS: Final = 100_000
 """What costs as much goes in by itself; clients that wait with less than this in all come before the others."""
 BYTE_PRICE_NS: Final = 50
-"""Of every byte of a program, besides."""
+"""Additional price of each byte of a program."""
 
 CHANNEL_EVENTS: Final = (ChannelOpened, ChannelData, ChannelCredit, ChannelClosed)
 
