@@ -237,7 +237,7 @@ class ScriptFile(metaclass=Sealed):
 
     @property
     def encoding(self) -> str | None:
-        """Encoding of a text file; empty for a binary one."""
+        """Encoding of a text file; None for a binary one."""
         return getattr(_file(self), "encoding", None)
 
     def __enter__(self) -> ScriptFile:
