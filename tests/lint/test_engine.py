@@ -12,9 +12,9 @@ from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.lint.registry import all_rules
 from elitescript.messages.profile import profile
-from elitescript.testing.spec import Case, Expectation, parse_page
 from tests.invariants.random_programs import random_program
 from tests.lint.checking import body, found, problems
+from tests.specification.pages import Case, Expectation, parse_page
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 EXAMPLES = sorted((ROOT / "examples").glob("*.script"))

@@ -14,7 +14,7 @@ from elitescript.messages.events import (
     Warned,
 )
 from elitescript.messages.timing import seconds
-from elitescript.testing.spec import CaseOutcome
+from tests.specification.pages import CaseOutcome
 
 
 def note_event(outcome: CaseOutcome, event: Event) -> None:

@@ -1,7 +1,4 @@
-"""Collects specification pages as tests: a pytest plugin.
-
-Pages are collected from the folders of the ini option `elitescript_spec`; without it nothing is collected.
-"""
+"""Collects specification pages as tests: a pytest plugin."""
 
 from __future__ import annotations
 
@@ -11,18 +8,15 @@ from typing import Any
 
 import pytest
 
-from elitescript.testing.spec import Case, Expectation, parse_page
+from tests.specification.pages import Case, Expectation, parse_page
 
-
-def pytest_addoption(parser: pytest.Parser) -> None:
-    """Register the option that names the folders."""
-    parser.addini("elitescript_spec", "folders with EliteScript specification pages", type="paths", default=[])
+FOLDER = Path(__file__).resolve().parent.parent / "spec"
+"""Where the pages are."""
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
-    """Collect `.md` files of the folders."""
-    folders = parent.config.getini("elitescript_spec")
-    if file_path.suffix == ".md" and any(file_path.is_relative_to(folder) for folder in folders):
+    """Collect the pages of the folder."""
+    if file_path.suffix == ".md" and file_path.is_relative_to(FOLDER):
         return Page.from_parent(parent, path=file_path)
     return None
 
@@ -50,7 +44,7 @@ class SpecItem(pytest.Item):
         """Run the case; a difference is a failure."""
         if self.case.needs:
             pytest.skip(f"needs {self.case.needs}")
-        from elitescript.testing.spec_run import run_case
+        from tests.specification.running import run_case
 
         found = run_case(self.case, self.expectation)
         if found:

@@ -17,8 +17,8 @@ from elitescript.messages.timing import ticks_for
 from elitescript.protocol.connection import Connection
 from elitescript.protocol.interpreter import InterpreterConnection
 from elitescript.protocol.query import QueryConnection
-from elitescript.testing.spec import Case, CaseOutcome, Expectation
-from elitescript.testing.spec_events import note_event
+from tests.specification.events import note_event
+from tests.specification.pages import Case, CaseOutcome, Expectation
 
 CLIENT: Final = "primary#1"
 WATCHED_S: Final = 5.0

@@ -1,4 +1,4 @@
-"""Runs the cases of specification pages; see `testing.spec`."""
+"""Runs the cases of specification pages; see `tests.specification.pages`."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
 from elitescript.messages.timing import PERIOD_S
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
-from elitescript.testing.spec import Case, CaseOutcome, Expectation, ProgramBlock, differences
-from elitescript.testing.spec_events import note_event
-from elitescript.testing.spec_server import PageServer, network, written
+from tests.specification.events import note_event
+from tests.specification.pages import Case, CaseOutcome, Expectation, ProgramBlock, differences
+from tests.specification.servers import PageServer, network, written
 
 FILE_LIMIT_S: Final = 100_000.0
 """Virtual time after which a program of a page is cut; a simulated day passes in milliseconds."""
@@ -31,7 +31,7 @@ STREAM_S: Final = 3.0
 def run_case(case: Case, expectation: Expectation) -> list[str]:
     """Run a case under the conditions of one expectation; return the differences."""
     if case.is_served:
-        from elitescript.testing.spec_session import run_session
+        from tests.specification.sessions import run_session
 
         return differences(run_session(case, expectation), expectation)
     robot = _Observed(case, expectation)

@@ -7,8 +7,8 @@ import pytest
 from elitescript.errors import UsageError
 from elitescript.messages.inputs import ChannelClosed, ChannelData
 from elitescript.messages.line import LineSettings
-from elitescript.testing.spec import parse_page
-from elitescript.testing.spec_server import PageServer, network, written
+from tests.specification.pages import parse_page
+from tests.specification.servers import PageServer, network, written
 
 
 def talk(text, *sent):

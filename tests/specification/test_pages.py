@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from elitescript.errors import UsageError
-from elitescript.testing.spec import CaseOutcome, differences, parse_page
+from tests.specification.pages import CaseOutcome, differences, parse_page
 
 PAGE = """\
 # Title
@@ -179,7 +179,7 @@ state: running
 """
 
     def differences(self, reply):
-        from elitescript.testing.spec_run import run_case
+        from tests.specification.running import run_case
 
         (case,) = parse_page(self.PAGE.replace("{reply}", reply))
         return run_case(case, case.expectations[0])
