@@ -17,7 +17,7 @@ from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened, Input, RunUnit
 from elitescript.messages.outputs import ChannelRequest, CloseChannel, OpenChannel, Output, SendChannel
 from elitescript.protocol.connection import Connection
-from elitescript.protocol.table import SERVICES
+from elitescript.protocol.ports import SERVICES
 from elitescript.services.child.output_changes import OutputReader, OutputWriter
 
 PROGRAM = """def day():

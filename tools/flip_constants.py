@@ -52,7 +52,7 @@ TABLES: Final[dict[str, tuple[str, ...]]] = {
     "messages/signals.py": ("messages", "controller", "protocol"),
     "messages/enums.py": ("messages", "protocol", "controller"),
     "messages/timing.py": ("messages", "controller", "runtime"),
-    "services/table.py": ("services",),
+    "services/port_numbers.py": ("services",),
     "devices/channels/faults.py": ("devices", "faults"),
     "environment/line_bindings.py": ("environment",),
     "errors.py": ("test_error_codes_by_hand.py", "language"),

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from elitescript.kernel.external_control import PORT as SENDER_PORT
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.protocol.table import SERVICES
+from elitescript.protocol.ports import SERVICES
 from elitescript.services.channels.broker import CHANNELS_MAX
 from elitescript.services.channels.connect_policy import DEFAULT_TEXT
 from elitescript.services.clients import binding, listener, liveness, shares, tcp
 from elitescript.services.control.verbs import VERBS
+from elitescript.services.port_numbers import PORTS_PER_INSTANCE, SSH
 from elitescript.services.ssh import commands as ssh_commands
-from elitescript.services.table import PORTS_PER_INSTANCE, SSH
 from elitescript.services.time.cycle import CATCH_UP_TICKS
 from elitescript.services.time.lockstep import TIMEOUT_S as LOCKSTEP_TIMEOUT_S
 from elitescript.services.time.lockstep import UNANSWERING_S

@@ -9,9 +9,9 @@ from typing import Any
 
 from elitescript.messages.events import Event
 from elitescript.services.log import LogLine
+from elitescript.services.port_numbers import NAMES
 from elitescript.services.robot_link import InProcessLink
 from elitescript.services.robots import served_robot
-from elitescript.services.table import NAMES
 from tests.services.fake_robot import FakeRobot
 
 LIMIT_S = 10.0

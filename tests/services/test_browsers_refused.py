@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.services.table import NAMES
+from elitescript.services.port_numbers import NAMES
 from tests.services.served import Scene, run, serving
 
 SCRIPT = b'def f():\n  textmsg("from a page")\nend\n'

@@ -11,7 +11,7 @@ from elitescript.errors import UsageError
 from elitescript.kernel import Kernel, RobotOptions
 from elitescript.services.clients import binding
 from elitescript.services.clients.binding import bind
-from elitescript.services.table import NAMES, PORT_MAX, port_numbers, spare_numbers
+from elitescript.services.port_numbers import NAMES, PORT_MAX, port_numbers, spare_numbers
 from tests.protocol import modbus_client as client
 from tests.services.served import Scene, run, serving
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from elitescript.protocol.ports import SERVICES
 from elitescript.protocol.primary import connection as primary
-from elitescript.protocol.table import SERVICES
-from elitescript.services.table import INSTANCE_MAX, PORT_MAX, PORTS_PER_INSTANCE, port_numbers, spare_numbers
+from elitescript.services.port_numbers import INSTANCE_MAX, PORT_MAX, PORTS_PER_INSTANCE, port_numbers, spare_numbers
 from tests.tables import rows
 
 # Name, number, first firmware, number without the right to ports below 1024, whether a client that has ended its own

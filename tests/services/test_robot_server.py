@@ -14,7 +14,7 @@ from elitescript.messages.machine import WriteSignal
 from elitescript.messages.outputs import Output
 from elitescript.services.clients.binding import bind
 from elitescript.services.clients.tcp import Client
-from elitescript.services.table import NAMES
+from elitescript.services.port_numbers import NAMES
 from elitescript.services.time import paced as server
 from tests.protocol import primary_client, rtsi_client
 from tests.services.served import Scene, run, serving

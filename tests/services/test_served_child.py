@@ -8,8 +8,8 @@ import pytest
 from elitescript.kernel import RobotOptions
 from elitescript.messages.events import Alarm, TextMessage
 from elitescript.services.child.link import ChildLink
+from elitescript.services.port_numbers import NAMES
 from elitescript.services.robots import served_robot
-from elitescript.services.table import NAMES
 from tests.protocol import rtsi_client
 from tests.services.served import Scene
 

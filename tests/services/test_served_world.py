@@ -25,7 +25,7 @@ from elitescript.messages.line import LineSettings
 from elitescript.messages.machine import DisturbInput
 from elitescript.messages.outcomes import Done, Refused
 from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Reply, SendChannel
-from elitescript.protocol.table import SERVICES
+from elitescript.protocol.ports import SERVICES
 from elitescript.services.control.verbs import VERBS, VerbRequest
 from elitescript.services.log import ServerLog
 from elitescript.services.served_devices import CHANNELS_MAX, UNSENT_MAX, ServedDevices

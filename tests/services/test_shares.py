@@ -10,7 +10,7 @@ import pytest
 from elitescript.messages.inputs import AddLog, Input
 from elitescript.messages.outputs import Output
 from elitescript.protocol.connection import Connection
-from elitescript.protocol.table import SERVICES
+from elitescript.protocol.ports import SERVICES
 from elitescript.services.clients import tcp
 from elitescript.services.clients.shares import READ_BUDGET_NS, READ_MAX, READ_MIN, SHARE_NS, Shares
 from elitescript.services.clients.tcp import POSTED_MAX, Client

@@ -14,7 +14,7 @@ from elitescript.messages.inputs import ChannelData
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import OpenLine
 from elitescript.services.clients.binding import bind
-from elitescript.services.table import NAMES
+from elitescript.services.port_numbers import NAMES
 from tests.services.served import Scene, run
 from tests.services.test_serial_bridges import free_port
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from elitescript.errors import UsageError
-from elitescript.protocol.table import SERVICES, services_of
-from elitescript.services.table import NAMES, port_numbers, spare_numbers
+from elitescript.protocol.ports import SERVICES, services_of
+from elitescript.services.port_numbers import NAMES, port_numbers, spare_numbers
 from tests.protocol.snapshots import description, output
 
 

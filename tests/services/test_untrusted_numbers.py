@@ -15,8 +15,8 @@ from elitescript.codec.values import CodecError
 from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.events import Alarm, Event, Popup, TextMessage, Warned
 from elitescript.messages.outputs import Output
+from elitescript.protocol.ports import SERVICES
 from elitescript.protocol.rtsi.variables import OUTPUTS
-from elitescript.protocol.table import SERVICES
 from elitescript.services.output_text import output_text
 
 SHAPE = shape_of(Output)

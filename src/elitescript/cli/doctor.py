@@ -17,8 +17,8 @@ from elitescript.cli.ssh_login import has_extra
 from elitescript.services.channels.connect_policy import OPTION, ConnectPolicy
 from elitescript.services.child.jail import is_complete
 from elitescript.services.clients.binding import bind
+from elitescript.services.port_numbers import SSH, port_numbers, spare_numbers
 from elitescript.services.robots import probe_jail
-from elitescript.services.table import SSH, port_numbers, spare_numbers
 from elitescript.services.time.cycle import Cycle
 
 _CYCLES = 50

@@ -33,16 +33,16 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Event, TaskLoaded, TaskStateChanged
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import seconds
-from elitescript.protocol.table import SERVICES, services_of
+from elitescript.protocol.ports import SERVICES, services_of
 from elitescript.services.channels.connect_policy import NONE, ConnectPolicy
 from elitescript.services.child.jail import is_complete
 from elitescript.services.log import DEVICE, LogLine
+from elitescript.services.port_numbers import NAMES, SSH, port_numbers, spare_numbers
 from elitescript.services.robot_link import RobotLink
 from elitescript.services.robot_server import RobotServer
 from elitescript.services.robots import numbered_path, probe_jail, robot_link, served_robot
 from elitescript.services.server import ServeSession, is_loopback
 from elitescript.services.state_keeper import StateKeeper
-from elitescript.services.table import NAMES, SSH, port_numbers, spare_numbers
 from elitescript.services.time.lockstep import TIMEOUT_S as LOCKSTEP_TIMEOUT_S
 
 if TYPE_CHECKING:

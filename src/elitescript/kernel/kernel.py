@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from elitescript.messages.outputs import Output, TickResult
     from elitescript.messages.snapshot import RobotDescription, Snapshot
     from elitescript.protocol.connection import Connection
-    from elitescript.protocol.table import Connect
+    from elitescript.protocol.ports import Connect
 
 
 class Kernel:
@@ -271,14 +271,14 @@ class Kernel:
         """Open a connection to a port of the robot, as its server sees it.
 
         Args:
-            service: name of the port, as in `protocol.table`.
+            service: name of the port, as in `protocol.ports`.
             origin: names the client; no two clients of a port have the same.
 
         Raises:
             UsageError: there is no such port.
         """
         if service not in self._ports:
-            from elitescript.protocol.table import services_of
+            from elitescript.protocol.ports import services_of
 
             rows = {row.name: row for row in services_of(self.description.firmware)}
             if service not in rows:

@@ -19,7 +19,7 @@ from elitescript.messages.inputs import Input, Lag
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import PERIOD_S
 from elitescript.protocol.connection import Connection
-from elitescript.protocol.table import services_of
+from elitescript.protocol.ports import services_of
 from elitescript.services.channels.broker import Broker
 from elitescript.services.channels.connect_policy import ConnectPolicy
 from elitescript.services.clients.binding import bind_one
@@ -27,9 +27,9 @@ from elitescript.services.clients.input_queue import WAITING_MAX, InputQueue
 from elitescript.services.clients.listener import Listener
 from elitescript.services.clients.shares import Shares
 from elitescript.services.log import ServerLog
+from elitescript.services.port_numbers import SSH
 from elitescript.services.robot_link import InProcessLink, RobotLink
 from elitescript.services.state_keeper import StateKeeper
-from elitescript.services.table import SSH
 from elitescript.services.time.lockstep import TIMEOUT_S, LockstepTime
 from elitescript.services.time.paced import PacedTime
 

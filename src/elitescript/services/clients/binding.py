@@ -7,7 +7,7 @@ import socket
 from typing import Final
 
 from elitescript.errors import UsageError
-from elitescript.services.table import PORTS_PER_INSTANCE
+from elitescript.services.port_numbers import PORTS_PER_INSTANCE
 
 BACKLOG: Final = 512
 """Clients that the operating system holds until they are accepted."""

@@ -15,7 +15,7 @@ from typing import Final
 
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.protocol.table import Connect, Service
+from elitescript.protocol.ports import Connect, Service
 from elitescript.services.clients.liveness import watch_peer
 from elitescript.services.clients.tcp import Client, Hub
 

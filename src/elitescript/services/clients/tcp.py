@@ -28,7 +28,7 @@ from elitescript.messages.outputs import Output
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol.browsers import FirstBytes
 from elitescript.protocol.connection import Connection, ProtocolError
-from elitescript.protocol.table import Service
+from elitescript.protocol.ports import Service
 from elitescript.services.clients.shares import READ_MAX, SHARE_NS, Shares
 
 NS_PER_BYTE: Final = 250.0

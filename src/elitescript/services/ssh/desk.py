@@ -9,13 +9,13 @@ from elitescript.messages.events import Event
 from elitescript.services.clients.binding import bind_one
 from elitescript.services.log import SSH as LOG_KIND
 from elitescript.services.log import ServerLog
+from elitescript.services.port_numbers import SSH
 from elitescript.services.ssh.commands import DATA_PATH
 from elitescript.services.ssh.controller_history import ControllerHistory
 from elitescript.services.ssh.files import RobotFiles
 from elitescript.services.ssh.line_taps import LineTaps
 from elitescript.services.ssh.serial_bridges import SerialBridges
 from elitescript.services.ssh.server import SshPort
-from elitescript.services.table import SSH
 
 LOG_PATH: Final = DATA_PATH + "log/log_history.csv"
 

@@ -1,6 +1,6 @@
 """The numbers of the ports that a robot serves, and of those that are open only when they are asked for.
 
-What a port is stands in `protocol.table`.
+What a port is stands in `protocol.ports`.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import Final, NamedTuple
 
 from elitescript.errors import UsageError
-from elitescript.protocol.table import SERVICES, Service
+from elitescript.protocol.ports import SERVICES, Service
 
 PORTS_PER_INSTANCE: Final = 100
 """Ports of instance N lie this many times N higher."""
