@@ -339,7 +339,7 @@ class Controller:
         return self.yielding.wrench(self.arm_state, self._tick, is_compensated)
 
     def joints_at(self, tick: int) -> JointState:
-        """Return target and measured joints at a tick, from the present one to the next that is due."""
+        """Return the target and measured joints at a tick, from the present one to the next that is due."""
         return self._joint_encoders.read(tick, self.arm_state.joints(tick))
 
     def tcp_pose(self, q: Six) -> Six:

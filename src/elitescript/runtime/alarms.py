@@ -118,7 +118,7 @@ def abandoned(strand: Strand, tick: int) -> Alarm:
 
 
 def summary_of(error: BaseException) -> str:
-    """Return class and text in one line, as `[SEC] Exception:` shows them."""
+    """Return the class and text in one line, as `[SEC] Exception:` shows them."""
     return f"{class_name_of(error)}: {text_of(error)}"
 
 
@@ -207,7 +207,7 @@ def _inner_place(trace: TracebackType) -> str:
 
 
 def _position(code: CodeType, instruction: int, line: int) -> tuple[Any, Any, Any, Any]:
-    """Return line, end line, UTF-8 column and end column, from 0, of an instruction; None if unknown."""
+    """Return the line, end line, UTF-8 column and end column, from 0, of an instruction; None if unknown."""
     index = instruction // 2
     for number, (start, end, column, end_column) in enumerate(code.co_positions()):
         if number == index:
@@ -218,7 +218,7 @@ def _position(code: CodeType, instruction: int, line: int) -> tuple[Any, Any, An
 def _unknown_name(
     name: str, text: str, place: Place, known: Iterable[str], catalogue: Catalogue, profile: Profile
 ) -> tuple[str, str, str, dict[str, Any]]:
-    """Return code, class, text and details for an unknown name."""
+    """Return the code, class, text and details for an unknown name."""
     command = catalogue.get(name)
     if command is not None and release_of(command.since) > profile.release:
         text = newer_firmware_text(name, command.since, profile)
@@ -245,7 +245,7 @@ def _advice(name: str, place: Place, known: Iterable[str], profile: Profile) -> 
 
 
 def _in_plain_words(class_name: str, text: str, place: Place) -> tuple[str, dict[str, Any]]:
-    """Return text and details for a built-in exception."""
+    """Return the text and details for a built-in exception."""
     from elitescript.runtime.plain_words import Scene, plain_words
 
     frame = place.frame

@@ -195,7 +195,7 @@ class ScriptFile(metaclass=Sealed):
         return _file(self).seek(offset, whence)
 
     def tell(self) -> int:
-        """The place in the file."""
+        """Return the place in the file."""
         return _file(self).tell()
 
     def truncate(self, size: Any = None) -> int:
@@ -211,15 +211,15 @@ class ScriptFile(metaclass=Sealed):
         _file(self).close()
 
     def readable(self) -> bool:
-        """Whether it was opened for reading."""
+        """Return whether it was opened for reading."""
         return _file(self).readable()
 
     def writable(self) -> bool:
-        """Whether it was opened for writing."""
+        """Return whether it was opened for writing."""
         return _file(self).writable()
 
     def seekable(self) -> bool:
-        """Whether `seek` works."""
+        """Return whether `seek` works."""
         return _file(self).seekable()
 
     def fileno(self) -> NoReturn:
@@ -271,7 +271,7 @@ _file: Callable[[ScriptFile], IO[Any]] = _inner.__get__
 
 
 def file_over(inner: IO[Any], mode: str, name: str) -> ScriptFile:
-    """What a script holds of an open file."""
+    """Return what a script holds of an open file."""
     file = ScriptFile(mode, name)
     _inner.__set__(file, inner)
     return file

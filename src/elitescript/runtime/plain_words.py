@@ -91,7 +91,7 @@ class Words(NamedTuple):
 
 
 def plain_words(class_name: str, text: str, scene: Scene) -> Words:
-    """Return text and hint for the message of a built-in exception.
+    """Return the text and hint for the message of a built-in exception.
 
     Args:
         class_name: class of the exception.

@@ -79,7 +79,7 @@ class Secondaries(Generic[Item]):
         self._queue.append(item)
 
     def next_tick(self, tick: int) -> int | None:
-        """Earliest tick after `tick` at which one begins or has run too long."""
+        """Return the earliest tick after `tick` at which one begins or has run too long."""
         if self._strand is None:
             return tick + 1 if self._queue else None
         return max(self._deadline, tick + 1)

@@ -80,7 +80,7 @@ def port_numbers(instance: int, chosen: Mapping[str, int], *, robot: int = 0, ha
 
 
 def spare_numbers(instance: int, chosen: Mapping[str, int], *, robot: int = 0, has_ssh: bool = False) -> dict[str, int]:
-    """Ports that stand in for those that this user may not have; there is none for a port that was chosen.
+    """Return ports that stand in for those that this user may not have; there is none for a port that was chosen.
 
     Args:
         instance: see `port_numbers`.

@@ -44,7 +44,7 @@ class SourceFile:
             raise ProgramError((_bad_byte(data, error.start),)) from None
 
     def line(self, n: int) -> str:
-        """Return line `n`, counted from 1, without its line end; empty outside the text."""
+        """Return the line `n`, counted from 1, without its line end; empty outside the text."""
         return self.lines[n - 1] if 1 <= n <= len(self.lines) else ""
 
 

@@ -378,7 +378,7 @@ def _names(body: bytes) -> tuple[str, ...]:
 
 
 def _text_message(body: bytes) -> tuple[str, str, int] | None:
-    """Return text, source and level of a client's message; None if it is malformed."""
+    """Return the text, source and level of a client's message; None if it is malformed."""
     if not body:
         return None
     text_end = 1 + body[0]

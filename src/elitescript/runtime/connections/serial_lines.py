@@ -138,12 +138,12 @@ class SerialLines:
             line.close(self._connections)
 
     def is_open(self, device: str) -> bool:
-        """Whether a port is enabled."""
+        """Return whether a port is enabled."""
         line = self._lines.get(device)
         return line is not None and line.is_open
 
     def open_devices(self) -> list[str]:
-        """Devices of the ports that are enabled, sorted."""
+        """Return devices of the ports that are enabled, sorted."""
         return sorted(device for device, line in self._lines.items() if line.is_open)
 
     def mode(self, device: str) -> str:

@@ -302,11 +302,11 @@ def _preloaded_copy(shelf: ModuleShelf) -> Facade:
     """`copy` and `elicopy`, which programs use without importing; the module itself is loaded at the first call."""
 
     def copy(x: Any) -> Any:
-        """A shallow copy."""
+        """Return a shallow copy."""
         return vars(shelf.facade("copy"))["copy"](x)
 
     def deepcopy(x: Any, memo: Any = None) -> Any:
-        """A copy of the value and of all that it holds."""
+        """Return a copy of the value and of all that it holds."""
         return vars(shelf.facade("copy"))["deepcopy"](x, memo)
 
     for function in (copy, deepcopy):

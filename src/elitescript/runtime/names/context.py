@@ -71,7 +71,7 @@ class ProgramControl(Protocol):
         """Start a thread of the program."""
 
     def thread_count(self) -> int:
-        """Living threads of the program besides its main one."""
+        """Return living threads of the program besides its main one."""
 
     def halt(self) -> None:
         """Have the program stopped as soon as the calling strand gives way."""
@@ -92,7 +92,7 @@ class ProgramControl(Protocol):
     """RTSI inputs that the program watches."""
 
     def wait_for_confirmation(self) -> bool:
-        """Whether a blocking popup is confirmed at once; otherwise wait for a confirmation."""
+        """Return whether a blocking popup is confirmed at once; otherwise wait for a confirmation."""
 
 
 class Context:
@@ -229,7 +229,7 @@ class Context:
         return content_of(self._world.files, path, size_max)
 
     def timestamp_s(self) -> float:
-        """The controller's clock, seconds since 1970."""
+        """Return the controller's clock, seconds since 1970."""
         return self.machine.timestamp_s()
 
     def random(self) -> float:

@@ -22,18 +22,18 @@ def itertools_names(step: Step) -> dict[str, Any]:
     host = real("itertools")
 
     def count(start: Any = 0, step_by: Any = 1, **options: Any) -> Iterator[Any]:
-        """Numbers from `start` on."""
+        """Return numbers from `start` on."""
         step_by = options.pop("step", step_by)
         if options:
             raise TypeError(f"count() got an unexpected keyword argument {next(iter(options))!r}")
         return _count(step, start, step_by)
 
     def cycle(values: Iterable[Any]) -> Iterator[Any]:
-        """The values, over and over."""
+        """Return the values, over and over."""
         return _cycle(step, iter(values))
 
     def repeat(value: Any, times: Any = None) -> Iterator[Any]:
-        """A value, over and over or some times."""
+        """Return a value, over and over or some times."""
         return _repeat(step, value, times)
 
     names = {name: getattr(host, name) for name in (*_SHARED.split(), "batched") if hasattr(host, name)}

@@ -27,7 +27,7 @@ def os_names(files: Files, table: ProcessTable, facade: Callable[[str, dict[str,
         table.end(pid, -int(number))
 
     def listdir(path: str = TASK_PATH) -> list[str]:
-        """Sorted names in a folder of the task folder."""
+        """Return sorted names in a folder of the task folder."""
         return files.names(relative_name(path))
 
     def remove(path: str) -> None:
@@ -82,7 +82,7 @@ def _path_names(files: Files) -> dict[str, Any]:
             return ""
 
     def abspath(path: str) -> str:
-        """A path from the root on, without `.` and `..`."""
+        """Return a path from the root on, without `.` and `..`."""
         return str(posixpath.normpath(posixpath.join(TASK_PATH, path)))
 
     def realpath(path: str, *, strict: bool = False) -> str:
@@ -92,7 +92,7 @@ def _path_names(files: Files) -> dict[str, Any]:
         return abspath(path)
 
     def relpath(path: str, start: str = TASK_PATH) -> str:
-        """A path from a folder on, the task folder by default."""
+        """Return a path from a folder on, the task folder by default."""
         return str(posixpath.relpath(abspath(path), abspath(start)))
 
     def expanduser(path: str) -> str:
@@ -157,7 +157,7 @@ def signal_names() -> dict[str, Any]:
         return before
 
     def getsignal(number: int) -> Any:
-        """The handler that was kept."""
+        """Return the handler that was kept."""
         return handlers.get(number, 0)
 
     return {**_SIGNALS, "SIG_DFL": 0, "SIG_IGN": 1, "getsignal": getsignal, "signal": signal}

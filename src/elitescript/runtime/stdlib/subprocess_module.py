@@ -116,11 +116,11 @@ class Process(metaclass=Sealed):
         return status
 
     def poll(self) -> int | None:
-        """How it ended; None while it runs."""
+        """Return how it ended; None while it runs."""
         return self.returncode
 
     def wait(self, timeout: Any = None) -> int:
-        """How it ended.
+        """Return how it ended.
 
         Args:
             timeout: so many seconds another thread of the program has to end it, s.
@@ -141,7 +141,7 @@ class Process(metaclass=Sealed):
         return status
 
     def communicate(self, input: object = None, timeout: Any = None) -> tuple[Any, Any]:
-        """Its outputs, as far as they are pipes; waits like `wait`."""
+        """Return its outputs, as far as they are pipes; waits like `wait`."""
         self.wait(timeout)
         output, errors = (None if stream is None else stream.read() for stream in (self.stdout, self.stderr))
         self._close()
@@ -240,11 +240,11 @@ def subprocess_names(table: ProcessTable, scheduler: Scheduler) -> dict[str, Any
         return CompletedProcess(args, (text if _is_text(options) else text.encode()) if is_captured else None)
 
     def check_output(args: Any, **options: Any) -> Any:
-        """What `run` writes to its output."""
+        """Return what `run` writes to its output."""
         return run(args, **{**options, "stdout": _PIPE}).stdout
 
     def call(args: Any, **options: Any) -> int:
-        """The status with which `run` ends, which is 0."""
+        """Return the status with which `run` ends, which is 0."""
         return run(args, **options).returncode
 
     def start(args: Any, *positional: Any, **options: Any) -> Process:

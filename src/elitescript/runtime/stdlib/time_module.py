@@ -33,7 +33,7 @@ class ClockPort(Protocol):
         """The present tick."""
 
     def timestamp_s(self) -> float:
-        """The controller's clock, seconds since 1970."""
+        """Return the controller's clock, seconds since 1970."""
 
     def wait_ticks(self, count: int) -> None:
         """Let `count` ticks go by."""
@@ -53,11 +53,11 @@ def clock_names(port: ClockPort, reader: Callable[[], Any] | None = None) -> dic
     host = real("time")
 
     def time() -> float:
-        """The controller's clock, seconds since 1970."""
+        """Return the controller's clock, seconds since 1970."""
         return port.timestamp_s()
 
     def time_ns() -> int:
-        """The controller's clock, nanoseconds since 1970."""
+        """Return the controller's clock, nanoseconds since 1970."""
         return round(port.timestamp_s() * 1000) * 1_000_000
 
     def monotonic() -> float:
@@ -81,19 +81,19 @@ def clock_names(port: ClockPort, reader: Callable[[], Any] | None = None) -> dic
         port.wait_ticks(ticks_for(secs))
 
     def gmtime(secs: float | None = None) -> Any:
-        """A time as year, month, day, ... in UTC; the present one by default."""
+        """Return a time as year, month, day, ... in UTC; the present one by default."""
         return host.struct_time((*host.gmtime(time() if secs is None else secs)[:9], _ZONE, 0))
 
     def ctime(secs: float | None = None) -> str:
-        """A time as a text; the present one by default."""
+        """Return a time as a text; the present one by default."""
         return str(host.asctime(gmtime(secs)))
 
     def asctime(parts: Any = None) -> str:
-        """Year, month, day, ... as a text; the present time by default."""
+        """Return year, month, day, ... as a text; the present time by default."""
         return str(host.asctime(gmtime() if parts is None else parts))
 
     def strftime(template: str, parts: Any = None) -> str:
-        """Year, month, day, ... in a form of one's own; the present time by default."""
+        """Return year, month, day, ... in a form of one's own; the present time by default."""
         if parts is None:
             parts = gmtime()
 
@@ -108,7 +108,7 @@ def clock_names(port: ClockPort, reader: Callable[[], Any] | None = None) -> dic
         return str(host.strftime(real("re").sub(_ZONE_FIELDS, filled, template), parts))
 
     def mktime(parts: Any) -> float:
-        """The seconds since 1970 of year, month, day, ... in UTC."""
+        """Return the seconds since 1970 of year, month, day, ... in UTC."""
         return float(real("calendar").timegm(parts))
 
     def strptime(text: str, template: str = "%a %b %d %H:%M:%S %Y") -> Any:

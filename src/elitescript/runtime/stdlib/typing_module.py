@@ -58,19 +58,19 @@ def typing_names(namedtuple: Callable[..., Any]) -> dict[str, Any]:
     """
 
     def identity(value: Any = None, *rest: Any, **options: Any) -> Any:
-        """The value, as it is."""
+        """Return the value, as it is."""
         return value
 
     def cast(kind: Any, value: Any) -> Any:
-        """The value, as it is."""
+        """Return the value, as it is."""
         return value
 
     def variable(name: str, *bounds: Any, **options: Any) -> TypingForm:
-        """A name for a type that varies."""
+        """Return a name for a type that varies."""
         return TypingForm(str(name))
 
     def new_type(name: str, kind: Any) -> Any:
-        """A function that returns its argument."""
+        """Return a function that returns its argument."""
         return identity
 
     return {

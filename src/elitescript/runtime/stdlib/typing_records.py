@@ -47,7 +47,7 @@ def _named_tuple(namedtuple: Callable[..., Any]) -> Callable[..., Any]:
     base = type.__new__(NamedTupleMeta, "NamedTuple", (), {})
 
     def named_tuple(typename: str, fields: Any = None, /, **more: Any) -> Any:
-        """A class of tuples whose elements have names; fields are (name, type) pairs."""
+        """Return a class of tuples whose elements have names; fields are (name, type) pairs."""
         if fields is not None and more:
             raise TypeError("Either list of fields or keywords can be provided to NamedTuple, not both")
         return namedtuple(typename, [name for name, _ in (more.items() if fields is None else fields)])
@@ -76,7 +76,7 @@ def _typed_dict() -> Callable[..., Any]:
     base = type.__new__(TypedDictMeta, "TypedDict", (), {})
 
     def typed_dict(typename: str, fields: Any = (), /, *, total: bool = True) -> Any:
-        """A class that makes dicts; fields are a dict of types by key."""
+        """Return a class that makes dicts; fields are a dict of types by key."""
         return TypedDictMeta(str(typename), (), {"__annotations__": dict(fields)})
 
     return _extensible(typed_dict, "TypedDict", base)

@@ -62,7 +62,7 @@ class Layer(NamedTuple):
 
 
 def enter_jail(readable: Iterable[str] | None = None, memory_max: int = MEMORY_MAX) -> tuple[Layer, ...]:
-    """Lock this process in, for good.
+    """Return lock this process in, for good.
 
     Args:
         readable: files and folders that may still be read; `own_modules()` if None.
@@ -88,7 +88,7 @@ def is_complete(layers: Iterable[Layer]) -> bool:
 
 
 def own_modules() -> list[str]:
-    """Where the interpreter and this package load from, and nothing else."""
+    """Return where the interpreter and this package load from, and nothing else."""
     import greenlet  # type: ignore[import-untyped]
 
     import elitescript
@@ -170,7 +170,7 @@ def _give_up_privileges() -> str:
 
 
 def landlock_version() -> int:
-    """Version of Landlock in this kernel.
+    """Return the version of Landlock in this kernel.
 
     Raises:
         OSError: it has none, or it is switched off.

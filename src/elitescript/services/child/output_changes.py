@@ -95,7 +95,7 @@ class OutputWriter:
         """The numbers of the last snapshot by the bit of their field."""
 
     def message(self, output: Output) -> tuple[str, bytes]:
-        """Return letter and content of the message for an output."""
+        """Return the letter and content of the message for an output."""
         last, self._values = self._values, self._values_of(output.snapshot)
         packed = self._packed
         if not last:

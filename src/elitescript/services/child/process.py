@@ -137,7 +137,7 @@ class ChildProcess:
             self._process.send_signal(signal.SIGUSR1)
 
     def where(self) -> tuple[str, int] | None:
-        """Return name and line of the program text that it was in when asked; None if that is not known (yet)."""
+        """Return the name and line of the program text that it was in when asked; None if that is not known (yet)."""
         for name, line in self._trace():
             # Texts of programs are the only ones that are no files.
             if not name.endswith(".py") and not name.startswith("<frozen") and len(line) < 8:
@@ -150,7 +150,7 @@ class ChildProcess:
         return any(_LANGUAGE in name for name, _ in self._trace())
 
     def _trace(self) -> list[tuple[str, str]]:
-        """Return file and line of every call that it was in when asked, the innermost first."""
+        """Return the file and line of every call that it was in when asked, the innermost first."""
         _, found, trace = bytes(self._log).rpartition(_TRACE_BEGIN)
         return _TRACE_LINE.findall(trace.decode("utf-8", "replace")) if found else []
 

@@ -65,7 +65,7 @@ def _row(cells: tuple[str, ...]) -> bytes:
 
 
 def _entry(event: Event) -> tuple[str, str, str, str] | None:
-    """Level, source, code and text; None for what the log does not have."""
+    """Return the level, source, code and text; None for what the log does not have."""
     match event:
         case TextMessage(text=text, level=level):
             return level, "script", "", text

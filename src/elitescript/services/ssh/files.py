@@ -101,7 +101,7 @@ class RobotFiles:
         raise _error(errno.ENOENT, place)
 
     def names(self, path: str) -> list[str]:
-        """Names of what is in a folder, sorted.
+        """Return names of what is in a folder, sorted.
 
         Raises:
             OSError: there is no such folder.
