@@ -111,10 +111,10 @@ def test_closing_waits_until_what_was_sent_has_left(channel, terminal):
     assert channel.unsent
     assert not channel.has_left
     received = []
-    reader = Thread(target=lambda: received.append(terminal.read(len(data))))
-    reader.start()
     channel.close()
     assert not channel.is_over
+    reader = Thread(target=lambda: received.append(terminal.read(len(data))))
+    reader.start()
     while not channel.is_over:
         channel.leave()
     reader.join(10)
