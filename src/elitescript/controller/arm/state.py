@@ -1,6 +1,6 @@
 """Computes target and actual joints: nominal motion, corrections, plant.
 
-The nominal motion (`motion.control`) is a function of time. *Corrections* (conveyor tracking, force control) change it
+The nominal motion (`controller.motion.control`) is a function of time. *Corrections* (conveyor tracking, force control) change it
 and the *plant* follows the target; both advance tick by tick. While one of them is active every tick is due, and the
 next state is computed from the present one. While none is, target and actual are the nominal setpoint at any tick.
 """

@@ -21,7 +21,7 @@ from elitescript.runtime.threads.strand import Stopped, Strand
 
 
 class ModbusSignals:
-    """Implements `commands.definition.context.ModbusSignals`.
+    """Implements `commands.definition.context.ModbusSignalAccess`.
 
     Args:
         machine: the controller.
@@ -61,7 +61,7 @@ class ModbusSignals:
     def add(
         self, address: str, port: int, name: str, kind: int, slave: int, first: int, count: int, *, is_sequential: bool
     ) -> None:
-        """Add a signal; see `commands.definition.context.ModbusSignals.add`."""
+        """Add a signal; see `commands.definition.context.ModbusSignalAccess.add`."""
         self.master.add(address, port, name, SignalKind(kind), slave, first, count, is_sequential=is_sequential)
 
     def add_read_write(
@@ -75,7 +75,7 @@ class ModbusSignals:
         *,
         is_sequential: bool,
     ) -> None:
-        """Add a signal that reads and writes; see `commands.definition.context.ModbusSignals.add_read_write`."""
+        """Add a signal that reads and writes; see `commands.definition.context.ModbusSignalAccess.add_read_write`."""
         self.master.add(
             address,
             port,

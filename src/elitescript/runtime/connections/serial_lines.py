@@ -59,7 +59,7 @@ FUNCTIONS: Final = {
 
 
 class SerialLines:
-    """Implements `commands.definition.context.SerialLines` for one program.
+    """Implements `commands.definition.context.SerialLineAccess` for one program.
 
     Args:
         channels: carry the bytes.

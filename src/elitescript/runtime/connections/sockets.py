@@ -34,7 +34,7 @@ NO_NETWORK: Final = "this run has no network"
 
 
 class Sockets:
-    """Implements `commands.definition.context.Sockets` for one program.
+    """Implements `commands.definition.context.SocketAccess` for one program.
 
     Args:
         channels: carry the bytes.
