@@ -280,3 +280,9 @@ def test_every_flag_belongs_to_commands_that_exist():
     for name, option in OPTIONS.items():
         assert bool(option.flag) == bool(option.commands), name
         assert set(option.commands) <= set(COMMANDS), name
+
+
+@pytest.mark.parametrize("value", [1e300, -1e12, 253_402_300_800.0])
+def test_a_moment_without_a_date_is_refused(value):
+    with pytest.raises(UsageError, match="epoch_s must be seconds since 1970"):
+        RobotOptions(epoch_s=value)

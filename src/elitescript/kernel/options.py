@@ -66,6 +66,11 @@ class Number(NamedTuple):
         return number
 
 
+YEAR_1_S: Final = -62_135_596_800.0
+YEAR_9999_S: Final = 253_402_300_799.0
+"""First and last second that has a date, s since 1970."""
+
+
 class Time(Number):
     """Moments: seconds since 1970, or `datetime` objects with a time zone."""
 
@@ -225,7 +230,7 @@ class RobotOptions:
     epoch_s: float = option(
         1_704_067_200.0,
         "controller clock at the start, s since 1970",
-        Time(unit="s"),
+        Time(YEAR_1_S, YEAR_9999_S, "s"),
         default_text="2024-01-01T00:00:00Z; of serve, the present time",
         flag="--epoch",
         metavar="TIME",

@@ -1,8 +1,9 @@
 """Computes target and actual joints: nominal motion, corrections, plant.
 
-The nominal motion (`controller.motion.control`) is a function of time. *Corrections* (conveyor tracking, force control) change it
-and the *plant* follows the target; both advance tick by tick. While one of them is active every tick is due, and the
-next state is computed from the present one. While none is, target and actual are the nominal setpoint at any tick.
+The nominal motion (`controller.motion.control`) is a function of time. *Corrections* (conveyor tracking, force
+control) change it and the *plant* follows the target; both advance tick by tick. While one of them is active every
+tick is due, and the next state is computed from the present one. While none is, target and actual are the nominal
+setpoint at any tick.
 """
 
 from __future__ import annotations
