@@ -16,6 +16,7 @@ from tools.plot_picture import LARGEST, PICTURE
 ROOT = Path(__file__).resolve().parent.parent
 ENGLISH = (ROOT / "README.md").read_text(encoding="utf-8")
 CHINESE = (ROOT / "README.zh.md").read_text(encoding="utf-8")
+SIMULATED = (ROOT / "docs" / "explanation" / "simulated.md").read_text(encoding="utf-8")
 WORDS_MAX = 900
 """As `wc -w README.md` counts."""
 
@@ -61,9 +62,9 @@ def test_each_language_links_to_the_other() -> None:
     assert "[English](README.md)" in CHINESE
 
 
-@pytest.mark.parametrize("text", [ENGLISH, CHINESE], ids=["English", "Chinese"])
+@pytest.mark.parametrize("text", [ENGLISH, CHINESE, SIMULATED], ids=["English", "Chinese", "what is simulated"])
 def test_the_number_of_commands_is_true(text: str) -> None:
-    numbers = re.findall(r"(\d+) (?:commands|条指令)", text)
+    numbers = re.findall(r"\b(\d{3}) (?:commands|条指令)", text)
     assert numbers == [str(len(CATALOGUE))]
 
 
