@@ -45,6 +45,8 @@ $(READY): requirements-dev.lock pyproject.toml
 	"$$found" -m venv --clear $(VENV)
 	@$(BIN)/python -m pip install -qq --disable-pip-version-check --require-hashes -r requirements-dev.lock
 	@$(BIN)/python -m pip install -qq --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@# pip compiles what it copies; an editable install is compiled at its first start, unless PYTHONDONTWRITEBYTECODE is set.
+	@$(BIN)/python -m compileall -q src
 	@touch $@
 
 demo: $(READY)
