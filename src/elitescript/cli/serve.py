@@ -10,7 +10,6 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Collection
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -34,6 +33,7 @@ from elitescript.messages.events import Event, TaskLoaded, TaskStateChanged
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import seconds
 from elitescript.protocol.ports import SERVICES, services_of
+from elitescript.records import replace
 from elitescript.services.channels.connect_policy import NONE, ConnectPolicy
 from elitescript.services.child.jail import is_complete
 from elitescript.services.log import DEVICE, LogLine

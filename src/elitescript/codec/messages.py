@@ -15,7 +15,6 @@ Bytes are base64. Floats keep every bit but for the payload of a NaN; in JSON te
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
 from enum import IntEnum
 from functools import cache
 from types import MappingProxyType, NoneType, UnionType
@@ -42,6 +41,7 @@ from elitescript.errors import UsageError
 from elitescript.messages.enums import AnalogDomain
 from elitescript.messages.signals import INT32_HIGH, INT32_LOW
 from elitescript.messages.timing import TICK_MAX
+from elitescript.records import fields_of, is_record
 
 T = TypeVar("T")
 
@@ -87,7 +87,7 @@ def shape_of(kind: UnionType) -> Shape[Any]: ...
 
 
 def shape_of(kind: Any) -> Shape[Any]:
-    """Return the shape of a message: a frozen dataclass, or a union of such classes.
+    """Return the shape of a message: a record, or a union of such classes.
 
     Raises:
         TypeError: it is none, or one of its fields has a type that no message may have.
@@ -99,18 +99,17 @@ def field_shapes(kind: type, names: Mapping[str, type] = MappingProxyType({})) -
     """Return the shape of every field of a message, in the order in which they are written.
 
     Args:
-        kind: a dataclass.
+        kind: a record.
         names: classes that its module imports for type checkers alone.
 
     Raises:
         TypeError: a field has a type that no message may have.
     """
-    assert is_dataclass(kind)
     name, hints = kind.__name__, get_type_hints(kind, localns=dict(names))
     return {
-        field.name: _IMAGES.get((name, field.name)) or _shape(hints[field.name], _bounds_of(name, field.name))
-        for field in fields(kind)
-        if field.init
+        field: _IMAGES.get((name, field)) or _shape(hints[field], _bounds_of(name, field))
+        for field, about in fields_of(kind).items()
+        if about.init
     }
 
 
@@ -129,13 +128,13 @@ def _shape(kind: Any, bounds: tuple[int, int]) -> Shape[Any]:
         return _union(parts, bounds)
     if isinstance(kind, type) and issubclass(kind, IntEnum):
         return enum_shape(kind)
-    if isinstance(kind, type) and is_dataclass(kind):
+    if is_record(kind):
         return _fields(kind)
     raise TypeError(f"{kind!r} is no message")
 
 
 def _fields(kind: type) -> Shape[Any]:
-    """Return the shape of a frozen dataclass: the list of the fields that its constructor takes."""
+    """Return the shape of a record: the list of the fields that its constructor takes."""
     name = kind.__name__
     shapes_by_name = field_shapes(kind)
     names, shapes = list(shapes_by_name), list(shapes_by_name.values())

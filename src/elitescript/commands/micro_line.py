@@ -7,7 +7,6 @@ How the points are played is part of the motion package.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Final
 
 from elitescript.commands.definition.quantities import Choice, Integer, Number, Pose, Str, Vector, Whole
@@ -17,6 +16,7 @@ from elitescript.errors import ArgumentRangeError, InvalidValueError, MotionErro
 from elitescript.kinematics.inverse import reason_unreachable
 from elitescript.kinematics.transforms import compose, inverse, pose_from_transform, transform_from_pose
 from elitescript.messages.motion import MicroLine, MoveML, Six
+from elitescript.records import replace
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.context import Robot

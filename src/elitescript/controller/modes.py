@@ -9,13 +9,13 @@ clients wait 30 s for each). The durations of the steps are *assumed*.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import isfinite
 from typing import Final
 
 from elitescript.errors import ScriptStateError, UsageError
 from elitescript.messages.enums import RobotMode
 from elitescript.messages.timing import ticks_for
+from elitescript.records import record
 
 OFF, ON, BOOTING = RobotMode.POWER_OFF, RobotMode.POWER_ON, RobotMode.BOOTING
 IDLE, RUNNING = RobotMode.IDLE, RobotMode.RUNNING
@@ -43,7 +43,7 @@ SWITCH_ON: Final = "power on and release the brakes"
 """Hint for an arm without power; a front end may add how it is done there."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class PowerTimes:
     """Durations of powering up, s (*assumed*: clients wait much longer, real arms take seconds)."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from elitescript.environment.local_channels import LocalChannels
 from elitescript.errors import UsageError
 from elitescript.messages.machine import DisturbInput
 from elitescript.messages.timing import seconds
+from elitescript.records import replace
 from elitescript.runtime.environment import Channels, Files, ProgramEnvironment
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Callable, Iterable
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
@@ -29,6 +28,7 @@ from elitescript.environment.local_channels import LocalChannels
 from elitescript.errors import UsageError
 from elitescript.messages.machine import DisturbInput, EndInputFaults
 from elitescript.messages.signals import Value
+from elitescript.records import replace
 from elitescript.runtime.environment import Channels
 
 _NEVER: Final = "nothing calls {}(); is it meant to be {}()?"

@@ -6,7 +6,6 @@ They hold what only clients use: programs that come from outside, tasks, interpr
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.controller.refusals import refusal_text
@@ -60,6 +59,7 @@ from elitescript.messages.machine import (
 from elitescript.messages.outcomes import Done, Outcome, Refused, RegistersRead
 from elitescript.messages.outputs import ChannelRequest, Reply, TickResult
 from elitescript.messages.signals import SIGNALS
+from elitescript.records import replace
 from elitescript.runtime.connections.serial_line import close_lines
 from elitescript.runtime.environment import ProgramEnvironment
 

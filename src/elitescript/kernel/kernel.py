@@ -12,7 +12,6 @@ A plain run needs neither ports nor inputs. They are imported by the first that 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from elitescript.controller.controller import Controller
@@ -30,6 +29,7 @@ from elitescript.messages.profile import profile
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import seconds
 from elitescript.models.model import RobotModel
+from elitescript.records import replace
 from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.host import ScriptHost
 

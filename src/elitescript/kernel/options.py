@@ -10,7 +10,6 @@ docs/reference/options.md; the last two are written by `make reference`.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields
 from importlib import import_module
 from math import inf, isfinite
 from operator import index
@@ -23,6 +22,7 @@ from elitescript.messages.motion import Six
 from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import RPC_TIMEOUT_S, WORK_PER_TICK
+from elitescript.records import field, fields_of, record
 
 if TYPE_CHECKING:
     from elitescript.controller.force.contact import ContactConfig
@@ -201,7 +201,7 @@ def option(default: Any, *about: Any, **more: Any) -> Any:
     return field(default=default, metadata={"option": Option(*about, **more)})
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class RobotOptions:
     """One robot. Together with the inputs of every tick it determines everything that the robot does.
 
@@ -310,10 +310,10 @@ class RobotOptions:
                 object.__setattr__(self, name, accepted)
 
 
-OPTIONS: Final[dict[str, Option]] = {row.name: row.metadata["option"] for row in fields(RobotOptions)}
+OPTIONS: Final[dict[str, Option]] = {name: row.metadata["option"] for name, row in fields_of(RobotOptions).items()}
 """Every option by its name."""
 
-DEFAULTS: Final[dict[str, Any]] = {row.name: row.default for row in fields(RobotOptions)}
+DEFAULTS: Final[dict[str, Any]] = {name: row.default for name, row in fields_of(RobotOptions).items()}
 
 IN_VIRTUAL_TIME: Final[dict[str, Any]] = {"power_on": True, "power_times": AT_ONCE, "confirms_popups": True}
 """Options of a robot in virtual time that are not the default, unless they are given."""

@@ -10,7 +10,6 @@ number, begins anew too.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from math import inf, isfinite
 from typing import Final
 
@@ -30,6 +29,7 @@ from elitescript.messages.machine import (
 )
 from elitescript.messages.signals import SIGNALS, Signal, Value, signal_name
 from elitescript.messages.snapshot import RobotDescription, Snapshot
+from elitescript.records import replace
 
 _POWERED: Final = frozenset({RobotMode.POWER_ON, RobotMode.BOOTING, RobotMode.IDLE})
 _SAFETY_ACTIONS: Final = {

@@ -15,7 +15,6 @@ of joints 2, 3 and 4. A vector with components (u, v, w) along (r, z, n) is
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from math import cos, isfinite, pi, sin
 from typing import TYPE_CHECKING, Final
 
@@ -23,12 +22,13 @@ from elitescript.errors import UsageError
 from elitescript.kinematics.limits import SixFloats
 from elitescript.kinematics.rotations import Vector3
 from elitescript.kinematics.transforms import Transform, compose
+from elitescript.records import record, replace
 
 if TYPE_CHECKING:
     from elitescript.kinematics.chain import CalibratedChain
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Arm:
     """Link lengths of an arm, m, and optionally the measured chain of one specimen.
 

@@ -8,7 +8,6 @@ is evaluated link by link, and a nominal solution is refined until it meets the 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from math import cos, isfinite, sin, sqrt
 from typing import Final
 
@@ -16,6 +15,7 @@ from elitescript.errors import UsageError
 from elitescript.kinematics.limits import REACH_TOLERANCE_M, JointVector, SixFloats, wrap_to_pi
 from elitescript.kinematics.rotations import Vector3, multiply, rotvec_from_rotation, transpose
 from elitescript.kinematics.transforms import IDENTITY, Transform, rotation_of
+from elitescript.records import field, record
 
 MAX_ITERATIONS: Final = 40
 """Offsets of real arms need four steps; the rest is for poses close to a singularity."""
@@ -25,7 +25,7 @@ CONVERGED: Final = 1e-13
 kinematics of two metres, with a margin of a hundred."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class CalibratedChain:
     """Modified Denavit-Hartenberg parameters of six joints, as the controller reports them.
 

@@ -20,7 +20,6 @@ Gravity enters as the acceleration of the base: a base that is accelerated upwar
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from math import cos, isfinite, sin
 from typing import TypeAlias
 
@@ -28,12 +27,13 @@ from elitescript.errors import UsageError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.limits import SixFloats
 from elitescript.kinematics.rotations import Vector3
+from elitescript.records import field, record
 
 MassRow: TypeAlias = tuple[float, float, float, float, float, float, float, float, float, float]
 """Mass, kg; first moment x, y, z, kg m; inertia Jxx, Jyy, Jzz, Jxy, Jxz, Jyz about the frame's origin, kg m^2."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class RigidBody:
     """A rigid body fixed to a link frame, or to the flange.
 

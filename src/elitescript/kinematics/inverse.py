@@ -15,7 +15,6 @@ them (script manual 2.14, example of `get_all_inverse_kin`).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from math import atan2, cos, inf, isfinite, pi, sin, sqrt
 from typing import Final, NamedTuple
 
@@ -29,6 +28,7 @@ from elitescript.kinematics.limits import (
     wrap_to_pi,
 )
 from elitescript.kinematics.transforms import Transform
+from elitescript.records import replace
 
 BRANCHES: Final = 8
 

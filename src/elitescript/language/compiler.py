@@ -10,7 +10,6 @@ from __future__ import annotations
 import ast
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from types import CodeType
 from typing import Final
 
@@ -24,12 +23,13 @@ from elitescript.language.options import DEFAULT, LINE, Options
 from elitescript.language.parser import NO_FILE, Parsed, character_offset, parse, parse_without, syntax_tree
 from elitescript.language.policy import first_too_deep, guard_formats, review
 from elitescript.language.text.source import SourceFile
+from elitescript.records import record, replace
 
 _SCRIPT_NAME: Final = "main"
 """The name of an unnamed program in qualified names and stack listings."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class CompiledUnit:
     """A program that can run.
 
@@ -128,7 +128,7 @@ def compile_expression(source: SourceFile) -> CodeType:
     raise ProgramError(in_order(problems))
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Statement:
     """A line of interpreter mode that can run.
 

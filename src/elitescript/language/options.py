@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
+
+from elitescript.records import record
 
 PROGRAM: Final = "program"
 """`def name(): ... end`: the body runs, the name is a label."""
@@ -17,7 +18,7 @@ LINE: Final = "line"
 KINDS: Final = (PROGRAM, SECONDARY, SCRIPT, LINE)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Options:
     """Options for reading and compiling a text.
 

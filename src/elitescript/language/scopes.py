@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from enum import StrEnum
+
+from elitescript.records import record
 
 
 class Resolution(StrEnum):
@@ -24,7 +25,7 @@ class Resolution(StrEnum):
     """Bound nowhere in the text."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Binding:
     """A place that gives a name a value.
 
@@ -43,7 +44,6 @@ class Binding:
     column: int
 
 
-@dataclass(slots=True, eq=False, repr=False)
 class Scope:
     """A region with variables of its own: the program, a function, lambda, comprehension or class.
 
@@ -62,25 +62,39 @@ class Scope:
         calls: the calls made here, in the order of the text.
     """
 
-    _global_names: set[str]
-    kind: str
-    name: str
-    node: ast.AST
-    parent: Scope | None
-    children: list[Scope] = field(default_factory=list)
-    parameters: dict[str, ast.arg] = field(default_factory=dict)
-    bindings: dict[str, list[Binding]] = field(default_factory=dict)
-    reads: dict[str, list[ast.Name]] = field(default_factory=dict)
-    globals: dict[str, list[ast.Global]] = field(default_factory=dict)
-    nonlocals: dict[str, list[ast.Nonlocal]] = field(default_factory=dict)
-    calls: list[ast.Call] = field(default_factory=list)
-    statements: list[ast.stmt] = field(init=False)
+    __slots__ = (
+        "_global_names",
+        "bindings",
+        "calls",
+        "children",
+        "globals",
+        "kind",
+        "name",
+        "node",
+        "nonlocals",
+        "parameters",
+        "parent",
+        "reads",
+        "statements",
+    )
 
-    def __post_init__(self) -> None:
-        body = getattr(self.node, "body", None)
-        self.statements = body if isinstance(body, list) else []
-        if self.parent is not None:
-            self.parent.children.append(self)
+    def __init__(self, global_names: set[str], kind: str, name: str, node: ast.AST, parent: Scope | None) -> None:
+        self._global_names = global_names
+        self.kind = kind
+        self.name = name
+        self.node = node
+        self.parent = parent
+        self.children: list[Scope] = []
+        self.parameters: dict[str, ast.arg] = {}
+        self.bindings: dict[str, list[Binding]] = {}
+        self.reads: dict[str, list[ast.Name]] = {}
+        self.globals: dict[str, list[ast.Global]] = {}
+        self.nonlocals: dict[str, list[ast.Nonlocal]] = {}
+        self.calls: list[ast.Call] = []
+        body = getattr(node, "body", None)
+        self.statements: list[ast.stmt] = body if isinstance(body, list) else []
+        if parent is not None:
+            parent.children.append(self)
 
     def __repr__(self) -> str:
         return f"<{self.kind} {self.name}>" if self.name else f"<{self.kind}>"

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
 from typing import Any, Final
 
 from elitescript.language.parser import Parsed, character_offset
 from elitescript.language.scopes import Binding, Resolution, Scope
+from elitescript.records import record
 
 __all__ = ["Binding", "LateGlobal", "Resolution", "Scope", "Symbols"]
 
@@ -17,7 +17,7 @@ THREAD_STARTER: Final = "start_thread"
 _COMPREHENSIONS = (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class LateGlobal:
     """Describes a `global` statement behind a use of one of its names in the same function.
 

@@ -5,16 +5,16 @@ Two runs with the same events did the same.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Any, Final
 
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.motion import MotionRequest, TrackCircular, TrackLinear
 from elitescript.messages.signals import Value
 from elitescript.messages.yielding import YieldRequest
+from elitescript.records import field, record
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class TextMessage:
     """`textmsg`: a line for the robot's log."""
 
@@ -26,7 +26,7 @@ class TextMessage:
     """Severity."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Printed:
     """`print`: text for the task log and the terminal."""
 
@@ -36,7 +36,7 @@ class Printed:
     line: int
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Popup:
     """A message window."""
 
@@ -58,7 +58,7 @@ UNDELIVERED: Final = "W270"
 """Code of warnings about data that a program sent and that did not arrive."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Warned:
     """A warning: the program goes on, but not as it asked."""
 
@@ -85,7 +85,7 @@ class Warned:
         return f"{words} ({self.hint})" if self.hint else words
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class DeviceNoted:
     """A virtual device beside the robot, or a fault, has reported something."""
 
@@ -97,7 +97,7 @@ class DeviceNoted:
     """Whether something went wrong."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Alarm:
     """An error that stopped the program."""
 
@@ -117,7 +117,7 @@ class Alarm:
     """`command`, `argument`, `value`, `limit`, `unit`, `hint`, as far as they apply."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SignalChanged:
     """A point of the signal image has a new value."""
 
@@ -135,7 +135,7 @@ class SignalChanged:
     """Line of the statement; 0 if none has caused it."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ChannelActivity:
     """A connection to the outside was opened or closed, or carried data.
 
@@ -162,7 +162,7 @@ class ChannelActivity:
     """Name of its thread; empty if there is none."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class MotionStarted:
     """The arm begins a motion: at once, at the begin of a blend, or when it has come to rest before.
 
@@ -179,7 +179,7 @@ class MotionStarted:
     of `speedl` and `servoj`, where it is not known."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class MotionEnded:
     """A motion has ended: at its target, by a stop, or because another motion has taken over.
 
@@ -191,7 +191,7 @@ class MotionEnded:
     """Whether it has reached its target."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class TrackingStarted:
     """The arm follows a conveyor, besides its moves."""
 
@@ -202,14 +202,14 @@ class TrackingStarted:
     thread: str
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class TrackingEnded:
     """The arm no longer follows a conveyor, and comes to rest."""
 
     tick: int
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class TaskStateChanged:
     """A program started, paused, went on or ended."""
 
@@ -222,7 +222,7 @@ class TaskStateChanged:
     """How it ended: `finished`, `alarm` or `stopped`; empty while it runs."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class TaskLoaded:
     """A task of the task folder was loaded, to be played next."""
 
@@ -231,7 +231,7 @@ class TaskLoaded:
     """Path of the task in the task folder."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class RobotModeChanged:
     """Power or brakes changed."""
 
@@ -240,7 +240,7 @@ class RobotModeChanged:
     """The new one."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SafetyModeChanged:
     """The safety system went into another mode."""
 
@@ -251,7 +251,7 @@ class SafetyModeChanged:
     """Why, as far as it is known."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class LineMarked:
     """A `$ LINE` mark was passed."""
 
@@ -262,7 +262,7 @@ class LineMarked:
     """Text of the mark."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class YieldingChanged:
     """Force mode or hand guiding began, changed or is asked to end; the end of a program ends both without event."""
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from elitescript.records import record
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ChannelFault:
     """A fault of channels; `devices.channels.faults` has the kinds. For inputs see `DisturbInput`."""
 

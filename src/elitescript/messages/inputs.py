@@ -6,12 +6,12 @@ A session is the sequence of (tick, inputs): the journal records it, `replay` fe
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 from elitescript.messages.enums import ChannelError
 from elitescript.messages.faults import ChannelFault
 from elitescript.messages.machine import DisturbInput, MachineRequest
+from elitescript.records import record
 
 WORLD: Final = "world"
 """Origin of signal changes by devices beside a robot, followed by `:` and the kind of device."""
@@ -23,7 +23,7 @@ UNIT_KINDS: Final = ("program", "secondary", "line")
 """Kinds of a unit of script text."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class RunUnit:
     """A unit of script text: a program replaces the running one, a secondary program runs beside it."""
 
@@ -39,7 +39,7 @@ class RunUnit:
             raise ValueError(f"a unit is one of {', '.join(UNIT_KINDS)}, not {self.kind[:40]!r}")
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Do:
     """A request to the machine."""
 
@@ -49,7 +49,7 @@ class Do:
     """Whether the robot replies with the outcome; if not, a refusal is only a warning."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class LoadTask:
     """Load a task of the task folder."""
 
@@ -57,7 +57,7 @@ class LoadTask:
     path: str
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class LoadConfiguration:
     """Load a configuration of the configuration folder."""
 
@@ -65,14 +65,14 @@ class LoadConfiguration:
     path: str
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class PlayTask:
     """Start the loaded task, or go on with a paused one."""
 
     origin: str
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SetVariable:
     """Give a program variable a value while no task runs; the text is a literal."""
 
@@ -81,7 +81,7 @@ class SetVariable:
     value: str
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class GetVariable:
     """Ask for the value of a program variable."""
 
@@ -89,7 +89,7 @@ class GetVariable:
     name: str
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ShowPopup:
     """Open a message window."""
 
@@ -97,14 +97,14 @@ class ShowPopup:
     text: str
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ClosePopup:
     """Close the message window; a thread that waits for it goes on."""
 
     origin: str
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class AddLog:
     """A line for the robot's log."""
 
@@ -114,7 +114,7 @@ class AddLog:
     """Whether something was refused or lost."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SetRemote:
     """Switch between remote and local control."""
 
@@ -122,14 +122,14 @@ class SetRemote:
     is_remote: bool
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Reboot:
     """Stop the arm and start the controller anew: the arm is off, nothing runs."""
 
     origin: str
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Interpret:
     """A line for interpreter mode."""
 
@@ -139,7 +139,7 @@ class Interpret:
     """Why it cannot be a statement, empty if it can. With a problem, `text` is the beginning of the line only."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class InterpreterWord:
     """A word for interpreter mode that is handled at once, such as `skipbuffer`."""
 
@@ -147,7 +147,7 @@ class InterpreterWord:
     word: str
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Query:
     """A function call of the query port."""
 
@@ -155,7 +155,7 @@ class Query:
     text: str
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class VariablesArrived:
     """Report to the watchdog that a client has sent these RTSI inputs; their values come as `Do(WriteSignal)`."""
 
@@ -163,7 +163,7 @@ class VariablesArrived:
     names: tuple[str, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Lag:
     """How far robot time is behind the wall clock from this tick on, while missed ticks are made up for.
 
@@ -175,7 +175,7 @@ class Lag:
     """0 when it has caught up."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ChannelOpened:
     """Result of an attempt to connect."""
 
@@ -187,7 +187,7 @@ class ChannelOpened:
     """The same as a number."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ChannelData:
     """Bytes for a script."""
 
@@ -195,7 +195,7 @@ class ChannelData:
     data: bytes
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ChannelCredit:
     """Bytes of the script that were sent: as many more may follow; see `outputs.CHANNEL_WINDOW`."""
 
@@ -203,7 +203,7 @@ class ChannelCredit:
     size: int
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ChannelClosed:
     """The peer has closed, or the connection broke; the last event of this channel."""
 
@@ -214,7 +214,7 @@ class ChannelClosed:
     """The same as a number."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class AddFault:
     """Add a fault of channels or of an input, from this tick on or later."""
 
@@ -222,7 +222,7 @@ class AddFault:
     fault: ChannelFault | DisturbInput
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class EndFaults:
     """End all faults of channels and inputs."""
 

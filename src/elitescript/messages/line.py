@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
+
+from elitescript.records import record
 
 PORT_NAMES: Final = {"tool": "tool", "/dev/ttymxc0": "box"}
 """Names of the robot's serial ports, by the device that programs open."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class LineSettings:
     """Format of characters on a serial line."""
 

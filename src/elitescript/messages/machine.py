@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from elitescript.messages.enums import AnalogDomain, PulseDecoder, RunstateChoice, ToolPinMode
 from elitescript.messages.motion import MotionRequest, Six
 from elitescript.messages.signals import Value
+from elitescript.records import record
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class WriteSignal:
     """Set one point of `messages.signals`."""
 
@@ -18,7 +17,7 @@ class WriteSignal:
     value: Value
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class WritePortCoils:
     """Set coils of the controller's own Modbus server, upwards from an address: all of them or none."""
 
@@ -26,7 +25,7 @@ class WritePortCoils:
     values: tuple[bool, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class WritePortRegisters:
     """Set registers of the controller's own Modbus server, upwards from an address: all of them or none."""
 
@@ -38,7 +37,7 @@ class WritePortRegisters:
     """Registers that the reply holds, read right after the write; none if the count is 0."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SetAnalogDomain:
     """Choose current or voltage for one analog channel."""
 
@@ -47,7 +46,7 @@ class SetAnalogDomain:
     domain: AnalogDomain
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SetAnalogFraction:
     """Drive an analog output to a fraction (0 to 1) of the range of its domain."""
 
@@ -56,7 +55,7 @@ class SetAnalogFraction:
     fraction: float
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SetRunstateChoice:
     """Tie an output to whether a program runs."""
 
@@ -65,7 +64,7 @@ class SetRunstateChoice:
     choice: RunstateChoice
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SetInputAction:
     """Bind hand guiding to an input, or unbind it."""
 
@@ -74,19 +73,19 @@ class SetInputAction:
     is_freedrive: bool
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ResetInputActions:
     """Unbind every input."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SetToolAnalogMode:
     """Choose the use of the tool's shared pins: 0 serial, 1 analog in, 2 analog out, 3 both."""
 
     mode: int
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SetToolPin:
     """Configure one digital pin of the tool."""
 
@@ -96,14 +95,14 @@ class SetToolPin:
     is_output: bool
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SetTcp:
     """Set the active TCP: transform from flange to TCP as a pose."""
 
     offset: Six
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SetPayload:
     """Set the payload at the flange."""
 
@@ -114,21 +113,21 @@ class SetPayload:
     """Ixx, Iyy, Izz, Ixy, Ixz, Iyz about the centre of gravity, kg m^2."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SetGravity:
     """Set the acceleration of the base against free fall: points away from the earth, m/s^2, base frame."""
 
     vector: tuple[float, float, float]
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SetSpeedScale:
     """Set the speed percentage of the pendant as a fraction, 0 to 1."""
 
     fraction: float
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SetOption:
     """Set an option that the simulation does not show."""
 
@@ -136,7 +135,7 @@ class SetOption:
     value: Value
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SetLineMark:
     """Report the node of the pendant's program tree that the program has reached (`$ LINE`)."""
 
@@ -144,7 +143,7 @@ class SetLineMark:
     label: str
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class PrepareEncoder:
     """Let the program supply the count of a conveyor encoder."""
 
@@ -153,7 +152,7 @@ class PrepareEncoder:
     """0 signed 32 bits, 1 to 4 unsigned 8, 16, 24, 32 bits."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class DecodePulses:
     """Let a conveyor encoder count pulses at high-speed inputs."""
 
@@ -163,7 +162,7 @@ class DecodePulses:
     input_b: int
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SetEncoderCount:
     """Supply the count of a conveyor encoder."""
 
@@ -171,61 +170,61 @@ class SetEncoderCount:
     count: float
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class PowerOn:
     """Power the arm on; it becomes idle, with its brakes closed."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ReleaseBrakes:
     """Open the brakes; an arm without power is powered on first."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class PowerOff:
     """Stop the arm and power it off; the cabinet stays on."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class PowerDown:
     """Stop the arm, then switch off arm and cabinet."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class PauseTask:
     """Brake on the path and hold every script thread."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ResumeTask:
     """Resume a paused task."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class StopTask:
     """End the task; the arm brakes."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SetForceGain:
     """Set the gain of force control, 0 to 2."""
 
     scaling: float
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SetForceDamping:
     """Set the damping of force control, 0 to 1."""
 
     damping: float
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ZeroForceSensor:
     """Take the present compensated wrench as zero."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SetClientSensor:
     """Switch between a client's force sensor (signals `external_force_torque`) and that of the arm."""
 
@@ -237,7 +236,7 @@ class SetClientSensor:
     """Its centre of gravity, flange frame, m."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class AskSafety:
     """Request an action of the safety system."""
 
@@ -246,7 +245,7 @@ class AskSafety:
     reason: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class DisturbInput:
     """Let a digital or analog input read another value than the applied one, for a time.
 
@@ -277,7 +276,7 @@ class DisturbInput:
     seed: int = 0
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class EndInputFaults:
     """Let every input read the applied value again."""
 

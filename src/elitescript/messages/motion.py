@@ -8,8 +8,9 @@ accepts the request.
 from __future__ import annotations
 
 from array import array
-from dataclasses import dataclass, field
 from typing import Final
+
+from elitescript.records import field, record
 
 BLEND_SHARE: Final = 0.5
 """Largest share of a move that a blend takes."""
@@ -22,7 +23,7 @@ RADIUS_HINT: Final = "choose r up to {most:.4g}, or leave more way between the p
 Six = tuple[float, float, float, float, float, float]
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class MoveJ:
     """Move straight in joint space to `q_target`."""
 
@@ -37,7 +38,7 @@ class MoveJ:
     """Blend radius, m."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class MoveL:
     """Move the TCP on a straight line to `p_target`."""
 
@@ -50,7 +51,7 @@ class MoveL:
     r: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class MoveC:
     """Move the TCP on the circle through the present pose, `p_via` and `p_target`."""
 
@@ -63,7 +64,7 @@ class MoveC:
     """Keep the orientation's relation to the tangent; else turn evenly from start to end."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class MoveP:
     """Move the TCP on a line to `p_target`, one of a chain of lines that keeps its speed at the corners."""
 
@@ -74,21 +75,21 @@ class MoveP:
     """Blend radius at `p_target`, m; 0 rounds the corner as little as the speed allows."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class StopJ:
     """Brake to standstill with joint deceleration `a` (rad/s^2)."""
 
     a: float
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class StopL:
     """Brake to standstill along the path with tool deceleration `a` (m/s^2)."""
 
     a: float
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class MicroLine:
     """Points of a file at a constant interval of time, in SI units.
 
@@ -128,7 +129,7 @@ class MicroLine:
         return where if line == number else f"point {number} ({where})"
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class MoveML:
     """Move through the points of a loaded file, at its interval."""
 
@@ -147,7 +148,7 @@ class MoveML:
         return 0.0
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SpeedJ:
     """Move the joints at the speeds `qd` (rad/s) until the next motion."""
 
@@ -158,7 +159,7 @@ class SpeedJ:
     """Time after which the call returns; None returns when the speeds are reached."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SpeedL:
     """Move the TCP at the velocity `xd` (m/s and rad/s, base frame) until the next motion."""
 
@@ -170,7 +171,7 @@ class SpeedL:
     t_s: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ServoJ:
     """Give the next target of a stream of joint targets."""
 
@@ -183,7 +184,7 @@ class ServoJ:
     """Gain of the following arm, 100 to 2000."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class TrackLinear:
     """Follow a belt from now on."""
 
@@ -193,7 +194,7 @@ class TrackLinear:
     encoder: int
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class TrackCircular:
     """Follow a turntable from now on."""
 
@@ -205,7 +206,7 @@ class TrackCircular:
     encoder: int
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class StopTracking:
     """Follow no conveyor any more, and come to rest."""
 

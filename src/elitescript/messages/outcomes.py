@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from elitescript.messages.enums import DiscardReason
+from elitescript.records import record
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Done:
     """The request was carried out."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Refused:
     """The request was not carried out."""
 
     reason: str
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ShownValue:
     """The value that was asked for."""
 
@@ -27,7 +26,7 @@ class ShownValue:
     """As `repr` writes it."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class RegistersRead:
     """Registers, read right after the request has written others."""
 
@@ -35,7 +34,7 @@ class RegistersRead:
     """0 to 65535 each."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class StatementAccepted:
     """A statement of interpreter mode will run."""
 
@@ -44,7 +43,7 @@ class StatementAccepted:
     text: str
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class StatementDiscarded:
     """A statement of interpreter mode will not run."""
 
@@ -54,7 +53,7 @@ class StatementDiscarded:
     """Why and where it does not compile."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class StatementNumber:
     """The number that a word of interpreter mode asks for."""
 
@@ -62,14 +61,14 @@ class StatementNumber:
     number: int
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SessionState:
     """Whether a session of interpreter mode runs."""
 
     is_running: bool
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class QueryFailed:
     """The query has no value."""
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 from elitescript.messages.events import Event
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outcomes import Outcome
 from elitescript.messages.snapshot import Snapshot
+from elitescript.records import record
 
 CHANNEL_WINDOW: Final = 65_536
 """Bytes that may be under way in each direction of a channel; more only after credit.
@@ -18,7 +18,7 @@ The owner of the connection reads no more from the peer than this plus what `Cre
 """
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class OpenChannel:
     """Connect to a peer; the reply is `ChannelOpened`."""
 
@@ -34,7 +34,7 @@ NOT_CONNECTED: Final = "nothing is connected"
 """Reason of a `ChannelOpened` with `ChannelError.NOTHING_BOUND`."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class OpenLine:
     """Open a serial line; the reply is `ChannelOpened`. A line that is open already is closed before."""
 
@@ -44,7 +44,7 @@ class OpenLine:
     settings: LineSettings
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SendChannel:
     """Send bytes to the peer."""
 
@@ -52,14 +52,14 @@ class SendChannel:
     data: bytes
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class CloseChannel:
     """Close the connection, once what was sent before has left. The channel has no events any more."""
 
     channel: int
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class CreditChannel:
     """Let the peer send so many bytes more: the script has taken as many."""
 
@@ -70,7 +70,7 @@ class CreditChannel:
 ChannelRequest = OpenChannel | OpenLine | SendChannel | CloseChannel | CreditChannel
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Reply:
     """The answer to a request, for the client that sent it; some requests have several in time."""
 
@@ -79,7 +79,7 @@ class Reply:
     outcome: Outcome
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class TickResult:
     """What happened in one tick."""
 
@@ -93,7 +93,7 @@ class TickResult:
         return Output(self.tick, self.events, self.requests, self.replies, snapshot)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Output(TickResult):
     """What ports publish of one tick: what happened, and the snapshot."""
 

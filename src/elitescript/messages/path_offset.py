@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import IntEnum
 
 from elitescript.messages.motion import Six
+from elitescript.records import record
 
 
 class OffsetFrame(IntEnum):
@@ -17,12 +17,12 @@ class OffsetFrame(IntEnum):
     """x along the path, y across it and the tool's z axis, z = x cross y."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class EnablePathOffset:
     """Apply path offsets from now on, beginning with none."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SetPathOffset:
     """Shift the motion by an offset."""
 
@@ -31,7 +31,7 @@ class SetPathOffset:
     frame: OffsetFrame
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class LimitPathOffset:
     """Bound the offsets."""
 
@@ -41,7 +41,7 @@ class LimitPathOffset:
     """Of each angle."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class FilterPathOffset:
     """Smooth the offsets."""
 

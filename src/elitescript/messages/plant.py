@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
 from math import isfinite
 from typing import Final
 
 from elitescript.errors import UsageError, did_you_mean
+from elitescript.records import fields_of, record
 
 LAG_MIN_S: Final = 0.001
 """A shorter lag would end within the control period."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class PlantConfig:
     """Differences of *actual* from *target*; none by default. All values are *assumed*.
 
@@ -57,7 +57,7 @@ class PlantConfig:
         Raises:
             UsageError: an unknown key, or a value that makes no sense; the text begins with `plant`.
         """
-        known = [field.name for field in fields(cls)]
+        known = list(fields_of(cls))
         for name in table:
             if name not in known:
                 near = did_you_mean(name, known)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 from typing import Final
 
 from elitescript.errors import UsageError
+from elitescript.records import record
 
 Release = tuple[int, int]
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Profile:
     """What is particular to one firmware."""
 

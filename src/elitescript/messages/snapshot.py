@@ -7,17 +7,17 @@ else, so that they agree about a tick.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from elitescript.messages.enums import AnalogDomain
 from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value
 from elitescript.messages.state import RobotState
+from elitescript.records import record
 
 Three = tuple[float, float, float]
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class TaskPicture:
     """The task as the dashboard shows it."""
 
@@ -31,7 +31,7 @@ class TaskPicture:
     is_configuration_modified: bool
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Snapshot:
     """State of the whole machine at one tick, as its ports show it."""
 
@@ -87,7 +87,7 @@ class Snapshot:
     """Whether a person guides the arm because an input asks for it."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class RobotDescription:
     """Constant data of a robot."""
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.motion import Six
+from elitescript.records import record
 
 ZERO_SIX: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class JointState:
     """Joints as commanded and as measured: rad, rad/s."""
 
@@ -20,7 +19,7 @@ class JointState:
     qd_actual: Six
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Payload:
     """Load at the flange; see `messages.machine.SetPayload`."""
 
@@ -29,7 +28,7 @@ class Payload:
     inertia: Six = ZERO_SIX
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class RobotState:
     """Consistent state of the machine at one tick; poses in the base frame, m and rad (roll-pitch-yaw)."""
 

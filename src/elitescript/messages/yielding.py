@@ -5,12 +5,11 @@ Frames are TCP poses in the base frame (`[x, y, z, rx, ry, rz]`, m and rad, roll
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from elitescript.messages.motion import Six
+from elitescript.records import record
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ForceMode:
     """Let the selected axes of a frame yield until the arm presses with a wrench."""
 
@@ -26,12 +25,12 @@ class ForceMode:
     """m/s and rad/s, >= 0."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class EndForceMode:
     """Come to rest and end force mode."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Freedrive:
     """Let the arm be guided by hand."""
 
@@ -41,7 +40,7 @@ class Freedrive:
     """Pose in the base frame; None for the TCP frame."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class EndFreedrive:
     """Come to rest and end hand guiding."""
 

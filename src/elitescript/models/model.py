@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
 from math import pi
 from pathlib import Path
 from typing import Final
@@ -13,6 +12,7 @@ from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.limits import JointVector
 from elitescript.messages.plant import PlantConfig
 from elitescript.models.datafile import OWN_SOURCE, DataFile, NumberSource, known_names, known_path, read_text
+from elitescript.records import field, fields_of, record, replace
 
 SUFFIX: Final = ".toml"
 """Of model files."""
@@ -21,7 +21,7 @@ JOINT_NAMES: Final = ("base", "shoulder", "elbow", "wrist1", "wrist2", "wrist3")
 LINK_NAMES: Final = ("shoulder", "upperarm", "forearm", "wrist_1", "wrist_2", "wrist_3")
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class JointLimit:
     """Limits of one joint."""
 
@@ -40,7 +40,7 @@ class JointLimit:
     """Torque at the joint for a current of 1 A, N m/A."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class LinkMass:
     """Mass of the link that one joint moves; frame i of the modified Denavit-Hartenberg form."""
 
@@ -54,7 +54,7 @@ class LinkMass:
     to the link frame, kg m^2."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SafetyLevel:
     """Limits in one safety mode."""
 
@@ -73,7 +73,7 @@ class SafetyLevel:
     """m"""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ModelSafetyLimits:
     """Safety limits; on a real robot they are set for each installation, here they are assumed."""
 
@@ -87,7 +87,7 @@ class ModelSafetyLimits:
     """Distance of actual from target joint position that stops the arm, rad."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Thermal:
     """Thermal model of joints and control box under load; all of it is assumed."""
 
@@ -100,7 +100,7 @@ class Thermal:
     """Temperature rise of the control box when all joints have the mean of both, K."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class RobotModel:
     """One robot model, SI units."""
 
@@ -285,9 +285,9 @@ _POSITIVE: Final = (
 """Keys of positive numbers that the model has under the same name."""
 
 _JOINT_ROWS: Final = ("q_min", "q_max", "qd_max", "qdd_max", "effort_max", "torque_constant")
-_THERMAL: Final = tuple(Thermal.__dataclass_fields__)
+_THERMAL: Final = tuple(fields_of(Thermal))
 _SAFETY: Final = ("joint_speed_margin", "joint_position_margin", "tracking_error_max")
-_SAFETY_LEVEL: Final = tuple(SafetyLevel.__dataclass_fields__)
+_SAFETY_LEVEL: Final = tuple(fields_of(SafetyLevel))
 _KNOWN_KEYS: Final = frozenset(
     (
         *("type_id", "reach_m", "home", "gravity", "joint_temperatures", "controller_temperature"),

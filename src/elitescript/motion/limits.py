@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import degrees, isfinite
 from typing import Final
 
 from elitescript.errors import MotionError, UsageError
 from elitescript.kinematics.limits import TURN
 from elitescript.messages.motion import Six
+from elitescript.records import record
 
 JOINT_NAMES: Final = ("base", "shoulder", "elbow", "wrist1", "wrist2", "wrist3")
 
@@ -17,7 +17,7 @@ RANGE_TOLERANCE_RAD: Final = 1e-9
 """Distance outside its range at which a joint is outside by rounding."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class MotionLimits:
     """Limits of one arm.
 

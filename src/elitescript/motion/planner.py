@@ -24,7 +24,6 @@ Laws, with v, a the wanted speed and acceleration and d the length of the path:
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from enum import StrEnum
 from math import degrees, hypot, inf, isfinite, pi, sqrt
 from typing import Final
@@ -43,6 +42,7 @@ from elitescript.motion.paths.zones import Zone, zone_before
 from elitescript.motion.segment import Segment
 from elitescript.motion.timing.profile import Law, TimeLaw, resting, trapezoid, trapezoid_lasting, trapezoid_of
 from elitescript.motion.timing.retiming import SlowPlace, keeps_limits, retimed
+from elitescript.records import record, replace
 
 NEAR_WRIST_SINE: Final = 0.2
 """|sin q5| below which the wrist singularity is the cause of a slow place: at ordinary tool speeds
@@ -83,7 +83,7 @@ class MoveNoteKind(StrEnum):
     ORIENTATION_NOT_USED = "orientation_not_used"
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class MoveNote:
     """Note for the author of a program about an accepted move."""
 
@@ -97,7 +97,7 @@ class MoveNote:
 _NO_LAW: Final = Law(0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Plan:
     """An accepted move, from standstill to standstill, and the data for its blends."""
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
@@ -19,6 +18,7 @@ from elitescript.plotting.events import marks, moves
 from elitescript.plotting.line_times import LineStretch, line_times, merged, stretches
 from elitescript.plotting.packing import milliseconds, shown_text
 from elitescript.plotting.signal_lanes import signal_lanes, signal_lanes_of_rows
+from elitescript.records import field, record
 
 STRETCHES_MAX: Final = 4000
 THREAD_STRETCHES_MAX: Final = 800
@@ -36,7 +36,7 @@ SOURCE_MAX: Final = 150_000
 _FOLDER: Final = Path(__file__).parent
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Recording:
     """Contents of a page.
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
+
+from elitescript.records import record
 
 SHOWN: Final = 60
 """Characters of a peer's text that an answer repeats."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class TextLine:
     """One line without its end."""
 

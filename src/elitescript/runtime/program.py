@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from dataclasses import replace
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import TYPE_CHECKING, Any, Final
 
@@ -17,6 +16,7 @@ from elitescript.language.options import Options
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Alarm
 from elitescript.messages.profile import Profile
+from elitescript.records import replace
 from elitescript.runtime.alarms import alarm_of
 from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.files import OpenFiles

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from typing import Any, Final
 
 from elitescript.messages.events import Event
+from elitescript.records import field, record
 
 DEVICE: Final = "device"
 """Kind of the lines that virtual devices write."""
@@ -14,7 +14,7 @@ SSH: Final = "ssh"
 """Kind of the lines of the SSH port."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class LogLine:
     """A line of the log that is no event of the robot."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TypeVar
 
 from elitescript.codec.json_text import to_text
@@ -10,6 +9,7 @@ from elitescript.codec.messages import shape_of
 from elitescript.messages.events import Event, MotionStarted
 from elitescript.messages.motion import MoveML
 from elitescript.messages.outputs import Output, TickResult
+from elitescript.records import replace
 
 Said = TypeVar("Said", Output, TickResult)
 

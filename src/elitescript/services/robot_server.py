@@ -9,7 +9,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING, Any, Final
 
@@ -20,6 +19,7 @@ from elitescript.messages.outputs import Output
 from elitescript.messages.timing import PERIOD_S
 from elitescript.protocol.connection import Connection
 from elitescript.protocol.ports import services_of
+from elitescript.records import replace
 from elitescript.services.channels.broker import Broker
 from elitescript.services.channels.connect_policy import ConnectPolicy
 from elitescript.services.clients.binding import bind_one

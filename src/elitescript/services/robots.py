@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +14,7 @@ from elitescript.errors import ElitescriptError
 from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
+from elitescript.records import replace
 from elitescript.runtime.environment import Files
 from elitescript.services.channels.connect_policy import ConnectPolicy
 from elitescript.services.child.jail import Layer

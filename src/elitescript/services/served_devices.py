@@ -8,7 +8,6 @@ inputs are not here: the robot itself has them, so that a session can be replaye
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Final, TypeVar
 
@@ -31,6 +30,7 @@ from elitescript.messages.outputs import (
 )
 from elitescript.messages.signals import Value
 from elitescript.protocol.connection import Connection
+from elitescript.records import replace
 from elitescript.services.log import DEVICE, ServerLog
 
 CHANNELS_MAX: Final = 64

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Final
 
 from elitescript.controller.modes import SWITCH_ON
 from elitescript.messages.events import Alarm, Event, Warned
+from elitescript.records import replace
 
 VERBS_OF: Final = {
     SWITCH_ON: "brakes",

@@ -7,19 +7,19 @@ torque. Forces of several planes, which make a corner or a socket, add up.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from math import hypot, isfinite
 from typing import Any, Final
 
 from elitescript.errors import UsageError
 from elitescript.kinematics.rotations import Vector3
 from elitescript.messages.motion import Six
+from elitescript.records import field, record
 
 SLIDING_M_S: Final = 1e-3
 """Below this speed friction falls to zero in proportion, so that a point at rest is not pushed (*assumed*)."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Plane:
     """A flat surface in the base frame.
 
@@ -75,7 +75,7 @@ class Plane:
         return fx, fy, fz
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ContactConfig:
     """Everything fixed that the TCP can touch."""
 

@@ -12,7 +12,6 @@ in any state, and end the motion before.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import replace
 
 from elitescript.controller.motion.joint_drive import Drive, JointDrive
 from elitescript.controller.motion.move_sequencing import (
@@ -46,6 +45,7 @@ from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import Obstacle, SpeedProfile, braked, halted
 from elitescript.motion.streaming.twist import ToolMotion
 from elitescript.motion.timing.timescale import stop_ramp, stop_ramp_tool
+from elitescript.records import replace
 
 AnyDrive = JointDrive | ToolDrive | ServoDrive
 AnySource = Move | Braking | AnyDrive

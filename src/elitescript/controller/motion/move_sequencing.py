@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from dataclasses import replace
 from enum import Enum
 from functools import partial
 from math import hypot
@@ -22,6 +21,7 @@ from elitescript.motion.paths.track import JointTrack
 from elitescript.motion.planner import Plan, plan_movec, plan_movej, plan_movel
 from elitescript.motion.segment import BlendedSegment
 from elitescript.motion.timing.timescale import TimeScale
+from elitescript.records import replace
 
 NOTEWORTHY: Final = 1e-3
 """Share by which a waypoint may be passed more slowly than requested without a warning."""

@@ -7,7 +7,6 @@ after the requests from outside and before the program.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Final
 
 from elitescript.controller.safety.arm_watch import ArmWatch
@@ -32,6 +31,7 @@ from elitescript.messages.signals import Value
 from elitescript.messages.state import JointState
 from elitescript.messages.yielding import ForceMode, Freedrive, YieldRequest
 from elitescript.motion.streaming.speed import Obstacle
+from elitescript.records import replace
 
 _EXPLAINED: Final = (SafetyMode.PROTECTIVE_STOP, SafetyMode.VIOLATION, SafetyMode.FAULT)
 """States whose reason is a breach."""

@@ -8,7 +8,6 @@ size). The force at the TCP is limited in every mode (*assumed* as well), where 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
 from math import inf, isfinite, pi, radians
 from typing import TYPE_CHECKING, Any, Final
 
@@ -17,6 +16,7 @@ from elitescript.kinematics.transforms import Transform
 from elitescript.messages.enums import SafetyMode
 from elitescript.messages.motion import Six
 from elitescript.motion.limits import JOINT_NAMES
+from elitescript.records import record, replace
 
 if TYPE_CHECKING:
     from elitescript.controller.safety.config_table import ConfigTable
@@ -52,7 +52,7 @@ def _check_positive(what: str, value: float, unit: str) -> None:
         raise UsageError(f"{what} must be a positive number in {unit}, got {value!r}")
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SafetyBounds:
     """Limits of one mode; None where only the model limits.
 
@@ -106,7 +106,7 @@ class SafetyBounds:
 _NO_BOUNDS: Final = SafetyBounds()
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SafetyPlane:
     """A plane in the base frame that the TCP may not pass.
 
@@ -152,7 +152,7 @@ class SafetyPlane:
         return (x - a) * u + (y - b) * v + (z - c) * w - self.offset_m
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class ToolDirection:
     """A cone, fixed in the base frame, that the tool's z axis stays in.
 
@@ -169,7 +169,7 @@ class ToolDirection:
             raise UsageError(f"the angle of the tool direction must be in (0, pi] rad, got {self.angle:g}")
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SafetyLimits:
     """The safety configuration of one installation.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import acos, degrees, sqrt
 from typing import Any, Final
 
@@ -15,6 +14,7 @@ from elitescript.messages.enums import SafetyMode
 from elitescript.messages.motion import Six
 from elitescript.motion.limits import JOINT_NAMES
 from elitescript.motion.streaming.speed import Obstacle
+from elitescript.records import record
 
 SPEED_TOLERANCE: Final = 0.02
 """A speed this much above its limit, as a share of it, is not a breach (*assumed*): a motion at the limit may go on."""
@@ -25,7 +25,7 @@ POSITION_TOLERANCE: Final = 1e-6
 NO_PAIRS: Final = (False, False, False, False)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Breach:
     """A safety limit that the arm exceeds.
 

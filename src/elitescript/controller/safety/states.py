@@ -14,7 +14,6 @@ also in `NORMAL` (*assumed*: the board that starts anew is the one that switches
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from elitescript.controller.modes import SWITCH_ON
@@ -70,16 +69,26 @@ EFFECTS: Final[dict[SafetyMode, SafetyEffect]] = {
 modelled (*assumed*)."""
 
 
-@dataclass(slots=True)
 class SafetyInputs:
     """Conditions that require a state for as long as they last."""
 
-    emergency_stop: bool = False
-    system_emergency_stop: bool = False
-    safeguard_stop: bool = False
-    is_outside: bool = False
-    """The arm is outside its limits of position."""
-    reduced_mode: bool = False
+    __slots__ = ("emergency_stop", "is_outside", "reduced_mode", "safeguard_stop", "system_emergency_stop")
+
+    def __init__(
+        self,
+        *,
+        emergency_stop: bool = False,
+        system_emergency_stop: bool = False,
+        safeguard_stop: bool = False,
+        is_outside: bool = False,
+        reduced_mode: bool = False,
+    ) -> None:
+        self.emergency_stop = emergency_stop
+        self.system_emergency_stop = system_emergency_stop
+        self.safeguard_stop = safeguard_stop
+        self.is_outside = is_outside
+        """The arm is outside its limits of position."""
+        self.reduced_mode = reduced_mode
 
     @property
     def mode(self) -> SafetyMode:

@@ -7,10 +7,10 @@ others are counted, and the count is an event at the end of the run.
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from typing import Final
 
 from elitescript.messages.events import DeviceNoted, Event, Warned
+from elitescript.records import replace
 
 MOST: Final = 10
 """Warnings of one kind in a run."""

@@ -8,13 +8,13 @@ what is refused, what the documentation prints, and what `faulty_channels` and
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
 from typing import Any, Final, NamedTuple
 
 from elitescript.environment.line_bindings import PORTS
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.messages.signals import ANALOG_VOLTAGE_V, SIGNALS, parse_signal_name
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S, ticks_for
+from elitescript.records import fields_of, record
 
 TCP: Final = "tcp"
 LINE: Final = "line"
@@ -241,7 +241,7 @@ DELAY_MAX_S: Final = 3600.0
 SETTLE_MAX_S: Final = 60.0
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Fault:
     """Something that goes wrong on a channel or at an input.
 
@@ -435,7 +435,7 @@ def title_of(kind: str, on: int | str) -> str:
 
 
 _DEFAULTS: Final[dict[str, Any]] = {
-    field.name: field.default for field in fields(Fault) if any(field.name in row.takes for row in TABLE.values())
+    name: field.default for name, field in fields_of(Fault).items() if any(name in row.takes for row in TABLE.values())
 }
 """Settings of certain kinds only."""
 
@@ -446,7 +446,7 @@ def fault_from(settings: Mapping[str, Any]) -> Fault:
     Raises:
         UsageError: one is not known, is missing or makes no sense.
     """
-    known = [field.name for field in fields(Fault)]
+    known = list(fields_of(Fault))
     for key in settings:
         if key not in known:
             near = did_you_mean(str(key), known)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Sequence
-from dataclasses import replace
 from typing import Any, Final
 
 from elitescript.devices.agenda import Agenda
@@ -15,6 +14,7 @@ from elitescript.messages.enums import ChannelError
 from elitescript.messages.faults import ChannelFault
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
 from elitescript.messages.line import LineSettings
+from elitescript.records import replace
 from elitescript.runtime.environment import Channels
 
 PAUSE_TICKS: Final = 2

@@ -8,7 +8,6 @@ classes of devices (`elitescript.testing.world`) are made of these.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import replace
 from typing import Any, Final
 
 from elitescript.devices.agenda import Agenda, DeviceError
@@ -19,6 +18,7 @@ from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelDat
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import CHANNEL_WINDOW
 from elitescript.messages.timing import ticks_for
+from elitescript.records import replace
 from elitescript.runtime.environment import Channels
 
 REFUSED: Final = "connection refused"

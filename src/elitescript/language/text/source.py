@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 
 from elitescript.errors import ProgramError
 from elitescript.language.diagnostics import Diagnostic, Fix, diagnostic
+from elitescript.records import field, record
 
 BOM = "\ufeff"
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class SourceFile:
     """Holds a text under a name.
 

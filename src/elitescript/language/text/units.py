@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import re
 from copy import copy
-from dataclasses import dataclass
 from functools import cache
 from typing import Final
 
@@ -17,6 +16,7 @@ from elitescript.language.diagnostics import Diagnostic, diagnostic
 from elitescript.language.options import LINE, PROGRAM, SECONDARY
 from elitescript.language.text.lexer import structure_pattern
 from elitescript.language.text.strings import string_end_pattern
+from elitescript.records import record
 
 MAX_UNIT_BYTES: Final = 4 * 1024 * 1024
 SILENCE_S: Final = 0.1
@@ -26,7 +26,7 @@ SILENT_LINE_MAX: Final = 8 * 1024
 byte of a slow client would cause a new scan of the whole line."""
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Unit:
     """A complete unit of a stream.
 
@@ -43,7 +43,7 @@ class Unit:
     damaged: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class DiscardedText:
     """Text that was discarded.
 

@@ -12,16 +12,16 @@ That the percentage acts by scaling time along the path is *assumed*, as is the 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import inf, isfinite, sqrt
 from typing import Final
 
 from elitescript.errors import UsageError
 from elitescript.messages.motion import Six
 from elitescript.motion.segment import Segment
+from elitescript.records import record
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class TimeScale:
     """Path time from real time `t_start_s` on: a ramp of `ramp_s` to `rate_target`, then constant.
 

@@ -5,7 +5,6 @@ One function for each row of `verbs`, whose summary describes it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
@@ -37,6 +36,7 @@ from elitescript.messages.machine import (
 from elitescript.messages.snapshot import RobotDescription, Snapshot
 from elitescript.protocol.dashboard.guards import MAY_MOVE, safety_name
 from elitescript.protocol.lines import shown
+from elitescript.records import record
 
 REPLY_LIMIT: Final = 512
 """Bytes of a reply of several lines that clients take in one read."""
@@ -44,7 +44,7 @@ REPLY_LIMIT: Final = 512
 _TASK_WORDS: Final = {TaskState.PLAYING: "running", TaskState.PAUSED: "paused"}
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Asked:
     """A command and the data for its answer."""
 
@@ -54,7 +54,7 @@ class Asked:
     description: RobotDescription
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Answer:
     """Effect of a command."""
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any, Final
 
 from elitescript.messages.enums import SafetyMode, TaskState
@@ -17,6 +16,7 @@ from elitescript.messages.events import Alarm, Event, Popup, SafetyModeChanged, 
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.protocol.binary import BOOL, INT32, UINT8, UINT32, UINT64, Field, FieldList, Number, WireType
 from elitescript.protocol.primary.packets import ASSUMED, DOCUMENTED, timestamp
+from elitescript.records import record
 
 ROBOT_MESSAGE: Final = 20
 
@@ -170,7 +170,7 @@ SCRIPT_EXCEPTION: Final = MessageKind(
 KINDS: Final[tuple[MessageKind, ...]] = (TEXT, POPUP, VERSION, ROBOT_ERROR, KEY, SCRIPT_EXCEPTION)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class RobotMessage:
     """A packed robot message for clients."""
 

@@ -5,10 +5,10 @@ A status, and a body of known length, in chunks or up to the end of the connecti
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 from elitescript.errors import PeerError
+from elitescript.records import record
 
 HEAD_MAX: Final = 32_768
 """Bytes of the lines before a body."""
@@ -25,7 +25,7 @@ _TRAILER: Final = "trailer"
 _WITHOUT_BODY: Final = (204, 304)
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class HttpAnswer:
     """A complete response."""
 

@@ -14,11 +14,11 @@ from __future__ import annotations
 import re
 import socket
 from collections.abc import Iterable
-from dataclasses import dataclass
 from ipaddress import IPv4Address, IPv4Network, IPv6Address, IPv6Network, ip_address, ip_network
 from typing import Final
 
 from elitescript.errors import UsageError
+from elitescript.records import record
 
 OPTION: Final = "--allow-connect"
 ANY: Final = "any"
@@ -41,7 +41,7 @@ _LOCAL_HOST: Final = "localhost"
 Address = IPv4Address | IPv6Address
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class _Rule:
     """Holds what one option allows: networks, or the host of that name; one port of it, or all."""
 

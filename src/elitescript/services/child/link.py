@@ -11,7 +11,6 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Final
 
 from elitescript.errors import ElitescriptError, UsageError
@@ -22,6 +21,7 @@ from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output, TickResult
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import TICKS_PER_S
+from elitescript.records import replace
 from elitescript.runtime.environment import Files, FilesRefused
 from elitescript.services.child.buffers import BEHIND_TICKS, WAITING_MAX, OutputBuffer, PendingInputs, room_for
 from elitescript.services.child.jail import MEMORY_MAX, Layer

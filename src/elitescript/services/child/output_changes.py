@@ -29,6 +29,7 @@ from elitescript.errors import UsageError
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.state import RobotState
+from elitescript.records import fields_of
 from elitescript.services.child import frames
 from elitescript.services.output_text import output_text, without_points
 
@@ -39,7 +40,7 @@ VALUES_MAX: Final = 100_000
 """Values of one output, about; as many take 50 ms to be read."""
 _TEXT: Final = re.compile(rb'"[^"\\]*+(?:\\.[^"\\]*+)*+"', re.DOTALL)
 _LISTS: Final = ("events", "requests", "replies")
-_OF_ROBOT: Final = len(RobotState.__dataclass_fields__) - 1
+_OF_ROBOT: Final = len(fields_of(RobotState)) - 1
 """Fields of a robot's state that come first in the order of `_fields`; all but its tick."""
 
 

@@ -7,7 +7,7 @@ it with a reason; files, windows and control go the way of the same command of t
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from elitescript.controller.signals.by_name import signal_write
@@ -33,6 +33,7 @@ from elitescript.messages.snapshot import RobotDescription, Snapshot
 from elitescript.protocol.dashboard.answers import Answer, Asked
 from elitescript.protocol.dashboard.connection import find_row
 from elitescript.protocol.outcomes import refusal_of, value_text
+from elitescript.records import replace
 
 if TYPE_CHECKING:
     from elitescript.services.served_devices import ServedDevices

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from typing import Any, Final
 
 from elitescript.codec.json_text import to_text
@@ -21,6 +20,7 @@ from elitescript.messages.machine import DisturbInput
 from elitescript.messages.outcomes import InterpreterOutcome, Refused, RegistersRead, ShownValue
 from elitescript.messages.outputs import NOT_CONNECTED, Output, Reply
 from elitescript.protocol import interpreter, query
+from elitescript.records import fields_of, replace
 from elitescript.services.options_data import options_from_data
 from elitescript.services.output_text import without_points
 
@@ -52,7 +52,7 @@ _CONFIG: Final = [
 ]
 """Options in the order of that format, which does not name them."""
 _FAULTS: Final = "faults"
-_EVENTS, _REPLIES = map(list(Output.__dataclass_fields__).index, ("events", "replies"))
+_EVENTS, _REPLIES = map(list(fields_of(Output)).index, ("events", "replies"))
 _WARNED: Final = 1 + len(("tick", "text", "thread", "line", "code", "hint", "column", "severity"))
 """Items of a `Warned` with its name."""
 

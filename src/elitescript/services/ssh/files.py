@@ -10,9 +10,10 @@ import errno
 import posixpath
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from os import strerror
 from typing import Final
+
+from elitescript.records import record
 
 BYTES_MAX: Final = 32 * 1024 * 1024
 """Of all files that clients have written."""
@@ -32,7 +33,7 @@ FILE_MODE: Final = 0o644
 READ_ONLY_MODE: Final = 0o444
 
 
-@dataclass(frozen=True, slots=True)
+@record
 class Status:
     """Return what is known of a file or folder."""
 

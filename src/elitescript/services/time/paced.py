@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from operator import attrgetter
 from typing import Final
 
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.timing import TICKS_PER_S
+from elitescript.records import fields_of, replace
 from elitescript.services.log import ServerLog
 from elitescript.services.time.cycle import Cycle
 
@@ -18,8 +18,8 @@ REPORT_TICKS: Final = 10 * TICKS_PER_S
 LATE_MANY: Final = REPORT_TICKS // 100
 """So many of them are a problem."""
 
-_ALL_FIELDS: Final = attrgetter(*Snapshot.__dataclass_fields__)
-_OVERRUNS_AT: Final = list(Snapshot.__dataclass_fields__).index("overruns")
+_ALL_FIELDS: Final = attrgetter(*fields_of(Snapshot))
+_OVERRUNS_AT: Final = list(fields_of(Snapshot)).index("overruns")
 
 
 class PacedTime:

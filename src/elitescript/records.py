@@ -1,0 +1,283 @@
+"""Frozen dataclasses with slots whose methods are written when they are first called.
+
+`dataclasses` writes and compiles six methods for each class that a program imports, and importing it takes as long as
+twenty such classes. A run makes objects of a third of its classes and compares few of them, so `record` leaves each
+method to its first use. All else is as with `@dataclass(frozen=True, slots=True)`: `fields`, `replace`, `asdict`,
+`match`, `copy`, `pickle` and type checkers take a record for a dataclass. Why: decision record 0014.
+"""
+
+from __future__ import annotations
+
+import sys
+from reprlib import recursive_repr
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+    from dataclasses import replace as replace
+    from typing import Any, Final, TypeVar, dataclass_transform
+
+    Kind = TypeVar("Kind", bound=type)
+else:
+
+    def dataclass_transform(**_: object):
+        """Stand in for the decorator of `typing`, which only type checkers read."""
+        return lambda function: function
+
+    def replace(original, /, **changes):
+        """Return a copy of a record with other values of some fields, as `dataclasses.replace` does.
+
+        Raises:
+            TypeError: no such field, or one that the constructor does not take.
+        """
+        for name, field in type(original).__record_fields__.items():
+            if field.init and name not in changes:
+                changes[name] = getattr(original, name)
+        return type(original)(**changes)
+
+
+MISSING: Final = object()
+"""Default of a field that has none."""
+
+
+class _Factory:
+    """Default, in a signature, of a field with a `default_factory`."""
+
+    def __repr__(self) -> str:
+        return "<factory>"
+
+
+_FACTORY: Final = _Factory()
+
+_NO_METADATA: Final[Mapping[str, Any]] = {}
+
+
+class Field:
+    """What is known of a field besides its name; as in `dataclasses.field`."""
+
+    __slots__ = ("compare", "default", "default_factory", "init", "metadata", "repr", "type")
+
+    def __init__(
+        self,
+        default: Any = MISSING,
+        default_factory: Any = MISSING,
+        init: bool = True,
+        repr: bool = True,
+        compare: bool = True,
+        metadata: Mapping[str, Any] = _NO_METADATA,
+    ) -> None:
+        self.default = default
+        self.default_factory = default_factory
+        self.init = init
+        self.repr = repr
+        self.compare = compare
+        self.metadata = metadata
+        self.type = ""
+        """The annotation, as it is written."""
+
+
+def field(
+    *,
+    default: Any = MISSING,
+    default_factory: Any = MISSING,
+    init: bool = True,
+    repr: bool = True,
+    compare: bool = True,
+    metadata: Mapping[str, Any] = _NO_METADATA,
+) -> Any:
+    """Describe a field that needs more than a type and a default; as `dataclasses.field` does."""
+    return Field(default, default_factory, init, repr, compare, metadata)
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(field,))
+def record(kind: Kind) -> Kind:
+    """Make a class with annotated fields a frozen dataclass with slots.
+
+    Its module has `from __future__ import annotations`; its fields are neither `ClassVar` nor `InitVar`.
+
+    Raises:
+        TypeError: a field of another kind.
+    """
+    own: dict[str, Field] = {}
+    for name, text in kind.__annotations__.items():
+        if not isinstance(text, str) or text.startswith(("ClassVar", "InitVar")):
+            raise TypeError(f"{kind.__name__}.{name}: a record has no field of the type {text!r}")
+        default = kind.__dict__.get(name, MISSING)
+        own[name] = default if isinstance(default, Field) else Field(default)
+        own[name].type = text
+    inherited: dict[str, Field] = {}
+    for base in reversed(kind.__mro__):
+        inherited.update(base.__dict__.get("__record_fields__", ()))
+    fields = inherited | own
+    left_out = {*own, *_OF_CLASSES_WITHOUT_SLOTS}
+    namespace = {name: value for name, value in kind.__dict__.items() if name not in left_out}
+    late = [_Late(name, make) for name, make in _LATE.items() if name not in namespace]
+    namespace = {**_COMMON, **{method.name: method for method in late}, **namespace}
+    namespace["__slots__"] = tuple(name for name in own if name not in inherited)
+    namespace["__match_args__"] = tuple(name for name, field in fields.items() if field.init)
+    namespace["__record_fields__"] = fields
+    made = type(kind)(kind.__name__, kind.__bases__, namespace)
+    made.__qualname__ = kind.__qualname__
+    for method in late:
+        method.kind = made
+    return made
+
+
+def fields_of(kind: type) -> Mapping[str, Field]:
+    """Return the fields of a record by name, in their order."""
+    fields: Mapping[str, Field] = kind.__record_fields__  # type: ignore[attr-defined]
+    return fields
+
+
+def is_record(kind: object) -> bool:
+    """Return whether this is a class made by `record`."""
+    return isinstance(kind, type) and "__record_fields__" in kind.__dict__
+
+
+class _Late:
+    """An attribute of a class that is made when it is first read, and then stands there instead of this object."""
+
+    __slots__ = ("kind", "make", "name")
+
+    def __init__(self, name: str, make: Callable[[type], Any]) -> None:
+        self.name = name
+        self.make = make
+        self.kind: type = object
+
+    def __get__(self, instance: object, owner: type) -> Any:
+        value = self.kind.__dict__[self.name]
+        if value is self:
+            value = self.make(self.kind)
+            setattr(self.kind, self.name, value)
+        bind = getattr(value, "__get__", None)
+        return value if bind is None else bind(instance, owner)
+
+
+# ---------------------------------------------------------------- what is made late
+
+
+def _init(kind: type) -> Any:
+    parameters = ["self"]
+    lines = []
+    values: dict[str, Any] = {}
+    annotations: dict[str, Any] = {}
+    for name, field in fields_of(kind).items():
+        # Slots are set past `__setattr__`, which refuses; through their descriptors, which takes least time.
+        values[f"set_{name}"] = getattr(kind, name).__set__
+        given = name
+        if field.default_factory is not MISSING:
+            values[f"make_{name}"], values["FACTORY"] = field.default_factory, _FACTORY
+            given = f"make_{name}() if {name} is FACTORY else {name}" if field.init else f"make_{name}()"
+        if field.init:
+            annotations[name] = field.type
+            if field.default is not MISSING:
+                values[f"default_{name}"] = field.default
+                parameters.append(f"{name}=default_{name}")
+            else:
+                parameters.append(name if field.default_factory is MISSING else f"{name}=FACTORY")
+        elif field.default_factory is MISSING:
+            # `__post_init__` sets it.
+            continue
+        lines.append(f"set_{name}(self, {given})")
+    if hasattr(kind, "__post_init__"):
+        lines.append("self.__post_init__()")
+    init = _written(kind, "__init__", ", ".join(parameters), lines or ["pass"], values)
+    init.__annotations__ = {**annotations, "return": None}
+    return init
+
+
+def _eq(kind: type) -> Any:
+    ours, theirs = _compared(kind, "self"), _compared(kind, "other")
+    lines = [f"return {ours} == {theirs} if other.__class__ is self.__class__ else NotImplemented"]
+    return _written(kind, "__eq__", "self, other", lines, {})
+
+
+def _hash(kind: type) -> Any:
+    return _written(kind, "__hash__", "self", [f"return hash({_compared(kind, 'self')})"], {})
+
+
+def _compared(kind: type, name: str) -> str:
+    """Return a display of the tuple of the fields that are compared."""
+    return f"({''.join(f'{name}.{row},' for row, field in fields_of(kind).items() if field.compare)})"
+
+
+def _written(kind: type, name: str, parameters: str, lines: list[str], values: dict[str, Any]) -> Any:
+    """Return a function of these lines, in which `values` are names besides those of the module of the class."""
+    body = "".join(f"\n  {line}" for line in lines)
+    text = f"def written({', '.join(values)}):\n def {name}({parameters}):{body}\n return {name}"
+    namespace: dict[str, Any] = {}
+    exec(text, sys.modules[kind.__module__].__dict__, namespace)
+    function = namespace["written"](**values)
+    function.__qualname__ = f"{kind.__qualname__}.{name}"
+    return function
+
+
+def _dataclass_attribute(name: str) -> Callable[[type], Any]:
+    """Return the function that makes an attribute by which `dataclasses` knows its classes."""
+
+    def make(kind: type) -> Any:
+        import dataclasses
+
+        namespace: dict[str, Any] = {"__module__": kind.__module__, "__annotations__": {}}
+        for name_of_field in kind.__annotations__:
+            about = fields_of(kind)[name_of_field]
+            given = {key: getattr(about, key) for key in ("init", "repr", "compare", "metadata")}
+            for key in ("default", "default_factory"):
+                if getattr(about, key) is not MISSING:
+                    given[key] = getattr(about, key)
+            namespace["__annotations__"][name_of_field] = about.type
+            namespace[name_of_field] = dataclasses.field(**given)
+        twin = type(kind.__name__, kind.__bases__, namespace)
+        return getattr(dataclasses.dataclass(frozen=True, slots=True)(twin), name)
+
+    return make
+
+
+# ---------------------------------------------------------------- what all records share
+
+
+@recursive_repr()
+def _repr(self: Any) -> str:
+    shown = (f"{name}={getattr(self, name)!r}" for name, field in self.__record_fields__.items() if field.repr)
+    return f"{type(self).__qualname__}({', '.join(shown)})"
+
+
+def _refuse_setting(self: object, name: str, value: object) -> None:
+    from dataclasses import FrozenInstanceError
+
+    raise FrozenInstanceError(f"cannot assign to field {name!r}")
+
+
+def _refuse_deleting(self: object, name: str) -> None:
+    from dataclasses import FrozenInstanceError
+
+    raise FrozenInstanceError(f"cannot delete field {name!r}")
+
+
+def _state(self: Any) -> list[Any]:
+    return [getattr(self, name) for name in self.__record_fields__]
+
+
+def _set_state(self: Any, state: list[Any]) -> None:
+    for name, value in zip(self.__record_fields__, state, strict=True):
+        object.__setattr__(self, name, value)
+
+
+_LATE: Final = {
+    "__init__": _init,
+    "__eq__": _eq,
+    "__hash__": _hash,
+    "__dataclass_fields__": _dataclass_attribute("__dataclass_fields__"),
+    "__dataclass_params__": _dataclass_attribute("__dataclass_params__"),
+}
+
+_COMMON: Final = {
+    "__repr__": _repr,
+    "__setattr__": _refuse_setting,
+    "__delattr__": _refuse_deleting,
+    "__getstate__": _state,
+    "__setstate__": _set_state,
+    "__replace__": replace,
+}
+
+_OF_CLASSES_WITHOUT_SLOTS: Final = ("__dict__", "__weakref__")

@@ -1,0 +1,268 @@
+"""Records against the dataclasses that they stand for."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import inspect
+import json
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any, ClassVar, get_type_hints
+
+import pytest
+
+from elitescript import records
+from elitescript.records import field, fields_of, is_record, record, replace
+
+ROOT = Path(__file__).resolve().parent.parent
+
+
+@record
+class Point:
+    """A point with all kinds of fields."""
+
+    x: float
+    y: float = 2.0
+    note: str = field(default="", repr=False, compare=False)
+    tags: list[str] = field(default_factory=list)
+    length: float = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        if self.x < 0.0:
+            raise ValueError(self.x)
+        object.__setattr__(self, "length", (self.x**2 + self.y**2) ** 0.5)
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Reference:
+    """The same, made by the standard library."""
+
+    x: float
+    y: float = 2.0
+    note: str = dataclasses.field(default="", repr=False, compare=False)
+    tags: list[str] = dataclasses.field(default_factory=list)
+    length: float = dataclasses.field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        if self.x < 0.0:
+            raise ValueError(self.x)
+        object.__setattr__(self, "length", (self.x**2 + self.y**2) ** 0.5)
+
+
+@record
+class Point3(Point):
+    """A record that is a record too."""
+
+    x: float = 7.0
+    z: float = 1.0
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class Reference3(Reference):
+    """The same, made by the standard library."""
+
+    x: float = 7.0
+    z: float = 1.0
+
+
+@record
+class Own:
+    """A record with methods of its own in place of those that are made."""
+
+    x: int
+
+    def __repr__(self) -> str:
+        return f"<{self.x}>"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Own) and self.x % 10 == other.x % 10
+
+    def __hash__(self) -> int:
+        return self.x % 10
+
+
+@record
+class Nothing:
+    """A record without fields."""
+
+
+PAIRS = [(Point, Reference), (Point3, Reference3)]
+CALLS: list[tuple[tuple[Any, ...], dict[str, Any]]] = [
+    ((1.0,), {}),
+    ((1.0, 3.0), {}),
+    ((1.0,), {"note": "n", "tags": ["a"]}),
+    ((), {"x": 4.0, "y": 5.0}),
+    ((), {}),
+    ((-1.0,), {}),
+    ((1.0, 2.0, "n", ["t"], 4.0, 5.0), {}),
+    ((1.0,), {"length": 3.0}),
+    ((1.0,), {"colour": 3.0}),
+]
+
+
+def result(function, *args, **named):
+    """Return what a call returns, or the kind and text of its error."""
+    try:
+        return function(*args, **named)
+    except Exception as error:
+        return type(error).__name__, str(error)
+
+
+def plain(value, kind):
+    """Return a text in which a record and its reference do not differ."""
+    return repr(value).replace(kind.__name__, "Kind")
+
+
+@pytest.mark.parametrize(("kind", "reference"), PAIRS)
+class TestAgainstDataclasses:
+    def test_calls_and_their_errors_are_the_same(self, kind, reference):
+        for args, named in CALLS:
+            ours, theirs = result(kind, *args, **named), result(reference, *args, **named)
+            assert plain(ours, kind) == plain(theirs, reference)
+
+    def test_slots_matching_and_signature_are_the_same(self, kind, reference):
+        assert kind.__slots__ == reference.__slots__
+        assert kind.__match_args__ == reference.__match_args__
+        assert str(inspect.signature(kind)) == str(inspect.signature(reference))
+        assert get_type_hints(kind.__init__) == get_type_hints(reference.__init__)
+        assert not hasattr(kind(1.0), "__dict__")
+
+    def test_fields_are_the_same(self, kind, reference):
+        assert dataclasses.is_dataclass(kind)
+        assert [repr(row) for row in dataclasses.fields(kind)] == [repr(row) for row in dataclasses.fields(reference)]
+        assert list(fields_of(kind)) == [row.name for row in dataclasses.fields(reference)]
+        assert repr(kind.__dataclass_params__) == repr(reference.__dataclass_params__)
+
+    def test_functions_of_dataclasses_give_the_same(self, kind, reference):
+        ours, theirs = kind(3.0, 4.0, tags=["a"]), reference(3.0, 4.0, tags=["a"])
+        assert dataclasses.asdict(ours) == dataclasses.asdict(theirs)
+        assert dataclasses.astuple(ours) == dataclasses.astuple(theirs)
+        for change in ({"y": 0.0}, {"length": 1.0}, {"colour": 1}):
+            expected = plain(result(dataclasses.replace, theirs, **change), reference)
+            assert plain(result(dataclasses.replace, ours, **change), kind) == expected
+            if "length" not in change:
+                assert plain(result(replace, ours, **change), kind) == expected
+
+    def test_equality_and_hash_are_the_same(self, kind, reference):
+        nan = float("nan")
+        values = [(1.0, 2.0, "a", ()), (1.0, 2.0, "b", ()), (1.0, 2, "a", ()), (nan, 0.0), (1.0, 3.0, "a", ())]
+        for one in values:
+            assert hash(kind(*one[:3], tags=())) == hash(reference(*one[:3], tags=()))
+            for other in values:
+                assert (kind(*one) == kind(*other)) is (reference(*one) == reference(*other))
+        assert kind(1.0) != reference(1.0)
+        assert "__eq__" in vars(kind) and kind.__eq__(kind(1.0), 1) is NotImplemented
+
+    def test_it_cannot_be_changed(self, kind, reference):
+        for value in (kind(1.0), reference(1.0)):
+            with pytest.raises(dataclasses.FrozenInstanceError, match="cannot assign to field 'x'"):
+                value.x = 2.0
+            with pytest.raises(dataclasses.FrozenInstanceError, match="cannot delete field 'x'"):
+                del value.x
+
+    def test_copies_are_equal(self, kind, reference):
+        value = kind(3.0, 4.0, "n", ["t"])
+        for other in (copy.copy(value), copy.deepcopy(value), pickle.loads(pickle.dumps(value))):
+            assert other == value and other is not value
+            assert (other.note, other.length) == ("n", 5.0)
+
+    def test_a_class_that_is_no_record_can_have_it_as_base(self, kind, reference):
+        class Derived(kind):
+            def __init__(self) -> None:
+                super().__init__(3.0, 4.0)
+
+        assert Derived().length == 5.0
+        assert Derived() == Derived() and Derived() != kind(3.0, 4.0)
+
+
+def test_methods_of_the_class_itself_stay():
+    assert (repr(Own(12)), Own(12) == Own(2), hash(Own(12))) == ("<12>", True, 2)
+
+
+def test_a_record_without_fields_is_equal_to_another_one():
+    assert Nothing() == Nothing() and hash(Nothing()) == hash(()) and repr(Nothing()) == "Nothing()"
+
+
+def test_a_record_in_itself_is_shown_once():
+    value = Point(1.0)
+    value.tags.append(value)
+    assert repr(value) == "Point(x=1.0, y=2.0, tags=[...])"
+
+
+def test_kinds_of_fields_that_it_has_not_are_refused():
+    with pytest.raises(TypeError, match=r"Kind\.x: a record has no field of the type 'ClassVar\[int\]'"):
+
+        @record
+        class Kind:
+            x: ClassVar[int] = 1
+
+
+def test_only_a_record_is_one():
+    assert is_record(Point) and not is_record(Reference) and not is_record(Point(1.0))
+
+
+class TestFirstUse:
+    def test_a_method_is_made_when_it_is_called_and_only_once(self, monkeypatch):
+        made = []
+        written = records._written
+
+        def count(kind, name, *rest):
+            made.append(name)
+            return written(kind, name, *rest)
+
+        monkeypatch.setattr(records, "_written", count)
+
+        @record
+        class Late:
+            x: int
+
+        assert made == []
+        Late(1), Late(2)
+        assert made == ["__init__"]
+        assert Late(1) == Late(1) and Late(1) != Late(2)
+        assert made == ["__init__", "__eq__"]
+        assert len({Late(1), Late(1)}) == 1
+        assert made == ["__init__", "__eq__", "__hash__"]
+
+
+def test_every_record_of_the_package_is_the_dataclass_that_its_text_describes():
+    """Runs in a process of its own: it imports every module."""
+    program = """
+import dataclasses, inspect, json, pkgutil, sys
+from importlib import import_module
+import elitescript
+from elitescript.records import fields_of, is_record
+seen = set()
+for module in pkgutil.walk_packages(elitescript.__path__, "elitescript."):
+    if module.name.endswith("__main__"):
+        continue
+    try:
+        space = vars(import_module(module.name))
+    except ImportError:
+        continue  # an extra that is not installed
+    for kind in space.values():
+        if is_record(kind) and kind.__module__ == module.name:
+            seen.add(kind)
+for kind in seen:
+    twin = {row.name: row for row in dataclasses.fields(kind)}
+    assert list(twin) == list(fields_of(kind)), kind
+    for name, row in fields_of(kind).items():
+        assert (twin[name].init, twin[name].repr, twin[name].compare) == (row.init, row.repr, row.compare), kind
+        assert twin[name].type == row.type
+    names = [name for name, row in twin.items() if row.init]
+    assert list(inspect.signature(kind).parameters) == names == list(kind.__match_args__), kind
+    assert kind.__doc__, kind
+print(json.dumps(len(seen)))
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        capture_output=True,
+        text=True,
+        env={"PYTHONPATH": str(ROOT / "src")},
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout) > 150
