@@ -27,6 +27,7 @@ from tools.faults_page import faults_page
 from tools.line_port_pages import dashboard_page, interpreter_page
 from tools.markdown import NOTICE, cell
 from tools.modbus_page import modbus_page
+from tools.model_tables import model_tables
 from tools.options_page import keywords_module, options_page
 from tools.ports_page import ports_page
 from tools.primary_page import primary_page
@@ -248,7 +249,7 @@ MODULE: Final = FOLDER.parent.parent / "src" / "elitescript" / "kernel" / "optio
 
 
 def main() -> int:
-    """Write all pages, and the module with the types of keywords."""
+    """Write all pages, the module with the types of keywords, and those with the models."""
     for name, page in PAGES.items():
         path = FOLDER / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -256,6 +257,9 @@ def main() -> int:
         print(path)
     MODULE.write_text(keywords_module(), encoding="utf-8", newline="\n")
     print(MODULE)
+    for path, text in model_tables().items():
+        path.write_text(text, encoding="utf-8", newline="\n")
+        print(path)
     return 0
 
 

@@ -13,6 +13,7 @@ its numbers come from.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from importlib import import_module
 from math import isfinite, radians
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -64,26 +65,25 @@ class DataFile:
 
     Args:
         file: name of the file, for error texts.
-        text: its content.
+        document: its content; it is used up.
 
     Attributes:
         name: of the model; that of the base if the file gives none.
         tables: tables of an own arm that are no numbers of the model (`OTHER_TABLES`), unread.
 
     Raises:
-        UsageError: not TOML, or an entry of the wrong form; the text begins with file and key.
+        UsageError: an entry of the wrong form; the text begins with file and key.
     """
 
     __slots__ = ("_entries", "_tags", "file", "name", "tables")
 
-    def __init__(self, file: str, text: str) -> None:
+    def __init__(self, file: str, document: dict[str, Any]) -> None:
         self._entries: dict[str, Entry] = {}
         self._tags: dict[str, dict[str, str]] = {}
         self.file: Final = file
         self.name = ""
         self.tables: Final[dict[str, dict[str, Any]]] = {}
-        self._add(MODEL_FOLDER / COMMON_FILE)
-        document = _parsed(file, text)
+        self._add_document(COMMON_FILE, written_out(COMMON_FILE))
         if "base" in document:
             self._add_own(document)
         else:
@@ -157,14 +157,12 @@ class DataFile:
             raise UsageError(f"{entry.file}: {key}: needs a number above 0, has {raw!r}")
         return radians(value) if entry.in_degrees else value
 
-    def _add(self, path: Path) -> None:
-        self._add_document(path.name, _parsed(path.name, read_text(path)))
-
     def _add_own(self, document: dict[str, Any]) -> None:
         """Add the entries of an own arm: plain numbers on top of its base."""
         base = _text(self.file, "base", document.pop("base"))
         try:
-            self._add(known_path(base))
+            name, document_of_base = packaged(base)
+            self._add_document(name, document_of_base)
         except UsageError as error:
             raise UsageError(f"{self.file}: base: {error}") from None
         self.name = _text(self.file, "name", document.pop("name", self.name))
@@ -235,19 +233,28 @@ def known_names() -> tuple[str, ...]:
     return tuple(sorted(stems, key=lambda stem: (len(stem), stem)))
 
 
-def known_path(name: str) -> Path:
-    """Return the file of a model that comes with the package; capitals do not matter.
+def packaged(name: str) -> tuple[str, dict[str, Any]]:
+    """Return file name and content of a model that comes with the package; capitals do not matter.
 
     Raises:
         UsageError: no such model.
     """
     path = MODEL_FOLDER / f"{name.lower()}.toml"
     if name.isalnum() and path.name != COMMON_FILE and path.is_file():
-        return path
+        return path.name, written_out(path.name)
     names = known_names()
     raise UsageError(
         f"there is no robot model {name!r}{did_you_mean(name.upper(), names)} (models: {', '.join(names)})"
     )
+
+
+def written_out(file: str) -> dict[str, Any]:
+    """Return the content of a model file of the package, from the module that `make reference` writes of it.
+
+    Reading the TOML would take longer than all else that a model needs.
+    """
+    document: dict[str, Any] = import_module(f"elitescript.models.tables.{file.removesuffix('.toml')}").document()
+    return document
 
 
 def read_text(path: Path) -> str:
@@ -314,7 +321,12 @@ def _check_evidence(file: str, key: str, evidence: str) -> None:
         raise UsageError(f"{file}: {key}: has {evidence!r}, needs one of {', '.join(EVIDENCE)}")
 
 
-def _parsed(file: str, text: str) -> dict[str, Any]:
+def parsed(file: str, text: str) -> dict[str, Any]:
+    """Return the content of a model file from its text.
+
+    Raises:
+        UsageError: not TOML.
+    """
     # Not at the top: the parser takes longer to import than a model to load.
     import tomllib
 

@@ -11,7 +11,7 @@ from elitescript.errors import UsageError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.limits import JointVector
 from elitescript.messages.plant import PlantConfig
-from elitescript.models.datafile import OWN_SOURCE, DataFile, NumberSource, known_names, known_path, read_text
+from elitescript.models.datafile import OWN_SOURCE, DataFile, NumberSource, known_names, packaged, parsed, read_text
 from elitescript.records import field, fields_of, record, replace
 
 SUFFIX: Final = ".toml"
@@ -205,7 +205,7 @@ def load_model(name: str | Path) -> RobotModel:
     Raises:
         UsageError: there is no such model (the text names the nearest one), or its file is wrong.
     """
-    return load_model_file(name if is_model_file(name) else known_path(str(name)))
+    return load_model_file(name) if is_model_file(name) else _model(DataFile(*packaged(str(name))))
 
 
 def is_model_file(name: str | Path) -> bool:
@@ -233,7 +233,10 @@ def parse_model(file: str, text: str) -> RobotModel:
     Raises:
         UsageError: an entry is missing, unknown or wrong; the text names file and key.
     """
-    data = DataFile(file, text)
+    return _model(DataFile(file, parsed(file, text)))
+
+
+def _model(data: DataFile) -> RobotModel:
     data.refuse_other_keys(_KNOWN_KEYS)
     joints = _joints(data)
     return RobotModel(

@@ -1,0 +1,61 @@
+"""The content of `cs616.toml`. Written by `python tools/write_reference.py`; do not edit."""
+
+from __future__ import annotations
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+
+def document() -> dict[str, Any]:
+    """Return the tables of the file, made anew."""
+    # fmt: off
+    return {'name': 'CS616',
+     'type_id': {'value': 6216, 'source': 'sdk', 'why': "number of the model in the vendor's simulator"},
+     'payload_max_kg': {'value': 16.0, 'source': 'model-number'},
+     'reach_m': {'value': 1.1, 'source': 'reach-formula'},
+     'max_tool_speed': {'value': 2.5,
+                        'source': 'chosen',
+                        'why': 'the base joint at its limit moves the stretched arm with 2.3 m/s'},
+     'arm': {'d1': {'value': 0.193, 'source': 'ros-kinematics'},
+             'a2': {'value': -0.552, 'source': 'ros-kinematics'},
+             'a3': {'value': -0.43, 'source': 'ros-kinematics'},
+             'd4': {'value': 0.1775, 'source': 'ros-kinematics'},
+             'd5': {'value': 0.118, 'source': 'ros-kinematics'},
+             'd6': {'value': 0.1103, 'source': 'ros-kinematics'}},
+     'joints': {'qd_max': {'deg': [120, 120, 180, 180, 180, 180], 'source': 'ros-limits'},
+                'effort_max': {'value': [330.0, 330.0, 150.0, 56.0, 56.0, 56.0], 'source': 'ros-limits'},
+                'torque_constant': {'value': [17.0, 17.0, 12.5, 10.0, 10.0, 10.0],
+                                    'source': 'chosen',
+                                    'why': 'N m/A at the joint, gear included; the rated torque then takes 1.5 to 30 '
+                                           'A'}},
+     'links': {'shoulder': {'mass': {'value': 6.83, 'source': 'ros-masses'},
+                            'com': {'value': [9.3e-05, -0.02697, -0.02115], 'source': 'ros-masses'},
+                            'inertia': {'value': [0.031206609778, 0.022022545252, 0.03253116938, 1.1256926e-05,
+                                                  -5.2723269e-05, 0.004184184865],
+                                        'source': 'ros-inertia'}},
+               'upperarm': {'mass': {'value': 13.0, 'source': 'ros-masses'},
+                            'com': {'value': [-0.2069, -4.4e-05, 0.16068], 'source': 'ros-masses'},
+                            'inertia': {'value': [0.037797625632, 0.8042850208, 0.802158248832, 0.0001738588,
+                                                  0.019604397, 4.152904e-05],
+                                        'source': 'ros-inertia'}},
+               'forearm': {'mass': {'value': 4.7, 'source': 'ros-masses'},
+                           'com': {'value': [-0.2303, 1.5e-05, 0.0622], 'source': 'ros-masses'},
+                           'inertia': {'value': [0.012029633943, 0.167313164, 0.163557397942, -7.86815e-06,
+                                                 -0.010725815, 2.8001e-06],
+                                       'source': 'ros-inertia'}},
+               'wrist_1': {'mass': {'value': 2.315, 'source': 'ros-masses'},
+                           'com': {'value': [1e-05, -0.0148, -0.01682], 'source': 'ros-masses'},
+                           'inertia': {'value': [0.004929066194, 0.004317586562, 0.002800157168, -1.59862e-06,
+                                                 3.677617e-06, 0.00058899584],
+                                       'source': 'ros-inertia'}},
+               'wrist_2': {'mass': {'value': 2.195, 'source': 'ros-masses'},
+                           'com': {'value': [-1.3e-05, 0.015559, -0.011803], 'source': 'ros-masses'},
+                           'inertia': {'value': [0.003802007728, 0.003202855403, 0.002598827583, -1.754976e-06,
+                                                 -3.492201e-06, -0.000417279115],
+                                       'source': 'ros-inertia'}},
+               'wrist_3': {'mass': {'value': 0.616, 'source': 'ros-masses'},
+                           'com': {'value': [-0.001704, -0.000705, -0.039231], 'source': 'ros-masses'},
+                           'inertia': {'value': [0.000746684874, 0.000763470414, 0.000568534205, 6.13013e-07,
+                                                 2.1397368e-05, 9.337239e-06],
+                                       'source': 'ros-inertia'}}}}
