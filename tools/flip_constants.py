@@ -30,6 +30,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
+from tools.model_tables import module_of
+
 ROOT: Final = Path(__file__).resolve().parent.parent
 SOURCE: Final = ROOT / "src" / "elitescript"
 
@@ -208,11 +210,18 @@ def noticed_by(copy: Path, flip: Flip) -> list[str]:
     """Return the first tests that fail on a changed copy, nearest first; an empty list if all pass."""
     path = copy / "src" / "elitescript" / flip.file
     original = path.read_text(encoding="utf-8")
-    path.write_text(applied(original, flip), encoding="utf-8")
+    write(path, applied(original, flip))
     try:
         return next((tests for tests in _tests(copy, flip.file) if not _passes(copy, tests)), [])
     finally:
-        path.write_text(original, encoding="utf-8")
+        write(path, original)
+
+
+def write(path: Path, text: str) -> None:
+    """Write a file, and the module that is derived from it."""
+    path.write_text(text, encoding="utf-8")
+    if path.suffix == ".toml":
+        (path.parent / "tables" / f"{path.stem}.py").write_text(module_of(path), encoding="utf-8")
 
 
 def _tests(copy: Path, file: str) -> Iterator[list[str]]:

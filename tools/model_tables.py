@@ -20,10 +20,11 @@ def document(path: Path) -> dict[str, Any]:
 
 def model_tables() -> dict[Path, str]:
     """Return the modules by their paths, one for each model file."""
-    return {FOLDER / f"{path.stem}.py": _module(path) for path in sorted(MODEL_FOLDER.glob("*.toml"))}
+    return {FOLDER / f"{path.stem}.py": module_of(path) for path in sorted(MODEL_FOLDER.glob("*.toml"))}
 
 
-def _module(path: Path) -> str:
+def module_of(path: Path) -> str:
+    """Return the module of a model file."""
     table = pformat(document(path), width=116, compact=True, sort_dicts=False).replace("\n", "\n    ")
     return "\n".join(
         (

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import ast
+from pathlib import Path
 
-from tools.flip_constants import SOURCE, TABLES, applied, chosen, flips
+from tools.flip_constants import SOURCE, TABLES, applied, chosen, flips, write
 
 TEXT = '''"""A table."""
 from enums import Mode
@@ -76,3 +77,11 @@ def test_a_seed_always_chooses_the_same_changes_of_every_file() -> None:
 
 def test_every_table_is_there() -> None:
     assert [file for file in TABLES if not (SOURCE / file).is_file()] == []
+
+
+def test_a_changed_model_file_changes_the_module_that_is_read_in_its_place(tmp_path: Path) -> None:
+    (tmp_path / "tables").mkdir()
+    write(tmp_path / "arm.toml", "mass = { value = 1.5 }\n")
+    space: dict[str, object] = {}
+    exec((tmp_path / "tables" / "arm.py").read_text(encoding="utf-8"), space)
+    assert space["document"]() == {"mass": {"value": 1.5}}  # type: ignore[operator]
