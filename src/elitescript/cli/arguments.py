@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from elitescript.cli.plain_call import OMITTED
 from elitescript.environment.allowance import OPTION, TASK_DIR_BYTES, shown_size
 
 TYPE_CHECKING = False
@@ -11,10 +12,14 @@ if TYPE_CHECKING:
     from argparse import ArgumentParser
     from collections.abc import Callable
 
+    from elitescript.cli.plain_call import PlainCall
+
+    Parser = ArgumentParser | PlainCall
+
 FOLDER_OF_FILE: Final = "folder for open() and get_task_path() (default: FILE's folder)"
 
 
-def add_run(parser: ArgumentParser) -> None:
+def add_run(parser: Parser) -> None:
     from elitescript.cli.robot_options import add_options
     from elitescript.cli.watched import MEMORY_DEFAULT
 
@@ -57,7 +62,7 @@ def add_run(parser: ArgumentParser) -> None:
     _add_json_lines(parser)
 
 
-def add_check(parser: ArgumentParser) -> None:
+def add_check(parser: Parser) -> None:
     from elitescript.cli.robot_options import add_options
 
     parser.description = (
@@ -84,7 +89,7 @@ def add_check(parser: ArgumentParser) -> None:
     _add_json_lines(parser)
 
 
-def add_plot(parser: ArgumentParser) -> None:
+def add_plot(parser: Parser) -> None:
     from elitescript.cli.robot_options import add_options
 
     parser.description = (
@@ -102,7 +107,7 @@ def add_plot(parser: ArgumentParser) -> None:
     _add_color(parser)
 
 
-def add_serve(parser: ArgumentParser) -> None:
+def add_serve(parser: Parser) -> None:
     from elitescript.cli.robot_options import add_options, help_text
 
     parser.description = (
@@ -193,7 +198,7 @@ def add_serve(parser: ArgumentParser) -> None:
     _add_json_lines(parser)
 
 
-def add_ctl(parser: ArgumentParser) -> None:
+def add_ctl(parser: Parser) -> None:
     parser.description = "Speak to a `serve` on this computer. `elitescript ctl help` lists the verbs."
     parser.add_argument("--instance", type=int, default=0, metavar="N", help="which robot (default 0)")
     parser.add_argument("--socket", metavar="PATH", help="which robot, by the address that serve has printed")
@@ -205,7 +210,7 @@ def add_ctl(parser: ArgumentParser) -> None:
     parser.add_argument("arguments", nargs="*", metavar="ARGUMENT")
 
 
-def add_devices(parser: ArgumentParser) -> None:
+def add_devices(parser: Parser) -> None:
     parser.description = (
         "Serve the devices of a world file to a real robot or to any other program: TCP devices on their ports, serial "
         "devices on pseudo-terminals or on serial ports. Ctrl-C ends it."
@@ -223,7 +228,7 @@ def add_devices(parser: ArgumentParser) -> None:
     _add_json_lines(parser)
 
 
-def add_replay(parser: ArgumentParser) -> None:
+def add_replay(parser: Parser) -> None:
     parser.description = (
         "Play a journal of serve --journal as fast as possible, print what the session printed, and check that every "
         "tick comes out the same. Exit code 1 if one does not."
@@ -237,7 +242,7 @@ def add_replay(parser: ArgumentParser) -> None:
     _add_json_lines(parser)
 
 
-def add_doctor(parser: ArgumentParser) -> None:
+def add_doctor(parser: Parser) -> None:
     parser.description = (
         "Say which layers of the jail are active, and why not; versions, ports, timers. Exit code 1 if a layer is "
         "missing."
@@ -246,7 +251,7 @@ def add_doctor(parser: ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
-def add_commands(parser: ArgumentParser) -> None:
+def add_commands(parser: Parser) -> None:
     parser.description = (
         "Print the list of all robot commands, one command in full, or those that a word finds in names, parameters "
         "and descriptions. Exit code 2 if it finds none."
@@ -257,7 +262,7 @@ def add_commands(parser: ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON array with all that is known of each")
 
 
-COMMANDS: Final[dict[str, tuple[str, Callable[[ArgumentParser], None]]]] = {
+COMMANDS: Final[dict[str, tuple[str, Callable[[Parser], None]]]] = {
     "run": ("run a program to its end in virtual time", add_run),
     "check": ("report every problem of programs without running them", add_check),
     "plot": ("write a page that shows a program's run, or a trace", add_plot),
@@ -274,26 +279,24 @@ COMMANDS: Final[dict[str, tuple[str, Callable[[ArgumentParser], None]]]] = {
 # ---------------------------------------------------------------- arguments of several commands
 
 
-def _add_json_lines(parser: ArgumentParser) -> None:
+def _add_json_lines(parser: Parser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object per line")
 
 
-def _add_until(parser: ArgumentParser, text: str = "stop after so much virtual time") -> None:
+def _add_until(parser: Parser, text: str = "stop after so much virtual time") -> None:
     parser.add_argument("--until", type=float, metavar="SECONDS", help=text)
 
 
-def _add_set(parser: ArgumentParser, text: str) -> None:
+def _add_set(parser: Parser, text: str) -> None:
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help=text)
 
 
-def _add_world(parser: ArgumentParser, text: str) -> None:
-    from argparse import SUPPRESS
-
+def _add_world(parser: Parser, text: str) -> None:
     parser.add_argument("--world", metavar="FILE.toml", help=text)
-    parser.add_argument("--cell", dest="world", help=SUPPRESS)
+    parser.add_argument("--cell", dest="world", help=OMITTED)
 
 
-def _add_serial(parser: ArgumentParser) -> None:
+def _add_serial(parser: Parser) -> None:
     parser.add_argument(
         "--serial",
         action="append",
@@ -303,7 +306,7 @@ def _add_serial(parser: ArgumentParser) -> None:
     )
 
 
-def _add_task_dir_limit(parser: ArgumentParser, folder: str) -> None:
+def _add_task_dir_limit(parser: Parser, folder: str) -> None:
     parser.add_argument(
         OPTION,
         default=str(TASK_DIR_BYTES),
@@ -312,7 +315,7 @@ def _add_task_dir_limit(parser: ArgumentParser, folder: str) -> None:
     )
 
 
-def _add_color(parser: ArgumentParser) -> None:
+def _add_color(parser: Parser) -> None:
     parser.add_argument(
         "--color",
         default="auto",
@@ -321,7 +324,7 @@ def _add_color(parser: ArgumentParser) -> None:
     )
 
 
-def _add_log(parser: ArgumentParser) -> None:
+def _add_log(parser: Parser) -> None:
     parser.add_argument(
         "--log",
         metavar="signals,channels",
@@ -329,7 +332,7 @@ def _add_log(parser: ArgumentParser) -> None:
     )
 
 
-def _add_trace_signals(parser: ArgumentParser) -> None:
+def _add_trace_signals(parser: Parser) -> None:
     parser.add_argument(
         "--trace-signals",
         metavar="NAME,...|all",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import os
 import sys
 from collections.abc import Iterable, Iterator
@@ -22,6 +21,10 @@ from elitescript.lint.engine import check_source
 from elitescript.lint.fixing import Repair, repaired
 from elitescript.messages.profile import profile
 from elitescript.paths import why_no_file
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    import argparse
 
 FOUND_ERRORS: Final = 3
 """Exit code when a program has an error."""

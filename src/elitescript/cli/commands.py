@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 from difflib import get_close_matches
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.page import describe, index, matches, record, row_of
 from elitescript.errors import UsageError
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    import argparse
 
 
 def commands(options: argparse.Namespace) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,10 @@ from elitescript.cli.settings import parse_settings
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.services.control.channel import PLAY, address_of, ask
 from elitescript.services.control.verbs import VERBS
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    import argparse
 
 REFUSED = 1
 """Exit code when the robot refuses."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import asyncio
 import signal
 import sys
@@ -15,6 +14,10 @@ from elitescript.environment.line_bindings import parse_bindings
 from elitescript.errors import UsageError
 from elitescript.services.device_server import DeviceServer
 from elitescript.world_file import load_world_file
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    import argparse
 
 PORT_MAX: Final = 65_535
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import asyncio
 import platform
 import socket
@@ -20,6 +19,10 @@ from elitescript.services.clients.binding import bind
 from elitescript.services.port_numbers import SSH, port_numbers, spare_numbers
 from elitescript.services.robots import probe_jail
 from elitescript.services.time.cycle import Cycle
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    import argparse
 
 _CYCLES = 50
 

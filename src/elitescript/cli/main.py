@@ -14,6 +14,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
     from collections.abc import Callable, Sequence
+    from typing import Any
 
 USAGE = 2
 """Exit code of an invalid call."""
@@ -131,8 +132,15 @@ def _run_again(arguments: list[str]) -> int:
 def _parsed(arguments: list[str]) -> argparse.Namespace:
     """Return the options of a call; an error ends the process with the usage of its subcommand."""
     from elitescript.cli.arguments import COMMANDS
+    from elitescript.cli.plain_call import PlainCall
 
     word = arguments[0] if arguments else ""
+    if word in COMMANDS:
+        call = PlainCall()
+        COMMANDS[word][1](call)
+        if (found := call.read(arguments[1:])) is not None:
+            found.command = word
+            return found
     parser, subparsers = _parser(word if word in COMMANDS else "")
     if word and word[0] != "-" and word not in COMMANDS:
         parser.exit(USAGE, f"elitescript: {_no_command(word, list(COMMANDS))}\n")
@@ -159,14 +167,22 @@ def _nearest_option(word: str, command: argparse.ArgumentParser) -> str:
     return did_you_mean(word.partition("=")[0], known) if word.startswith("--") else ""
 
 
-def _parser(command: str) -> tuple[argparse.ArgumentParser, argparse._SubParsersAction[argparse.ArgumentParser]]:
+def _parser(command: str) -> tuple[argparse.ArgumentParser, argparse._SubParsersAction[Any]]:
     """Return the parser of a call, and its subcommands by name: `command` alone, or all if it is empty."""
     import argparse
 
     from elitescript import __version__
     from elitescript.cli.arguments import COMMANDS
+    from elitescript.cli.plain_call import OMITTED
 
-    parser = argparse.ArgumentParser(
+    class Parser(argparse.ArgumentParser):
+        def add_argument(self, *flags: Any, **settings: Any) -> argparse.Action:
+            known: dict[str, Any] = {
+                name: argparse.SUPPRESS if value is OMITTED else value for name, value in settings.items()
+            }
+            return super().add_argument(*flags, **known)
+
+    parser = Parser(
         prog="elitescript",
         description="Run and check EliteScript, the language of the Elite Robots CS arms, without a robot.",
     )

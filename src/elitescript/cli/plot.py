@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
 from pathlib import Path
 from typing import Final
@@ -24,6 +23,10 @@ from elitescript.plotting.page import Recording, page
 from elitescript.plotting.sampling import Sampling
 from elitescript.plotting.trace_reader import SUFFIXES, read_trace
 from elitescript.robot import VirtualRobot
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    import argparse
 
 UNTIL_S: Final = 300.0
 """Default limit of robot time."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import platform
 import sys
@@ -20,6 +19,10 @@ from elitescript.messages.outputs import Output
 from elitescript.messages.timing import seconds, ticks_for
 from elitescript.services.journal.replay import Replay
 from elitescript.services.journal.writer import JournalReader
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    import argparse
 
 DIFFERS = 1
 """Exit code if the session differs."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from elitescript.cli.plain_call import OMITTED, PlainCall
 from elitescript.cli.settings import parse_epoch, parse_joints
 from elitescript.kernel.options import DEFAULTS, OPTIONS, Joints, Number, Option, Switch, Text, Time, Whole, accept
 
@@ -12,7 +13,7 @@ if TYPE_CHECKING:
     import argparse
 
 
-def add_options(parser: argparse.ArgumentParser, command: str, **changed: dict[str, Any]) -> None:
+def add_options(parser: argparse.ArgumentParser | PlainCall, command: str, **changed: dict[str, Any]) -> None:
     """Add the options of a robot that a command has.
 
     Args:
@@ -20,12 +21,10 @@ def add_options(parser: argparse.ArgumentParser, command: str, **changed: dict[s
         command: its name.
         **changed: by option, arguments of `add_argument` that differ for this command.
     """
-    from argparse import SUPPRESS
-
     for name, option in OPTIONS.items():
         if command in option.commands:
             # Only given options are in the result: a world file may have the others.
-            settings = {"dest": name, "default": SUPPRESS, "help": help_text(name), **_form(name, option)}
+            settings = {"dest": name, "default": OMITTED, "help": help_text(name), **_form(name, option)}
             parser.add_argument(option.flag, **{**settings, **changed.get(name, {})})
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import signal
 import sys
 import time
@@ -25,6 +24,10 @@ from elitescript.language.options import Options
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import DeviceNoted
 from elitescript.robot import VirtualRobot
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    import argparse
 
 EXIT_CODES: Final = {"finished": 0, "stopped": 0, "alarm": 1, "time_limit": 4, "stuck": 5}
 DOES_NOT_COMPILE: Final = 3

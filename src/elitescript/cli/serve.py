@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import asyncio
 import contextlib
 import os
@@ -44,6 +43,9 @@ from elitescript.services.robots import numbered_path, probe_jail, robot_link, s
 from elitescript.services.server import ServeSession, is_loopback
 from elitescript.services.state_keeper import StateKeeper
 from elitescript.services.time.lockstep import TIMEOUT_S as LOCKSTEP_TIMEOUT_S
+
+if TYPE_CHECKING:
+    import argparse
 
 if TYPE_CHECKING:
     from elitescript.devices.world import World
