@@ -96,7 +96,7 @@ def shape_of(kind: Any) -> Shape[Any]:
 
 
 def field_shapes(kind: type, names: Mapping[str, type] = MappingProxyType({})) -> dict[str, Shape[Any]]:
-    """Return the shape of every field of a message, in the order in which they are written.
+    """Return the shape of every field of a message that is written, in their order; see `outputs.NOT_WRITTEN`.
 
     Args:
         kind: a record.
@@ -109,7 +109,7 @@ def field_shapes(kind: type, names: Mapping[str, type] = MappingProxyType({})) -
     return {
         field: _IMAGES.get((name, field)) or _shape(hints[field], _bounds_of(name, field))
         for field, about in fields_of(kind).items()
-        if about.init
+        if about.init and about.metadata.get("is_written", True)
     }
 
 

@@ -15,7 +15,7 @@ from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import PERIOD_S, ticks_for
 from elitescript.motion.limits import MotionLimits
 from elitescript.motion.segment import Setpoint
-from elitescript.motion.streaming.servo import ServoState, begun, followed, held
+from elitescript.motion.streaming.servo import ServoState, begun, followed, held, may_meet_obstacle
 from elitescript.motion.streaming.speed import Obstacle
 from elitescript.motion.streaming.twist import ToolMotion, TwistState
 
@@ -79,9 +79,14 @@ class Stepped(Drive, ABC):
     def _change(self) -> None:
         self._ahead = None
 
+    @property
+    def _may_meet_obstacle(self) -> bool:
+        """Whether the state of the next tick may be an obstacle."""
+        return True
+
     def obstacle(self, tick: int) -> Obstacle | None:
         """Return the obstacle that the drive meets at a tick."""
-        if self._stands_still:
+        if not self._may_meet_obstacle or self._stands_still:
             return None
         ahead = self._next()
         return ahead if isinstance(ahead, Obstacle) else None
@@ -221,7 +226,7 @@ class ToolDrive(Stepped):
 class ServoDrive(Stepped):
     """Runs `servoj`: the arm follows a stream of targets; the speed percentage does not count (*assumed*)."""
 
-    __slots__ = ("_deceleration", "_gain", "_limits", "_q_target", "_window", "state")
+    __slots__ = ("_deceleration", "_gain", "_is_near_range", "_limits", "_q_target", "_window", "state")
 
     _ahead: ServoState | Obstacle | None
 
@@ -232,18 +237,21 @@ class ServoDrive(Stepped):
         self._limits = limits
         self._deceleration = deceleration
         self.state = begun(start)
+        self._is_near_range = may_meet_obstacle(self.state, limits)
+        """Whether the next state may be an obstacle, whatever the target."""
         self.take(call, request)
 
     def take(self, call: MotionCall, request: ServoJ) -> None:
         """Take the next target of the stream."""
         was_paused = self.is_paused
-        self._begin_call(call, request, request.t_s)
+        ticks = self._begin_call(call, request, request.t_s)
         if was_paused:
             self._hold(call.tick)
         self._q_target = request.q_target
         self._gain = request.gain
         self._window = min(max(1, ticks_for(request.lookahead_s)), LOOKAHEAD_TICKS_MAX)
-        self.state = self.state._replace(left=max(1, ticks_for(request.t_s)))
+        q, qd, stream, _, is_limited, ease, is_taken_over = self.state
+        self.state = ServoState(q, qd, stream, ticks, is_limited, ease, is_taken_over)
         self._ahead = None
 
     @property
@@ -267,6 +275,11 @@ class ServoDrive(Stepped):
     @property
     def _has_arrived(self) -> bool:
         return self.state.is_at(self._q_target)
+
+    @property
+    def _may_meet_obstacle(self) -> bool:
+        # The next target often comes before the next state is needed, so that state is not computed to look at it.
+        return self._is_near_range
 
     def leads_into(self, obstacle: Obstacle, q: Six) -> bool:
         """Return False: a target is inside the range, so the arm only brakes in front of it."""
@@ -298,4 +311,5 @@ class ServoDrive(Stepped):
         ahead = self._next()
         if not isinstance(ahead, Obstacle):
             self.state = ahead
+            self._is_near_range = may_meet_obstacle(ahead, self._limits)
         self._ahead = None
