@@ -18,7 +18,7 @@ help:
 	@echo "make flips       change random constants of tables; prints the changes that no test notices (an hour)"
 	@echo "make invariants  the long random sweeps; writes their result into docs/explanation/motion.md"
 	@echo "make peers       install other people's packages and compare with them; writes the result there too"
-	@echo "make bench       the table of measured times"
+	@echo "make bench       the table of measured times; python -m benchmarks --against CHECKOUT compares two working copies"
 	@echo "make figures     write the figures and measured tables of docs/explanation"
 	@echo "make picture     take the picture of a plot page in the README again (needs Chromium)"
 	@echo "make reference   write docs/reference from the code"

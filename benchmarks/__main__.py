@@ -1,31 +1,54 @@
-"""`python -m benchmarks [NAME ...]`: one table of measured times, ours beside what a user would otherwise have."""
+"""`python -m benchmarks [NAME ...]`: one table of measured times, ours beside what a user would otherwise have.
+
+`--against CHECKOUT` measures the package of another working copy with the same benchmarks, in turn, and prints both.
+"""
 
 from __future__ import annotations
 
+import argparse
+import json
 import platform
 import sys
 from importlib import import_module
+from pathlib import Path
+
+from benchmarks.table import Row, as_data, print_rows
 
 MODULES = ("programs", "streams", "language_loop", "kinematics", "motion", "ticks", "serving", "devices", "choices")
-HEAD = ("what", "ours", "the other", "ratio")
 
 
-def main(names: list[str]) -> int:
+def main(arguments: list[str]) -> int:
     """Print the table of the named modules, or of all."""
-    unknown = [name for name in names if name not in MODULES]
-    if unknown:
-        print(f"no benchmark is called {unknown[0]!r}; there are {', '.join(MODULES)}", file=sys.stderr)
-        return 2
-    table: list[tuple[str, ...]] = [HEAD]
-    for name in names or MODULES:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description="Print a table of measured times.")
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"one of {', '.join(MODULES)}; all without a name")
+    parser.add_argument("--against", type=Path, metavar="CHECKOUT", help="measure the package of this working copy too")
+    parser.add_argument("--rounds", type=int, default=5, help="how often each of the two is measured (default: 5)")
+    parser.add_argument("--json", action="store_true", help="print the rows as JSON")
+    chosen = parser.parse_args(arguments)
+    names = chosen.names or list(MODULES)
+    for name in names:
+        if name not in MODULES:
+            parser.error(f"no benchmark is called {name!r}; there are {', '.join(MODULES)}")
+    if chosen.rounds < 1:
+        parser.error(f"--rounds is {chosen.rounds}; it has to be 1 or more")
+    if chosen.against is not None:
+        if not (chosen.against / "src" / "elitescript").is_dir():
+            parser.error(f"{chosen.against} has no src/elitescript")
+        from benchmarks.against import print_comparison
+
+        return print_comparison(names, chosen.against.resolve() / "src", chosen.rounds)
+    rows: list[Row] = []
+    for name in names:
         print(f"measuring {name} ...", file=sys.stderr)
-        table += import_module(f"benchmarks.{name}").rows()
-    widths = [max(len(row[column]) for row in table) for column in range(len(HEAD))]
-    print(f"Python {platform.python_version()}, {platform.machine()}; medians or best of several runs, see the modules")
-    for number, row in enumerate(table):
-        print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
-        if number == 0:
-            print("  ".join("-" * width for width in widths))
+        rows += import_module(f"benchmarks.{name}").rows()
+    if chosen.json:
+        print(json.dumps([as_data(row) for row in rows]))
+        return 0
+    print(
+        f"Python {platform.python_version()}, {platform.machine()}; medians or best of several runs, see the modules;"
+    )
+    print("ratios are of CPU times, `x real time` is robot time in wall time")
+    print_rows(rows)
     return 0
 
 

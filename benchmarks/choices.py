@@ -4,56 +4,60 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Callable
 from importlib.util import find_spec
-from statistics import median
 from threading import Lock, Thread
-from time import perf_counter
-from timeit import repeat
 
 from benchmarks.kinematics import Q
-from benchmarks.programs import process_s
+from benchmarks.measure import best_of_calls, environment, least, middle, process_times, time_of
+from benchmarks.table import Row, Time, timed_row
 
 SWITCHES = 20_000
 MODULES = ("argparse", "click", "asyncio", "trio", "greenlet", "msgspec", "numpy", "asyncssh", "serial")
 JAIL = """
-from time import perf_counter
+from time import perf_counter, process_time
 from elitescript.services.child.jail import enter_jail
-began = perf_counter()
+wall, cpu = perf_counter(), process_time()
 enter_jail()
-print(perf_counter() - began)
+print(perf_counter() - wall, process_time() - cpu)
 """
 
 
-def rows() -> list[tuple[str, str, str, str]]:
-    """What, ours, the other, ratio."""
-    ours, other = _greenlet_us(), _thread_us()
+def rows() -> list[Row]:
+    """Each choice beside what was not chosen."""
+    there = _per_switch(_greenlets()), _per_switch(_threads)
     table = [
-        (
-            "a thread of a program: there and back",
-            f"{ours:.2f} us",
-            f"{other:.0f} us (OS threads)",
-            f"{ours / other:.2g}",
-        )
+        timed_row("a thread of a program: there and back", there[0], "us", other=there[1].cpu_s, beside="OS threads")
     ]
-    ours, other = _floats_us(), _numpy_us() if find_spec("numpy") else 0.0
-    table.append(
-        ("forward kinematics of one pose", f"{ours:.1f} us", f"{other:.1f} us (4x4 arrays)" if other else "-", "-")
-    )
-    empty = process_s([sys.executable, "-c", "pass"])
-    for name in filter(find_spec, MODULES):
-        took = process_s([sys.executable, "-c", f"import {name}"]) - empty
-        table.append((f"import {name}", f"{max(0.0, took) * 1e3:.0f} ms", "-", "-"))
+    ours = best_of_calls(_floats())
+    if find_spec("numpy"):
+        theirs = best_of_calls(_arrays())
+        table.append(timed_row("forward kinematics of one pose", ours, "us", other=theirs.cpu_s, beside="4x4 arrays"))
+    else:
+        table.append(timed_row("forward kinematics of one pose", ours, "us"))
+    names = [name for name in MODULES if find_spec(name)]
+    empty, *times = process_times([[sys.executable, "-c", text] for text in ("pass", *(f"import {n}" for n in names))])
+    for name, took in zip(names, times, strict=True):
+        beyond = Time(max(0.0, took.wall_s - empty.wall_s), max(0.0, took.cpu_s - empty.cpu_s))
+        table.append(timed_row(f"import {name}", beyond))
     if sys.platform == "linux":
-        taken = [
-            float(subprocess.run([sys.executable, "-c", JAIL], capture_output=True, check=True).stdout)
-            for _ in range(7)
-        ]
-        table.append(("enter the jail", f"{median(taken) * 1e3:.1f} ms", "-", "-"))
+        table.append(timed_row("enter the jail", middle([_jail() for _ in range(7)])))
     return table
 
 
-def _greenlet_us() -> float:
-    """Return the time of a switch to another greenlet and back, us."""
+def _jail() -> Time:
+    done = subprocess.run([sys.executable, "-c", JAIL], capture_output=True, check=True, env=environment())
+    wall, cpu = done.stdout.split()
+    return Time(float(wall), float(cpu))
+
+
+def _per_switch(run: Callable[[], object]) -> Time:
+    best = least([time_of(run) for _ in range(5)])
+    return Time(best.wall_s / SWITCHES, best.cpu_s / SWITCHES)
+
+
+def _greenlets() -> Callable[[], object]:
+    """Return what switches to another greenlet and back, `SWITCHES` times."""
     from greenlet import getcurrent, greenlet
 
     main = getcurrent()
@@ -64,11 +68,16 @@ def _greenlet_us() -> float:
 
     other = greenlet(run)
     other.switch()
-    return min(repeat(other.switch, number=SWITCHES)) / SWITCHES * 1e6
+
+    def switch() -> None:
+        for _ in range(SWITCHES):
+            other.switch()
+
+    return switch
 
 
-def _thread_us() -> float:
-    """Return the time that two threads of the operating system take to pass control there and back, us."""
+def _threads() -> None:
+    """Pass control to another thread of the operating system and back, `SWITCHES` times."""
     there, back = Lock(), Lock()
     there.acquire()
     back.acquire()
@@ -80,24 +89,21 @@ def _thread_us() -> float:
 
     thread = Thread(target=run)
     thread.start()
-    began = perf_counter()
     for _ in range(SWITCHES):
         there.release()
         back.acquire()
-    took = perf_counter() - began
     thread.join()
-    return took / SWITCHES * 1e6
 
 
-def _floats_us() -> float:
+def _floats() -> Callable[[], object]:
     from elitescript.models.model import load_model
 
     arm = load_model("CS66").arm
-    return min(repeat(lambda: arm.forward(Q), number=SWITCHES)) / SWITCHES * 1e6
+    return lambda: arm.forward(Q)
 
 
-def _numpy_us() -> float:
-    """Return the time of six 4x4 products, with the six matrices made beforehand, us."""
+def _arrays() -> Callable[[], object]:
+    """Return six 4x4 products, with the six matrices made beforehand."""
     import numpy
 
     links = [numpy.eye(4) for _ in Q]
@@ -108,4 +114,4 @@ def _numpy_us() -> float:
             T = T @ link
         return T
 
-    return min(repeat(forward, number=SWITCHES)) / SWITCHES * 1e6
+    return forward

@@ -17,12 +17,14 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from importlib.util import find_spec
-from pathlib import Path
 from time import perf_counter, process_time, sleep
 from typing import Any
 
-ROOT = Path(__file__).resolve().parent.parent
+from benchmarks.measure import environment
+from benchmarks.table import Row, not_installed, print_rows
+
 SECONDS = float(os.environ.get("DEVICES_SECONDS", "5"))
 SIGNALS = 200
 PORTS = 8
@@ -32,8 +34,6 @@ ANSWER_SIZE = 11
 WARM_UP = 250
 """Cycles in which connections are made and windows grow; they do not count."""
 POLL_S = 0.0002
-
-Row = tuple[str, str, str, str]
 
 
 def serve() -> None:
@@ -69,7 +69,7 @@ def _slave() -> Iterator[list[int]]:
         [sys.executable, "-c", "from benchmarks.devices import serve; serve()"],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
-        env={**os.environ, "PYTHONPATH": f"{ROOT / 'src'}{os.pathsep}{ROOT}"},
+        env=environment(),
         text=True,
     )
     assert process.stdin is not None and process.stdout is not None
@@ -190,28 +190,33 @@ async def _pymodbus(ports: list[int]) -> tuple[float, int, list[float], float]:
     return len(done_s) * SIGNALS / elapsed, missed, done_s, (process_time() - cpu) / elapsed
 
 
-def _words(result: tuple[float, int, list[float], float]) -> str:
+def _rows(what: str, result: tuple[float, int, list[float], float]) -> list[Row]:
+    """What a master does: CPU and wall time of one request, and how its cycles went."""
     rate, missed, done_s, cpu = result
     ordered = sorted(done_s) or [float("nan")]
     p50, p99 = ordered[len(ordered) // 2] * 1e3, ordered[int(len(ordered) * 0.99)] * 1e3
-    return f"{rate:.0f}/s, {missed} missed, done p50 {p50:.1f}, p99 {p99:.1f} ms, {cpu:.0%} of a core"
+    said = f"{missed} missed, done p50 {p50:.1f}, p99 {p99:.1f} ms, {cpu:.0%} of a core"
+    return [Row(what, "requests/s", value=rate, words=said), Row(f"{what}: one request", "us", cpu_s=cpu / rate)]
 
 
 def rows() -> list[Row]:
-    """The rows of this module."""
+    """The same signals over four connections and over eight, with our master and with pymodbus' client."""
     table = []
     for connections in (4, 8):
+        what = f"{SIGNALS} MODBUS signals at 250 Hz, {connections} connections"
         with _slave() as ports:
-            ours = _ours(ports[:connections])
-            what = f"{SIGNALS} MODBUS signals at 250 Hz, {connections} connections"
-            if not find_spec("pymodbus"):
-                table.append((what, _words(ours), "pymodbus is not installed", ""))
-                continue
-            theirs = asyncio.run(_pymodbus(ports[:connections]))
-            table.append((what, _words(ours), f"{_words(theirs)} (pymodbus)", f"{ours[0] / theirs[0]:.1f}"))
-    return table
+            ours = _rows(what, _ours(ports[:connections]))
+            theirs: list[Row] = []
+            if find_spec("pymodbus"):
+                theirs = _rows(f"{what} (pymodbus)", asyncio.run(_pymodbus(ports[:connections])))
+        if theirs:
+            ours = [
+                replace(ours[0], other=theirs[0].value, beside="pymodbus"),
+                replace(ours[1], other=theirs[1].cpu_s, beside="pymodbus"),
+            ]
+        table += ours + theirs
+    return table if find_spec("pymodbus") else [*table, not_installed("pymodbus")]
 
 
 if __name__ == "__main__":
-    for row in rows():
-        print("  ".join(row).rstrip())
+    print_rows(rows())

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from importlib.util import find_spec
 from math import pi
-from timeit import repeat
 from typing import Any
 
+from benchmarks.measure import best_of_calls
+from benchmarks.table import Row, Time, not_installed, print_rows, timed_row
 from elitescript.kinematics.dynamics import RigidBody, joint_torques
 from elitescript.kinematics.inverse import solutions, solve_branch
 from elitescript.kinematics.jacobian import jacobian
@@ -21,35 +22,29 @@ LOAD_KG = 3.0
 LOAD_COG = (0.02, -0.015, 0.09)
 DYNAMICS = "inverse dynamics, with payload"
 OWN_BRANCH = 5
-RUNS = 7
-RUN_S = 0.05
-PEERS = ("eaik", "roboticstoolbox")
 
 Calls = dict[str, Callable[[], object]]
 
 
-def rows() -> list[tuple[str, str, str, str]]:
-    """What, ours, the other, ratio."""
+def rows() -> list[Row]:
+    """Each calculation, beside every package that has it."""
     model = load_model("CS66")
-    ours = {what: _time_us(call) for what, call in _our_calls(model).items()}
-    peers = {name: build(model) for name, build in (("eaik", _eaik), ("roboticstoolbox", _toolbox)) if find_spec(name)}
+    peers = {name: build(model) for name, build in PEERS.items() if find_spec(name)}
+    return compared(_our_calls(model), peers) + [not_installed(name) for name in PEERS if name not in peers]
+
+
+def compared(ours: Calls, peers: dict[str, Calls]) -> list[Row]:
+    """Time our calls and the peers' calls of the same name: a row for each peer that has one, else one without."""
     table = []
-    for what, own_us in ours.items():
-        others = [(name, _time_us(calls[what])) for name, calls in peers.items() if what in calls]
+    for what, call in ours.items():
+        own = best_of_calls(call)
+        others: dict[str, Time] = {name: best_of_calls(calls[what]) for name, calls in peers.items() if what in calls}
+        table += [
+            timed_row(f"{what} ({name})", own, "us", other=time.cpu_s, beside=name) for name, time in others.items()
+        ]
         if not others:
-            table.append((what, f"{own_us:.1f} us", "-", "-"))
-        for name, other_us in others:
-            table.append((what, f"{own_us:.1f} us", f"{other_us:.1f} us ({name})", f"{own_us / other_us:.2g}"))
-    table += [(f"compared with {name}", "-", "not installed", "-") for name in PEERS if name not in peers]
+            table.append(timed_row(what, own, "us"))
     return table
-
-
-def main() -> None:
-    """Print the table."""
-    table = [("CS66, one pose", "ours", "other", "ours / other"), *rows()]
-    widths = [max(len(row[column]) for row in table) for column in range(4)]
-    for row in table:
-        print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
 
 
 def _our_calls(model: RobotModel) -> Calls:
@@ -82,6 +77,37 @@ def _eaik(model: RobotModel) -> Calls:
     }
 
 
+def _pinocchio(model: RobotModel) -> Calls:
+    import numpy as np
+    import pinocchio
+
+    arm, last = pinocchio.Model(), 0
+    for number, (link, a, d, alpha) in enumerate(zip(model.links, *model.arm.modified_dh, strict=True)):
+        turn = pinocchio.utils.rotate("x", alpha)
+        place = pinocchio.SE3(turn, np.array([a, 0.0, 0.0]) + turn @ np.array([0.0, 0.0, d]))
+        last = arm.addJoint(last, pinocchio.JointModelRZ(), place, f"joint {number}")
+        inertia = pinocchio.Inertia(link.mass, np.array(link.com), np.array(_tensor(link)))
+        arm.appendBodyToJoint(last, inertia, pinocchio.SE3.Identity())
+    load = pinocchio.Inertia(LOAD_KG, np.array(LOAD_COG), np.zeros((3, 3)))
+    arm.appendBodyToJoint(last, load, pinocchio.SE3.Identity())
+    arm.gravity.linear = -np.array(model.gravity)
+    data, q, qd, qdd = arm.createData(), np.array(Q), np.array(QD), np.array(QDD)
+
+    def forward() -> Any:
+        pinocchio.forwardKinematics(arm, data, q)
+        return data.oMi[last]
+
+    def base_jacobian() -> object:
+        pinocchio.computeJointJacobians(arm, data, q)
+        return pinocchio.getJointJacobian(arm, data, last, pinocchio.LOCAL_WORLD_ALIGNED)
+
+    return {
+        "forward kinematics": forward,
+        "Jacobian": base_jacobian,
+        DYNAMICS: lambda: pinocchio.rnea(arm, data, q, qd, qdd),
+    }
+
+
 def _toolbox(model: RobotModel) -> Calls:
     import numpy as np
     from roboticstoolbox import DHRobot, RevoluteDH, RevoluteMDH
@@ -93,7 +119,7 @@ def _toolbox(model: RobotModel) -> Calls:
     start = q + 0.05
     heavy: Any = DHRobot(
         [
-            RevoluteMDH(a=a, d=d, alpha=alpha, m=link.mass, r=list(link.com), I=_toolbox_inertia(link), Jm=0.0, G=1.0)
+            RevoluteMDH(a=a, d=d, alpha=alpha, m=link.mass, r=list(link.com), I=_tensor(link), Jm=0.0, G=1.0)
             for link, a, d, alpha in zip(model.links, *model.arm.modified_dh, strict=True)
         ],
         gravity=[-g for g in model.gravity],
@@ -108,7 +134,7 @@ def _toolbox(model: RobotModel) -> Calls:
     }
 
 
-def _toolbox_inertia(link: LinkMass) -> list[list[float]]:
+def _tensor(link: LinkMass) -> list[list[float]]:
     ixx, iyy, izz, ixy, ixz, iyz = link.inertia
     return [[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]]
 
@@ -123,12 +149,7 @@ def _standard_dh(model: RobotModel) -> tuple[tuple[float, ...], tuple[float, ...
     )
 
 
-def _time_us(call: Callable[[], object]) -> float:
-    """Return the best time of one call over some runs, us."""
-    once = min(repeat(call, number=1, repeat=5))
-    number = max(1, int(RUN_S / max(once, 1e-7)))
-    return min(repeat(call, number=number, repeat=RUNS)) / number * 1e6
-
+PEERS: dict[str, Callable[[RobotModel], Calls]] = {"eaik": _eaik, "pinocchio": _pinocchio, "roboticstoolbox": _toolbox}
 
 if __name__ == "__main__":
-    main()
+    print_rows(rows())

@@ -9,9 +9,10 @@ from __future__ import annotations
 import builtins
 from collections.abc import Callable
 from math import prod
-from time import perf_counter
 from typing import Any
 
+from benchmarks.measure import best_in_turn
+from benchmarks.table import Row, print_rows, timed_row
 from elitescript.language.compiler import compile_unit
 from elitescript.language.hooks import CHECKPOINT, FORMAT, LINE, MAIN, STOP, TICK
 from elitescript.language.text.dialect import translate
@@ -124,17 +125,17 @@ end
 }
 
 
-def rows() -> list[tuple[str, str, str, str]]:
-    """What, ours, plain Python, ratio."""
+def rows() -> list[Row]:
+    """Each program beside plain Python, and the mean of their ratios."""
     table = []
     ratios = []
     for what, text in PROGRAMS.items():
-        ours_s, plain_s = _best_s(_instrumented(text), _plain(text))
-        ratios.append(ours_s / plain_s)
-        table.append((what, f"{ours_s * 1e3:.2f} ms", f"{plain_s * 1e3:.2f} ms (Python)", f"{ratios[-1]:.2f}"))
+        ours, plain = best_in_turn([_instrumented(text), _plain(text)], RUNS)
+        ratios.append(ours.cpu_s / plain.cpu_s)
+        table.append(timed_row(what, ours, other=plain.cpu_s, beside="a plain Python loop"))
     mean = prod(ratios) ** (1 / len(ratios))
-    table.append(("language loops, geometric mean", "-", "-", f"{mean:.2f}"))
-    return table
+    words = f"geometric mean; {min(ratios):.2f} to {max(ratios):.2f}"
+    return [*table, Row("language loops", "x plain Python", value=mean, words=words)]
 
 
 def _instrumented(text: str) -> Callable[[], object]:
@@ -161,17 +162,5 @@ def _plain(text: str) -> Callable[[], object]:
     return program
 
 
-def _best_s(*programs: Callable[[], object]) -> list[float]:
-    """Best time of each, s; in turn, so that a busy machine disturbs all alike."""
-    best = [float("inf")] * len(programs)
-    for _ in range(RUNS):
-        for index, program in enumerate(programs):
-            began = perf_counter()
-            program()
-            best[index] = min(best[index], perf_counter() - began)
-    return best
-
-
 if __name__ == "__main__":
-    for row in rows():
-        print("  ".join(cell.ljust(32) for cell in row).rstrip())
+    print_rows(rows())

@@ -8,14 +8,15 @@ fifty times.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from functools import partial
 from importlib.util import find_spec
 from io import BytesIO
 from math import inf, pi, sin
-from time import perf_counter
-from timeit import repeat
 from typing import Any
 
+from benchmarks.kinematics import Calls, compared
+from benchmarks.measure import best_in_turn, best_of_calls, least, time_of
+from benchmarks.table import Row, not_installed, print_rows, timed_row
 from elitescript import VirtualRobot
 from elitescript.commands.micro_file import read_points
 from elitescript.kinematics.transforms import Transform, pose_from_transform, transform_from_pose
@@ -43,34 +44,18 @@ GAIN = 300.0
 T_FLANGE_TCP: Transform = transform_from_pose((0.0, 0.0, 0.15, 0.0, 0.0, 0.0))
 POSES = 50
 RUNS = 7
-RUN_S = 0.05
 POINTS = 100_000
-PEERS = ("ruckig", "roboticstoolbox")
-
-Calls = dict[str, Callable[[], object]]
 
 
-def rows() -> list[tuple[str, str, str, str]]:
-    """What, ours, the other, ratio."""
+def rows() -> list[Row]:
+    """Moves and drives, whole paths, point files; beside every package that has the same."""
     model = load_model("CS66")
-    ours = {what: _time_us(call) for what, call in _our_calls(model).items()}
-    peers = {
-        name: build(model) for name, build in (("ruckig", _ruckig), ("roboticstoolbox", _toolbox)) if find_spec(name)
-    }
-    table = []
-    for what, own_us in ours.items():
-        others = [(name, _time_us(calls[what])) for name, calls in peers.items() if what in calls]
-        if not others:
-            table.append((what, f"{own_us:.1f} us", "-", "-"))
-        for name, other_us in others:
-            table.append((what, f"{own_us:.1f} us", f"{other_us:.1f} us ({name})", f"{own_us / other_us:.2g}"))
-    table += _path_rows()
-    table += _point_file_rows(model)
-    table += [(f"compared with {name}", "-", "not installed", "-") for name in PEERS if name not in peers]
-    return table
+    peers = {name: build(model) for name, build in PEERS.items() if find_spec(name)}
+    table = compared(_our_calls(model), peers) + _path_rows() + _point_file_rows(model)
+    return table + [not_installed(name) for name in PEERS if name not in peers]
 
 
-def _point_file_rows(model: RobotModel) -> list[tuple[str, str, str, str]]:
+def _point_file_rows(model: RobotModel) -> list[Row]:
     """A file of 100,000 points: read, planned as joint positions and as poses; text to numbers with numpy beside it."""
     arm, limits = model.arm, _limits(model)
     swings = [[0.2 * sin(0.0012 * k * (1.0 + 0.1 * joint)) for joint in range(6)] for k in range(POINTS)]
@@ -83,34 +68,27 @@ def _point_file_rows(model: RobotModel) -> list[tuple[str, str, str, str]]:
     for what, rows in rows_by_kind.items():
         is_cartesian = what == "poses"
         data = "\n".join(" ".join(f"{number:.6f}" for number in row) for row in rows).encode()
-        read_s = min(
-            repeat(lambda: read_points(data, "p", is_cartesian=is_cartesian, is_degrees=False), number=1, repeat=3)  # noqa: B023
-        )
-        other, ratio = "not installed", "-"
+
+        def load(data: bytes = data, is_cartesian: bool = is_cartesian) -> tuple[bytes, bytes]:
+            return read_points(data, "p", is_cartesian=is_cartesian, is_degrees=False)
+
+        def plan(request: MoveML) -> Plan:
+            return plan_moveml(arm, limits, Q_START, T_FLANGE_TCP, request)
+
+        name = f"point file, {POINTS} {what}"
         if find_spec("numpy"):
             import numpy as np
 
-            other_s = min(repeat(lambda: np.loadtxt(BytesIO(data)), number=1, repeat=3))  # noqa: B023
-            other, ratio = f"{other_s * 1e3:.0f} ms (numpy.loadtxt)", f"{read_s / other_s:.2g}"
-        table.append((f"point file, {POINTS} {what}: load", f"{read_s * 1e3:.0f} ms", other, ratio))
-        numbers, lines = read_points(data, "p", is_cartesian=is_cartesian, is_degrees=False)
+            ours, theirs = best_in_turn([load, lambda data=data: np.loadtxt(BytesIO(data))], 3)  # type: ignore[misc]
+            table.append(timed_row(f"{name}: load", ours, other=theirs.cpu_s, beside="numpy.loadtxt"))
+        else:
+            table.append(timed_row(f"{name}: load", best_in_turn([load], 3)[0]))
+        numbers, lines = load()
         request = MoveML(MicroLine("p", 0.004, is_cartesian, numbers, lines), 1, POINTS, 1.4, 1.05)
-        plan_s = min(
-            repeat(lambda: plan_moveml(arm, limits, Q_START, T_FLANGE_TCP, request), number=1, repeat=3)  # noqa: B023
-        )
-        table.append((f"point file, {POINTS} {what}: plan", f"{plan_s * 1e3:.0f} ms", "-", "-"))
-        segment = plan_moveml(arm, limits, Q_START, T_FLANGE_TCP, request).segment
-        sample_us = _time_us(lambda: segment.setpoint(123.4567))  # noqa: B023
-        table.append((f"point file, {POINTS} {what}: sample with speed", f"{sample_us:.1f} us", "-", "-"))
+        table.append(timed_row(f"{name}: plan", best_in_turn([partial(plan, request)], 3)[0]))
+        segment = plan(request).segment
+        table.append(timed_row(f"{name}: sample with speed", best_of_calls(partial(segment.setpoint, 123.4567)), "us"))
     return table
-
-
-def main() -> None:
-    """Print the table."""
-    table = [("CS66, one move", "ours", "other", "ours / other"), *rows()]
-    widths = [max(len(row[column]) for row in table) for column in range(4)]
-    for row in table:
-        print("  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip())
 
 
 LINES = 200
@@ -136,20 +114,15 @@ end
 """
 
 
-def _path_rows() -> list[tuple[str, str, str, str]]:
-    """A program of many short lines: its simulated time, and how much of that passes in a second of wall time."""
+def _path_rows() -> list[Row]:
+    """A program of many short lines: what it takes, and its robot time."""
     rows = []
     for what, call in PATHS.items():
         text = PROGRAM.format(call=call)
-        best_s = float("inf")
-        for _ in range(RUNS):
-            robot = VirtualRobot("CS66")
-            start_s = perf_counter()
-            run = robot.run(text)
-            best_s = min(best_s, perf_counter() - start_s)
-            assert run.state == "finished"
-        speed = f"{run.time_s:.2f} s in {best_s * 1e3:.0f} ms: {run.time_s / best_s:.0f} x real time"
-        rows.append((f"{LINES} lines of {LINE_M * 1e3:g} mm, {what}", speed, "-", "-"))
+        robots = [VirtualRobot("CS66") for _ in range(RUNS)]
+        best = least([time_of(lambda robot=robot: robot.run(text).check()) for robot in robots])  # type: ignore[misc]  # noqa: B023
+        simulated_s = robots[0].time_s
+        rows.append(timed_row(f"{LINES} lines of {LINE_M * 1e3:g} mm, {what}", best, simulated_s=simulated_s))
     return rows
 
 
@@ -297,12 +270,7 @@ def _limits(model: RobotModel) -> MotionLimits:
     )
 
 
-def _time_us(call: Callable[[], object]) -> float:
-    """Return the best time of one call over some runs, us."""
-    once = min(repeat(call, number=1, repeat=5))
-    number = max(1, int(RUN_S / max(once, 1e-7)))
-    return min(repeat(call, number=number, repeat=RUNS)) / number * 1e6
-
+PEERS = {"ruckig": _ruckig, "roboticstoolbox": _toolbox}
 
 if __name__ == "__main__":
-    main()
+    print_rows(rows())

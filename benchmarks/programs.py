@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from statistics import median
-from time import perf_counter
 
-ROOT = Path(__file__).resolve().parent.parent
+from benchmarks.measure import ROOT, environment, middle, process_times, time_of
+from benchmarks.table import Row, Time, timed_row
+
 RUNS = 10
+VERBS = {"run": "start to exit, one-line program", "check": "check of a one-line program"}
 PICK_AND_PLACE = ROOT / "examples" / "pick_and_place.script"
 BELT_PICKING = ROOT / "examples" / "belt_picking.script"
 BELT_COUNTS_PER_S = 2000.0
@@ -26,34 +26,19 @@ end
 """One minute of nothing but going along with a belt that creeps."""
 
 
-def process_s(command: list[str], runs: int = RUNS) -> float:
-    """Median wall time of a process, s."""
-    environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
-    times = []
-    for _ in range(runs + 1):
-        began = perf_counter()
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, env=environment)
-        times.append(perf_counter() - began)
-    return median(times[1:])
-
-
-def _start_rows() -> list[tuple[str, str, str, str]]:
+def _start_rows() -> list[Row]:
     with tempfile.TemporaryDirectory() as folder:
         program = Path(folder) / "hello.script"
         program.write_text('textmsg("hello")\n')
-        ours = process_s([sys.executable, "-m", "elitescript", "run", str(program)])
-    python = process_s([sys.executable, "-c", "pass"])
+        commands = [[sys.executable, "-m", "elitescript", verb, str(program)] for verb in VERBS]
+        empty, *times = process_times([[sys.executable, "-c", "pass"], *commands], RUNS)
     return [
-        (
-            "start to exit, one-line program",
-            f"{ours * 1e3:.0f} ms",
-            f"{python * 1e3:.0f} ms (python -c pass)",
-            f"{ours / python:.1f}",
-        )
+        timed_row(what, time, other=empty.cpu_s, beside="python -c pass")
+        for what, time in zip(VERBS.values(), times, strict=True)
     ]
 
 
-def _free_run_rows() -> list[tuple[str, str, str, str]]:
+def _free_run_rows() -> list[Row]:
     from elitescript import VirtualRobot
 
     rows = []
@@ -64,41 +49,30 @@ def _free_run_rows() -> list[tuple[str, str, str, str]]:
         ("one minute on a moving belt", TRACKING, False),
     ):
         times = []
-        simulated = 0.0
+        simulated_s = 0.0
         for _ in range(RUNS):
             robot = VirtualRobot("CS66")
             robot.signals["encoder_speed[0]"] = BELT_COUNTS_PER_S
-            began = perf_counter()
-            run = robot.run(program, trace=has_trace).check()
-            times.append(perf_counter() - began)
-            simulated = run.time_s
-        wall = median(times)
-        rows.append(
-            (what, f"{wall * 1e3:.1f} ms", f"{simulated:.1f} s (the robot)", f"{simulated / wall:.0f} x real time")
-        )
+            times.append(time_of(lambda: robot.run(program, trace=has_trace).check()))  # noqa: B023
+            simulated_s = robot.time_s
+        rows.append(timed_row(what, middle(times), simulated_s=simulated_s))
     return rows
 
 
-def _day_rows() -> list[tuple[str, str, str, str]]:
+def _day_rows() -> list[Row]:
     """Twenty-four hours of pick and place: the memory after the first hour and at the end, each in its own process."""
     rows = []
     for what, plant in (("24 h of pick and place", ""), ("1 h of it with a lag of 20 ms", "lag")):
         hours = 1 if plant else 24
         command = [sys.executable, "-m", "benchmarks.day", str(hours), *filter(None, [plant])]
-        environment = {**os.environ, "PYTHONPATH": f"{ROOT / 'src'}{os.pathsep}{ROOT}"}
-        result = subprocess.run(command, check=True, capture_output=True, text=True, env=environment, cwd=ROOT)
-        wall, first, half, last = map(float, result.stdout.split())
-        rows.append(
-            (
-                what,
-                f"{wall:.1f} s",
-                f"{first:.0f}, {half:.0f}, {last:.0f} MB (after a 24th, a half, all)",
-                f"{hours * 3600 / wall:.0f} x real time",
-            )
-        )
+        result = subprocess.run(command, check=True, capture_output=True, text=True, env=environment(), cwd=ROOT)
+        wall_s, cpu_s, first, half, last = map(float, result.stdout.split())
+        rows.append(timed_row(what, Time(wall_s, cpu_s), "s", simulated_s=hours * 3600.0))
+        words = f"at the end; {first:.0f} after a 24th, {half:.0f} after a half"
+        rows.append(Row(f"{what}: memory", "MB", value=last, words=words))
     return rows
 
 
-def rows() -> list[tuple[str, str, str, str]]:
-    """What, ours, the other, ratio."""
+def rows() -> list[Row]:
+    """Starts, programs and days."""
     return _start_rows() + _free_run_rows() + _day_rows()

@@ -3,8 +3,8 @@
 The server is `elitescript serve` in a process of its own; the clients are one selector loop in this one. How late a
 package is is measured against its robot time, counted from the package that came with the least delay: at its client's
 socket, as the operating system stamps it, and once this process has read it, which reads one client after the other.
-In lockstep a single client does nothing but answer. `SERVING_SECONDS` sets how long each row
-is measured; `SERVING_SECONDS=600 python -m benchmarks.serving` takes twenty minutes.
+In lockstep a single client does nothing but answer. CPU times are those of the server and its child. `SERVING_SECONDS`
+sets how long each row is measured; `SERVING_SECONDS=600 python -m benchmarks.serving` takes twenty minutes.
 """
 
 from __future__ import annotations
@@ -21,7 +21,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from time import CLOCK_REALTIME, clock_gettime, perf_counter
 
-ROOT = Path(__file__).resolve().parent.parent
+from benchmarks.measure import environment
+from benchmarks.table import Row, Time, print_rows, timed_row
+
 SECONDS = float(os.environ.get("SERVING_SECONDS", "10"))
 CLIENTS = 10
 SO_TIMESTAMPNS = 35
@@ -40,18 +42,15 @@ OUTPUTS = (
 )
 """A recipe as clients that show a robot ask for it, some 1,000 bytes."""
 
-Row = tuple[str, str, str, str]
-
 
 @contextmanager
 def served(*options: str) -> Iterator[tuple[dict[str, int], int]]:
     """A controller on free ports; their numbers, and the number of its process."""
     with tempfile.TemporaryDirectory(prefix="es") as folder:
-        environment = {**os.environ, "PYTHONPATH": str(ROOT / "src"), "XDG_RUNTIME_DIR": folder}
         process = subprocess.Popen(
             [sys.executable, "-m", "elitescript", "serve", "--port", "all=0", "--power-on", *options],
             stdout=subprocess.PIPE,
-            env=environment,
+            env={**environment(), "XDG_RUNTIME_DIR": folder},
             text=True,
         )
         assert process.stdout is not None
@@ -67,6 +66,18 @@ def served(*options: str) -> Iterator[tuple[dict[str, int], int]]:
 def message(letter: str, payload: bytes = b"") -> bytes:
     """A message of RTSI."""
     return struct.pack(">HB", 3 + len(payload), ord(letter)) + payload
+
+
+def processes_of(pid: int) -> list[int]:
+    """Return the served robot's process and its child, if it has one; needs Linux."""
+    return [pid, *map(int, Path(f"/proc/{pid}/task/{pid}/children").read_text(encoding="ascii").split())]
+
+
+def used_s(processes: list[int]) -> list[float]:
+    """Return the CPU time that each of them has taken so far, s."""
+    from elitescript.services.child.process import processor_time_s
+
+    return [processor_time_s(process) or 0.0 for process in processes]
 
 
 class Stream:
@@ -105,8 +116,8 @@ class Stream:
         return count
 
 
-def _paced(what: str, program: bytes, *options: str) -> Row:
-    with served(*options) as (ports, _):
+def _paced(what: str, program: bytes, *options: str) -> list[Row]:
+    with served(*options) as (ports, pid):
         streams = [Stream(ports["rtsi"], OUTPUTS) for _ in range(CLIENTS)]
         selector = selectors.DefaultSelector()
         for stream in streams:
@@ -119,10 +130,12 @@ def _paced(what: str, program: bytes, *options: str) -> Row:
         for seconds in (1.0, SECONDS):
             for stream in streams:
                 stream.times.clear()
+            before = sum(used_s(processes_of(pid)))
             end = perf_counter() + seconds
             while (left := end - perf_counter()) > 0:
                 for key, _ in selector.select(left):
                     key.data.read()
+        used = sum(used_s(processes_of(pid))) - before
         for stream in streams:
             stream.socket.close()
     arrivals = [(robot, arrived, read) for stream in streams for robot, arrived, read in stream.times]
@@ -133,12 +146,14 @@ def _paced(what: str, program: bytes, *options: str) -> Row:
         repeated += len(stream.times) - len(ticks)
     at_socket = _late([arrived - robot for robot, arrived, _ in arrivals])
     as_read = _late([read - robot for robot, _, read in arrivals])
-    return (
-        f"{CLIENTS} RTSI clients, 250 Hz, {what}",
-        f"{at_socket} (read: {as_read}); of {len(arrivals)} {lost} lost, {repeated} twice",
-        "aim: p50 < 0.2, p99 < 1 ms, none lost",
-        "",
-    )
+    return [
+        Row(
+            f"{CLIENTS} RTSI clients, 250 Hz, {what}: late",
+            words=f"{at_socket} (read: {as_read}); of {len(arrivals)} {lost} lost, {repeated} twice",
+            beside="aim: p50 < 0.2, p99 < 1 ms, none lost",
+        ),
+        Row(f"{CLIENTS} RTSI clients, 250 Hz, {what}: a tick", "us", cpu_s=used / (SECONDS * 250)),
+    ]
 
 
 def _late(delays: list[float]) -> str:
@@ -149,39 +164,38 @@ def _late(delays: list[float]) -> str:
 
 
 def _lockstep(what: str, names: str) -> Row:
-    with served("--lockstep", "rtsi") as (ports, _):
+    with served("--lockstep", "rtsi") as (ports, pid):
         client = Stream(ports["rtsi"], names)
         client.socket.sendall(message("I", b"input_int_register0") + message("S"))
         answer = message("U", bytes([1]) + struct.pack(">i", 7))
-        end = perf_counter() + min(SECONDS, 5.0)
+        client.read()
+        before, end = sum(used_s(processes_of(pid))), perf_counter() + min(SECONDS, 5.0)
+        client.socket.sendall(answer)
         while perf_counter() < end:
             if client.read():
                 client.socket.sendall(answer)
+        used = sum(used_s(processes_of(pid))) - before
         client.socket.close()
     (robot_a, wall_a, _), (robot_b, wall_b, _) = client.times[0], client.times[-1]
-    return (
-        f"lockstep with one client, {what}",
-        f"{(robot_b - robot_a) / (wall_b - wall_a):.0f} x real time",
-        "1 x",
-        "",
-    )
+    simulated_s = robot_b - robot_a
+    per_second = Time((wall_b - wall_a) / simulated_s, used / simulated_s)
+    return timed_row(f"lockstep with one client, {what}", per_second, simulated_s=1.0)
 
 
 def paced_rows() -> list[Row]:
     """Ten clients, idle and with a program that burns CPU; `python -m benchmarks.serving` prints these alone."""
-    return [_paced("idle", b""), _paced("a program burns CPU", BUSY)]
+    return [*_paced("idle", b""), *_paced("a program burns CPU", BUSY)]
 
 
 def rows() -> list[Row]:
     """The rows of this module."""
     return [
         *paced_rows(),
-        _paced("a program burns CPU, in process", BUSY, "--in-process"),
+        *_paced("a program burns CPU, in process", BUSY, "--in-process"),
         _lockstep("two variables", "timestamp,actual_joint_positions"),
         _lockstep("36 variables", OUTPUTS),
     ]
 
 
 if __name__ == "__main__":
-    for row in paced_rows():
-        print(*row[:3], sep="; ")
+    print_rows(paced_rows())

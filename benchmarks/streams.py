@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from importlib.util import find_spec
 from math import inf, sin
-from statistics import median
-from time import perf_counter
+
+from benchmarks.measure import middle, time_of
+from benchmarks.table import Row, not_installed, print_rows, timed_row
 
 SERVOJ = """
 def stream():
@@ -56,45 +57,35 @@ RUNS = 3
 PERIODS = 15_000
 
 
-def rows() -> list[tuple[str, str, str, str]]:
-    """What, ours, the other, ratio."""
+def rows() -> list[Row]:
+    """Each program; the first one beside the motion alone, where ruckig is installed."""
     from elitescript import VirtualRobot
 
     table = []
     for what, text in PROGRAMS.items():
-        times = []
-        simulated = 0.0
-        for _ in range(RUNS):
-            robot = VirtualRobot("CS66")
-            began = perf_counter()
-            simulated = robot.run(text).check().time_s
-            times.append(perf_counter() - began)
-        wall_s = median(times)
-        table.append(
-            (what, f"{wall_s * 1e3:.0f} ms", f"{simulated:.1f} s (the robot)", f"{simulated / wall_s:.0f} x real time")
-        )
-    if find_spec("ruckig"):
-        table.append(("the motion of such a stream alone", "-", f"{_ruckig_s() * 1e3:.0f} ms (ruckig)", "-"))
-    else:
-        table.append(("compared with ruckig", "-", "not installed", "-"))
+        robots = [VirtualRobot("CS66") for _ in range(RUNS)]
+        time = middle([time_of(lambda robot=robot, text=text: robot.run(text).check()) for robot in robots])  # type: ignore[misc]
+        table.append(timed_row(what, time, simulated_s=robots[0].time_s))
+        if text is SERVOJ and find_spec("ruckig"):
+            other = middle([time_of(_ruckig) for _ in range(RUNS)]).cpu_s
+            table.append(timed_row(f"{what}, beside ruckig", time, other=other, beside="ruckig, the motion alone"))
+    if not find_spec("ruckig"):
+        table.append(not_installed("ruckig"))
     return table
 
 
-def _ruckig_s() -> float:
-    """Wall time of following the same stream with Ruckig, one update in each period."""
+def _ruckig() -> None:
+    """Follow the same stream with Ruckig, one update in each period."""
     import ruckig
 
     solver = ruckig.Ruckig(6, 0.004)
     problem, answer = ruckig.InputParameter(6), ruckig.OutputParameter(6)
     problem.max_velocity, problem.max_acceleration, problem.max_jerk = [2.6] * 6, [40.0] * 6, [inf] * 6
-    began = perf_counter()
     for period in range(PERIODS):
         problem.target_position = [0.4 * sin(period * 0.004), 0.0, 0.0, 0.0, 0.0, 0.0]
         solver.update(problem, answer)
         answer.pass_to_input(problem)
-    return perf_counter() - began
 
 
 if __name__ == "__main__":
-    for row in rows():
-        print("  ".join(cell.ljust(36) for cell in row).rstrip())
+    print_rows(rows())

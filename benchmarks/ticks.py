@@ -14,10 +14,10 @@ import socket
 import struct
 import time
 from collections.abc import Callable
-from pathlib import Path
 from statistics import median
 
-from benchmarks.serving import BUSY, OUTPUTS, Stream, message, served
+from benchmarks.serving import BUSY, OUTPUTS, Stream, message, processes_of, served, used_s
+from benchmarks.table import Row
 
 SECONDS = float(os.environ.get("TICKS_SECONDS", "4"))
 TICKS = 2000
@@ -43,12 +43,10 @@ end
 """
 PROGRAMS = {"the arm rests": b"", "movej": MOVING, "servoj": STREAMING, "a program burns CPU": BUSY}
 
-Row = tuple[str, str, str, str]
-
 
 def rows() -> list[Row]:
     """The rows of this module."""
-    table = [_parts(what, text) for what, text in PROGRAMS.items()]
+    table = [row for what, text in PROGRAMS.items() for row in _parts(what, text)]
     table += [_served(f"no clients, {what}", 0, PROGRAMS[what]) for what in ("the arm rests", "movej")]
     table.append(_served("1 client, movej", 1, MOVING))
     table += [_served(f"{CLIENTS} clients, {what}", CLIENTS, text) for what, text in PROGRAMS.items()]
@@ -56,7 +54,7 @@ def rows() -> list[Row]:
     return table
 
 
-def _parts(what: str, program: bytes) -> Row:
+def _parts(what: str, program: bytes) -> list[Row]:
     from elitescript.kernel import Kernel, RobotOptions
     from elitescript.messages.inputs import Input, RunUnit
     from elitescript.messages.outputs import Output
@@ -78,24 +76,19 @@ def _parts(what: str, program: bytes) -> Row:
     times: list[list[float]] = [[], [], [], [], []]
     for _ in range(RUNS):
         outputs: list[Output] = []
-        alone_us = _each_us(kernel.tick)
-        times[4].append(alone_us)
-        times[0].append(_each_us(lambda outputs=outputs: outputs.append(kernel.tick_and_snapshot())) - alone_us)
+        alone_s = _each_s(kernel.tick)
+        times[4].append(alone_s)
+        times[0].append(_each_s(lambda outputs=outputs: outputs.append(kernel.tick_and_snapshot())) - alone_s)
         left = iter(outputs)
         messages: list[tuple[str, bytes]] = []
-        times[1].append(_each_us(lambda left=left, messages=messages: messages.append(writer.message(next(left)))))
+        times[1].append(_each_s(lambda left=left, messages=messages: messages.append(writer.message(next(left)))))
         waiting = iter(messages)
-        times[2].append(_each_us(lambda waiting=waiting: reader.read(*next(waiting))))
+        times[2].append(_each_s(lambda waiting=waiting: reader.read(*next(waiting))))
         shown = iter(outputs)
-        times[3].append(_each_us(lambda shown=shown: _publish(clients, next(shown))) / CLIENTS)
-    snapshot_us, writing_us, reading_us, package_us, kernel_us = map(median, times)
-    return (
-        f"parts of a tick, {what}",
-        f"kernel {kernel_us:.0f}, snapshot {snapshot_us:.0f}, writing {writing_us:.0f}, reading {reading_us:.0f}, "
-        f"package {package_us:.1f} us",
-        "",
-        "",
-    )
+        times[3].append(_each_s(lambda shown=shown: _publish(clients, next(shown))) / CLIENTS)
+    names = ("snapshot", "writing", "reading", "one package", "kernel")
+    parts = zip(names, map(median, times), strict=True)
+    return [Row(f"part of a tick, {what}: {name}", "us", cpu_s=time_s) for name, time_s in parts]
 
 
 def _publish(clients: list, output: object) -> None:  # type: ignore[type-arg]
@@ -104,18 +97,16 @@ def _publish(clients: list, output: object) -> None:  # type: ignore[type-arg]
         client.take()
 
 
-def _each_us(step: Callable[[], object]) -> float:
+def _each_s(step: Callable[[], object]) -> float:
     began = time.process_time()
     for _ in range(TICKS):
         step()
-    return (time.process_time() - began) / TICKS * 1e6
+    return (time.process_time() - began) / TICKS
 
 
 def _served(what: str, count: int, program: bytes, *options: str) -> Row:
-    from elitescript.services.child.process import processor_time_s
-
     with served(*options) as (ports, pid):
-        pids = [pid, *map(int, Path(f"/proc/{pid}/task/{pid}/children").read_text(encoding="ascii").split())]
+        processes = processes_of(pid)
         streams = [Stream(ports["rtsi"], OUTPUTS) for _ in range(count)]
         selector = selectors.DefaultSelector()
         for stream in streams:
@@ -125,15 +116,15 @@ def _served(what: str, count: int, program: bytes, *options: str) -> Row:
             with socket.create_connection(("127.0.0.1", ports["primary"])) as peer:
                 peer.sendall(program)
         for seconds in (1.0, SECONDS):
-            before = [processor_time_s(process) or 0.0 for process in pids]
+            before = used_s(processes)
             began = time.perf_counter()
             while (left := began + seconds - time.perf_counter()) > 0:
                 for key, _ in selector.select(left):
                     key.data.read()
             ticks = (time.perf_counter() - began) * 250
-            used = [(processor_time_s(process) or 0.0) - start for process, start in zip(pids, before, strict=True)]
+            used = [(now - start) / ticks for now, start in zip(used_s(processes), before, strict=True)]
         for stream in streams:
             stream.socket.close()
     names = ("parent", "child")
-    shares = ", ".join(f"{name} {share / ticks * 1e6:.0f} us" for name, share in zip(names, used, strict=False))
-    return (f"serve, {what}", shares, "", "")
+    shares = ", ".join(f"{name} {share * 1e6:.0f} us" for name, share in zip(names, used, strict=False))
+    return Row(f"a tick of serve, {what}", "us", cpu_s=sum(used), words=f"{shares}; {sum(used) * 250:.0%} of a core")

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from keyword import iskeyword
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
+from weakref import WeakMethod
 
 from elitescript.controller.signals.by_name import signal_write
 from elitescript.controller.views.signals import Signals
@@ -120,8 +121,8 @@ class VirtualRobot:
             self._outside,
             model=self.model,
             has_network=True,
-            on_event=self._event,
-            on_end=self._program_ended,
+            on_event=_weakly(self._event),
+            on_end=_weakly(self._program_ended),
         )
         self.profile = self._kernel.profile
         self.controller = self._kernel.controller
@@ -147,6 +148,12 @@ class VirtualRobot:
             self._outside.surroundings.begin(self._kernel)
             for request in self._outside.surroundings.input_faults:
                 self.controller.put(0, request, "fault")
+
+    def __del__(self) -> None:
+        # What the stack of a script thread refers to is never collected, and it refers to the whole machine.
+        host = getattr(self, "_host", None)
+        if host is not None:
+            host.forget_threads()
 
     # ---------------------------------------------------------------- reading
 
@@ -615,6 +622,18 @@ class VirtualRobot:
             # Scripts must not catch what is wrong with a listener: it leaves through `run`.
             self._listener_error = error
             self._host.interrupt()
+
+
+def _weakly(method: Callable[[Any], None]) -> Callable[[Any], None]:
+    """Return a function that calls a method while its object lives, so that the machine does not keep its robot."""
+    reference = WeakMethod(method)
+
+    def call(argument: Any) -> None:
+        bound = reference()
+        if bound is not None:
+            bound(argument)
+
+    return call
 
 
 def _earliest(tick: int | None, other: int | None) -> int | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from math import pi
 from pathlib import Path
 from typing import Final
@@ -16,6 +17,9 @@ from elitescript.records import field, fields_of, record, replace
 
 SUFFIX: Final = ".toml"
 """Of model files."""
+
+MODELS_KEPT: Final = 16
+"""Models that a process keeps: those of the package, and some of its own."""
 
 JOINT_NAMES: Final = ("base", "shoulder", "elbow", "wrist1", "wrist2", "wrist3")
 LINK_NAMES: Final = ("shoulder", "upperarm", "forearm", "wrist_1", "wrist_2", "wrist_3")
@@ -205,7 +209,12 @@ def load_model(name: str | Path) -> RobotModel:
     Raises:
         UsageError: there is no such model (the text names the nearest one), or its file is wrong.
     """
-    return load_model_file(name) if is_model_file(name) else _model(DataFile(*packaged(str(name))))
+    return load_model_file(name) if is_model_file(name) else _packaged_model(str(name))
+
+
+@lru_cache(MODELS_KEPT)
+def _packaged_model(name: str) -> RobotModel:
+    return _model(DataFile(*packaged(name)))
 
 
 def is_model_file(name: str | Path) -> bool:
@@ -223,8 +232,9 @@ def load_model_file(path: str | Path) -> RobotModel:
     return parse_model(Path(path).name, read_text(Path(path)))
 
 
+@lru_cache(MODELS_KEPT)
 def parse_model(file: str, text: str) -> RobotModel:
-    """Return the model that the text of a file describes.
+    """Return the model that the text of a file describes; the same text is parsed once in a process.
 
     Args:
         file: its name, for error texts.

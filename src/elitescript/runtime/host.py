@@ -197,6 +197,10 @@ class ScriptHost:
         """
         self._end(STOPPED)
 
+    def forget_threads(self) -> None:
+        """Drop the stacks of all threads, once nobody can run them any more."""
+        self._scheduler.forget()
+
     def end_now(self, tick: int) -> None:
         """End the program at once, in the inbox phase of a tick, so that another one can start in this tick."""
         if self._main is None or self._program is None:

@@ -34,6 +34,8 @@ from elitescript.messages.signals import (
 if TYPE_CHECKING:
     from elitescript.controller.signals.input_faults import InputFaults
 
+_START: Final[Mapping[str, tuple[Value, ...]]] = {row.name: (row.default,) * row.size for row in SIGNALS.values()}
+"""Levels at the start; robots share them until one changes."""
 TOOL_PIN_OUT: Final = "tool_digital_out"
 TOOL_PIN_IN: Final = "tool_digital_in"
 _ANALOG: Final = tuple(name for name, row in SIGNALS.items() if row.has_domain)
@@ -86,13 +88,13 @@ class SignalImage:
         self._on_override = on_override
         self._overridden: set[tuple[str, int]] = set()
         """Tied outputs for which `on_override` was called since a program started."""
-        self._values: dict[str, list[Value]] = {row.name: [row.default] * row.size for row in SIGNALS.values()}
+        self._values: dict[str, list[Value]] = {name: list(levels) for name, levels in _START.items()}
         self._domains: dict[tuple[str, int], AnalogDomain] = {}
         self._domain_image: dict[str, tuple[AnalogDomain, ...]] | None = None
         self._runstate: dict[tuple[str, int], RunstateChoice] = {}
         self._freedrive_inputs: set[tuple[str, int]] = set()
         self._is_running = False
-        self._image: dict[str, tuple[Value, ...]] = {name: tuple(values) for name, values in self._values.items()}
+        self._image = _START
         self._stale: set[str] = set()
         self.faults: InputFaults | None = None
         self.tool_pins: list[SetToolPin] = list(_DEFAULT_TOOL_PINS)
@@ -150,10 +152,11 @@ class SignalImage:
     def non_defaults(self) -> dict[str, Value]:
         """Return every point that is not at its default, under the name that `--set` takes."""
         return {
-            signal_name(row, index): value
-            for row in SIGNALS.values()
-            for index, value in enumerate(self._values[row.name])
-            if value != row.default
+            signal_name(SIGNALS[name], index): value
+            for name, levels in self.image.items()
+            if levels is not _START[name]
+            for index, value in enumerate(levels)
+            if value != _START[name][index]
         }
 
     def write(self, request: WriteSignal) -> None:

@@ -270,6 +270,11 @@ class Scheduler:
             current.suspend()
             self._go_on(current)
 
+    def forget(self) -> None:
+        """Drop the stacks of all strands, which never run again."""
+        for strand in self.strands:
+            strand.forget()
+
     def refuse_if_stopped(self) -> None:
         """Let `finally` blocks of a stopped strand use commands that do not wait; stop it again otherwise.
 

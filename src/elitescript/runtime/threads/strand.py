@@ -175,6 +175,11 @@ class Strand:
         self.is_abandoned = True
         _abandoned.append(self._greenlet)
 
+    def forget(self) -> None:
+        """Drop its stack; what its `finally` blocks ask for is refused, and it never runs again."""
+        self.resume = self.suspend = _not_begun
+        self._greenlet = None
+
     def spend_cleanup(self) -> None:
         """Count the work of `finally` blocks of a stopped thread; stop it again if it has swallowed the stop.
 
