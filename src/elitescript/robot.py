@@ -605,14 +605,16 @@ class VirtualRobot:
                 self._globals = self._host.monitor()
 
     def _event(self, event: Event) -> None:
-        if isinstance(event, SignalChanged) and self._outside.surroundings is not None:
+        if self._outside.surroundings is not None and isinstance(event, SignalChanged):
             self._outside.surroundings.signal_changed(event.name, event.value)
-        if self._run is None or self._run.is_closed or self._limit.takes(event):
+        run = self._run
+        if run is None or run.is_closed or self._limit.takes(event):
             self._pass_on(event)
 
     def _pass_on(self, event: Event) -> None:
-        if self._run is not None and not self._run.is_closed:
-            self._run.add(event)
+        run = self._run
+        if run is not None and not run.is_closed:
+            run.add(event)
         self._kernel.publish_event(event)
         if self._on_event is None or self._listener_error is not None:
             return

@@ -169,7 +169,9 @@ class Run:
 
     def add(self, event: Event) -> None:
         """Record an event of this run."""
-        self.events_dropped += _keep(self.events, event)
+        self.events.append(event)
+        if len(self.events) > _SURPLUS_FROM:
+            self.events_dropped += _trim(self.events)
         if type(event) not in _WITH_TEXT:
             return
         if isinstance(event, TextMessage):
@@ -193,12 +195,19 @@ _WITH_TEXT: Final = frozenset({TextMessage, Printed, Warned, DeviceNoted, Alarm}
 """Events that have a list of their own in a run."""
 
 
-def _keep(records: list[_Record], record: _Record) -> int:
-    """Append to a bounded list; return how many old records were dropped."""
+_SURPLUS_FROM: Final = RECORDS_MAX + RECORDS_MAX // 10
+"""A list is shortened by a tenth at a time: what is taken from its front costs its length."""
+
+
+def _keep(records: list[_Record], record: _Record) -> None:
+    """Append to a bounded list."""
     records.append(record)
+    if len(records) > _SURPLUS_FROM:
+        _trim(records)
+
+
+def _trim(records: list[_Record]) -> int:
+    """Drop the oldest records beyond the bound; return how many."""
     surplus = len(records) - RECORDS_MAX
-    # A tenth at a time: what is taken from the front of a list costs its length.
-    if surplus <= RECORDS_MAX // 10:
-        return 0
     del records[:surplus]
     return surplus

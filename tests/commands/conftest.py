@@ -252,6 +252,7 @@ class FakeRobot:
         self.doubts: list[Any] = []
         self.told: list[tuple[str, str, str]] = []
         self._random = random.Random(7)
+        self.machine.write = self._write
 
     def _ask(self, *what: Any) -> None:
         if self.refusal is not None:
@@ -281,8 +282,10 @@ class FakeRobot:
 
     def request(self, request: Any) -> None:
         self._ask(request)
-        if isinstance(request, WriteSignal):
-            self.machine.image[request.name, request.index] = request.value
+
+    def _write(self, name: str, index: int, value: Any) -> None:
+        self._ask(WriteSignal(name, index, value))
+        self.machine.image[name, index] = value
 
     def wait_ticks(self, count: int) -> None:
         self._ask("wait_ticks", count)

@@ -10,7 +10,6 @@ from elitescript.controller.safety.monitor import SafetyMonitor
 from elitescript.controller.signals.image import SignalImage
 from elitescript.controller.tool_setup import Setup
 from elitescript.messages.enums import SafetyMode
-from elitescript.messages.machine import WriteSignal
 from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.yielding import ForceMode
 from elitescript.models.model import load_model
@@ -33,7 +32,7 @@ def watch(signals):
 
 
 def look(watch, signals, force, mode=NORMAL):
-    signals.write(WriteSignal("external_wrench", 1, -force))
+    signals.write("external_wrench", 1, -force)
     breach, warning = watch.look(MODEL.home, ZERO_SIX, mode)
     return None if breach is None else breach.value, warning
 

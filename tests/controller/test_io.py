@@ -9,7 +9,6 @@ from elitescript.messages.machine import (
     SetInputAction,
     SetRunstateChoice,
     SetToolPin,
-    WriteSignal,
 )
 
 
@@ -24,8 +23,8 @@ def image(changes):
 
 
 def test_a_change_is_told_once(image, changes):
-    image.write(WriteSignal("standard_digital_out", 3, True))
-    image.write(WriteSignal("standard_digital_out", 3, True))
+    image.write("standard_digital_out", 3, True)
+    image.write("standard_digital_out", 3, True)
     assert changes == [("standard_digital_out", 3, True)]
     assert image.non_defaults() == {"standard_digital_out[3]": True}
 
@@ -33,7 +32,7 @@ def test_a_change_is_told_once(image, changes):
 @pytest.mark.parametrize("value", [2**31, -(2**31) - 1])
 def test_an_integer_register_has_32_bits(image, changes, value):
     with pytest.raises(ArgumentRangeError, match="output_int_register\\[0\\]"):
-        image.write(WriteSignal("output_int_register", 0, value))
+        image.write("output_int_register", 0, value)
     assert changes == []
 
 
@@ -63,7 +62,7 @@ def test_an_output_keeps_its_fraction_when_the_domain_changes(image):
 def test_an_input_level_outside_its_domain_is_refused(image):
     image.set_analog_domain(SetAnalogDomain("standard_analog_in", 0, AnalogDomain.CURRENT))
     with pytest.raises(ArgumentRangeError, match=r"\[0, 0\.02\] A"):
-        image.write(WriteSignal("standard_analog_in", 0, 5.0))
+        image.write("standard_analog_in", 0, 5.0)
 
 
 @pytest.mark.parametrize(
@@ -76,7 +75,7 @@ def test_an_input_level_outside_its_domain_is_refused(image):
     ],
 )
 def test_a_start_moves_only_outputs_that_are_tied_to_both_states(image, choice, stopped, running):
-    image.write(WriteSignal("configurable_digital_out", 0, True))
+    image.write("configurable_digital_out", 0, True)
     image.set_runstate(SetRunstateChoice("configurable_digital_out", 0, choice))
     assert image.read("configurable_digital_out", 0) is stopped
     image.set_running(True)
@@ -90,15 +89,15 @@ def test_what_is_commanded_while_stopped_has_no_effect_and_is_told_once():
     image = SignalImage(lambda *change: None, lambda *write: told.append(write))
     image.set_runstate(SetRunstateChoice("standard_digital_out", 0, RunstateChoice.HIGH_WHEN_STOPPED))
     for level in (True, False, False):
-        image.write(WriteSignal("standard_digital_out", 0, level))
+        image.write("standard_digital_out", 0, level)
     assert told == [("standard_digital_out", 0, True)]
     image.set_running(True)
     assert image.read("standard_digital_out", 0) is True
-    image.write(WriteSignal("standard_digital_out", 0, False))
+    image.write("standard_digital_out", 0, False)
     assert image.read("standard_digital_out", 0) is False
     image.set_running(False)
     assert image.read("standard_digital_out", 0) is True
-    image.write(WriteSignal("standard_digital_out", 0, False))
+    image.write("standard_digital_out", 0, False)
     assert len(told) == 2
 
 
@@ -111,8 +110,8 @@ def test_an_analog_output_follows_the_run_state_in_its_domain(image):
 
 
 def test_a_tool_pin_reads_what_its_direction_says(image):
-    image.write(WriteSignal("tool_digital_out", 0, True))
-    image.write(WriteSignal("tool_digital_in", 2, True))
+    image.write("tool_digital_out", 0, True)
+    image.write("tool_digital_in", 2, True)
     assert [image.tool_pin(index) for index in range(4)] == [True, False, True, False]
 
 
@@ -120,19 +119,19 @@ def test_a_tool_pin_reads_what_its_direction_says(image):
 def test_only_an_enabled_output_pin_is_driven(image, is_enabled, words):
     image.set_tool_pin(SetToolPin(1, ToolPinMode.NPN, is_enabled=is_enabled, is_output=not is_enabled))
     with pytest.raises(ScriptStateError, match=words) as caught:
-        image.write(WriteSignal("tool_digital_out", 1, True))
+        image.write("tool_digital_out", 1, True)
     assert caught.value.code == "R122"
     assert image.non_defaults() == {}
 
 
 def test_a_high_input_asks_for_hand_guiding_as_long_as_it_is_bound_to_it(image):
-    image.write(WriteSignal("standard_digital_in", 4, True))
+    image.write("standard_digital_in", 4, True)
     assert image.freedrive_point is None
     image.set_input_action(SetInputAction("standard_digital_in", 4, is_freedrive=True))
     assert image.freedrive_point == "standard_digital_in[4]"
-    image.write(WriteSignal("standard_digital_in", 4, False))
+    image.write("standard_digital_in", 4, False)
     assert image.freedrive_point is None
-    image.write(WriteSignal("standard_digital_in", 4, True))
+    image.write("standard_digital_in", 4, True)
     image.set_input_action(SetInputAction("standard_digital_in", 4, is_freedrive=False))
     assert image.freedrive_point is None
 
@@ -146,8 +145,8 @@ def test_a_new_domain_gives_an_output_that_nobody_set_the_lowest_level(image):
 
 
 def test_an_input_keeps_its_level_if_the_new_domain_has_it_and_its_fraction_if_not(image):
-    image.write(WriteSignal("standard_analog_in", 0, 0.012))
-    image.write(WriteSignal("standard_analog_in", 1, 5.0))
+    image.write("standard_analog_in", 0, 0.012)
+    image.write("standard_analog_in", 1, 5.0)
     for index in (0, 1):
         image.set_analog_domain(SetAnalogDomain("standard_analog_in", index, AnalogDomain.CURRENT))
     assert image.read("standard_analog_in", 0) == 0.012
@@ -157,12 +156,12 @@ def test_an_input_keeps_its_level_if_the_new_domain_has_it_and_its_fraction_if_n
 def test_an_image_shares_what_has_not_changed_with_the_one_before():
     image = SignalImage(lambda name, index, value: None)
     before = image.image
-    image.write(WriteSignal("flag", 3, True))
+    image.write("flag", 3, True)
     after = image.image
     assert image.image is after
     assert before["flag"][3] is False
     assert after["flag"][3] is True
     assert [name for name in before if before[name] is not after[name]] == ["flag"]
     assert list(before) == list(after)
-    image.write(WriteSignal("flag", 3, True))
+    image.write("flag", 3, True)
     assert image.image is after

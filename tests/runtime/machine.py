@@ -47,12 +47,14 @@ class FakeMachine:
 
     def request(self, request: Any) -> None:
         self.requests.append((self.tick, request))
-        if isinstance(request, WriteSignal):
-            self.signals[request.name, request.index] = request.value
-        elif isinstance(request, PauseTask):
+        if isinstance(request, PauseTask):
             self.host.pause()
         elif isinstance(request, ResumeTask):
             self.host.resume()
+
+    def write(self, name: str, index: int, value: Any) -> None:
+        self.requests.append((self.tick, WriteSignal(name, index, value)))
+        self.signals[name, index] = value
 
     def read(self, name: str, index: int = 0) -> Any:
         return self.signals.get((name, index), False)

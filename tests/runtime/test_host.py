@@ -270,8 +270,7 @@ body()
     def test_from_inside_a_command_it_comes_at_the_next_checkpoint(self):
         bench = Bench()
         bench.machine.cancel_move = lambda move: None
-        request = bench.machine.request
-        bench.machine.request = lambda item: (request(item), bench.host.stop("power"))
+        bench.machine.write = lambda *point: bench.host.stop("power")
         bench.start('def a():\n  set_flag(1, True)\n  for n in [1]:\n    textmsg("never")\nend\n').run()
         assert (bench.log, bench.ends) == ([], ["stopped"])
 

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated
 
 from elitescript.commands.definition.quantities import Bool, signal_index
 from elitescript.commands.definition.registry import command
-from elitescript.messages.machine import WriteSignal
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.context import Robot
@@ -74,7 +73,7 @@ def set_configurable_digital_out(
         n: index of the output.
         b: level.
     """
-    robot.request(WriteSignal("configurable_digital_out", n, b))
+    robot.machine.write("configurable_digital_out", n, b)
 
 
 @command(family="io", manual="3.13")
@@ -85,4 +84,4 @@ def set_standard_digital_out(robot: Robot, n: Annotated[int, signal_index("stand
         n: index of the output. A MINI control box has only 0 to 7 (*assumed*: the simulated one has them all).
         b: level.
     """
-    robot.request(WriteSignal("standard_digital_out", n, b))
+    robot.machine.write("standard_digital_out", n, b)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 from elitescript.commands.definition.quantities import Bool, Integer, Real, Whole, signal_index
 from elitescript.commands.definition.registry import command
-from elitescript.messages.machine import WriteSignal
 from elitescript.messages.signals import INT32_HIGH, INT32_LOW
 
 if TYPE_CHECKING:
@@ -89,7 +88,7 @@ def write_output_boolean_register(robot: Robot, address: _BoolAddress, value: Bo
     Args:
         value: what to store.
     """
-    robot.request(WriteSignal("output_bool_register", address, value))
+    robot.machine.write("output_bool_register", address, value)
 
 
 @command(family="registers", manual="3.65", arguments=_ARGUMENTS)
@@ -99,7 +98,7 @@ def write_output_float_register(robot: Robot, address: _FloatAddress, value: Rea
     Args:
         value: what to store.
     """
-    robot.request(WriteSignal("output_float_register", address, value))
+    robot.machine.write("output_float_register", address, value)
 
 
 @command(family="registers", manual="3.66", arguments=_ARGUMENTS)
@@ -111,4 +110,4 @@ def write_output_integer_register(
     Args:
         value: what to store, signed 32 bits (*assumed*).
     """
-    robot.request(WriteSignal("output_int_register", address, value))
+    robot.machine.write("output_int_register", address, value)

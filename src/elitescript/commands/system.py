@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from elitescript.commands.definition.quantities import Bool, Choice, Number, Seconds, Str, signal_index
 from elitescript.commands.definition.registry import command
-from elitescript.messages.machine import PowerDown, WriteSignal
+from elitescript.messages.machine import PowerDown
 from elitescript.messages.timing import PERIOD_S, ticks_for
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def set_flag(robot: Robot, n: _FlagNumber, b: Bool) -> None:
         n: number of the flag.
         b: value.
     """
-    robot.request(WriteSignal("flag", n, b))
+    robot.machine.write("flag", n, b)
 
 
 @command(family="system", manual="6.4.3")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from elitescript.commands.definition.quantities import Bool, Choice, Integer, signal_index
 from elitescript.commands.definition.registry import command
 from elitescript.messages.enums import ToolPinMode
-from elitescript.messages.machine import SetToolAnalogMode, SetToolPin, WriteSignal
+from elitescript.messages.machine import SetToolAnalogMode, SetToolPin
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.context import Robot
@@ -26,7 +26,7 @@ def set_tool_digital(robot: Robot, n: _PinIndex, b: Bool) -> None:
     Raises:
         ScriptStateError: the pin is disabled or an input.
     """
-    robot.request(WriteSignal("tool_digital_out", n, b))
+    robot.machine.write("tool_digital_out", n, b)
 
 
 @command(family="io", manual="3.17")
@@ -78,4 +78,4 @@ def set_tool_voltage(robot: Robot, voltage: Annotated[int, Choice(0, 12, 24, uni
     Args:
         voltage: supply voltage.
     """
-    robot.request(WriteSignal("tool_voltage", 0, voltage))
+    robot.machine.write("tool_voltage", 0, voltage)

@@ -53,6 +53,7 @@ from elitescript.messages.machine import (
     StopTask,
     WritePortCoils,
     WritePortRegisters,
+    WriteSignal,
 )
 from elitescript.messages.motion import MotionRequest, Six, StopJ, StopL, StopTracking, TrackRequest
 from elitescript.messages.path_offset import OffsetFrame, PathOffsetRequest
@@ -213,11 +214,16 @@ class Controller:
 
     def next_tick(self) -> int | None:
         """Return the next tick at which anything is due; None if nothing will happen by itself."""
-        tick, due_arm = self._tick, self.arm_state.next_tick
+        tick = self._tick
+        # In the order in which the next tick is due most often: nothing else matters then.
+        due_program = self.task.program.next_tick(tick)
+        if due_program == tick + 1:
+            return due_program
+        due_arm = self.arm_state.next_tick
         if due_arm == tick + 1 or self.safety.next_tick(tick) is not None:
             return tick + 1
-        due = self.task.program.next_tick(tick), self._inbox.next_tick, self.power.next_tick, self._fault_tick
-        ticks = [at for at in (due_arm, *due) if at is not None]
+        due = due_program, due_arm, self._inbox.next_tick, self.power.next_tick, self._fault_tick
+        ticks = [at for at in due if at is not None]
         return max(min(ticks), tick + 1) if ticks else None
 
     @property
@@ -512,6 +518,16 @@ class Controller:
         finally:
             self._by = before
 
+    def write(self, name: str, index: int, value: Value) -> None:
+        """Set one point of the signal image: the request `WriteSignal`, for programs that write in every tick.
+
+        Raises:
+            ScriptError: out of range, or a tool pin that is no output; nothing has changed.
+        """
+        self.signals.write(name, index, value)
+        if self.signals.freedrive_inputs:
+            self.guide_by_input()
+
     def emit(self, event: Event) -> None:
         """Record an event."""
         self._on_event(event)
@@ -573,11 +589,13 @@ class Controller:
 
     def _signal_changed(self, name: str, index: int, value: Value) -> None:
         by = self._by
-        line = self.task.program.caller[1] if by == PROGRAM else 0
-        self.emit(SignalChanged(self._tick, signal_name(SIGNALS[name], index), value, by, line))
-        if name == SPEED_SIGNAL:
-            self.tracking.encoders[index].turn(float(value), self._tick)
-        self.safety.signal_changed(name, value, self._tick)
+        line = self.task.program.caller_line if by == PROGRAM else 0
+        row = SIGNALS[name]
+        self._on_event(SignalChanged(self._tick, signal_name(row, index), value, by, line))
+        if row.is_input:
+            if name == SPEED_SIGNAL:
+                self.tracking.encoders[index].turn(float(value), self._tick)
+            self.safety.signal_changed(name, value, self._tick)
 
     def _write_overridden(self, name: str, index: int, level: Value) -> None:
         point = signal_name(SIGNALS[name], index)
@@ -690,6 +708,7 @@ HANDLERS: Final[dict[type, Callable[[Controller, Any], None]]] = {
     DisturbInput: _disturb_input,
     EndInputFaults: _end_input_faults,
     **dict.fromkeys(SIGNAL_SETTINGS, _set_signal),
+    WriteSignal: lambda controller, request: controller.write(request.name, request.index, request.value),
     **dict.fromkeys(SETUP_HANDLERS, _declare),
     **dict.fromkeys(ENCODER_HANDLERS, _set_encoder),
     **dict.fromkeys(YIELD_SETTINGS, _set_force),

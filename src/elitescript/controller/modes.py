@@ -130,7 +130,7 @@ class Power:
 
     def go_on(self, tick: int) -> None:
         """Make the steps that are due."""
-        while (due := self.next_tick) is not None and due <= tick:
+        while self._goal is not None and (due := self.next_tick) is not None and due <= tick:
             self._since_tick = due
             self.apply(STEPS[self.mode][0])
             if self.mode is self._goal:

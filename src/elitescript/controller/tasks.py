@@ -45,12 +45,17 @@ class ProgramPort(Protocol):
     def caller(self) -> tuple[str, int]:
         """Name and line of the running thread; an empty name and 0 while none runs."""
 
+    @property
+    def caller_line(self) -> int:
+        """Line of the running thread; 0 while none runs."""
+
 
 class NoProgram:
     """Do nothing: the port until a host is attached."""
 
     line = 0
     caller = ("", 0)
+    caller_line = 0
 
     def _ignore(self, *_: Any) -> None:
         pass

@@ -81,7 +81,9 @@ class LocalChannels:
     @property
     def is_real(self) -> bool:
         """Whether a connection is open, being opened, being closed with bytes under way, or lost not long ago."""
-        return bool(self._open) or self._tick < self._hope_tick or any(channel.pending for channel in self._leaving)
+        if self._open or self._tick < self._hope_tick:
+            return True
+        return bool(self._leaving) and any(channel.pending for channel in self._leaving)
 
     def open(self, address: str, port: int, timeout_s: float) -> int:
         """Begin to connect."""

@@ -13,7 +13,7 @@ A plain run needs neither ports nor inputs. They are imported by the first that 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from elitescript.controller.controller import Controller
 from elitescript.controller.views.signals import Signals
@@ -387,7 +387,7 @@ class Kernel:
             self._events.append(event)
 
     def _event(self, event: Event) -> None:
-        if isinstance(event, Popup | TaskStateChanged):
+        if type(event) in _IN_WINDOW:
             self.popup.take(event)
         self.host.spend_event()
         self._on_event(event)
@@ -410,6 +410,10 @@ class Kernel:
 
     def _note_fault(self, text: str) -> None:
         self.emit(DeviceNoted(self.controller.tick, "fault", text))
+
+
+_IN_WINDOW: Final = frozenset({Popup, TaskStateChanged})
+"""Events that open or close the message window."""
 
 
 def _is_rtsi_input(name: str) -> bool:

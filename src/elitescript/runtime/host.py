@@ -36,6 +36,10 @@ FINISHED: Final = "finished"
 ALARM: Final = "alarm"
 STOPPED: Final = "stopped"
 
+_FRAMES_OF_A_CHANGE: Final = 6
+"""At least as many calls lie between a script's call of a command and `caller_line`, for which every change of a signal
+asks; the walk to the script passes them in one step."""
+
 SECONDARY_WARNING: Final = "[SEC] Exception: "
 
 
@@ -60,6 +64,7 @@ class ScriptHost:
         interpreter: statements of interpreter mode.
         moves: threads that wait for moves.
         rpc_timeout_s: see above.
+        spend_event: charges the running thread a part of its tick for an event.
         connections: receiver of each open channel.
         watchdogs: on RTSI inputs.
     """
@@ -84,6 +89,7 @@ class ScriptHost:
         "moves",
         "result",
         "rpc_timeout_s",
+        "spend_event",
         "watchdogs",
     )
 
@@ -109,6 +115,7 @@ class ScriptHost:
         self._scheduler = Scheduler(
             work_per_tick=work_per_tick, on_end=self._strand_ended, on_abandoned=self._strand_abandoned
         )
+        self.spend_event = self._scheduler.spend_event
         self._program: Program | None = None
         self._main: Strand | None = None
         self._ending = ""
@@ -231,10 +238,6 @@ class ScriptHost:
 
     # ---------------------------------------------------------------- reading
 
-    def spend_event(self) -> None:
-        """Charge the running thread a part of its tick for an event."""
-        self._scheduler.spend_event()
-
     @property
     def is_running(self) -> bool:
         """Whether a program runs; a paused one does."""
@@ -260,6 +263,12 @@ class ScriptHost:
         """Name and line of the running thread; an empty name and 0 while none runs."""
         strand = self._scheduler.current
         return ("", 0) if strand is None else (strand.name, strand.line)
+
+    @property
+    def caller_line(self) -> int:
+        """Line of the running thread; 0 while none runs."""
+        strand = self._scheduler.current
+        return 0 if strand is None else strand.line_behind(_FRAMES_OF_A_CHANGE)
 
     def monitor(self) -> dict[str, Any]:
         """Return the globals of the program that runs or ran last, in the order of first assignment."""

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class Machine(Protocol):
-    """The controller between two ticks. Reading costs little; changes are requests."""
+    """The controller between two ticks. Reading and `write` cost little; other changes are requests."""
 
     @property
     def tick(self) -> int: ...
@@ -95,6 +95,13 @@ class Machine(Protocol):
 
     def read(self, name: str, index: int = 0) -> Value:
         """Return one point of the signal image; see `messages.signals`."""
+
+    def write(self, name: str, index: int, value: Value) -> None:
+        """Set one point of the signal image.
+
+        Raises:
+            ScriptError: out of range, or a tool pin that is no output; nothing has changed.
+        """
 
     def tool_pin(self, index: int) -> bool:
         """Return the level of a tool pin as its configuration makes it: the driven or the applied one."""

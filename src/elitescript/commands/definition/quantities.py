@@ -107,12 +107,7 @@ class Number(Quantity):
         return _range_text(self.low, self.high, self.is_low_open)
 
     def coerce(self, value: Any) -> float:
-        if not isinstance(value, (int, float)):
-            raise self.wrong_type(value, "a number")
-        try:
-            number = float(value)
-        except OverflowError:
-            raise self.out_of_range(value, "a number that fits a float") from None
+        number = value if type(value) is float else self._as_float(value)
         if not isfinite(number) and not self.allows_non_finite:
             raise self.out_of_range(value, "a finite number")
         low = self.low
@@ -121,6 +116,14 @@ class Number(Quantity):
         ):
             raise self.out_of_range(value)
         return number
+
+    def _as_float(self, value: Any) -> float:
+        if not isinstance(value, (int, float)):
+            raise self.wrong_type(value, "a number")
+        try:
+            return float(value)
+        except OverflowError:
+            raise self.out_of_range(value, "a number that fits a float") from None
 
 
 class Integer(Quantity):
@@ -140,9 +143,11 @@ class Integer(Quantity):
         return f"in [{self.low}, {self.high}]"
 
     def coerce(self, value: Any) -> int:
-        if not isinstance(value, int):
-            raise self.wrong_type(value, "an int")
-        number = int(value)
+        number = value
+        if type(value) is not int:
+            if not isinstance(value, int):
+                raise self.wrong_type(value, "an int")
+            number = int(value)
         if (self.low is not None and number < self.low) or (self.high is not None and number > self.high):
             raise self.out_of_range(value)
         return number

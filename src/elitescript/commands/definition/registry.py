@@ -204,24 +204,22 @@ class Command:
             ScriptError: complete with command, argument, value, limit and unit.
         """
         details = self._details or self.details
-        params = details.params
-        if not kwargs and details.required <= len(args) <= len(params):
-            values = [*args, *[_OMITTED] * (len(params) - len(args))]
-        else:
-            values = self._arrange(args, kwargs)
-        for index, param in enumerate(params):
-            value = values[index]
-            if value is _OMITTED:
-                values[index] = param.default_value
-                continue
-            try:
-                values[index] = param.quantity.coerce(value)
-            except ScriptError as error:
-                error.command = self.name
-                error.argument = param.name
-                error.args = (f"{self.name}: {param.name} {error.args[0]}",)
-                raise
-        return values
+        coercions = details.coercions
+        given: Sequence[Any] = args
+        if kwargs or not details.required <= len(args) <= len(coercions):
+            given = self._arrange(args, kwargs)
+        elif len(args) < len(coercions):
+            given = [*args, *[_OMITTED] * (len(coercions) - len(args))]
+        values: list[Any] = []
+        try:
+            for coerce, value in zip(coercions, given):  # noqa: B905  `*more` follows
+                values.append(coerce(value) if value is not _OMITTED else details.params[len(values)].default_value)
+        except ScriptError as error:
+            error.command = self.name
+            error.argument = argument = details.params[len(values)].name
+            error.args = (f"{self.name}: {argument} {error.args[0]}",)
+            raise
+        return values if len(given) == len(values) else [*values, *given[len(values) :]]
 
     def call(self, robot: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
         """Bind and run; tuples come back as the lists that scripts expect.
@@ -233,7 +231,7 @@ class Command:
             text = f"{self.name} moves or waits, which a secondary program (sec) may not do"
             raise ScriptStateError(text, code="R120", command=self.name)
         values = self.bind(args, kwargs)
-        details = self.details
+        details = self._details or self.details
         doubts = self._doubts(robot, values) if details.judged and robot is not None else None
         try:
             if doubts:
@@ -253,7 +251,7 @@ class Command:
             robot.tell_doubts()
         if details.kind and robot is not None:
             robot.remember(details.kind, result)
-        return _as_script_value(result)
+        return _as_script_value(result) if type(result) is tuple else result
 
     def _doubts(self, robot: Any, values: list[Any]) -> list[Doubt]:
         """Return the doubts about values that are legal but hardly meant, with command and parameter in the text."""
@@ -314,10 +312,8 @@ class Command:
         return [*values, *args[len(values) :]]
 
 
-def _as_script_value(result: Any) -> Any:
-    """Return tuples, also inside tuples, as lists."""
-    if type(result) is not tuple:
-        return result
+def _as_script_value(result: tuple[Any, ...]) -> list[Any]:
+    """Return a tuple, also tuples inside it, as lists."""
     return [_as_script_value(item) if type(item) is tuple else item for item in result]
 
 
@@ -326,6 +322,7 @@ class _Details:
 
     __slots__ = (
         "behaviour",
+        "coercions",
         "forms",
         "indices",
         "judged",
@@ -362,6 +359,7 @@ class _Details:
             spellings += tuple(other for other in SPELLINGS.get(name, ()) if other not in names)
             params.append(Param(name, quantity, default, spellings, texts[name]))
         self.params = tuple(params)
+        self.coercions = tuple(param.quantity.coerce for param in params)
         self.required = sum(param.is_required for param in params)
         """How many parameters every call must pass; they are the first ones."""
         self.indices = {name: index for index, param in enumerate(params) for name in (param.name, *param.spellings)}

@@ -21,7 +21,6 @@ from elitescript.messages.machine import (
     SetRunstateChoice,
     SetToolAnalogMode,
     SetToolPin,
-    WriteSignal,
 )
 from elitescript.messages.signals import (
     ANALOG_CURRENT_A,
@@ -39,6 +38,9 @@ _START: Final[Mapping[str, tuple[Value, ...]]] = {row.name: (row.default,) * row
 TOOL_PIN_OUT: Final = "tool_digital_out"
 TOOL_PIN_IN: Final = "tool_digital_in"
 _ANALOG: Final = tuple(name for name, row in SIGNALS.items() if row.has_domain)
+_BOUNDED: Final = frozenset((TOOL_PIN_OUT, *_ANALOG, *(name for name, row in SIGNALS.items() if row.low is not None)))
+"""Families that do not take every value, or not at any time."""
+_FLOATS: Final = frozenset(name for name, row in SIGNALS.items() if row.kind == "float")
 _DEFAULT_TOOL_PINS: Final = tuple(
     SetToolPin(index, ToolPinMode.PNP, is_enabled=True, is_output=index < 2) for index in range(4)
 )
@@ -58,6 +60,7 @@ class SignalImage:
 
     Attributes:
         faults: of inputs; None before the first one.
+        freedrive_inputs: inputs that are bound to hand guiding, by family and index.
         tool_pins: configuration of the digital pins of the tool.
         tool_analog_mode: function of the shared pins of the tool.
     """
@@ -65,7 +68,6 @@ class SignalImage:
     __slots__ = (
         "_domain_image",
         "_domains",
-        "_freedrive_inputs",
         "_image",
         "_is_running",
         "_on_change",
@@ -75,6 +77,7 @@ class SignalImage:
         "_stale",
         "_values",
         "faults",
+        "freedrive_inputs",
         "tool_analog_mode",
         "tool_pins",
     )
@@ -92,7 +95,7 @@ class SignalImage:
         self._domains: dict[tuple[str, int], AnalogDomain] = {}
         self._domain_image: dict[str, tuple[AnalogDomain, ...]] | None = None
         self._runstate: dict[tuple[str, int], RunstateChoice] = {}
-        self._freedrive_inputs: set[tuple[str, int]] = set()
+        self.freedrive_inputs: set[tuple[str, int]] = set()
         self._is_running = False
         self._image = _START
         self._stale: set[str] = set()
@@ -159,30 +162,31 @@ class SignalImage:
             if value != _START[name][index]
         }
 
-    def write(self, request: WriteSignal) -> None:
+    def write(self, name: str, index: int, value: Value) -> None:
         """Set one point.
 
         Raises:
             ScriptError: out of range, or a tool pin that is no output; nothing has changed.
         """
-        name, index, value = request.name, request.index, request.value
-        self.check(request, self.domain(name, index))
-        self._command(name, index, float(value) if SIGNALS[name].kind == "float" else value)
+        if name in _BOUNDED:
+            self.check(name, index, value)
+        self._command(name, index, float(value) if name in _FLOATS else value)
 
-    def check(self, request: WriteSignal, domain: AnalogDomain) -> None:
+    def check(self, name: str, index: int, value: Value, domain: AnalogDomain | None = None) -> None:
         """Check that a point can take a value.
 
         Args:
-            request: the point and its value.
-            domain: of the point, if it is an analog channel.
+            name: of the family.
+            index: of the point.
+            value: the new one.
+            domain: of an analog channel; its present one if None.
 
         Raises:
             ScriptError: out of range, or a tool pin that is no output.
         """
-        name, index, value = request.name, request.index, request.value
         row = SIGNALS[name]
         if name in _ANALOG:
-            _check_analog(name, index, float(value), domain)
+            _check_analog(name, index, float(value), self.domain(name, index) if domain is None else domain)
         elif row.low is not None and row.high is not None and not row.low <= value <= row.high:
             raise ArgumentRangeError(
                 f"{signal_name(row, index)} must be in [{row.low:g}, {row.high:g}] {row.unit}".rstrip()
@@ -230,18 +234,18 @@ class SignalImage:
         """Bind hand guiding to an input, or unbind it."""
         key = (request.name, request.index)
         if request.is_freedrive:
-            self._freedrive_inputs.add(key)
+            self.freedrive_inputs.add(key)
         else:
-            self._freedrive_inputs.discard(key)
+            self.freedrive_inputs.discard(key)
 
     def reset_input_actions(self, _request: ResetInputActions) -> None:
         """Unbind every input."""
-        self._freedrive_inputs.clear()
+        self.freedrive_inputs.clear()
 
     @property
     def freedrive_point(self) -> str | None:
         """Name of an input that is high and bound to hand guiding; None without one."""
-        for name, index in sorted(self._freedrive_inputs):
+        for name, index in sorted(self.freedrive_inputs):
             if self.read(name, index):
                 return signal_name(SIGNALS[name], index)
         return None
@@ -275,7 +279,7 @@ class SignalImage:
         )
 
     def _command(self, name: str, index: int, value: Value) -> None:
-        forced = self._forced(name, index)
+        forced = self._forced(name, index) if self._runstate else None
         if forced is None:
             self._store(name, index, value)
         elif forced != value and (name, index) not in self._overridden:
@@ -325,7 +329,6 @@ def _check_analog(name: str, index: int, value: float, domain: AnalogDomain) -> 
 
 
 SIGNAL_SETTINGS: Final[dict[type, Callable[[SignalImage, Any], None]]] = {
-    WriteSignal: SignalImage.write,
     SetAnalogDomain: SignalImage.set_analog_domain,
     SetAnalogFraction: SignalImage.set_analog_fraction,
     SetRunstateChoice: SignalImage.set_runstate,
@@ -334,4 +337,4 @@ SIGNAL_SETTINGS: Final[dict[type, Callable[[SignalImage, Any], None]]] = {
     SetToolAnalogMode: SignalImage.set_tool_analog_mode,
     SetToolPin: SignalImage.set_tool_pin,
 }
-"""Handlers of the requests that change a signal or its behaviour."""
+"""Handlers of the requests that set how signals behave."""

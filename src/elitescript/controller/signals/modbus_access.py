@@ -94,7 +94,7 @@ def port_writes(signals: SignalImage, request: WritePortCoils | WritePortRegiste
     for part in parts:
         if isinstance(part, WriteSignal):
             key = (part.name, part.index)
-            signals.check(part, domains.get(key, signals.domain(*key)))
+            signals.check(*key, part.value, domains.get(key))
     # Domains come first: a level belongs to the new one.
     return sorted(parts, key=lambda part: not isinstance(part, SetAnalogDomain))
 

@@ -194,11 +194,12 @@ class Scheduler:
         """Return the earliest tick after `tick` at which a strand is due; None while all wait for something else."""
         if self._is_resuming or (self._is_pausing and not self.is_paused):
             return tick + 1
-        for strand in (*self._next, *self._ready):
-            if strand.state is READY and (strand.is_secondary or not self.is_paused):
-                return tick + 1
+        if self._next or self._ready:
+            for strand in (*self._next, *self._ready):
+                if strand.state is READY and (strand.is_secondary or not self.is_paused):
+                    return tick + 1
         until = self.timers.next_tick()
-        return None if until is None else max(until, tick + 1)
+        return tick + 1 if until is not None and until <= tick else until
 
     def interrupt(self) -> None:
         """Bring control back to the loop at the next checkpoint; may be called from a signal handler."""

@@ -205,18 +205,29 @@ class Strand:
         if self._greenlet is None or self.state == ENDED:
             return 0
         if self._greenlet is getcurrent():
-            frame = self.script_frame()
-            return frame.f_lineno or 0 if frame is not None else 0
+            return self.line_behind(1)
         if self._line_activation != self.activations:
             frame = self.script_frame()
             self._line = frame.f_lineno or 0 if frame is not None else 0
             self._line_activation = self.activations
         return self._line
 
+    def line_behind(self, frames: int) -> int:
+        """Return its innermost line of script text, called inside it.
+
+        Args:
+            frames: of the caller of this function and of its callers, that are known to be no script text.
+        """
+        frame = self._script_frame(sys._getframe(frames + 1))
+        return frame.f_lineno or 0 if frame is not None else 0
+
     def script_frame(self) -> FrameType | None:
         """Return the innermost frame of the program's own text, or else of a text of `eval`."""
+        return self._script_frame(self._top_frame())
+
+    def _script_frame(self, frame: FrameType | None) -> FrameType | None:
         builtins = self._builtins
-        frame, inner = self._top_frame(), None
+        inner = None
         while frame is not None:
             if frame.f_builtins is builtins:
                 if not frame.f_code.co_filename.startswith(INNER_TEXTS):

@@ -44,9 +44,9 @@ class Timers:
         queue = self._queue
         found = []
         while queue and queue[0][0] <= tick:
-            timer = heappop(queue)
-            if _is_live(timer):
-                found.append(timer[3])
+            _, _, ticket, strand = heappop(queue)
+            if strand.ticket == ticket and strand.state is WAITING:
+                found.append(strand)
         return found
 
     def next_tick(self) -> int | None:
