@@ -7,6 +7,7 @@ from random import Random
 import pytest
 
 from elitescript.controller.controller import Controller
+from elitescript.controller.motion.move_sequencing import MoveSequencing
 from elitescript.errors import MotionError, ScriptStateError
 from elitescript.kinematics.transforms import pose_from_transform, position_of
 from elitescript.messages.events import MotionEnded, MotionStarted, Warned
@@ -294,6 +295,20 @@ def test_a_radius_below_the_braking_distance_is_warned_of_once_for_each_line(mac
     assert "r = 0.005 m is less than its braking distance of 0.0469 m" in first.text
     assert "enters the blend at 0.0978 instead of 0.3 m/s and passes the waypoint at 0.0978 m/s" in first.text
     assert "movep" in first.text
+
+
+@pytest.mark.parametrize(("lines", "looks"), [([3], 1), ([3, 4], 2), (range(1, 25), 10)])
+def test_the_speed_in_a_corner_is_looked_for_only_where_the_warning_is_emitted(machine, monkeypatch, lines, looks):
+    looked = []
+    least_speed = MoveSequencing._least_speed
+    monkeypatch.setattr(MoveSequencing, "_least_speed", lambda *args: looked.append(args) or least_speed(*args))
+    machine.controller.task_started("test")
+    pose = START
+    for _ in range(2):
+        for line in lines:
+            pose = shifted(pose, 0.0, 0.002)
+            machine.until_returned(machine.line(pose, v=0.3, r=0.0005, line=line))
+    assert len(looked) == looks == len(machine.events_of(Warned))
 
 
 def test_the_speed_in_the_corner_is_the_one_that_the_tool_has(machine):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from math import pi, sin
+from math import atan2, cos, pi, sin
 
 import pytest
 
@@ -137,3 +137,30 @@ def test_joint_speeds_grow_with_the_inverse_distance_from_the_wrist_singularity(
     assert speeds[0] is not None
     assert speeds[1] is not None
     assert speeds[1][5] / speeds[0][5] == pytest.approx(10.0, rel=0.05)
+
+
+@pytest.mark.parametrize("arm", ARMS)
+def test_joint_speeds_that_keep_clear_end_where_a_move_does_and_are_the_same_elsewhere(arm: str) -> None:
+    rng = random.Random(44)
+    near = (0.0, 0.0005, 0.0009999, 0.0010001, 0.002, pi, 3.1411)
+    twist = (0.1, -0.2, 0.05, 0.3, -0.1, 0.2)
+    outcomes = set()
+    for _ in range(500):
+        q = list(random_joints(rng))
+        for joint in (2, 4):
+            q[joint] = rng.choice((*near, q[joint], q[joint], q[joint])) * rng.choice((1.0, -1.0))
+        blocked = singularity(ARMS[arm], q).blocked
+        wanted = None if blocked else joint_speeds(ARMS[arm], q, twist, OFFSETS["aside"])
+        assert joint_speeds(ARMS[arm], q, twist, OFFSETS["aside"], keeps_clear=True) == wanted
+        outcomes.add(blocked)
+    assert {None, "wrist", "elbow"} <= outcomes
+
+
+def test_joint_speeds_keep_clear_of_the_shoulder_singularity() -> None:
+    q3, q4 = 1.2, 0.4
+    # The wrist centre is at X = 0 for this q2.
+    q2 = atan2(CS66.a2 + CS66.a3 * cos(q3) + CS66.d5 * sin(q3 + q4), CS66.a3 * sin(q3) - CS66.d5 * cos(q3 + q4))
+    for change, is_clear in ((0.0, False), (1e-3, False), (2e-2, True)):
+        q = (0.3, q2 + change, q3, q4, -0.9, 2.0)
+        assert (singularity(CS66, q).blocked is None) is is_clear
+        assert (joint_speeds(CS66, q, (0.1,) * 6, keeps_clear=True) is not None) is is_clear

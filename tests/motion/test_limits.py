@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from math import inf, nan
+from math import inf, nan, nextafter, pi
+from random import Random
 
 import pytest
 
 from elitescript.errors import UsageError
 from elitescript.motion.limits import joint_outside, joint_range_error, unwrapped
-from tests.motion.moves import FULL_TURN, LIMITS, limits_of
+from tests.motion.moves import FULL_TURN, LIMITS, limits_of, six
 
 
 @pytest.mark.parametrize(
@@ -59,3 +60,14 @@ def test_joints_are_put_on_the_nearest_turn() -> None:
     found = unwrapped((0.2, 0.7, 0.1, -3.1, 6.2, 3.1), near)
     expected = (0.2, 0.7 + FULL_TURN, 0.1 - FULL_TURN, -3.1 + FULL_TURN, 6.2 - FULL_TURN, 3.1 - FULL_TURN)
     assert found == pytest.approx(expected, abs=1e-15)
+
+
+def test_joints_are_unwrapped_to_the_last_bit_as_by_the_formula() -> None:
+    chance = Random(3)
+    angles = (0.0, -0.0, pi, -pi, 0.5 * pi, 3.0, nextafter(pi, 0.0), nextafter(pi, 4.0))
+    for number in range(2000):
+        q, near = (six(chance.choice((*angles, chance.gauss(0.0, 4.0))) for _ in range(6)) for _ in range(2))
+        if number % 2:
+            near = six(x + chance.gauss(0.0, 0.3) for x in q)
+        wanted = [x + FULL_TURN * round((other - x) / FULL_TURN) for x, other in zip(q, near, strict=True)]
+        assert [x.hex() for x in unwrapped(q, near)] == [x.hex() for x in wanted]

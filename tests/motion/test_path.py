@@ -90,7 +90,8 @@ def test_slope_of_an_arc_is_its_derivative(is_orientation_fixed: bool, share: fl
 def check_slope(path: CartesianPath, s: float) -> None:
     h = 1e-6
     before, after = path.flange(s - h), path.flange(s + h)
-    slope = path.flange_slope(s, path.flange(s))
+    T_base_flange, slope = path.flange_and_slope(s)
+    assert T_base_flange == path.flange(s)
     linear = [(b - a) / (2.0 * h) for a, b in zip(position_of(before), position_of(after), strict=True)]
     assert largest_difference(slope[:3], linear) < 1e-8
     in_flange = rotvec_from_rotation(multiply(transpose(rotation_of(before)), rotation_of(after)))

@@ -150,12 +150,27 @@ def tcp_twist(arm: Arm, q: Sequence[float], qd: Sequence[float], T_flange_tcp: T
 
 
 def joint_speeds(
-    arm: Arm, q: Sequence[float], twist: Sequence[float], T_flange_tcp: Transform = IDENTITY
+    arm: Arm,
+    q: Sequence[float],
+    twist: Sequence[float],
+    T_flange_tcp: Transform = IDENTITY,
+    *,
+    keeps_clear: bool = False,
 ) -> SixFloats | None:
-    """Return the joint speeds, rad/s, that give the TCP the twist; None when the arm is singular."""
+    """Return the joint speeds, rad/s, that give the TCP the twist; None when the arm is singular.
+
+    Args:
+        arm: the arm.
+        q: its joint angles, rad.
+        twist: of the TCP, base frame, m/s and rad/s.
+        T_flange_tcp: TCP offset.
+        keeps_clear: None also where a Cartesian move ends, see `Singularity.blocked`; cheaper than asking both.
+    """
     if arm.calibration is not None:
         from elitescript.kinematics.chain import solve_linear
 
+        if keeps_clear and singularity(arm, q).blocked:
+            return None
         solved = solve_linear(jacobian(arm, q, T_flange_tcp), twist)
         if solved is None:
             return None
@@ -184,6 +199,12 @@ def joint_speeds(
         -EXACT_SINGULAR < s5 < EXACT_SINGULAR
         or -EXACT_SINGULAR < s3 < EXACT_SINGULAR
         or -EXACT_SINGULAR < X < EXACT_SINGULAR
+    ):
+        return None
+    if keeps_clear and (
+        -WRIST_GIVE_UP_SINE < s5 < WRIST_GIVE_UP_SINE
+        or -ELBOW_GIVE_UP_SINE < s3 < ELBOW_GIVE_UP_SINE
+        or -SHOULDER_GIVE_UP_M < X < SHOULDER_GIVE_UP_M
     ):
         return None
     er, ez, en = _wrist_to_tcp(arm.d6, c234, s234, c5, s5, q6, T_flange_tcp)

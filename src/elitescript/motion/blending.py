@@ -28,6 +28,7 @@ from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import Transform, position_of
 from elitescript.messages.motion import Six
 from elitescript.motion.limits import MotionLimits, joint_outside
+from elitescript.motion.paths.cartesian import CartesianPath
 from elitescript.motion.paths.corner import Corner, JointCorner
 from elitescript.motion.paths.joint_line import JointLine
 from elitescript.motion.paths.track import JointTrack, follow
@@ -244,9 +245,10 @@ class _Blend:
         return highest
 
     def _corner(self, d2: float) -> Corner:
-        first, second = self.first.segment.path, self.second.segment.path
-        assert isinstance(first, JointTrack) and isinstance(second, JointTrack)
-        return Corner(first.path, second.path, self.d1, d2, self.duration_s, "s", self.T_flange_tcp)
+        tracks = self.first.segment.path, self.second.segment.path
+        first, second = [track.path for track in tracks if isinstance(track, JointTrack)]
+        assert isinstance(first, CartesianPath) and isinstance(second, CartesianPath)
+        return Corner(first, second, self.d1, d2, self.duration_s, "s", self.T_flange_tcp)
 
     def _tool_corner(self, d2: float) -> JointPath | None:
         corner = self._corner(d2)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import degrees, isfinite
+from math import degrees, isfinite, pi
 from typing import Final
 
 from elitescript.errors import MotionError, UsageError
@@ -65,6 +65,18 @@ class MotionLimits:
 
 def unwrapped(q: Six, near: Six) -> Six:
     """Return q with each joint on the full turn that is nearest to `near`."""
+    q1, q2, q3, q4, q5, q6 = q
+    n1, n2, n3, n4, n5, n6 = near
+    if (
+        -pi < n1 - q1 < pi
+        and -pi < n2 - q2 < pi
+        and -pi < n3 - q3 < pi
+        and -pi < n4 - q4 < pi
+        and -pi < n5 - q5 < pi
+        and -pi < n6 - q6 < pi
+    ):
+        # As a rule; zeros lose their sign, as by the sum below.
+        return q1 + 0.0, q2 + 0.0, q3 + 0.0, q4 + 0.0, q5 + 0.0, q6 + 0.0
     q1, q2, q3, q4, q5, q6 = [
         angle + TURN * round((other - angle) / TURN) for angle, other in zip(q, near, strict=True)
     ]

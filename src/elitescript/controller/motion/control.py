@@ -17,7 +17,6 @@ from elitescript.controller.motion.joint_drive import Drive, JointDrive
 from elitescript.controller.motion.move_sequencing import (
     CurrentMoveAction,
     MoveSequencing,
-    bounded,
     lay_behind,
 )
 from elitescript.controller.motion.notices import Notices
@@ -187,7 +186,9 @@ class MotionControl:
         if isinstance(request, SpeedJ | SpeedL | ServoJ):
             return self._drive(request, call)
         rate = 0.0 if self.is_paused else self.speed_scale
-        move, order, cautions = self._succession.accept(request, call, self._source, self._next, self._q_rest, rate)
+        move, order, cautions = self._succession.accept(
+            request, call, self._source, self._next, self._q_rest, rate, self._notices.said
+        )
         self._count += 1
         if order is CurrentMoveAction.NEXT:
             self._next = move
@@ -202,7 +203,7 @@ class MotionControl:
             self._started = started
         else:
             self._on_event(started)
-        for caution in bounded(cautions, self._notices.said):
+        for caution in cautions:
             warned = Warned(tick, caution.text, thread, caution.line, caution.code, caution.hint)
             self._notices.once(caution.key_line, caution.kind, warned)
         return call.number

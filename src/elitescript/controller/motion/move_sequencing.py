@@ -93,6 +93,7 @@ class MoveSequencing:
         waiting: Move | None,
         q_rest: Six,
         rate: float,
+        noted: Collection[tuple[int, str]],
     ) -> AcceptedMove:
         """Return the move that a request becomes.
 
@@ -103,6 +104,7 @@ class MoveSequencing:
             waiting: move that follows it already.
             q_rest: joints of an arm at rest, rad.
             rate: speed percentage of an arm that starts from rest, as a fraction.
+            noted: line and kind of warnings that the program has caused before.
 
         Raises:
             MotionError: refused; nothing has changed.
@@ -120,7 +122,7 @@ class MoveSequencing:
         cautions: tuple[MoveWarning, ...] = ()
         if isinstance(source, Move) and source.can_blend(call.tick):
             plan = self.plan(request, source.segment.q_end, call.T_flange_tcp, is_entered=True)
-            accepted = self._blended(request, call, source, plan)
+            accepted = self._blended(request, call, source, plan, noted)
             if accepted is not None:
                 return accepted
             if plan.segment.path.length > 0.0:
@@ -172,7 +174,9 @@ class MoveSequencing:
         chain.extend(call, plan, request.r, waypoint, self._limits)
         return AcceptedMove(chain, CurrentMoveAction.EXTENDED, _noted(plan, call))
 
-    def _blended(self, request: MoveRequest, call: MotionCall, source: Move, plan: Plan) -> AcceptedMove | None:
+    def _blended(
+        self, request: MoveRequest, call: MotionCall, source: Move, plan: Plan, noted: Collection[tuple[int, str]]
+    ) -> AcceptedMove | None:
         if isinstance(request, MoveP) or source.T_flange_tcp != call.T_flange_tcp:
             return None
         t_s = source.path_time_s(call.tick)
@@ -184,7 +188,7 @@ class MoveSequencing:
         accepted = self._placed(
             request, call, replace(plan, segment=segment), call.tick, scale, CurrentMoveAction.BLENDED
         )
-        slow = _slow(source, speed, partial(self._least_speed, segment, call.T_flange_tcp), request)
+        slow = _slow(source, speed, partial(self._least_speed, segment, call.T_flange_tcp), request, noted)
         return accepted if slow is None else accepted._replace(cautions=(*accepted.cautions, slow))
 
     def _least_speed(self, segment: BlendedSegment, T_flange_tcp: Transform) -> float:
@@ -194,26 +198,6 @@ class MoveSequencing:
             q, qd = segment.setpoint(segment.approach_s + segment.corner.length * look / LOOKS)
             speeds.append(hypot(*tcp_twist(self._arm, q, qd, T_flange_tcp)[:3]))
         return min(speeds)
-
-
-def bounded(cautions: Collection[MoveWarning], noted: Collection[tuple[int, str]]) -> list[MoveWarning]:
-    """Return the warnings to emit; those that long chains repeat in every line are limited.
-
-    Args:
-        cautions: of a move.
-        noted: line and kind of earlier warnings.
-    """
-    said = sum(kind == SLOW_BLEND for _, kind in noted) if cautions else 0
-    kept = []
-    for caution in cautions:
-        if caution.kind == SLOW_BLEND and (caution.key_line, caution.kind) not in noted:
-            if said >= SLOW_BLENDS_MAX:
-                continue
-            if said == SLOW_BLENDS_MAX - 1:
-                more = f" (the {SLOW_BLENDS_MAX}th line of this kind; further ones are not reported)"
-                caution = caution._replace(text=caution.text + more)
-        kept.append(caution)
-    return kept
 
 
 def lay_behind(source: Move, waiting: Move) -> None:
@@ -235,13 +219,26 @@ def _noted(plan: Plan, call: MotionCall) -> tuple[MoveWarning, ...]:
     return tuple(MoveWarning(call.line, note.kind, note.text, call.line, note.code, note.hint) for note in plan.notes)
 
 
-def _slow(source: Move, speed: float, least_speed: Callable[[], float], request: MoveRequest) -> MoveWarning | None:
-    """Return the warning for a waypoint that is passed more slowly than requested."""
+def _slow(
+    source: Move,
+    speed: float,
+    least_speed: Callable[[], float],
+    request: MoveRequest,
+    noted: Collection[tuple[int, str]],
+) -> MoveWarning | None:
+    """Return the warning for a waypoint that is passed more slowly than requested.
+
+    None also when the line has had it, or `SLOW_BLENDS_MAX` lines have: the speed at the waypoint takes as long to
+    find as the blend.
+    """
     law, zone, path = source.plan.law, source.plan.zone, source.plan.segment.path
     if zone is None or speed >= law.v * (1.0 - NOTEWORTHY):
         return None
     braking, unit = 0.5 * law.v * law.v / law.brake, path.unit
-    if braking <= path.length - zone.begin:
+    if braking <= path.length - zone.begin or (source.line, SLOW_BLEND) in noted:
+        return None
+    said = sum(kind == SLOW_BLEND for _, kind in noted)
+    if said >= SLOW_BLENDS_MAX:
         return None
     text = f"the arm enters the blend at {speed:.3g} instead of {law.v:.4g} {unit}/s"
     if isinstance(path, JointTrack) and unit == "m":
@@ -259,6 +256,8 @@ def _slow(source: Move, speed: float, least_speed: Callable[[], float], request:
         text += "a larger a, or movep, which looks ahead over moves as short as this one"
     else:
         text += "a larger a, or a longer move before it"
+    if said == SLOW_BLENDS_MAX - 1:
+        text += f" (the {SLOW_BLENDS_MAX}th line of this kind; further ones are not reported)"
     return MoveWarning(source.line, SLOW_BLEND, text, source.line)
 
 

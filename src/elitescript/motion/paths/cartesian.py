@@ -73,8 +73,8 @@ class FlangePath(AnyPath, Protocol):
     def flange(self, s: float) -> Transform:
         """Return `T_base_flange` at a path position."""
 
-    def flange_slope(self, s: float, T_base_flange: Transform) -> Six:
-        """Return the twist of the flange per unit of path position, given its pose there."""
+    def flange_and_slope(self, s: float) -> tuple[Transform, Six]:
+        """Return `T_base_flange` at a path position, and the twist of the flange per unit of path position."""
 
 
 class CartesianPath(ABC):
@@ -127,13 +127,13 @@ class CartesianPath(ABC):
         self._turn_rate = turn / length if length else 0.0
         self._rotation = R_base_flange
         self._lever = lever
-        parts = [_turning_parts(axis, R_base_flange[column::3]) for column in range(3)]
-        lever_parts = _turning_parts(axis, lever)
-        # In the order of a Transform: the rows of the three rotation columns, then the lever.
-        self._fixed_part, self._cosine_part, self._sine_part = (
-            tuple(parts[column][which][row] for row in range(3) for column in range(3)) + lever_parts[which]
-            for which in range(3)
-        )
+        if self._turn_rate != 0.0:
+            x, y, z = (_turning_parts(axis, R_base_flange[column::3]) for column in range(3))
+            # In the order of a Transform: the rows of the three rotation columns, then the lever.
+            self._fixed_part, self._cosine_part, self._sine_part = (
+                (x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2], *part)
+                for x, y, z, part in zip(x, y, z, _turning_parts(axis, lever), strict=True)
+            )
 
     @property
     def tool_rates(self) -> tuple[float, float]:
@@ -182,7 +182,12 @@ class CartesianPath(ABC):
         ]
         return r11, r12, r13, r21, r22, r23, r31, r32, r33, x + lever_x, y + lever_y, z + lever_z
 
+    def flange_and_slope(self, s: float) -> tuple[Transform, Six]:
+        T_base_flange = self.flange(s)
+        return T_base_flange, self.flange_slope(s, T_base_flange)
+
     def flange_slope(self, s: float, T_base_flange: Transform) -> Six:
+        """Return the twist of the flange per unit of path position, given its pose there."""
         vx, vy, vz = self.point_slope(s)
         rate = self._turn_rate
         if rate == 0.0:

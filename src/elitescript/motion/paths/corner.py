@@ -27,7 +27,7 @@ from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.rotations import Rotation, Vector3, multiply, rotate, transpose
 from elitescript.kinematics.transforms import Transform, apply, compose, rotation_of
 from elitescript.messages.motion import Six
-from elitescript.motion.paths.cartesian import FlangePath
+from elitescript.motion.paths.cartesian import CartesianPath
 from elitescript.motion.segment import JointPath
 
 
@@ -62,8 +62,8 @@ class Corner:
 
     def __init__(
         self,
-        first: FlangePath,
-        second: FlangePath,
+        first: CartesianPath,
+        second: CartesianPath,
         d1: float,
         d2: float,
         length: float,
@@ -112,18 +112,22 @@ class Corner:
         return "in the blend from the start of the move on"
 
     def flange(self, s: float) -> Transform:
-        T_first, T_second = self._both(s)
+        f = s / self.length
+        first, left = self._first, 1.0 - f
+        T_first, T_second = first.flange(first.length - self._d1 * left * left), self._second.flange(self._d2 * f * f)
         return self._joined(T_first, T_second)
 
-    def flange_slope(self, s: float, T_base_flange: Transform) -> Six:
+    def flange_and_slope(self, s: float) -> tuple[Transform, Six]:
         f = s / self.length
-        rate_first = 2.0 * self._d1 * (1.0 - f) / self.length
+        first, left = self._first, 1.0 - f
+        rate_first = 2.0 * self._d1 * left / self.length
         rate_second = 2.0 * self._d2 * f / self.length
-        T_first, T_second = self._both(s)
-        vx, vy, vz, ax, ay, az = self._first.flange_slope(self._first.length - self._d1 * (1.0 - f) ** 2, T_first)
+        T_first, T_second = first.flange(first.length - self._d1 * left * left), self._second.flange(self._d2 * f * f)
+        vx, vy, vz, ax, ay, az = first.flange_slope(first.length - self._d1 * left**2, T_first)
         ux, uy, uz, bx, by, bz = self._second.flange_slope(self._d2 * f * f, T_second)
+        T_base_flange = self._joined(T_first, T_second)
         if not self._is_turning:
-            return (
+            return T_base_flange, (
                 vx * rate_first + ux * rate_second,
                 vy * rate_first + uy * rate_second,
                 vz * rate_first + uz * rate_second,
@@ -142,7 +146,7 @@ class Corner:
             ay * rate_first + oy * rate_second,
             az * rate_first + oz * rate_second,
         )
-        return (
+        return T_base_flange, (
             (vx + ay * pz - az * py) * rate_first + (ux + by * ez - bz * ey) * rate_second - wy * rz + wz * ry,
             (vy + az * px - ax * pz) * rate_first + (uy + bz * ex - bx * ez) * rate_second - wz * rx + wx * rz,
             (vz + ax * py - ay * px) * rate_first + (uz + bx * ey - by * ex) * rate_second - wx * ry + wy * rx,
@@ -157,15 +161,9 @@ class Corner:
 
     def velocity(self, s: float) -> Vector3:
         """Return the derivative of the TCP by the path position, base frame."""
-        T_base_flange = self.flange(s)
-        vx, vy, vz, wx, wy, wz = self.flange_slope(s, T_base_flange)
+        T_base_flange, (vx, vy, vz, wx, wy, wz) = self.flange_and_slope(s)
         x, y, z = rotate(rotation_of(T_base_flange), self._T_flange_tcp[9:12])
         return vx + wy * z - wz * y, vy + wz * x - wx * z, vz + wx * y - wy * x
-
-    def _both(self, s: float) -> tuple[Transform, Transform]:
-        f = s / self.length
-        first, left = self._first, 1.0 - f
-        return first.flange(first.length - self._d1 * left * left), self._second.flange(self._d2 * f * f)
 
     def _joined(self, T_first: Transform, T_second: Transform) -> Transform:
         x, y, z = self._waypoint

@@ -287,7 +287,7 @@ def _corner(
     T_flange_tcp: Transform,
 ) -> tuple[ChainStretch, ...] | None:
     """Return the corner and the line behind it; None when the arm cannot follow it."""
-    corner = Corner(last.track.path, link.track.path, d, d, 2.0 * d, "m", T_flange_tcp)
+    corner = Corner(last.line, link.line, d, d, 2.0 * d, "m", T_flange_tcp)
     v, a = min(last.law.v, link.law.v), min(last.law.a, link.law.a)
     try:
         track = follow(arm, limits, corner, last.track.q(last.track.length - d), v, a)

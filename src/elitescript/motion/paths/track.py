@@ -16,16 +16,22 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Sequence
 from math import ceil
-from typing import Final, NamedTuple
+from typing import Final, TypeAlias
 
-from elitescript.errors import InternalError
+from elitescript.errors import InternalError, MotionError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.inverse import branch_of, reason_unreachable, solve_branch
 from elitescript.kinematics.jacobian import joint_speeds, singularity
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX
-from elitescript.motion.limits import MotionLimits, joint_outside, joint_range_error, unwrapped
+from elitescript.motion.limits import (
+    RANGE_TOLERANCE_RAD,
+    MotionLimits,
+    joint_outside,
+    joint_range_error,
+    unwrapped,
+)
 from elitescript.motion.paths.cartesian import FlangePath
 from elitescript.motion.refusals import JUMP_RAD, RANGE_HINT, jump, leaves_reach, out_of_range, out_of_reach, singular
 
@@ -63,6 +69,11 @@ RANGE_RESOLUTION_RAD: Final = 1e-7
 """Excursions below this are not looked for."""
 
 
+Ratios: TypeAlias = tuple[float, float, float]
+"""Bounds, over the way between two neighbouring grid points and over the joints, of |q'| / qd_max, |q'| / qdd_max and
+|q''| / qdd_max."""
+
+
 class JointTrack:
     """Joint angles over the path position of a Cartesian path; immutable. A `JointPath`, made by `follow`."""
 
@@ -76,7 +87,7 @@ class JointTrack:
         grid_s: Sequence[float],
         grid_q: Sequence[Six],
         grid_slope: Sequence[Six],
-        interval_ratios: Sequence[tuple[float, float, float]],
+        interval_ratios: Sequence[Ratios],
     ) -> None:
         """Take the solved grid.
 
@@ -87,8 +98,7 @@ class JointTrack:
             grid_s: path positions of the grid, rising.
             grid_q: joint angles there, unwrapped, rad.
             grid_slope: their derivatives by the path position.
-            interval_ratios: for each interval bounds, over its joints, of |q'| / qd_max, |q'| / qdd_max
-                and |q''| / qdd_max.
+            interval_ratios: of each interval.
         """
         self.arm = arm
         self._branch = branch
@@ -134,9 +144,9 @@ class JointTrack:
             return self.grid_q[0], self.grid_slope[0]
         if s >= self.path.length:
             return self.grid_q[-1], self.grid_slope[-1]
-        T_base_flange = self.path.flange(s)
+        T_base_flange, twist = self.path.flange_and_slope(s)
         q = self._solved(s, T_base_flange)
-        slope = joint_speeds(self.arm, q, self.path.flange_slope(s, T_base_flange))
+        slope = joint_speeds(self.arm, q, twist)
         if slope is None:
             raise InternalError(f"singular {self.path.place(s)}, which the planner had checked")
         return q, slope
@@ -170,70 +180,70 @@ def follow(
             path meets a singularity; all say where.
     """
     branch = branch_of(arm, q_start)
-    length = path.length
-    if length == 0.0:
+    if path.length == 0.0:
         return JointTrack(arm, branch, path, (0.0,), (q_start,), (ZERO_SIX,), ())
-    if solve_branch(arm, path.flange(length), branch) is None:
-        end_reason = reason_unreachable(arm, path.flange(length))
-        if end_reason:
-            raise out_of_reach(path, length, end_reason)
+    try:
+        return _followed(arm, limits, path, q_start, branch, speed, acceleration)
+    except MotionError:
+        # An end out of reach is named first, wherever the path fails.
+        T_end = path.flange(path.length)
+        reason = reason_unreachable(arm, T_end) if solve_branch(arm, T_end, branch) is None else ""
+        if reason:
+            raise out_of_reach(path, path.length, reason) from None
+        raise
+
+
+def _followed(
+    arm: Arm, limits: MotionLimits, path: FlangePath, q_start: Six, branch: int, speed: float, acceleration: float
+) -> JointTrack:
     joint = joint_outside(limits, q_start)
     if joint is not None:
         raise joint_range_error(limits, joint, q_start[joint], path.place(0.0), hint=RANGE_HINT)
-    slope_start = _slope(arm, path, 0.0, path.flange(0.0), q_start)
+    length = path.length
+    slope_start = _slope(arm, path, 0.0, path.flange_and_slope(0.0)[1], q_start)
     grid_s, grid_q, grid_slope = [0.0], [q_start], [slope_start]
     s_a, q_a, slope_a = 0.0, q_start, slope_start
-    ratios: list[tuple[float, float, float]] = []
+    grid_ratios: list[Ratios] = []
     intervals = max(2, ceil(path.way / INTERVAL_M), ceil(path.sweep / INTERVAL_RAD))
     # Path positions still ahead inside one interval of the first grid, the next one last; solved when needed.
     pending: list[tuple[float, Six | None, Six | None]] = []
     begun = 0
-    joint_limits = tuple(zip(limits.qd_max, limits.qdd_max, limits.q_min, limits.q_max, strict=True))
+    joint_limits = [
+        (qd_max, qdd_max, q_min, q_max, q_min - RANGE_TOLERANCE_RAD, q_max + RANGE_TOLERANCE_RAD)
+        for qd_max, qdd_max, q_min, q_max in zip(limits.qd_max, limits.qdd_max, limits.q_min, limits.q_max, strict=True)
+    ]
     while pending or begun < intervals:
         if not pending:
             begun += 1
             pending.append((length * begun / intervals if begun < intervals else length, None, None))
         s_b, q_b, slope_b = pending[-1]
         if q_b is None or slope_b is None:
-            T_base_flange = path.flange(s_b)
+            T_base_flange, twist = path.flange_and_slope(s_b)
             q_b = solve_branch(arm, T_base_flange, branch, q_a[5])
             if q_b is None:
                 raise leaves_reach(arm, path, branch, s_a, s_b)
-            slope_b = _slope(arm, path, s_b, T_base_flange, q_b)
+            slope_b = _slope(arm, path, s_b, twist, q_b)
             pending[-1] = s_b, q_b, slope_b
         q_b = unwrapped(q_b, q_a)
-        interval = _weighed(s_b - s_a, q_a, q_b, slope_a, slope_b, joint_limits, speed, acceleration)
-        if interval.is_coarse:
-            if s_b - s_a > INTERVAL_MIN:
-                pending.append((0.5 * (s_a + s_b), None, None))
-                continue
-            if interval.widest > JUMP_RAD:
-                raise jump(path, s_b, q_a, q_b)
-        joint = joint_outside(limits, q_b)
-        if joint is not None:
+        h = s_b - s_a
+        weighed = _weighed(h, q_a, q_b, slope_a, slope_b, joint_limits, speed, acceleration)
+        if weighed is None:
+            pending.append((0.5 * (s_a + s_b), None, None))
+            continue
+        if h <= INTERVAL_MIN and any(abs(b - a) > JUMP_RAD for a, b in zip(q_a, q_b, strict=True)):
+            raise jump(path, s_b, q_a, q_b)
+        ratios, is_inside = weighed
+        if not is_inside:
+            joint = joint_outside(limits, q_b)
+            assert joint is not None
             raise out_of_range(arm, limits, path, branch, joint, s_a, q_a, s_b, q_b)
-        ratios.append((interval.speed_ratio, interval.acceleration_ratio, interval.curvature_ratio))
+        grid_ratios.append(ratios)
         pending.pop()
         grid_s.append(s_b)
         grid_q.append(q_b)
         grid_slope.append(slope_b)
         s_a, q_a, slope_a = s_b, q_b, slope_b
-    return JointTrack(arm, branch, path, grid_s, grid_q, grid_slope, ratios)
-
-
-class _Interval(NamedTuple):
-    """Bounds on the way between two neighbouring grid points."""
-
-    is_coarse: bool
-    """Whether the bounds are too wide, so that a point in the middle is needed."""
-    widest: float
-    """Largest joint step, rad."""
-    speed_ratio: float
-    """Bound of |q'| / qd_max over way and joints."""
-    acceleration_ratio: float
-    """Bound of |q'| / qdd_max."""
-    curvature_ratio: float
-    """Bound of |q''| / qdd_max."""
+    return JointTrack(arm, branch, path, grid_s, grid_q, grid_slope, grid_ratios)
 
 
 def _weighed(
@@ -242,53 +252,58 @@ def _weighed(
     q_b: Six,
     slope_a: Six,
     slope_b: Six,
-    joint_limits: tuple[tuple[float, float, float, float], ...],
+    joint_limits: Sequence[tuple[float, float, float, float, float, float]],
     speed: float,
     acceleration: float,
-) -> _Interval:
-    """Return the bounds of an interval of width h, with the joints as cubics.
+) -> tuple[Ratios, bool] | None:
+    """Return the ratios of an interval of width h, with the joints as cubics, and whether q_b lies inside the ranges.
 
     The cubic through angles and slopes of both ends has |q'| <= max(|q'_a|, |q'_b|) + 1.5 e / h and
-    |q''| <= (6 e / h + |q'_b - q'_a|) / h. `joint_limits` holds qd_max, qdd_max, q_min, q_max of each joint.
+    |q''| <= (6 e / h + |q'_b - q'_a|) / h. `joint_limits` holds qd_max, qdd_max, q_min, q_max of each joint, and the
+    ends of its range with the tolerance.
+    None when the bounds are too wide, so that a point in the middle is needed; an interval as narrow as
+    `INTERVAL_MIN` has none.
     """
-    is_coarse = False
-    widest = speed_ratio = acceleration_ratio = curvature_ratio = 0.0
-    for qa, qb, da, db, (qd_max, qdd_max, q_min, q_max) in zip(q_a, q_b, slope_a, slope_b, joint_limits, strict=True):
+    is_inside = True
+    may_split = h > INTERVAL_MIN
+    speed_ratio = acceleration_ratio = curvature_ratio = 0.0
+    for qa, qb, da, db, (qd_max, qdd_max, q_min, q_max, low, high) in zip(
+        q_a, q_b, slope_a, slope_b, joint_limits, strict=True
+    ):
         step = qb - qa
-        if step > widest or -step > widest:
-            widest = abs(step)
         error = abs(step - 0.5 * h * (da + db))
         bend = abs(db - da)
-        steepest = max(da, -da, db, -db) + 1.5 * error / h
+        size_a, size_b = abs(da), abs(db)
+        steepest = (size_a if size_a > size_b else size_b) + 1.5 * error / h
         curvature = (6.0 * error / h + bend) / h
+        if may_split:
+            if bend * h > BEND_MAX_RAD or error > ERROR_COARSE_RAD or not -STEP_MAX_RAD <= step <= STEP_MAX_RAD:
+                return None
+            if error > ERROR_FINE_RAD and (
+                steepest * speed > NEAR_LIMIT * qd_max
+                or steepest * acceleration + curvature * speed * speed > NEAR_LIMIT * qdd_max
+            ):
+                return None
+            if da * db < 0.0:
+                excursion = RANGE_EXCURSION * h * steepest
+                if excursion > RANGE_RESOLUTION_RAD and (
+                    max(qa, qb) + excursion > q_max or min(qa, qb) - excursion < q_min
+                ):
+                    return None
         if steepest > speed_ratio * qd_max:
             speed_ratio = steepest / qd_max
         if steepest > acceleration_ratio * qdd_max:
             acceleration_ratio = steepest / qdd_max
         if curvature > curvature_ratio * qdd_max:
             curvature_ratio = curvature / qdd_max
-        is_near_limit = (
-            steepest * speed > NEAR_LIMIT * qd_max
-            or steepest * acceleration + curvature * speed * speed > NEAR_LIMIT * qdd_max
-        )
-        excursion = RANGE_EXCURSION * h * steepest
-        if (
-            bend * h > BEND_MAX_RAD
-            or error > (ERROR_FINE_RAD if is_near_limit else ERROR_COARSE_RAD)
-            or (
-                da * db < 0.0
-                and excursion > RANGE_RESOLUTION_RAD
-                and (max(qa, qb) + excursion > q_max or min(qa, qb) - excursion < q_min)
-            )
-        ):
-            is_coarse = True
-    return _Interval(is_coarse or widest > STEP_MAX_RAD, widest, speed_ratio, acceleration_ratio, curvature_ratio)
+        if not low <= qb <= high:
+            is_inside = False
+    return (speed_ratio, acceleration_ratio, curvature_ratio), is_inside
 
 
-def _slope(arm: Arm, path: FlangePath, s: float, T_base_flange: Transform, q: Six) -> Six:
-    """Return dq/ds, or refuse a point too near a singularity."""
-    distance = singularity(arm, q)
-    slope = None if distance.blocked else joint_speeds(arm, q, path.flange_slope(s, T_base_flange))
+def _slope(arm: Arm, path: FlangePath, s: float, twist: Six, q: Six) -> Six:
+    """Return dq/ds for a twist of the flange, or refuse a point too near a singularity."""
+    slope = joint_speeds(arm, q, twist, keeps_clear=True)
     if slope is None:
-        raise singular(path, s, distance)
+        raise singular(path, s, singularity(arm, q))
     return slope
