@@ -126,8 +126,9 @@ class DataFile:
 
     def refuse_other_keys(self, known: frozenset[str]) -> None:
         """Raise UsageError if there is an entry of an unknown key."""
-        for key in self._entries.keys() - known:
-            raise UsageError(f"{self._entries[key].file}: {key}: unknown key{did_you_mean(key, known)}")
+        for key in self._entries:
+            if key not in known:
+                raise UsageError(f"{self._entries[key].file}: {key}: unknown key{did_you_mean(key, known)}")
 
     def source(self, key: str) -> NumberSource:
         """Return the source of an entry.
