@@ -254,7 +254,7 @@ def written_out(file: str) -> dict[str, Any]:
 
     Reading the TOML would take longer than all else that a model needs.
     """
-    document: dict[str, Any] = import_module(f"elitescript.models.tables.{file.removesuffix('.toml')}").document()
+    document: dict[str, Any] = import_module(f"elitescript.models.tables.{file.replace('.', '_')}").document()
     return document
 
 
