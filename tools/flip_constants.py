@@ -30,7 +30,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from tools.model_tables import module_of
+from tools.model_tables import module_of, module_path
 
 ROOT: Final = Path(__file__).resolve().parent.parent
 SOURCE: Final = ROOT / "src" / "elitescript"
@@ -221,7 +221,7 @@ def write(path: Path, text: str) -> None:
     """Write a file, and the module that is derived from it."""
     path.write_text(text, encoding="utf-8")
     if path.suffix == ".toml":
-        (path.parent / "tables" / f"{path.stem}.py").write_text(module_of(path), encoding="utf-8")
+        module_path(path).write_text(module_of(path), encoding="utf-8")
 
 
 def _tests(copy: Path, file: str) -> Iterator[list[str]]:

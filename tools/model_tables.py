@@ -20,7 +20,12 @@ def document(path: Path) -> dict[str, Any]:
 
 def model_tables() -> dict[Path, str]:
     """Return the modules by their paths, one for each model file."""
-    return {FOLDER / f"{path.stem}.py": module_of(path) for path in sorted(MODEL_FOLDER.glob("*.toml"))}
+    return {module_path(path): module_of(path) for path in sorted(MODEL_FOLDER.glob("*.toml"))}
+
+
+def module_path(path: Path) -> Path:
+    """Return the path of the module of a model file, which is named after it."""
+    return path.parent / "tables" / f"{path.name.replace('.', '_')}.py"
 
 
 def module_of(path: Path) -> str:

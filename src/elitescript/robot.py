@@ -339,6 +339,7 @@ class VirtualRobot:
         self._leave_published_tick()
         self._globals = None
         run = Run(unit, self.tick)
+        run.is_alone = self._outside.is_alone
         run.look = lambda: self._look(run)
         if self.controller.task_state is TaskState.STOPPED:
             self._run = run

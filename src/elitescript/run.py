@@ -63,6 +63,7 @@ class Run:
         "alarms",
         "events",
         "events_dropped",
+        "is_alone",
         "is_paced",
         "log",
         "look",
@@ -93,6 +94,8 @@ class Run:
         self._signals: SignalRecord | None = None
         self.threads: tuple[Any, ...] = ()
         self.is_paced = False
+        self.is_alone = False
+        """Whether nothing that is written in Python is beside the robot."""
 
     @property
     def time_s(self) -> float:
@@ -151,10 +154,13 @@ class Run:
 
     @property
     def is_reproducible(self) -> bool:
-        """Whether another process gives the same bytes, which needs a fixed seed of Python's string hashing.
+        """Whether another process gives the same bytes.
 
-        Without it, only what depends on the order of a set of strings can differ.
+        Always if the program cannot show the order of a set, and nothing in Python is beside the robot. Else that needs
+        a fixed seed of Python's string hashing: without it, what depends on the order of a set of strings can differ.
         """
+        if self.is_alone and not self.unit.shows_hash_order:
+            return True
         return not sys.flags.hash_randomization or os.environ.get("PYTHONHASHSEED", "random") != "random"
 
     def check(self) -> Run:

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from elitescript.cli.main import main
+from elitescript.cli.watched import can_watch
 from elitescript.controller.views.trace import TRACE_COLUMNS
 
 SOURCE = Path(__file__).resolve().parent.parent.parent / "src"
@@ -263,6 +264,29 @@ def test_the_process_gives_the_same_bytes_for_every_hash_seed(program):
         command = [sys.executable, "-m", "elitescript", "run", path, "--json"]
         outputs.add(subprocess.run(command, env=environment, capture_output=True, check=True).stdout)
     assert len(outputs) == 1
+
+
+@pytest.mark.skipif(not can_watch() or sys.version_info >= (3, 14), reason="every run starts Python twice here")
+@pytest.mark.parametrize(
+    ("text", "seed", "words", "starts"),
+    [
+        ("def a():\n  textmsg('a')\nend\n", "random", (), 1),
+        ("def a():\n  textmsg({'a'})\nend\n", "random", (), 2),
+        ("def a():\n  textmsg({'a'})\nend\n", "0", (), 1),
+        ("def a():\n  textmsg('a')\nend\n", "1", ("--world", "cell.toml"), 2),
+        ("def a():\n  textmsg('a'\nend\n", "1", (), 1),
+    ],
+    ids=["no set", "a set", "a set and a fixed seed", "a world", "a mistake"],
+)
+def test_python_starts_again_only_if_the_order_of_a_set_can_show(text, seed, words, starts, program, tmp_path):
+    (tmp_path / "cell.toml").write_text("[robot]\nseed = 1\n")
+    (tmp_path / "sitecustomize.py").write_text("with open('starts', 'a') as file:\n  file.write('x')\n")
+    path = os.pathsep.join((str(tmp_path), *sys.path))
+    environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": path}
+    command = [sys.executable, "-m", "elitescript", "run", program(text), "--json", *words]
+    done = subprocess.run(command, env=environment, capture_output=True, check=False, cwd=tmp_path)
+    assert b"reproducible" not in done.stdout
+    assert len((tmp_path / "starts").read_text()) == starts
 
 
 CELL = """[safety]

@@ -83,5 +83,5 @@ def test_a_changed_model_file_changes_the_module_that_is_read_in_its_place(tmp_p
     (tmp_path / "tables").mkdir()
     write(tmp_path / "arm.toml", "mass = { value = 1.5 }\n")
     space: dict[str, object] = {}
-    exec((tmp_path / "tables" / "arm.py").read_text(encoding="utf-8"), space)
+    exec((tmp_path / "tables" / "arm_toml.py").read_text(encoding="utf-8"), space)
     assert space["document"]() == {"mass": {"value": 1.5}}  # type: ignore[operator]

@@ -5,8 +5,10 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
+from functools import partial
 
 from elitescript.cli.watched import MARK, can_watch, run_watched
 
@@ -14,7 +16,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
     from collections.abc import Callable, Sequence
-    from typing import Any
+    from typing import Any, Never
 
 USAGE = 2
 """Exit code of an invalid call."""
@@ -28,10 +30,19 @@ HASH_SEED = "0"
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit code."""
-    arguments = list(sys.argv[1:] if argv is None else argv)
+    if argv is not None:
+        return _run(list(argv))
+    # Hardly anything that is made while modules load can be freed: to look for it takes a tenth of the start.
+    gc.disable()
+    code = _run(sys.argv[1:], is_process=True)
+    _leave(code)
+    return code
+
+
+def _run(arguments: list[str], *, is_process: bool = False) -> int:
     try:
         if (
-            argv is None
+            is_process
             and arguments[:1] in (["run"], ["plot"], ["serve"], ["replay"])
             and _needs_another_process(arguments)
         ):
@@ -41,7 +52,33 @@ def main(argv: Sequence[str] | None = None) -> int:
         return INTERRUPTED
 
 
-def _run_here(arguments: list[str]) -> int:
+def _leave(code: int) -> None:
+    """End the process at once, if nothing is left to do: taking the interpreter apart takes a tenth of a short run.
+
+    Something is left if there are threads, functions to be called at the exit, or files of other people's Python, which
+    a world file names.
+    """
+    import _thread
+    import atexit
+
+    if _thread._count() or atexit._ncallbacks() or "elitescript.world_file" in sys.modules:
+        return
+    try:
+        sys.stdout.flush()
+        sys.stderr.flush()
+    except (OSError, ValueError, AttributeError):
+        # The ordinary end reports it.
+        return
+    os._exit(code)
+
+
+def _run_here(arguments: list[str], start_again: Callable[[], Never] | None = None) -> int:
+    """Run a call in this process; return the exit code.
+
+    Args:
+        arguments: of the call.
+        start_again: runs it in place of this process in one with a fixed hash seed; None if this is one.
+    """
     from elitescript.errors import ElitescriptError, ProgramError, UsageError
 
     for stream in (sys.stdout, sys.stderr):
@@ -49,6 +86,13 @@ def _run_here(arguments: list[str]) -> int:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(encoding="utf-8", errors="backslashreplace")
     options = _parsed(arguments)
+    options.parsed = None
+    if start_again is not None:
+        from elitescript.cli.hash_seed import program_of_any_seed
+
+        options.parsed = program_of_any_seed(options)
+        if options.parsed is None:
+            start_again()
     try:
         if _has_screen(options):
             from elitescript.cli.output.screen import on_screen
@@ -83,6 +127,10 @@ def _dispatch(options: argparse.Namespace) -> int:
 
     command: Callable[[argparse.Namespace], int]
     command = getattr(import_module(f"elitescript.cli.{options.command}"), options.command)
+    if not gc.isenabled():
+        # What is loaded stays, and need not be looked at again.
+        gc.freeze()
+        gc.enable()
     return command(options)
 
 
@@ -118,7 +166,12 @@ def _run_again(arguments: list[str]) -> int:
         if max_wall_s is not None or can_watch():
             # No other option begins like that; parsing all arguments would take longer.
             is_json = arguments[0] == "run" and any(word.startswith("--js") for word in arguments)
-            return run_watched(command, environment, max_wall_s, is_json=is_json)
+            # A run starts Python once more only if its program can show the order of a set.
+            start_again = None
+            if os.environ.get("PYTHONHASHSEED") != HASH_SEED:
+                start_again = partial(os.execve, command[0], command, environment)
+            here = partial(_run_here, arguments, start_again) if arguments[0] == "run" else None
+            return run_watched(command, environment, max_wall_s, is_json=is_json, run_here=here)
     if os.name == "posix":
         os.execve(sys.executable, command, environment)
     import signal

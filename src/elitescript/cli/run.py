@@ -21,6 +21,7 @@ from elitescript.controller.views.trace_signals import TraceSignals
 from elitescript.environment.program_file import source_of
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
 from elitescript.language.options import Options
+from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import DeviceNoted
 from elitescript.robot import VirtualRobot
@@ -63,15 +64,14 @@ def run(options: argparse.Namespace) -> int:
         if value is not None and not value >= 0.0:
             raise UsageError(f"{name} must be >= 0 s, got {value:g}")
     try:
-        source = source_of(path)
+        source = source_of(path) if options.parsed is None else options.parsed.source
     except ProgramError as error:
         report.problems(error.problems, SourceFile(str(path), path.read_bytes().decode("utf-8", "replace")))
         return DOES_NOT_COMPILE
-    from elitescript.lint.engine import compile_checked
+    from elitescript.lint.engine import check_parsed
 
-    checked = compile_checked(
-        source, robot.profile, Options(strict=robot.options.strict), presets=presets, arm=robot.model
-    )
+    parsed = options.parsed or parse(source, Options(strict=robot.options.strict))
+    checked = check_parsed(parsed, robot.profile, presets=presets, arm=robot.model)
     report.problems(checked.problems, source)
     unit = checked.unit
     if unit is None or checked.is_refused:

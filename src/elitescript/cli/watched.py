@@ -16,6 +16,7 @@ import time
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from typing import Any, Final
 
 MARK: Final = "ELITESCRIPT_WATCHED"
@@ -32,12 +33,17 @@ STACK_BYTES: Final = 1 << 30
 """Stack of a child, for recursion of C code; the usual 8 MB hold 100,000 nested `map`. It takes memory only as it is
 used."""
 
+STACK_MARGIN: Final = 16 << 20
+"""Least distance between a full stack and other memory; the system itself wants 1 MB."""
+
 MEMORY_DEFAULT: Final = "4GiB"
 """Limit of the memory of a run, *assumed*: more than a controller has, less than most computers."""
 MEMORY_MIN: Final = 512 << 20
 """Least limit of the address space, for Python, this package and its model."""
 
 TRACE_MAX: Final = 1 << 16
+
+_ENTRANCE: Final = f"elitescript{os.sep}cli{os.sep}main.py"
 
 HINT: Final = "do not nest iterators (map, filter, zip, itertools) or objects hundreds of thousands deep"
 
@@ -47,18 +53,30 @@ def can_watch() -> bool:
     return sys.platform == "linux"
 
 
-def run_watched(command: list[str], environment: dict[str, str], max_wall_s: float | None, *, is_json: bool) -> int:
-    """Run `elitescript` in a watched child; return its exit code.
+def run_watched(
+    command: list[str],
+    environment: dict[str, str],
+    max_wall_s: float | None,
+    *,
+    is_json: bool,
+    run_here: Callable[[], int] | None = None,
+) -> int:
+    """Run `elitescript` in a watched child; return its exit code, in the child too.
 
     Args:
         command: program and arguments; the word behind `elitescript` names the command for messages.
         environment: of the child.
         max_wall_s: limit of its wall time; None for no limit.
         is_json: whether an end that the child cannot report itself is reported as JSON.
+        run_here: what the child does if it need not start Python once more.
     """
     name = f"elitescript {command[command.index('elitescript') + 1]}"
     if can_watch():
-        status, trace = _watch(command, environment, max_wall_s)
+        child = _started(command, environment, can_run_here=run_here is not None)
+        if child is None:
+            assert run_here is not None
+            return run_here()
+        status, trace = _watch(child, max_wall_s)
     else:
         assert max_wall_s is not None
         status, trace = _wait(command, environment, max_wall_s), b""
@@ -86,6 +104,9 @@ def place_in_trace(trace: bytes) -> tuple[str, int] | None:
     """Return the name and line of the program text that a trace of `faulthandler` was in; None if it was in none."""
     for row in trace.decode("utf-8", "replace").splitlines():
         file, quote, rest = row.strip().removeprefix('File "').partition('", line ')
+        if file.endswith(_ENTRANCE):
+            # What called it is the command itself, which need not end in .py.
+            return None
         # Only texts of programs are no files of Python.
         if quote and not file.endswith(".py") and not file.startswith("<frozen"):
             return file, int(rest.split()[0])
@@ -122,8 +143,17 @@ def limit_memory(size: int) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (max(soft, MEMORY_MIN), hard))
 
 
-def _watch(command: list[str], environment: dict[str, str], max_wall_s: float | None) -> tuple[int | None, bytes]:
-    """Run a command; return its exit code, the negative signal that ended it, or None at the limit; and its trace."""
+class _Child:
+    __slots__ = ("process", "trace")
+
+    def __init__(self, process: int, trace: int) -> None:
+        self.process = process
+        self.trace = trace
+        """Descriptor of the pipe for its trace."""
+
+
+def _started(command: list[str], environment: dict[str, str], *, can_run_here: bool) -> _Child | None:
+    """Start a child; return None in a child that goes on here, as a copy of this process, which takes least time."""
     import fcntl
     import resource
 
@@ -142,15 +172,47 @@ def _watch(command: list[str], environment: dict[str, str], max_wall_s: float | 
             hard = resource.getrlimit(resource.RLIMIT_STACK)[1]
             soft = STACK_BYTES if hard == resource.RLIM_INFINITY else min(STACK_BYTES, hard)
             resource.setrlimit(resource.RLIMIT_STACK, (soft, hard))
-            os.execve(command[0], command, {**environment, MARK: str(crash)})
-        finally:
+            environment[MARK] = str(crash)
+            if not (can_run_here and _has_room(soft)):
+                os.execve(command[0], command, environment)
+        except BaseException:
             os._exit(127)
+        os.environ[MARK] = str(crash)
+        if not sys.flags.safe_path:
+            # As with -P: a file called queue.py beside the program must not stand in for the standard library's.
+            del sys.path[0]
+        return None
     os.close(parted)
     os.close(crash)
-    code = _ended(child, max_wall_s)
-    os.set_blocking(trace, False)
+    return _Child(child, trace)
+
+
+def _has_room(stack: int) -> bool:
+    """Return whether the stack of this process can grow to so many bytes, which is decided where it was started.
+
+    From Python 3.14 on the interpreter itself measures its stack there.
+    """
+    if sys.version_info >= (3, 14):
+        return False
+    below = 0
     try:
-        return code, os.read(trace, TRACE_MAX)
+        with open("/proc/self/maps", encoding="utf-8", errors="replace") as maps:  # noqa: PTH123
+            for row in maps:
+                _, end = (int(address, 16) for address in row.partition(" ")[0].split("-"))
+                if row.endswith("[stack]\n"):
+                    return end - below > stack + STACK_MARGIN
+                below = end
+    except OSError:
+        pass
+    return False
+
+
+def _watch(child: _Child, max_wall_s: float | None) -> tuple[int | None, bytes]:
+    """Return the exit code of a child, the negative signal that ended it, or None at the limit; and its trace."""
+    code = _ended(child.process, max_wall_s)
+    os.set_blocking(child.trace, False)
+    try:
+        return code, os.read(child.trace, TRACE_MAX)
     except BlockingIOError:
         return code, b""
 

@@ -63,6 +63,11 @@ class Outside:
             self.channels = world.channels
 
     @property
+    def is_alone(self) -> bool:
+        """Whether the robot has nothing beside it but this computer."""
+        return self._world is None and self.surroundings is None
+
+    @property
     def files(self) -> Files:
         """The task folder of programs that come from clients: an empty one in memory without `task_dir`."""
         if self._files is None:

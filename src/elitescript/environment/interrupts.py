@@ -5,7 +5,6 @@ from __future__ import annotations
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from threading import current_thread, main_thread
 
 
 @contextmanager
@@ -14,7 +13,7 @@ def interrupts_passed_to(interrupt: Callable[[], None]) -> Iterator[None]:
 
     Only where Python's own handler would have had it: a caller with a handler of its own keeps it.
     """
-    if current_thread() is not main_thread() or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+    if signal.getsignal(signal.SIGINT) is not signal.default_int_handler or not _is_in_main_thread():
         yield
         return
     happened = False
@@ -32,3 +31,10 @@ def interrupts_passed_to(interrupt: Callable[[], None]) -> Iterator[None]:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     if happened:
         raise KeyboardInterrupt
+
+
+def _is_in_main_thread() -> bool:
+    # `elitescript run` has a handler of its own, and no need of this module.
+    from threading import current_thread, main_thread
+
+    return current_thread() is main_thread()

@@ -11,12 +11,13 @@ import ast
 import warnings
 from collections.abc import Callable
 from types import CodeType
-from typing import Final
+from typing import Final, NamedTuple
 
 from elitescript.errors import ProgramError
 from elitescript.language.advice.syntax_errors import explain
 from elitescript.language.checkpoints import insert_checkpoints
 from elitescript.language.diagnostics import Diagnostic, diagnostic, in_order
+from elitescript.language.hash_order import shows_hash_order
 from elitescript.language.hooks import MAIN
 from elitescript.language.nodes import FUNCTIONS, Census
 from elitescript.language.options import DEFAULT, LINE, Options
@@ -43,6 +44,7 @@ class CompiledUnit:
         global_names: names that the text declares `global`, anywhere.
         diagnostics: warnings, in the order of the text.
         has_line_marks: it calls the `@line` hook.
+        shows_hash_order: it may show the order of a set; see `language.hash_order`.
     """
 
     source: SourceFile
@@ -52,6 +54,7 @@ class CompiledUnit:
     global_names: frozenset[str]
     diagnostics: tuple[Diagnostic, ...]
     has_line_marks: bool
+    shows_hash_order: bool
 
 
 def compile_unit(source: SourceFile, options: Options = DEFAULT) -> CompiledUnit:
@@ -91,15 +94,24 @@ def compile_parsed(parsed: Parsed) -> CompiledUnit:
     Raises:
         ProgramError: as `compile_unit`.
     """
-    code, global_names, problems = _compile(parsed)
-    if code is None or any(problem.is_error for problem in problems):
-        raise ProgramError(problems)
-    return CompiledUnit(parsed.source, parsed.kind, parsed.name, code, global_names, problems, parsed.has_line_marks)
+    made = _compile(parsed)
+    if made.code is None or any(problem.is_error for problem in made.problems):
+        raise ProgramError(made.problems)
+    return CompiledUnit(
+        parsed.source,
+        parsed.kind,
+        parsed.name,
+        made.code,
+        made.global_names,
+        made.problems,
+        parsed.has_line_marks,
+        made.shows_hash_order,
+    )
 
 
 def check_unit(source: SourceFile, options: Options = DEFAULT) -> tuple[Diagnostic, ...]:
     """Return all findings about a text, errors and warnings, in its order; never raises `ProgramError`."""
-    return _compile(parse(source, options))[2]
+    return _compile(parse(source, options)).problems
 
 
 def compile_expression(source: SourceFile) -> CodeType:
@@ -182,24 +194,32 @@ def column_of(source: SourceFile, line: int, byte_offset: int) -> int:
 # The steps
 
 
-def _compile(parsed: Parsed) -> tuple[CodeType | None, frozenset[str], tuple[Diagnostic, ...]]:
-    """Return the code, or None if there is none; the names declared global; all findings."""
+class _Compiled(NamedTuple):
+    code: CodeType | None
+    """None if there is none."""
+    global_names: frozenset[str]
+    problems: tuple[Diagnostic, ...]
+    shows_hash_order: bool
+
+
+def _compile(parsed: Parsed) -> _Compiled:
     problems = list(parsed.diagnostics)
     if not parsed.is_complete:
-        return None, frozenset(), in_order(problems)
+        return _Compiled(None, frozenset(), in_order(problems), True)
     census = Census(parsed.tree)
+    shows = shows_hash_order(census)
     global_names = frozenset(name for node in census.of(ast.Global) for name in node.names)
     problems += review(parsed.source, census)
     problems += _header_problems(parsed)
     if census.by_kind[ast.Yield] or census.by_kind[ast.YieldFrom]:
         problems += _own_yields(parsed)
     if first_too_deep(census) is not None:
-        return None, global_names, in_order(problems)
+        return _Compiled(None, global_names, in_order(problems), shows)
     if not any(problem.is_error for problem in problems):
         insert_checkpoints(census)
         guard_formats(parsed.tree, census)
     code = _code(parsed, problems)
-    return code, global_names, in_order(problems)
+    return _Compiled(code, global_names, in_order(problems), shows)
 
 
 def _header_problems(parsed: Parsed) -> list[Diagnostic]:

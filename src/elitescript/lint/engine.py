@@ -10,7 +10,7 @@ from elitescript.errors import CODES, ProgramError
 from elitescript.language.compiler import CompiledUnit, compile_parsed
 from elitescript.language.diagnostics import Diagnostic, Severity, diagnostic, in_order
 from elitescript.language.options import Options
-from elitescript.language.parser import parse
+from elitescript.language.parser import Parsed, parse
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.lint.registry import Finding, Rule, all_rules
@@ -84,7 +84,14 @@ def compile_checked(
         presets: names of globals that have a value before the program begins.
         arm: the arm that it is for; None leaves out what depends on it.
     """
-    parsed = parse(source, options)
+    return check_parsed(parse(source, options), profile, presets=presets, arm=arm)
+
+
+def check_parsed(
+    parsed: Parsed, profile: Profile, *, presets: Collection[str] = (), arm: ArmFacts | None = None
+) -> CheckResult:
+    """Check and compile a text that was read; see `compile_checked`. Uses up the tree."""
+    options = parsed.options
     problems: list[Diagnostic] = []
     if parsed.is_complete:
         program = AnalysedProgram(parsed, profile, is_strict=options.strict, presets=presets, arm=arm)

@@ -10,6 +10,7 @@ import ast
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from elitescript.errors import CODES, InternalError
@@ -87,10 +88,11 @@ def doubt_findings(program: AnalysedProgram, code: str) -> Iterator[Finding]:
 @cache
 def all_rules() -> tuple[Rule, ...]:
     """Return every rule, by code."""
-    from pkgutil import iter_modules
-
     from elitescript.lint import rules
 
-    for module in iter_modules(rules.__path__):
-        import_module(f"{rules.__name__}.{module.name}")
+    # `pkgutil` would import `inspect`, which takes longer than a third of the rules.
+    for folder in rules.__path__:
+        for path in sorted(Path(folder).iterdir()):
+            if path.suffix == ".py" and not path.stem.startswith("_"):
+                import_module(f"{rules.__name__}.{path.stem}")
     return tuple(_RULES[code] for code in sorted(_RULES))

@@ -126,8 +126,9 @@ class DataFile:
 
     def refuse_other_keys(self, known: frozenset[str]) -> None:
         """Raise UsageError if there is an entry of an unknown key."""
-        for key in self._entries.keys() - known:
-            raise UsageError(f"{self._entries[key].file}: {key}: unknown key{did_you_mean(key, known)}")
+        for key in self._entries:
+            if key not in known:
+                raise UsageError(f"{self._entries[key].file}: {key}: unknown key{did_you_mean(key, known)}")
 
     def source(self, key: str) -> NumberSource:
         """Return the source of an entry.
@@ -253,7 +254,7 @@ def written_out(file: str) -> dict[str, Any]:
 
     Reading the TOML would take longer than all else that a model needs.
     """
-    document: dict[str, Any] = import_module(f"elitescript.models.tables.{file.removesuffix('.toml')}").document()
+    document: dict[str, Any] = import_module(f"elitescript.models.tables.{file.replace('.', '_')}").document()
     return document
 
 

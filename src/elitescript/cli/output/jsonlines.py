@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from math import isfinite, isnan
 from typing import Any, Final
 
@@ -19,6 +18,9 @@ _CUT_OFF: Final = {"repr": "..."}
 
 def line(record: dict[str, Any]) -> str:
     """Return one record as a line without its line feed."""
+    # Not at the top: reports for people need none of it.
+    import json
+
     value = plain(record)
     text = json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     if text.isascii() or _is_encodable(text):

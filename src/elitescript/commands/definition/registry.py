@@ -8,7 +8,6 @@ commands and start-up time counts.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from copy import copy
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar, get_args
 
 from elitescript.commands.definition.quantities import Anything, Optionally, Quantity, Vector
@@ -169,7 +168,9 @@ class Command:
 
     def renamed(self, name: str, since: str = "", evidence: str = "") -> Command:
         """Return the same command under another name."""
-        other = copy(self)
+        other: Command = object.__new__(type(self))
+        for slot in self.__slots__:
+            setattr(other, slot, getattr(self, slot))
         other.name, other.alias_of, other.aliases = name, self.name, ()
         other.since, other.evidence = since or self.since, evidence or self.evidence
         return other
