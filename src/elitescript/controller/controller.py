@@ -338,6 +338,10 @@ class Controller:
         """Return the wrench on the TCP in this tick, TCP frame; see `wrench_sensor`."""
         return self.yielding.wrench(self.arm_state, self._tick, is_compensated)
 
+    def tcp_wrenches(self) -> tuple[Six, Six]:
+        """Return both wrenches of `tcp_wrench`: the compensated one, and the one as the sensor measures it."""
+        return self.yielding.wrenches(self.arm_state, self._tick)
+
     def joints_at(self, tick: int) -> JointState:
         """Return the target and measured joints at a tick, from the present one to the next that is due."""
         return self._joint_encoders.read(tick, self.arm_state.joints(tick))
