@@ -223,11 +223,12 @@ class Controller:
     @property
     def is_idle(self) -> bool:
         """Whether nothing but an arm at standstill can be due; see `ArmState.is_standing`."""
+        # The arm first: while it moves, the others need not be asked.
         return (
-            self._inbox.next_tick is None
+            self.arm_state.is_standing
+            and self._inbox.next_tick is None
             and self._fault_tick is None
             and self.task.program.next_tick(self._tick) is None
-            and self.arm_state.is_standing
         )
 
     @property
