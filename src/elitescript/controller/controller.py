@@ -229,11 +229,12 @@ class Controller:
     @property
     def is_idle(self) -> bool:
         """Whether nothing but an arm at standstill can be due; see `ArmState.is_standing`."""
+        # The arm first: while it moves, the others need not be asked.
         return (
-            self._inbox.next_tick is None
+            self.arm_state.is_standing
+            and self._inbox.next_tick is None
             and self._fault_tick is None
             and self.task.program.next_tick(self._tick) is None
-            and self.arm_state.is_standing
         )
 
     @property
@@ -343,6 +344,10 @@ class Controller:
     def tcp_wrench(self, is_compensated: bool) -> Six:
         """Return the wrench on the TCP in this tick, TCP frame; see `wrench_sensor`."""
         return self.yielding.wrench(self.arm_state, self._tick, is_compensated)
+
+    def tcp_wrenches(self) -> tuple[Six, Six]:
+        """Return both wrenches of `tcp_wrench`: the compensated one, and the one as the sensor measures it."""
+        return self.yielding.wrenches(self.arm_state, self._tick)
 
     def joints_at(self, tick: int) -> JointState:
         """Return the target and measured joints at a tick, from the present one to the next that is due."""

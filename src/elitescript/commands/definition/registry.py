@@ -300,7 +300,7 @@ class Command:
 
     def _arrange(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[Any]:
         """Return the arguments in the order of the parameters, `_OMITTED` where one is left out."""
-        form = (len(args), *kwargs)
+        form: tuple[int | str, ...] = (len(args), *kwargs)
         forms = self.details.forms
         slots = forms.get(form)
         if slots is None:
