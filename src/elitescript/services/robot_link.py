@@ -1,7 +1,8 @@
 """How the serving process reaches a robot: in this process, or in a child.
 
 In both cases a tick is one call: inputs in, output out. How fast the time of the robot passes depends on the calls
-alone.
+alone. Ticks in which nothing is due and to which nothing is given need no call: the next one leaps over them, which
+gives the same.
 
 A snapshot takes most of the time of a tick, so one is made only at ticks of which something reads it, and when the
 discrete state has changed. So levels, modes, tool and task are up to date in the snapshot of any output;
@@ -10,7 +11,7 @@ joints, poses and forces in it may be older, if nothing was to read them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from elitescript.kernel import Kernel
@@ -36,12 +37,20 @@ class RobotLink(Protocol):
     async def open(self) -> None:
         """Bring the robot up."""
 
-    async def tick(self, inputs: Sequence[Input], reads_snapshot: bool = True) -> Output:
+    @property
+    def due_tick(self) -> int | None:
+        """The next tick that is to run though it is given nothing; None if there is none."""
+
+    def watch(self, on_due: Callable[[], object]) -> None:
+        """Have a call made when a tick becomes due that `due_tick` has not announced."""
+
+    async def tick(self, inputs: Sequence[Input], reads_snapshot: bool = True, number: int | None = None) -> Output:
         """Run one tick.
 
         Args:
             inputs: for the robot, in order.
             reads_snapshot: whether something reads more of its snapshot than the discrete state.
+            number: of the tick, not later than `due_tick`; the one after the last if None.
         """
 
     async def close(self) -> None:
@@ -73,13 +82,20 @@ class InProcessLink:
     async def open(self) -> None:
         """Do nothing: the robot is there."""
 
-    async def tick(self, inputs: Sequence[Input], reads_snapshot: bool = True) -> Output:
-        return self.tick_now(inputs, reads_snapshot)
+    @property
+    def due_tick(self) -> int | None:
+        return self.robot.due_tick()
 
-    def tick_now(self, inputs: Sequence[Input], reads_snapshot: bool = True) -> Output:
+    def watch(self, on_due: Callable[[], object]) -> None:
+        """Do nothing: a robot in this process does nothing by itself but what `due_tick` announces."""
+
+    async def tick(self, inputs: Sequence[Input], reads_snapshot: bool = True, number: int | None = None) -> Output:
+        return self.tick_now(inputs, reads_snapshot, number)
+
+    def tick_now(self, inputs: Sequence[Input], reads_snapshot: bool = True, number: int | None = None) -> Output:
         """Run one tick as `tick` does, without waiting."""
         robot = self.robot
-        result, discrete_state = robot.tick(inputs), robot.discrete_state()
+        result, discrete_state = robot.tick(inputs, number), robot.discrete_state()
         if reads_snapshot or discrete_state != self._discrete_state:
             self._discrete_state, self._snapshot = discrete_state, robot.snapshot()
         return result.with_snapshot(self._snapshot)

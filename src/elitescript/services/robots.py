@@ -144,9 +144,9 @@ class _RecordedLink(InProcessLink):
         super().__init__(robot)
         self._journal = journal
 
-    def tick_now(self, inputs: Sequence[Input], reads_snapshot: bool = True) -> Output:
+    def tick_now(self, inputs: Sequence[Input], reads_snapshot: bool = True, number: int | None = None) -> Output:
         # The digests of the journal cover the snapshot of every tick, so it is there already.
-        output = super().tick_now(inputs, reads_snapshot=True)
+        output = super().tick_now(inputs, True, number)
         warning = self._journal.take_warning(output.tick)
         return replace(output, events=(*output.events, *warning)) if warning else output
 

@@ -150,6 +150,16 @@ class ServedDevices:
         """Return whether a device that is connected to a port of the robot reads the snapshot of a tick."""
         return self._world.reads_snapshot(tick)
 
+    def next_tick(self, tick: int) -> int | None:
+        """Return the next tick after `tick` that must run for a device; None if none must."""
+        if self._inputs or self._refusals or self._world.reads_snapshot(tick + 1):
+            return tick + 1
+        return self._world.network.next_tick(tick)
+
+    def pass_over(self, output: Output) -> None:
+        """Take the output of a tick in which nothing has happened."""
+        self._output = output
+
     def inputs(self, tick: int) -> list[Input]:
         """Return what happens in the tick that is about to run."""
         events, self._refusals = self._refusals, []

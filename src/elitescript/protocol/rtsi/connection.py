@@ -119,7 +119,7 @@ class RtsiConnection(Connection):
         """Tick of the first package after the start, which shows the inputs that were sent before the start."""
         self._held_back_until = 0
         self._fresh_before = 0
-        """Before this tick no package has an older snapshot."""
+        """Before this tick the first package of a recipe is not made of an older snapshot."""
         self._reported: dict[str, int] = {}
         """Tick of the last text message by kind of problem."""
 
@@ -180,13 +180,14 @@ class RtsiConnection(Connection):
         """
         if not self._is_started or output.tick == self._written_tick:
             return
-        if output.tick < self._fresh_before and not output.is_fresh:
-            return
         if self._first_tick:
             if output.snapshot.robot.tick < self._first_tick and output.tick < self._held_back_until:
                 return
             self._first_tick = 0
+        is_older = output.tick < self._fresh_before and not output.is_fresh
         for recipe in self._outputs:
+            if is_older and not recipe.schedule.has_begun:
+                continue
             if recipe.schedule.is_due(output.tick):
                 self.send(recipe.package(self._port.packages.body(recipe, output)))
 
@@ -271,6 +272,8 @@ class RtsiConnection(Connection):
             self._refuse("O", words, f"a package has {MESSAGE_MAX} bytes at most, not {recipe.size}", output)
             return []
         self._outputs.append(recipe)
+        # A tick that is under way was not asked for a snapshot for this recipe.
+        self._fresh_before = output.tick + 2
         self._reply("O", bytes([recipe.ident]) + ",".join(words).encode())
         if frequency_hz != wanted_hz:
             text = f"recipe {recipe.ident} is sent at {frequency_hz:g} Hz, not {wanted_hz:g} Hz"

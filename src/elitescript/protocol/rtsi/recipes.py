@@ -48,6 +48,11 @@ class RecipeSchedule:
         """Start again: a package is due at the next tick."""
         self._start = None
 
+    @property
+    def has_begun(self) -> bool:
+        """Whether there was a package since the start."""
+        return self._start is not None
+
     def will_be_due(self, tick: int) -> bool:
         """Return whether `is_due` will be True for this tick."""
         return self._start is None or tick < self._start or self._count(tick) > self._sent

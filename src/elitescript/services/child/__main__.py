@@ -35,22 +35,31 @@ def serve(line: frames.BlockingLine) -> None:
     input_shape, result_shape, writer = shape_of(Input), shape_of(TickResult), OutputWriter()
     shown: tuple[object, ...] = ()
     """Discrete state of the last snapshot that was sent."""
+    shown_tick, is_shown_at_rest = 0, False
+    """Its tick, and whether the arm has rested since."""
 
     def ask(question: list[Any]) -> list[Any]:
         line.send(frames.QUESTION, to_text(question))
         return list(from_text(line.receive_answer(frames.ANSWER)))
 
     kernel: Kernel | None = None
+    content: str | bytes
     while True:
         letter, text = line.receive()
         if letter in (frames.TICK, frames.TICK_UNREAD) and kernel is not None:
-            inputs = () if text == frames.NO_INPUTS else [input_shape.decode(item) for item in from_text(text)]
-            result, state = kernel.tick(inputs), kernel.discrete_state()
+            tick, text = frames.split_number(text)
+            result = kernel.tick([input_shape.decode(item) for item in from_text(text)] if text else (), tick)
+            state, rests, due = kernel.discrete_state(), kernel.controller.is_resting, kernel.due_tick()
             if letter == frames.TICK_UNREAD and state == shown:
-                line.send(frames.RESULT, to_text([kernel.line, result_shape.encode(without_points(result))]))
+                is_shown_at_rest = is_shown_at_rest and rests
+                letter, content = frames.RESULT, to_text([kernel.line, result_shape.encode(without_points(result))])
             else:
-                shown = state
-                line.send(*writer.message(result.with_snapshot(kernel.snapshot())))
+                shown, shown_tick, is_shown_at_rest = state, tick, rests
+                letter, content = writer.message(result.with_snapshot(kernel.snapshot()))
+            due = frames.NEVER if due is None else due
+            if not is_shown_at_rest:
+                due = min(due, max(shown_tick + frames.REFRESH_TICKS, tick + 1))
+            line.send(letter, frames.numbered(due, content))
             continue
         data = from_text(text)
         if letter == frames.LOCK_IN:

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from elitescript.codec.values import CodecError
+from elitescript.messages.timing import TICKS_PER_S
 
 DOWN_MAX: Final = 32 * 1024 * 1024
 UP_MAX: Final = 8 * 1024 * 1024
@@ -20,6 +21,12 @@ READ_BYTES: Final = 1 << 16
 """Taken from a socket at once: more would be memory that the system has to find anew for every message."""
 _LENGTH: Final = struct.Struct(">I")
 _HEAD: Final = struct.Struct(">IB")
+_NUMBER: Final = struct.Struct(">q")
+NEVER: Final = (1 << 63) - 1
+"""Number of a tick that does not come."""
+REFRESH_TICKS: Final = TICKS_PER_S // 10
+"""A snapshot is at most so old when a fresh child goes on from it, though nothing reads one: while the arm moves, the
+child names a tick that is due within this time (*assumed*: as often as the primary port shows joints)."""
 
 # Down.
 LOCK_IN: Final = "L"
@@ -27,16 +34,14 @@ LOCK_IN: Final = "L"
 BEGIN: Final = "B"
 """Options: the child makes its robot and answers `DESCRIBED`."""
 TICK: Final = "T"
-"""Inputs; the child answers with `OUTPUT`, later `OUTPUT_CHANGES`."""
+"""Number of a tick to leap to and run, and inputs; the child answers with `OUTPUT`, later `OUTPUT_CHANGES`."""
 TICK_UNREAD: Final = "U"
-"""Inputs; nothing reads the snapshot of this tick, so the child answers as to `TICK` only if the discrete state has
+"""The same; nothing reads the snapshot of this tick, so the child answers as to `TICK` only if the discrete state has
 changed, else with `RESULT`."""
-NO_INPUTS: Final = b"[]"
-"""The content of most of them."""
 ANSWER: Final = "A"
 """Answer to a `QUESTION`."""
 
-# Up.
+# Up. The answers to a tick begin with the number of the next one that is due.
 LOCKED_IN: Final = "L"
 """The layers of the jail."""
 DESCRIBED: Final = "D"
@@ -51,6 +56,22 @@ QUESTION: Final = "Q"
 """Something about files, in the middle of a tick."""
 FAILED: Final = "F"
 """`[kind, text]`: why the child ends."""
+
+
+def numbered(number: int, content: str | bytes) -> bytes:
+    """Return a content with the number of a tick before it."""
+    return _NUMBER.pack(number) + (content.encode() if isinstance(content, str) else content)
+
+
+def split_number(content: bytes) -> tuple[int, bytes]:
+    """Return the number of a tick, and the content behind it.
+
+    Raises:
+        CodecError: there is none.
+    """
+    if len(content) < _NUMBER.size:
+        raise CodecError("a message about a tick without its number")
+    return _NUMBER.unpack_from(content)[0], content[_NUMBER.size :]
 
 
 def frame(letter: str, content: str | bytes, limit: int = DOWN_MAX) -> bytes:

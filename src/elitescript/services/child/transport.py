@@ -33,6 +33,7 @@ from elitescript.services.options_data import options_data
 READING_MAX_S: Final = 0.25
 READING_KEPT: Final = 0.99
 """Time that the outputs of the last hundred ticks or so may take to be read: more than half of it."""
+NO_INPUTS: Final = to_text([])
 FAILURE_MAX: Final = 8000
 """Characters of the reason that a child gives for its end."""
 
@@ -60,7 +61,7 @@ class ChildTransport:
 
     Args:
         desk: answers questions about files.
-        on_output: takes a tick that was sent, and what it has given.
+        on_output: takes a tick that was sent, what it has given, and the next one that is due.
         on_question: called when a question about files was answered, with the tick that it was asked in; None if that
             was before the first one.
         on_change: called after each message, and when the child has ended.
@@ -104,7 +105,7 @@ class ChildTransport:
     def __init__(
         self,
         desk: FileDesk,
-        on_output: Callable[[SentTick, Output | TickResult], None],
+        on_output: Callable[[SentTick, Output | TickResult, int], None],
         on_question: Callable[[SentTick | None], None],
         on_change: Callable[[], None],
         *,
@@ -149,10 +150,11 @@ class ChildTransport:
 
     def send_tick(self, number: int, inputs: Sequence[Input], *, has_snapshot: bool) -> None:
         """Send a tick with its inputs, and whether its snapshot is asked for."""
-        text = to_text([self._input_shape.encode(item) for item in inputs])
+        text = to_text([self._input_shape.encode(item) for item in inputs]) if inputs else NO_INPUTS
         size = sum(len(item.text) for item in inputs if isinstance(item, RunUnit | Interpret | Query))
         self.unanswered.append(SentTick(number, inputs, has_snapshot, text, size))
-        self.process.send(frames.TICK if has_snapshot else frames.TICK_UNREAD, text)
+        letter = frames.TICK if has_snapshot else frames.TICK_UNREAD
+        self.process.send(letter, frames.numbered(number, text if inputs else ""))
 
     # ---------------------------------------------------------------- up
 
@@ -199,6 +201,7 @@ class ChildTransport:
     def _take_output(self, letter: str, text: bytes) -> None:
         if not self.unanswered:
             raise CodecError("an output that was not asked for")
+        due, text = frames.split_number(text)
         began_s = time.thread_time()
         output = self._read_result(text) if letter == frames.RESULT else self._reader.read(letter, text)
         self._reading_s = READING_KEPT * self._reading_s + time.thread_time() - began_s
@@ -211,7 +214,7 @@ class ChildTransport:
             self.line = output.snapshot.robot.line
         elif sent.has_snapshot:
             raise CodecError(f"the output of tick {output.tick} lacks the snapshot that was asked for")
-        self._on_output(sent, output)
+        self._on_output(sent, output, due)
 
     def _read_result(self, text: bytes) -> TickResult:
         """Read what a tick gives without its snapshot."""
