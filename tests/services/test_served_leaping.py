@@ -12,6 +12,7 @@ from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.inputs import Do, Input, RunUnit
 from elitescript.messages.machine import WriteSignal
 from elitescript.messages.outputs import TickResult
+from elitescript.messages.snapshot_parts import ALL_PARTS, TIME
 from elitescript.services.time.cycle import LEAP_MAX_TICKS, PERIOD_NS
 from tests.protocol import modbus_client, rtsi_client
 from tests.services.made_up_time import Line, WallClock, timed
@@ -62,7 +63,7 @@ def test_nothing_runs_while_nothing_is_due(monkeypatch: pytest.MonkeyPatch) -> N
         await moment.at(LEAP_MAX_TICKS - 0.5)
         assert moment.ran() == [0]
         assert moment.server.output.tick == LEAP_MAX_TICKS - 1
-        assert not moment.server.output.is_fresh
+        assert not moment.server.output.has(TIME)
         await moment.at(LEAP_MAX_TICKS + 0.5)
         assert moment.ran() == [LEAP_MAX_TICKS]
         assert (moment.server.overruns, moment.server.left_out) == (0, 0)
@@ -129,7 +130,7 @@ def test_each_output_is_given_to_followers(monkeypatch: pytest.MonkeyPatch) -> N
         await moment.at(201.5)
         assert waiting.done()
         output = await waiting
-        assert (output.tick, output.is_fresh) == (201, True)
+        assert (output.tick, output.has(ALL_PARTS)) == (201, True)
         await moment.at(900)
         assert moment.ran() == [0, 51, 52, 53, 54, 55, 201]
 

@@ -4,9 +4,9 @@ In both cases a tick is one call: inputs in, output out. How fast the time of th
 alone. Ticks in which nothing is due and to which nothing is given need no call: the next one leaps over them, which
 gives the same.
 
-A snapshot takes most of the time of a tick, so one is made only at ticks of which something reads it, and when the
-discrete state has changed. So levels, modes, tool and task are up to date in the snapshot of any output;
-joints, poses and forces in it may be older, if nothing was to read them.
+A snapshot takes most of the time of a tick, so one is made only at ticks of which something reads it, of those parts
+alone, and when the discrete state has changed. So levels, modes, tool and task are up to date in the snapshot of any
+output; joints, poses and forces in it may be older, if nothing was to read them.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from elitescript.kernel import Kernel
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription, Snapshot
+from elitescript.messages.snapshot_parts import ALL_PARTS, TIME
 
 
 class RobotLink(Protocol):
@@ -44,12 +45,12 @@ class RobotLink(Protocol):
     def watch(self, on_due: Callable[[], object]) -> None:
         """Have a call made when a tick becomes due that `due_tick` has not announced."""
 
-    async def tick(self, inputs: Sequence[Input], reads_snapshot: bool = True, number: int | None = None) -> Output:
+    async def tick(self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None) -> Output:
         """Run one tick.
 
         Args:
             inputs: for the robot, in order.
-            reads_snapshot: whether something reads more of its snapshot than the discrete state.
+            parts: of its snapshot that something reads, as bits of `messages.snapshot_parts`.
             number: of the tick, not later than `due_tick`; the one after the last if None.
         """
 
@@ -64,12 +65,14 @@ class InProcessLink:
         robot: the robot.
     """
 
-    __slots__ = ("_discrete_state", "_snapshot", "robot")
+    __slots__ = ("_discrete_state", "_parts", "_snapshot", "robot")
 
     def __init__(self, robot: Kernel) -> None:
         self.robot = robot
         self._discrete_state: tuple[object, ...] = ()
         self._snapshot: Snapshot
+        self._parts = 0
+        """Those of the snapshot that are of its tick."""
 
     @property
     def description(self) -> RobotDescription:
@@ -89,16 +92,18 @@ class InProcessLink:
     def watch(self, on_due: Callable[[], object]) -> None:
         """Do nothing: a robot in this process does nothing by itself but what `due_tick` announces."""
 
-    async def tick(self, inputs: Sequence[Input], reads_snapshot: bool = True, number: int | None = None) -> Output:
-        return self.tick_now(inputs, reads_snapshot, number)
+    async def tick(self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None) -> Output:
+        return self.tick_now(inputs, parts, number)
 
-    def tick_now(self, inputs: Sequence[Input], reads_snapshot: bool = True, number: int | None = None) -> Output:
+    def tick_now(self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None) -> Output:
         """Run one tick as `tick` does, without waiting."""
         robot = self.robot
         result, discrete_state = robot.tick(inputs, number), robot.discrete_state()
-        if reads_snapshot or discrete_state != self._discrete_state:
-            self._discrete_state, self._snapshot = discrete_state, robot.snapshot()
-        return result.with_snapshot(self._snapshot)
+        if parts or discrete_state != self._discrete_state:
+            self._discrete_state = discrete_state
+            self._parts = parts | TIME
+            self._snapshot = robot.snapshot(self._parts)
+        return result.with_snapshot(self._snapshot, self._parts)
 
     async def close(self) -> None:
         """Do nothing: there is nothing to end."""

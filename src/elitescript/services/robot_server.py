@@ -18,6 +18,7 @@ from elitescript.errors import UsageError
 from elitescript.messages.enums import TaskState
 from elitescript.messages.inputs import Input, Lag
 from elitescript.messages.outputs import Output
+from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.messages.timing import PERIOD_S
 from elitescript.protocol.connection import Connection
 from elitescript.protocol.ports import services_of
@@ -142,7 +143,7 @@ class RobotServer:
         """Of the last tick; one that was leapt over has given nothing."""
         tick = self._from_tick if self._time is None else self._from_tick + self._time.passed
         if tick != self._output.tick:
-            self._output = Output(tick, (), (), (), self._output.snapshot)
+            self._output = Output(tick, (), (), (), self._output.snapshot, self._output.parts)
         return self._output
 
     # ---------------------------------------------------------------- called by clients
@@ -317,7 +318,7 @@ class RobotServer:
             self._pass_over(await time.next(self._ticks_on(), has_outlet=self._has_readers) - 1)
             lag = self._lag(time.lag_ticks)
             inputs, number = [*lag, *self._begin_tick()], self._from_tick + 1
-            output = await self.link.tick(inputs, self._reads_snapshot(), number)
+            output = await self.link.tick(inputs, self._reads(), number)
             if self._has_readers:
                 await time.outlet()
             self._end_tick(time.with_overruns(output))
@@ -350,19 +351,19 @@ class RobotServer:
         """Leap over ticks in which nothing is due."""
         if ticks:
             tick = self._from_tick = self._from_tick + ticks
-            self._output = Output(tick, (), (), (), self._output.snapshot)
+            self._output = Output(tick, (), (), (), self._output.snapshot, self._output.parts)
             if self.devices is not None:
                 self.devices.pass_over(self._output)
 
     async def step(self) -> None:
         """Run one tick, whose output leaves as soon as it is there."""
-        self._end_tick(await self.link.tick(self._begin_tick(), self._reads_snapshot()))
+        self._end_tick(await self.link.tick(self._begin_tick(), self._reads()))
 
     def _step_now(self) -> bool:
         """Run one tick without waiting, if the robot is in this process; return whether it is."""
         if not isinstance(self.link, InProcessLink):
             return False
-        self._end_tick(self.link.tick_now(self._begin_tick(), self._reads_snapshot()))
+        self._end_tick(self.link.tick_now(self._begin_tick(), self._reads()))
         return True
 
     def _lag(self, ticks: int) -> tuple[Lag, ...]:
@@ -434,15 +435,18 @@ class RobotServer:
         self.shares.begin_tick(is_late=overruns > self._overruns_before)
         self._overruns_before = overruns
 
-    def _reads_snapshot(self) -> bool:
-        """Return whether anything reads more of the snapshot of the tick that begins now than the discrete state.
+    def _reads(self) -> int:
+        """Return the parts of the snapshot of the tick that begins now that anything reads, as bits.
 
-        Time that stands still leaves no later tick to read, so in lockstep every snapshot is new.
+        Time that stands still leaves no later tick to read, so in lockstep every snapshot is whole.
         """
+        if self._is_lockstep or self._answered:
+            return ALL_PARTS
         tick = self.output.tick + 1
-        if self._is_lockstep or self._answered or (self.devices is not None and self.devices.reads_snapshot(tick)):
-            return True
-        return any(listener.reads_snapshot(tick) for listener in self._by_urgency)
+        parts = 0 if self.devices is None else self.devices.reads(tick)
+        for listener in self._by_urgency:
+            parts |= listener.reads(tick)
+        return parts
 
     def _note_refused(self) -> None:
         count, self._inputs.refused = self._inputs.refused, 0

@@ -146,13 +146,13 @@ class ServedDevices:
         self._connect = connect
         self._world.begin(self)
 
-    def reads_snapshot(self, tick: int) -> bool:
-        """Return whether a device that is connected to a port of the robot reads the snapshot of a tick."""
-        return self._world.reads_snapshot(tick)
+    def reads(self, tick: int) -> int:
+        """Return the parts of the snapshot of a tick that devices read at ports of the robot, as bits."""
+        return self._world.reads(tick)
 
     def next_tick(self, tick: int) -> int | None:
         """Return the next tick after `tick` that must run for a device; None if none must."""
-        if self._inputs or self._refusals or self._world.reads_snapshot(tick + 1):
+        if self._inputs or self._refusals or self._world.reads(tick + 1):
             return tick + 1
         return self._world.network.next_tick(tick)
 

@@ -22,6 +22,7 @@ from elitescript.kernel import Kernel
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import TickResult
 from elitescript.messages.snapshot import RobotDescription
+from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.services.child import frames
 from elitescript.services.child.jail import enter_jail
 from elitescript.services.child.output_changes import OutputWriter
@@ -35,8 +36,8 @@ def serve(line: frames.BlockingLine) -> None:
     input_shape, result_shape, writer = shape_of(Input), shape_of(TickResult), OutputWriter()
     shown: tuple[object, ...] = ()
     """Discrete state of the last snapshot that was sent."""
-    shown_tick, is_shown_at_rest = 0, False
-    """Its tick, and whether the arm has rested since."""
+    whole_tick, is_whole = 0, False
+    """Tick of the last one with all parts, and whether the arm has rested since."""
 
     def ask(question: list[Any]) -> list[Any]:
         line.send(frames.QUESTION, to_text(question))
@@ -46,19 +47,22 @@ def serve(line: frames.BlockingLine) -> None:
     content: str | bytes
     while True:
         letter, text = line.receive()
-        if letter in (frames.TICK, frames.TICK_UNREAD) and kernel is not None:
-            tick, text = frames.split_number(text)
+        if letter == frames.TICK and kernel is not None:
+            tick, parts, text = frames.read_tick(text)
             result = kernel.tick([input_shape.decode(item) for item in from_text(text)] if text else (), tick)
             state, rests, due = kernel.discrete_state(), kernel.controller.is_resting, kernel.due_tick()
-            if letter == frames.TICK_UNREAD and state == shown:
-                is_shown_at_rest = is_shown_at_rest and rests
+            if not parts and state == shown:
                 letter, content = frames.RESULT, to_text([kernel.line, result_shape.encode(without_points(result))])
             else:
-                shown, shown_tick, is_shown_at_rest = state, tick, rests
-                letter, content = writer.message(result.with_snapshot(kernel.snapshot()))
+                shown = state
+                letter, content = writer.message(result.with_snapshot(kernel.snapshot(parts)))
+            if parts == ALL_PARTS:
+                whole_tick, is_whole = tick, rests
+            elif not rests:
+                is_whole = False
             due = frames.NEVER if due is None else due
-            if not is_shown_at_rest:
-                due = min(due, max(shown_tick + frames.REFRESH_TICKS, tick + 1))
+            if not is_whole:
+                due = min(due, max(whole_tick + frames.REFRESH_TICKS, tick + 1))
             line.send(letter, frames.numbered(due, content))
             continue
         data = from_text(text)

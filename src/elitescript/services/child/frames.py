@@ -21,6 +21,7 @@ READ_BYTES: Final = 1 << 16
 """Taken from a socket at once: more would be memory that the system has to find anew for every message."""
 _LENGTH: Final = struct.Struct(">I")
 _HEAD: Final = struct.Struct(">IB")
+_TICK: Final = struct.Struct(">qB")
 _NUMBER: Final = struct.Struct(">q")
 NEVER: Final = (1 << 63) - 1
 """Number of a tick that does not come."""
@@ -34,10 +35,9 @@ LOCK_IN: Final = "L"
 BEGIN: Final = "B"
 """Options: the child makes its robot and answers `DESCRIBED`."""
 TICK: Final = "T"
-"""Number of a tick to leap to and run, and inputs; the child answers with `OUTPUT`, later `OUTPUT_CHANGES`."""
-TICK_UNREAD: Final = "U"
-"""The same; nothing reads the snapshot of this tick, so the child answers as to `TICK` only if the discrete state has
-changed, else with `RESULT`."""
+"""Number of a tick to leap to and run (i64), the parts of its snapshot that are read (a byte), then the inputs if there
+are any. The child answers with `OUTPUT`, later `OUTPUT_CHANGES`; if nothing is read and the discrete state has not
+changed, with `RESULT`."""
 ANSWER: Final = "A"
 """Answer to a `QUESTION`."""
 
@@ -56,6 +56,16 @@ QUESTION: Final = "Q"
 """Something about files, in the middle of a tick."""
 FAILED: Final = "F"
 """`[kind, text]`: why the child ends."""
+
+
+def tick_content(number: int, parts: int, inputs: str) -> bytes:
+    """Return the content of `TICK`."""
+    return _TICK.pack(number, parts) + inputs.encode()
+
+
+def read_tick(content: bytes) -> tuple[int, int, bytes]:
+    """Return number, parts and inputs of the content of `TICK`."""
+    return *_TICK.unpack_from(content), content[_TICK.size :]
 
 
 def numbered(number: int, content: str | bytes) -> bytes:

@@ -280,7 +280,7 @@ class Client(asyncio.BufferedProtocol):
         if self._is_paused or self._deadline is not None or self._stalled_since is not None:
             return tick + 1
         connection = self.connection
-        return tick + 1 if connection.reads_snapshot(tick + 1) else connection.next_tick(tick)
+        return tick + 1 if connection.reads(tick + 1) else connection.next_tick(tick)
 
     def publish(self, output: Output) -> None:
         """Give the client a tick."""

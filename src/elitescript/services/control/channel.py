@@ -185,7 +185,7 @@ class ControlChannel:
         if verb.order is None:
             assert verb.read is not None
             output = server.output
-            if verb.name == "state" and not output.is_fresh and not server.waits_for:
+            if verb.parts and not output.has(verb.parts) and not server.waits_for:
                 # Nothing has read where the arm is; the next tick shows it.
                 output = await server.next_output()
             result = verb.read(request, output)
