@@ -315,13 +315,17 @@ class RobotServer:
     async def _run(self, time: PacedTime) -> None:
         """Let time pass; never returns."""
         while True:
-            self._pass_over(await time.next(self._ticks_on(), has_outlet=self._has_readers) - 1)
+            has_readers = self._has_readers
+            if (ticks := await time.next(self._ticks_on(), has_outlet=has_readers)) > 1:
+                self._pass_over(ticks - 1)
             lag = self._lag(time.lag_ticks)
-            inputs, number = [*lag, *self._begin_tick()], self._from_tick + 1
-            output = await self.link.tick(inputs, self._reads(), number)
+            inputs = self._begin_tick()
+            if lag:
+                inputs = [*lag, *inputs]
+            output = await self.link.tick(inputs, self._reads(), self._from_tick + 1)
             if self._has_readers:
                 await time.outlet()
-            self._end_tick(time.with_overruns(output))
+            self._end_tick(output)
 
     def _ticks_on(self) -> int | None:
         """Return how many ticks on the next one is that is due; None if there is none."""
@@ -345,15 +349,15 @@ class RobotServer:
         if self._ssh is not None and self._ssh.taps.is_active:
             yield tick + 1
         for listener in self._by_urgency:
-            yield listener.next_tick(tick)
+            if listener.clients or listener.is_restless:
+                yield listener.next_tick(tick)
 
     def _pass_over(self, ticks: int) -> None:
         """Leap over ticks in which nothing is due."""
-        if ticks:
-            tick = self._from_tick = self._from_tick + ticks
-            self._output = Output(tick, (), (), (), self._output.snapshot, self._output.parts)
-            if self.devices is not None:
-                self.devices.pass_over(self._output)
+        tick = self._from_tick = self._from_tick + ticks
+        self._output = Output(tick, (), (), (), self._output.snapshot, self._output.parts)
+        if self.devices is not None:
+            self.devices.pass_over(self._output)
 
     async def step(self) -> None:
         """Run one tick, whose output leaves as soon as it is there."""
@@ -391,7 +395,12 @@ class RobotServer:
     @property
     def _has_readers(self) -> bool:
         """Whether an output leaves this process: clients, or connections of programs, are open."""
-        return self.broker.count > 0 or any(listener.clients for listener in self._by_urgency)
+        if self.broker.count:
+            return True
+        for listener in self._by_urgency:  # noqa: SIM110 (`any` takes some times as long)
+            if listener.clients:
+                return True
+        return False
 
     def _begin_tick(self) -> list[Input]:
         """Take what the tick that begins now is given."""
@@ -429,8 +438,9 @@ class RobotServer:
 
     def _begin_reading(self) -> None:
         """Let clients be read on: the output of the tick has left."""
-        for listener in self.listeners.values():
-            listener.begin_tick()
+        for listener in self._by_urgency:
+            if listener.is_restless:
+                listener.begin_tick()
         overruns = self.overruns
         self.shares.begin_tick(is_late=overruns > self._overruns_before)
         self._overruns_before = overruns
@@ -445,7 +455,8 @@ class RobotServer:
         tick = self.output.tick + 1
         parts = 0 if self.devices is None else self.devices.reads(tick)
         for listener in self._by_urgency:
-            parts |= listener.reads(tick)
+            if listener.clients:
+                parts |= listener.reads(tick)
         return parts
 
     def _note_refused(self) -> None:
