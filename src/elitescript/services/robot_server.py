@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING, Any, Final
@@ -64,6 +64,7 @@ class RobotServer:
 
     __slots__ = (
         "_answered",
+        "_asks_due",
         "_by_urgency",
         "_followers",
         "_from_tick",
@@ -107,6 +108,7 @@ class RobotServer:
         self.devices = devices
         self.listeners: dict[str, Listener] = {}
         self._output: Output
+        self._asks_due = True
         self._from_tick = 0
         """The last tick that has run, or that was leapt over before the one that runs."""
         self.shares = Shares()
@@ -322,35 +324,38 @@ class RobotServer:
             inputs = self._begin_tick()
             if lag:
                 inputs = [*lag, *inputs]
-            output = await self.link.tick(inputs, self._reads(), self._from_tick + 1)
+            output = await self.link.tick(inputs, self._reads(), self._from_tick + 1, asks_due=self._asks_due)
             if self._has_readers:
                 await time.outlet()
             self._end_tick(output)
 
     def _ticks_on(self) -> int | None:
         """Return how many ticks on the next one is that is due; None if there is none."""
-        if self._is_lockstep or self._lag_ticks or self._stepped or self._followers or self._next_followers:
-            return 1
-        if not self._inputs.is_settled or not self.shares.is_settled:
-            return 1
-        tick, nearest = self._from_tick, None
-        for due in self._due_ticks(tick):
+        tick = self._from_tick
+        nearest = self._next_outside(tick)
+        # While others need every tick, the robot is not asked for its next one.
+        self._asks_due = nearest is None or nearest > tick + 1
+        if self._asks_due:
+            due = self.link.due_tick
             if due is not None and (nearest is None or due < nearest):
                 nearest = due
-                if due <= tick + 1:
-                    return 1
         return None if nearest is None else nearest - tick
 
-    def _due_ticks(self, tick: int) -> Iterator[int | None]:
-        """Yield the next ticks after `tick` that must run for the robot, its devices, its clients."""
-        yield self.link.due_tick
-        if self.devices is not None:
-            yield self.devices.next_tick(tick)
+    def _next_outside(self, tick: int) -> int | None:
+        """Return the next tick after `tick` that must run for devices, clients or this server; None if none must."""
+        if self._is_lockstep or self._lag_ticks or self._stepped or self._followers or self._next_followers:
+            return tick + 1
+        if not self._inputs.is_settled or not self.shares.is_settled:
+            return tick + 1
         if self._ssh is not None and self._ssh.taps.is_active:
-            yield tick + 1
+            return tick + 1
+        nearest = None if self.devices is None else self.devices.next_tick(tick)
         for listener in self._by_urgency:
             if listener.clients or listener.is_restless:
-                yield listener.next_tick(tick)
+                due = listener.next_tick(tick)
+                if due is not None and (nearest is None or due < nearest):
+                    nearest = due
+        return nearest
 
     def _pass_over(self, ticks: int) -> None:
         """Leap over ticks in which nothing is due."""
