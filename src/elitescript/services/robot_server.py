@@ -1,6 +1,7 @@
 """One served robot: its ports, its clients, its time.
 
 A tick takes what clients and peers have sent since the last one, gives it to the robot, and publishes its output.
+Ticks in which nothing is due are leapt over: to all that is outside it looks as if they had run.
 Nothing here depends on the protocol of a client or on how the robot is reached.
 """
 
@@ -59,13 +60,14 @@ class RobotServer:
 
     Attributes:
         name: unique among the robots of this `serve`.
-        output: of the last tick.
     """
 
     __slots__ = (
         "_answered",
+        "_asks_due",
         "_by_urgency",
         "_followers",
+        "_from_tick",
         "_inputs",
         "_is_lockstep",
         "_is_under_way",
@@ -74,6 +76,7 @@ class RobotServer:
         "_lockstep_timeout_s",
         "_log",
         "_next_followers",
+        "_output",
         "_overruns_before",
         "_ssh",
         "_stepped",
@@ -84,7 +87,6 @@ class RobotServer:
         "link",
         "listeners",
         "name",
-        "output",
         "shares",
     )
 
@@ -105,11 +107,18 @@ class RobotServer:
         self.link = link
         self.devices = devices
         self.listeners: dict[str, Listener] = {}
-        self.output: Output
+        self._output: Output
+        self._asks_due = True
+        self._from_tick = 0
+        """The last tick that has run, or that was leapt over before the one that runs."""
         self.shares = Shares()
         self._log = log
+        log.clock = lambda: self.output.tick
+        link.watch(self.make_due)
         self._by_urgency: list[Listener] = []
         self._ssh = ssh
+        if ssh is not None:
+            ssh.taps.on_join = self.make_due
         self.broker = Broker(self.post if ssh is None else self._post_from_lines, lines, policy)
         self._is_lockstep = is_lockstep
         self._lockstep_timeout_s = lockstep_timeout_s
@@ -131,12 +140,20 @@ class RobotServer:
         self._followers: list[Callable[[Output], bool]] = []
         self._task: asyncio.Task[None] | None = None
 
+    @property
+    def output(self) -> Output:
+        """Of the last tick; one that was leapt over has given nothing."""
+        tick = self._from_tick if self._time is None else self._from_tick + self._time.passed
+        if tick != self._output.tick:
+            self._output = Output(tick, (), (), (), self._output.snapshot, self._output.parts)
+        return self._output
+
     # ---------------------------------------------------------------- called by clients
 
     def post(self, inputs: list[Input]) -> int:
         """Take inputs for the next tick that begins; return its number."""
         self._inputs.post(inputs)
-        return self.output.tick + (2 if self._is_under_way else 1)
+        return self._from_tick + self.make_due() + self._is_under_way
 
     def _post_from_lines(self, inputs: list[Input]) -> None:
         """Take inputs from channels; what belongs to bridges of serial ports stays with them."""
@@ -153,6 +170,10 @@ class RobotServer:
         if self._time is not None:
             self._time.wake()
 
+    def make_due(self) -> int:
+        """Let the next tick run, whether anything is due in it or not; see `Cycle.make_due`."""
+        return 1 if self._time is None else self._time.make_due()
+
     def note(self, kind: str, text: str, *, is_problem: bool = False, **details: Any) -> None:
         """Write a line of the log."""
         self._log.note(kind, text, is_problem=is_problem, **details)
@@ -161,11 +182,13 @@ class RobotServer:
         """Return the output of the next tick that begins, with its snapshot; it has taken what was posted before."""
         waiter: asyncio.Future[Output] = asyncio.get_running_loop().create_future()
         self._stepped.append(waiter)
+        self.make_due()
         return await waiter
 
     def follow(self, take: Callable[[Output], bool]) -> None:
         """Call `take` with every output from the next tick that begins on, without a gap, until it returns False."""
         self._next_followers.append(take)
+        self.make_due()
 
     def connect(self, service: str, origin: str) -> Connection:
         """Make a connection to a port, for a device in this process.
@@ -241,7 +264,8 @@ class RobotServer:
     async def boot(self) -> None:
         """Bring the robot up, with one tick, so that there is an output."""
         await self.link.open()
-        self.output = await self.link.tick(())
+        self._output = await self.link.tick(())
+        self._from_tick = self._output.tick
         if self.devices is not None:
             self.devices.begin(self.output, self.connect)
         self._carry_out(self.output)
@@ -293,12 +317,52 @@ class RobotServer:
     async def _run(self, time: PacedTime) -> None:
         """Let time pass; never returns."""
         while True:
-            await time.next()
+            has_readers = self._has_readers
+            if (ticks := await time.next(self._ticks_on(), has_outlet=has_readers)) > 1:
+                self._pass_over(ticks - 1)
             lag = self._lag(time.lag_ticks)
-            output = await self.link.tick([*lag, *self._begin_tick()], self._reads())
+            inputs = self._begin_tick()
+            if lag:
+                inputs = [*lag, *inputs]
+            output = await self.link.tick(inputs, self._reads(), self._from_tick + 1, asks_due=self._asks_due)
             if self._has_readers:
                 await time.outlet()
-            self._end_tick(time.with_overruns(output))
+            self._end_tick(output)
+
+    def _ticks_on(self) -> int | None:
+        """Return how many ticks on the next one is that is due; None if there is none."""
+        tick = self._from_tick
+        nearest = self._next_outside(tick)
+        # While others need every tick, the robot is not asked for its next one.
+        self._asks_due = nearest is None or nearest > tick + 1
+        if self._asks_due:
+            due = self.link.due_tick
+            if due is not None and (nearest is None or due < nearest):
+                nearest = due
+        return None if nearest is None else nearest - tick
+
+    def _next_outside(self, tick: int) -> int | None:
+        """Return the next tick after `tick` that must run for devices, clients or this server; None if none must."""
+        if self._is_lockstep or self._lag_ticks or self._stepped or self._followers or self._next_followers:
+            return tick + 1
+        if not self._inputs.is_settled or not self.shares.is_settled:
+            return tick + 1
+        if self._ssh is not None and self._ssh.taps.is_active:
+            return tick + 1
+        nearest = None if self.devices is None else self.devices.next_tick(tick)
+        for listener in self._by_urgency:
+            if listener.clients or listener.is_restless:
+                due = listener.next_tick(tick)
+                if due is not None and (nearest is None or due < nearest):
+                    nearest = due
+        return nearest
+
+    def _pass_over(self, ticks: int) -> None:
+        """Leap over ticks in which nothing is due."""
+        tick = self._from_tick = self._from_tick + ticks
+        self._output = Output(tick, (), (), (), self._output.snapshot, self._output.parts)
+        if self.devices is not None:
+            self.devices.pass_over(self._output)
 
     async def step(self) -> None:
         """Run one tick, whose output leaves as soon as it is there."""
@@ -336,7 +400,12 @@ class RobotServer:
     @property
     def _has_readers(self) -> bool:
         """Whether an output leaves this process: clients, or connections of programs, are open."""
-        return self.broker.count > 0 or any(listener.clients for listener in self._by_urgency)
+        if self.broker.count:
+            return True
+        for listener in self._by_urgency:  # noqa: SIM110 (`any` takes some times as long)
+            if listener.clients:
+                return True
+        return False
 
     def _begin_tick(self) -> list[Input]:
         """Take what the tick that begins now is given."""
@@ -355,8 +424,7 @@ class RobotServer:
 
     def _end_tick(self, output: Output) -> None:
         """Publish the output of the tick."""
-        self.output = output
-        self._log.tick = output.tick
+        self._output, self._from_tick = output, output.tick
         self._is_under_way = False
         for listener in self._by_urgency:
             if listener.clients:
@@ -375,8 +443,9 @@ class RobotServer:
 
     def _begin_reading(self) -> None:
         """Let clients be read on: the output of the tick has left."""
-        for listener in self.listeners.values():
-            listener.begin_tick()
+        for listener in self._by_urgency:
+            if listener.is_restless:
+                listener.begin_tick()
         overruns = self.overruns
         self.shares.begin_tick(is_late=overruns > self._overruns_before)
         self._overruns_before = overruns
@@ -391,7 +460,8 @@ class RobotServer:
         tick = self.output.tick + 1
         parts = 0 if self.devices is None else self.devices.reads(tick)
         for listener in self._by_urgency:
-            parts |= listener.reads(tick)
+            if listener.clients:
+                parts |= listener.reads(tick)
         return parts
 
     def _note_refused(self) -> None:

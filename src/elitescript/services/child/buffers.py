@@ -136,6 +136,11 @@ class OutputBuffer:
         """Whether no output waits: the next tick would have none of its own."""
         return not self._waiting
 
+    @property
+    def is_settled(self) -> bool:
+        """Whether nothing waits to leave with the next tick."""
+        return not (self._waiting or self._events or self._requests)
+
     def add(self, output: Output | TickResult) -> None:
         """Take an output that has come in, with a snapshot or without."""
         self._waiting.append(output)
@@ -154,6 +159,15 @@ class OutputBuffer:
     def take(self, tick: int) -> Output:
         """Return what leaves in a tick; there must have been a snapshot."""
         count = min(len(self._waiting), 1 + self._surplus())
+        if count == 1 and not self._events and not self._requests:
+            # As it is while the child keeps up.
+            only = self._waiting.popleft()
+            if isinstance(only, Output):
+                self._shown, self._parts = only.snapshot, only.parts
+                if only.tick == tick:
+                    return only
+            assert self._shown is not None, "there is no snapshot yet"
+            return Output(tick, only.events, only.requests, only.replies, self._shown, self._parts)
         taken = [self._waiting.popleft() for _ in range(count)]
         events: list[Event] = []
         requests: list[ChannelRequest] = []

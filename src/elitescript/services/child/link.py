@@ -21,10 +21,10 @@ from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output, TickResult
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.snapshot_parts import ALL_PARTS
-from elitescript.messages.timing import TICKS_PER_S
 from elitescript.records import replace
 from elitescript.runtime.environment import Files, FilesRefused
 from elitescript.services.child.buffers import BEHIND_TICKS, WAITING_MAX, OutputBuffer, PendingInputs, room_for
+from elitescript.services.child.frames import NEVER, REFRESH_TICKS
 from elitescript.services.child.jail import MEMORY_MAX, Layer
 from elitescript.services.child.remote_files import FileDesk
 from elitescript.services.child.supervision import (
@@ -39,6 +39,7 @@ from elitescript.services.child.supervision import (
 from elitescript.services.child.transport import ChildTransport, SentTick
 from elitescript.services.journal.writer import Journal
 from elitescript.services.time.cycle import CATCH_UP_TICKS
+from elitescript.services.time.prompt import PromptFuture
 
 GRACE_S: Final = 0.1
 """How long outputs that are late are waited for, if the others were in time: ticks leave late then, but all of them."""
@@ -50,9 +51,6 @@ LAG_MAX: Final = CATCH_UP_TICKS
 """Ticks behind which time waits for a child that goes on answering: what is asked for is done half a second later."""
 LAG_S: Final = 0.1
 """How long it waits in each tick, and how long the child may have been silent before."""
-REFRESH_TICKS: Final = TICKS_PER_S // 10
-"""A snapshot is at most so old when a fresh child goes on from it, though nothing reads one: joints, as all else that
-does not change with time alone is always new (*assumed*: as often as the primary port shows it)."""
 BOOT_S: Final = 20.0
 UNANSWERED_MAX: Final = 6000
 """Ticks that may wait for an answer; more than a text takes that is compiled for the longest time."""
@@ -75,23 +73,29 @@ class ChildLink:
     """
 
     __slots__ = (
+        "_alarm",
+        "_answered",
         "_changed",
         "_description",
         "_desk",
+        "_due",
         "_grace_left_s",
         "_grace_s",
         "_is_catching_up",
         "_is_jailed",
+        "_is_over",
         "_journal",
         "_lost",
         "_memory_max",
         "_next",
+        "_on_due",
         "_options",
         "_outputs",
         "_pending",
         "_snapshot_tick",
         "_supervision",
         "_transport",
+        "_until_s",
         "layers",
     )
 
@@ -114,12 +118,20 @@ class ChildLink:
         self._grace_left_s = grace_s
         self._memory_max = memory_max
         self._desk = FileDesk(FilesRefused() if files is None else files)
-        self._next = options.first_tick
+        self._next = self._due = options.first_tick
+        self._answered = options.first_tick - 1
+        """The last tick that a child has answered."""
+        self._on_due: Callable[[], object] = lambda: None
         self._transport: ChildTransport | None = None
         self._description: RobotDescription | None = None
         self._outputs = OutputBuffer()
         self._pending = PendingInputs()
-        self._changed: asyncio.Future[None] | None = None
+        self._changed: PromptFuture | None = None
+        """What is waited for now."""
+        self._is_over: Callable[[], bool] = lambda: True
+        """Whether it has come."""
+        self._until_s = 0.0
+        self._alarm: asyncio.TimerHandle | None = None
         self._is_catching_up = False
         self._lost: Sequence[Input] = ()
         """Inputs of the tick that the last child has failed in."""
@@ -174,13 +186,35 @@ class ChildLink:
             reason = transport.failure or transport.end_reason or "it does not answer"
             raise ElitescriptError(f"the robot's process did not come up: {reason}\n{transport.process.log}".rstrip())
 
-    async def tick(self, inputs: Sequence[Input], parts: int = ALL_PARTS) -> Output:
+    @property
+    def due_tick(self) -> int | None:
+        """See `RobotLink.due_tick`.
+
+        Every tick is due while the child owes an answer or is not there, while something waits for it or for its
+        clients, and with a journal, whose digests cover every tick.
+        """
+        transport = self._transport
+        if transport is None or not transport.is_begun or transport.end_reason or transport.unanswered:
+            return self._next
+        if self._journal is not None or len(self._pending) or not self._outputs.is_settled:
+            return self._next
+        return None if self._due == NEVER else max(self._due, self._next)
+
+    def watch(self, on_due: Callable[[], object]) -> None:
+        """See `RobotLink.watch`: a child may end at any time."""
+        self._on_due = on_due
+
+    async def tick(
+        self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None, *, asks_due: bool = True
+    ) -> Output:
         """Give the robot its inputs and return what it has given by now; see `RobotLink.tick`.
 
         Raises:
             ElitescriptError: one child after the other has ended.
         """
-        tick, self._next = self._next, self._next + 1
+        tick = self._next if number is None else number
+        self._grace_left_s += (tick - self._next) * GRACE_PER_TICK_S
+        self._next = tick + 1
         self._pending.add(inputs)
         if self._transport is None and self._supervision.may_start(tick):
             self._start_again(tick)
@@ -192,7 +226,7 @@ class ChildLink:
             if transport.is_ready:
                 if not transport.is_begun:
                     self._go_on(transport, tick)
-                self._send_tick(transport, tick, parts)
+                self._send_tick(transport, tick, parts, asks_due=asks_due)
         await self._wait_for_output(tick)
         self._watch(tick)
         if self._outputs.newest is None:
@@ -206,6 +240,8 @@ class ChildLink:
             process, self._transport = self._transport.process, None
             process.kill()
             await process.gone()
+        if self._alarm is not None:
+            self._alarm.cancel()
         self._desk.close()
         if self._journal is not None:
             self._journal.close()
@@ -228,6 +264,7 @@ class ChildLink:
         """Have a fresh child go on at this tick from the last snapshot; as at first, if others could not."""
         last = self._outputs.newest
         assert last is not None
+        self._answered = tick - 1
         if self._supervision.boots >= BOOTS_FROM_SNAPSHOT:
             transport.begin(replace(self._options, first_tick=tick))
             return
@@ -236,7 +273,7 @@ class ChildLink:
         if self._journal is not None:
             self._journal.restart(tick, self._supervision.reason, last, self._lost)
 
-    def _send_tick(self, transport: ChildTransport, tick: int, parts: int) -> None:
+    def _send_tick(self, transport: ChildTransport, tick: int, parts: int, *, asks_due: bool) -> None:
         inputs = self._pending.portion()
         if refused := self._pending.take_refused():
             text = f"{refused} inputs were refused: {WAITING_MAX} waited for the robot already"
@@ -246,8 +283,8 @@ class ChildLink:
         if parts == ALL_PARTS:
             self._snapshot_tick = tick
         if not transport.unanswered:
-            self._supervision.watch_from_now(transport.process.worked_s())
-        transport.send_tick(tick, inputs, parts)
+            self._supervision.watch_from_now()
+        transport.send_tick(tick, inputs, parts, asks_due=asks_due)
 
     def _needs_snapshot(self, transport: ChildTransport, tick: int) -> bool:
         """Return whether a tick needs a whole snapshot that nothing reads in it.
@@ -263,11 +300,12 @@ class ChildLink:
 
     # ---------------------------------------------------------------- up
 
-    def _take_output(self, sent: SentTick, output: Output | TickResult) -> None:
+    def _take_output(self, sent: SentTick, output: Output | TickResult, due: int) -> None:
         """Take what a tick has given."""
         transport = self._transport
         assert transport is not None
-        self._supervision.note_answer(transport.process.worked_s())
+        self._supervision.note_answer(sent.number - self._answered)
+        self._answered, self._due = sent.number, due
         if sent.size and len(transport.unanswered) >= LAG_MAX:
             # What queued up while it compiled is soon made up for; clients need not wait for that.
             self._is_catching_up = True
@@ -279,13 +317,14 @@ class ChildLink:
 
     def _take_question(self, sent: SentTick | None) -> None:
         """Count a question about files as an answer, unless they take too long altogether."""
-        assert self._transport is not None
         if sent is not None and time.monotonic() - sent.asking_since_s < FILES_MAX_S:
-            self._supervision.watch_from_now(self._transport.process.worked_s())
+            self._supervision.watch_from_now()
 
     def _wake(self) -> None:
         """Look again at what is waited for."""
-        if self._changed is not None and not self._changed.done():
+        if self._transport is not None and self._transport.end_reason:
+            self._on_due()
+        if self._changed is not None and not self._changed.done() and self._is_over():
             self._changed.set_result(None)
 
     # ---------------------------------------------------------------- watching
@@ -370,16 +409,36 @@ class ChildLink:
 
     async def _wait_until(self, is_over: Callable[[], bool], longest_s: float) -> None:
         """Return when a condition holds, or after a time."""
-        loop = asyncio.get_running_loop()
         if longest_s <= 0.0:
             await asyncio.sleep(0)
             return
-        until_s = loop.time() + longest_s
-        while not is_over() and loop.time() < until_s:
-            changed = self._changed = loop.create_future()
-            timer = loop.call_at(until_s, self._wake)
-            try:
-                await changed
-            finally:
-                self._changed = None
-                timer.cancel()
+        if is_over():
+            return
+        self._until_s = time.monotonic() + longest_s
+        self._is_over = is_over
+        changed = self._changed = PromptFuture()
+        self._set_alarm()
+        try:
+            await changed
+        finally:
+            self._changed = None
+
+    def _set_alarm(self) -> None:
+        """Have what is waited for given up in time.
+
+        A timer that is set already is left alone, and set anew when it rings too early: nearly all answers come before.
+        """
+        if self._alarm is not None:
+            if self._alarm.when() <= self._until_s:
+                return
+            self._alarm.cancel()
+        self._alarm = asyncio.get_running_loop().call_at(self._until_s, self._ring)
+
+    def _ring(self) -> None:
+        self._alarm = None
+        if self._changed is None or self._changed.done():
+            return
+        if time.monotonic() < self._until_s:
+            self._set_alarm()
+        else:
+            self._changed.set_result(None)

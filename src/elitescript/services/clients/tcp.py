@@ -48,10 +48,12 @@ LINGER_TICKS: Final = 5 * TICKS_PER_S
 class Hub(Protocol):
     """The robot server as its clients see it."""
 
-    output: Output
-    """Of the last tick."""
     shares: Shares
     """The time that clients have."""
+
+    @property
+    def output(self) -> Output:
+        """Of the last tick."""
 
     def post(self, inputs: list[Input]) -> int:
         """Take inputs for the next tick that begins; return its number."""
@@ -61,6 +63,9 @@ class Hub(Protocol):
 
     def wake(self) -> None:
         """Let time go on, if it waited: a client that owes an input has sent something, has read, or goes."""
+
+    def make_due(self) -> object:
+        """Let the next tick run, whether anything else is due in it or not: a client has come, or was read."""
 
     def note(self, kind: str, text: str, *, is_problem: bool = False, **details: Any) -> None:
         """Write a line of the log."""
@@ -172,6 +177,7 @@ class Client(asyncio.BufferedProtocol):
 
     def _read(self, nbytes: int) -> None:
         connection, hub = self.connection, self._hub
+        hub.make_due()
         start_ns = time.thread_time_ns()
         data = bytes(self._buffer[:nbytes])
         if self._first_bytes is not None and self._is_browser(self._first_bytes, data):
@@ -269,20 +275,27 @@ class Client(asyncio.BufferedProtocol):
         """Whether it has ended its half, is to be closed, or has gone."""
         return self._deadline is not None or self._left is not None
 
+    def next_tick(self, tick: int) -> int | None:
+        """Return the next tick after `tick` that must run for it though nothing happens in it; None if none must."""
+        if self._is_paused or self._deadline is not None or self._stalled_since is not None:
+            return tick + 1
+        connection = self.connection
+        return tick + 1 if connection.reads(tick + 1) else connection.next_tick(tick)
+
     def publish(self, output: Output) -> None:
         """Give the client a tick."""
-        if self.connection.is_busy:
+        connection = self.connection
+        if connection.is_busy:
             # What it has sent before is worked on now, and is paid for as if it had just been read.
             start_ns = time.thread_time_ns()
-            self._give(output)
+            self._give(connection, output)
             spent_ns = time.thread_time_ns() - start_ns
             self._late_ns += spent_ns
             self._hub.shares.charge(spent_ns)
         else:
-            self._give(output)
+            self._give(connection, output)
 
-    def _give(self, output: Output) -> None:
-        connection = self.connection
+    def _give(self, connection: Connection, output: Output) -> None:
         try:
             connection.publish(output)
             inputs = connection.due()
@@ -304,8 +317,10 @@ class Client(asyncio.BufferedProtocol):
             self._finish()
         elif self._stalled_since is not None and output.tick - self._stalled_since > STALLED_TICKS:
             self._cut_off(f"has read nothing for {STALLED_TICKS // TICKS_PER_S} s")
-        else:
+        elif self._is_paused:
             self.read_on()
+        else:
+            self._spent_ns = 0
 
     def relieve(self) -> None:
         """Go on with what needs no tick, while none comes."""
@@ -374,7 +389,8 @@ class Client(asyncio.BufferedProtocol):
         for message in connection.take():
             if transport.is_closing():
                 return
-            backlog = transport.get_write_buffer_size()
+            # Up to `SAMPLE_BACKLOG` the transport does not pause writing.
+            backlog = 0 if self._stalled_since is None else transport.get_write_buffer_size()
             if is_sample(message):
                 if backlog > SAMPLE_BACKLOG:
                     self._miss()
@@ -384,7 +400,7 @@ class Client(asyncio.BufferedProtocol):
                 self._cut_off(f"does not read: {backlog} bytes wait for it")
                 return
             transport.write(message)
-        if self.is_behind:
+        if self._stalled_since is not None:
             self._pause()
 
     def _miss(self) -> None:

@@ -21,7 +21,6 @@ import asyncio
 from collections.abc import Callable, Mapping
 from typing import Final, NamedTuple
 
-from elitescript.messages.outputs import Output
 from elitescript.messages.timing import PERIOD_S
 from elitescript.protocol.rtsi.connection import RtsiConnection
 from elitescript.services.clients.tcp import Client
@@ -239,8 +238,12 @@ class LockstepTime(PacedTime):
     def waits_for(self) -> str:
         return self._waits_for
 
-    async def next(self) -> None:
+    async def next(self, ticks: int | None = 1, *, has_outlet: bool = False) -> int:
         """Return when the next tick begins.
+
+        Args:
+            ticks: not used: no tick is leapt over.
+            has_outlet: not used: what a tick gives leaves at once.
 
         Raises:
             Exception: what has ended the robot.
@@ -251,7 +254,7 @@ class LockstepTime(PacedTime):
             if not found.has_participants:
                 await self._cycle.next()
                 if not self._gate.gate().has_participants:
-                    return
+                    return 1
                 continue
             self._cycle.restart()
             if not found.is_open:
@@ -260,14 +263,10 @@ class LockstepTime(PacedTime):
             self._steps += 1
             if self._steps % BUSY_STEPS == 0:
                 await asyncio.sleep(0)
-            return
+            return 1
 
     async def outlet(self) -> None:
         """Return at once: an output leaves as soon as it is there."""
-
-    def with_overruns(self, output: Output) -> Output:
-        """Return the output as it is: no tick is late."""
-        return output
 
     def wake(self) -> None:
         """Look again whether time may go on: a client has sent something, has read, or goes."""

@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from operator import attrgetter
 from typing import Final
 
-from elitescript.messages.outputs import Output
-from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.records import fields_of, replace
 from elitescript.services.log import ServerLog
 from elitescript.services.time.cycle import Cycle
 
@@ -17,9 +13,6 @@ REPORT_TICKS: Final = 10 * TICKS_PER_S
 """After so many ticks the log gets the number of those that were late."""
 LATE_MANY: Final = REPORT_TICKS // 100
 """So many of them are a problem."""
-
-_ALL_FIELDS: Final = attrgetter(*fields_of(Snapshot))
-_OVERRUNS_AT: Final = list(fields_of(Snapshot)).index("overruns")
 
 
 class PacedTime:
@@ -30,16 +23,13 @@ class PacedTime:
         on_left_out: called with the number of ticks that are left out.
     """
 
-    __slots__ = ("_counted", "_cycle", "_log", "_overruns_before", "_plain", "_ticks")
+    __slots__ = ("_cycle", "_log", "_overruns_before", "_ticks")
 
     def __init__(self, log: ServerLog, on_left_out: Callable[[int], None]) -> None:
         self._log = log
         self._cycle = Cycle(on_left_out=on_left_out)
         self._ticks = self._overruns_before = 0
         """Since the last report, and before it."""
-        self._plain: Snapshot | None = None
-        self._counted: Snapshot | None = None
-        """The snapshot of the last output as the robot made it, and with the count of late ticks."""
 
     @property
     def overruns(self) -> int:
@@ -61,32 +51,31 @@ class PacedTime:
         """Origin of the client that time waits for; empty if there is none."""
         return ""
 
-    async def next(self) -> None:
-        """Return when the next tick begins."""
+    @property
+    def passed(self) -> int:
+        """How many of the ticks that are being leapt over have gone by; see `Cycle.passed`."""
+        return self._cycle.passed
+
+    async def next(self, ticks: int | None = 1, *, has_outlet: bool = False) -> int:
+        """Return when the next tick begins; see `Cycle.next`."""
         if self._ticks >= REPORT_TICKS:
             self._report(self._cycle.overruns - self._overruns_before)
             self._ticks, self._overruns_before = 0, self._cycle.overruns
-        self._ticks += 1
-        await self._cycle.next()
+        gone_on = await self._cycle.next(ticks, has_outlet=has_outlet)
+        self._ticks += gone_on
+        return gone_on
 
     async def outlet(self) -> None:
         """Return when the output of the present tick leaves."""
         await self._cycle.outlet()
 
-    def with_overruns(self, output: Output) -> Output:
-        """Return an output whose snapshot has the count of late ticks; the same object while nothing has changed."""
-        snapshot, overruns = output.snapshot, self._cycle.overruns
-        if not overruns:
-            return output
-        if self._counted is None or snapshot is not self._plain or self._counted.overruns != overruns:
-            # `dataclasses.replace` takes some times as long.
-            fields = list(_ALL_FIELDS(snapshot))
-            fields[_OVERRUNS_AT] = overruns
-            self._plain, self._counted = snapshot, Snapshot(*fields)
-        return replace(output, snapshot=self._counted)
-
     def wake(self) -> None:
-        """Look again whether time may go on: it waits for no client."""
+        """Look again whether time may go on: it waits for no client, but what a client does is due."""
+        self._cycle.make_due()
+
+    def make_due(self) -> int:
+        """Let the next tick run, if it is about to be leapt over; see `Cycle.make_due`."""
+        return self._cycle.make_due()
 
     def close(self) -> None:
         """End: no tick comes after this."""
@@ -96,5 +85,5 @@ class PacedTime:
         """Write how many ticks began late of the last `REPORT_TICKS`."""
         worst_ms, self._cycle.worst_ns = self._cycle.worst_ns / 1e6, 0
         if late:
-            text = f"{late} of {REPORT_TICKS} ticks began late, by {worst_ms:.1f} ms at most: the computer is busy"
+            text = f"{late} of {self._ticks} ticks began late, by {worst_ms:.1f} ms at most: the computer is busy"
             self._log.note("late", text, is_problem=late >= LATE_MANY, ticks=late, worst_ms=worst_ms)
