@@ -254,7 +254,7 @@ class RobotServer:
         self._write_events(self.output)
         if self._is_lockstep:
             clients, timeout_s = self.listeners[RTSI].clients, self._lockstep_timeout_s
-            self._time = LockstepTime(self._log, self._note_left_out, clients, self._step_now, self._relieve, timeout_s)
+            self._time = LockstepTime(self._log, self._note_left_out, clients, self._relieve, timeout_s)
         else:
             self._time = PacedTime(self._log, self._note_left_out)
         self._task = asyncio.get_running_loop().create_task(self._run(self._time))
@@ -303,13 +303,6 @@ class RobotServer:
         """Run one tick, whose output leaves as soon as it is there."""
         self._end_tick(await self.link.tick(self._begin_tick(), self._reads_snapshot()))
 
-    def _step_now(self) -> bool:
-        """Run one tick without waiting, if the robot is in this process; return whether it is."""
-        if not isinstance(self.link, InProcessLink):
-            return False
-        self._end_tick(self.link.tick_now(self._begin_tick(), self._reads_snapshot()))
-        return True
-
     def _lag(self, ticks: int) -> tuple[Lag, ...]:
         """Return the input for how far robot time is behind, if that is new and programs may wait for peers."""
         if ticks == self._lag_ticks or (ticks and not self.broker.count):
@@ -325,7 +318,7 @@ class RobotServer:
         self.note("left_out", text, is_problem=True, ticks=ticks, is_playing=is_playing)
 
     def _relieve(self, waits_for: str) -> None:
-        """While no tick comes, read clients on; if too much waits for a tick, only the one that time waits for."""
+        """Read clients on in lockstep, once in a period; if too much waits for a tick, only the one that time waits for."""
         for listener in self.listeners.values():
             for client in list(listener.clients.values()):
                 if len(self._inputs) < PENDING_MAX or client.origin == waits_for:
@@ -366,14 +359,15 @@ class RobotServer:
             self._keeper.take(output.snapshot.signals)
         if self._followers:
             self._followers = [take for take in self._followers if take(output)]
-        self._begin_reading()
+        if not self._is_lockstep:
+            self._begin_reading()
         for waiter in self._answered:
             if not waiter.done():
                 waiter.set_result(output)
         self._answered.clear()
 
     def _begin_reading(self) -> None:
-        """Let clients be read on: the output of the tick has left."""
+        """Let clients be read on: the output of the tick has left. In lockstep a period of the wall clock has gone by."""
         for listener in self.listeners.values():
             listener.begin_tick()
         overruns = self.overruns
