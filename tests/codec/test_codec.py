@@ -21,10 +21,11 @@ from elitescript.messages.faults import ChannelFault
 from elitescript.messages.inputs import ChannelData, Do, Input, PlayTask, RunUnit
 from elitescript.messages.line import LineSettings
 from elitescript.messages.machine import SetTcp, WriteSignal
-from elitescript.messages.outputs import ChannelRequest, Output
+from elitescript.messages.outputs import NOT_WRITTEN, ChannelRequest, Output
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.signals import SIGNALS, Signal
 from elitescript.messages.snapshot import Snapshot
+from elitescript.messages.snapshot_parts import ALL_PARTS
 from tests.protocol.snapshots import output
 
 IMAGE = [field.name for field in fields(Snapshot)].index("signals")
@@ -85,7 +86,8 @@ class Maker:
         if kind is LineSettings:
             return kind(9600, self.random.randrange(3), 2, 8)
         hints = get_type_hints(kind)
-        values = {field.name: self.make(hints[field.name]) for field in fields(kind)}
+        written = [field.name for field in fields(kind) if field.metadata != NOT_WRITTEN]
+        values = {name: self.make(hints[name]) for name in written}
         if kind is Snapshot:
             kinds = {"bool": bool, "int": int, "float": float}
             values["domains"] = {
@@ -120,6 +122,11 @@ class TestMessages:
     def test_a_shape_is_made_once(self):
         assert shape_of(Input) is shape_of(Input)
         assert shape_of(Output) is shape_of(Output)
+
+    def test_a_field_that_is_not_written_has_its_default(self):
+        output = replace(Maker(1).message(Output), parts=3)
+        assert len(shape_of(Output).encode(output)) == 5
+        assert there_and_back(output, Output) == replace(output, parts=ALL_PARTS)
 
 
 class TestRoundTrip:

@@ -45,6 +45,7 @@ from elitescript.messages.profile import profile
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.state import RobotState
 from tests.kernel.machine import FOREVER, READY, Session, program
+from tests.messages.snapshot_fields import DISCRETE, FIELDS
 
 
 class TestPower:
@@ -474,65 +475,11 @@ class TestSnapshot:
         assert kernel.snapshot() == kernel.snapshot()
         assert (kernel.snapshot().robot.tick, kernel.next_tick, kernel.tick().tick) == (0, 1, 1)
 
-    OF_ITS_TICK = frozenset(
-        [
-            "tick",
-            "time_s",
-            "q_target",
-            "qd_target",
-            "q_actual",
-            "qd_actual",
-            "tcp_pose_target",
-            "tcp_pose_actual",
-            "tcp_speed_target",
-            "tcp_speed_actual",
-            "flange_pose_actual",
-            "is_moving",
-            "line",
-            "node",
-            "joint_torques",
-            "joint_currents",
-            "joint_temperatures",
-            "tcp_force",
-            "raw_wrench",
-            "elbow_position",
-            "elbow_velocity",
-            "speed_scaling",
-            "controller_temperature",
-            "robot_current",
-            "tool_temperature",
-        ]
-    )
-    DISCRETE = frozenset(
-        [
-            "robot_mode",
-            "safety_mode",
-            "task_state",
-            "tcp_offset",
-            "payload",
-            "gravity",
-            "speed_scale",
-            "joint_voltages",
-            "robot_voltage",
-            "io_current",
-            "tool_current",
-            "signals",
-            "domains",
-            "tool_analog_mode",
-            "tool_pin_modes",
-            "is_remote",
-            "is_freedrive",
-            "popup",
-            "task",
-            "overruns",
-            "is_guided_by_input",
-        ]
-    )
-
     def test_every_field_is_of_its_tick_or_discrete(self):
         names = {field.name for kind in (Snapshot, RobotState) for field in fields(kind)} - {"robot"}
-        assert names == self.OF_ITS_TICK | self.DISCRETE
-        assert not self.OF_ITS_TICK & self.DISCRETE
+        of_their_tick = {name for in_part in FIELDS.values() for name in in_part}
+        assert names == of_their_tick | DISCRETE
+        assert not of_their_tick & DISCRETE
 
     def test_while_the_discrete_state_is_the_same_so_are_its_fields(self):
         changes = [
@@ -566,10 +513,10 @@ class TestSnapshot:
             before = shown
             shown = {
                 name: getattr(snapshot, name, None) if hasattr(snapshot, name) else getattr(snapshot.robot, name)
-                for name in self.DISCRETE
+                for name in DISCRETE
             }
             if now == state:
-                assert shown == before, [name for name in self.DISCRETE if shown[name] != before.get(name)]
+                assert shown == before, [name for name in DISCRETE if shown[name] != before.get(name)]
             steps += now != state
             state = now
         assert steps > len(changes)

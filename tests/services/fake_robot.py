@@ -12,6 +12,7 @@ from elitescript.messages.machine import PowerOff, PowerOn, ReleaseBrakes, SetSp
 from elitescript.messages.outcomes import Done, Outcome, Refused, ShownValue, StatementAccepted
 from elitescript.messages.outputs import Reply, TickResult
 from elitescript.messages.snapshot import RobotDescription, Snapshot
+from elitescript.messages.snapshot_parts import ALL_PARTS
 from tests.protocol.snapshots import description, output
 
 
@@ -56,7 +57,7 @@ class FakeRobot:
         self._snapshot = snapshot
         return TickResult(tick=tick, **said)
 
-    def snapshot(self) -> Snapshot:
+    def snapshot(self, parts: int = ALL_PARTS) -> Snapshot:
         return self._snapshot
 
     def discrete_state(self) -> tuple[object, ...]:

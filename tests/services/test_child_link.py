@@ -24,6 +24,7 @@ from elitescript.messages.line import LineSettings
 from elitescript.messages.machine import SetTcp, WriteSignal
 from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Output, TickResult
 from elitescript.messages.snapshot import RobotDescription
+from elitescript.messages.snapshot_parts import ALL_PARTS, TIME
 from elitescript.services.child import buffers, frames, supervision, transport
 from elitescript.services.child import link as child_link
 from elitescript.services.child.jail import is_complete
@@ -51,6 +52,8 @@ class FakeChild:
     def __init__(self, on_message: Callable[[str, bytes], None], on_end: Callable[[str], None]) -> None:
         self.say, self.end = on_message, on_end
         self.told: list[tuple[str, Any]] = []
+        self.asked: list[int] = []
+        """Parts of the snapshot that are read, tick by tick."""
         self.is_killed = self.is_asked = self.is_mute = self.is_compiling = False
         self.has_changed = False
         """Whether its discrete state has changed, so that it shows a snapshot that is not asked for."""
@@ -59,15 +62,20 @@ class FakeChild:
         self.processor_s: float | None = None
         type(self).made.append(self)
 
-    def send(self, letter: str, text: str) -> None:
+    def send(self, letter: str, text: str | bytes) -> None:
+        parts = 0
+        if letter == frames.TICK:
+            assert isinstance(text, bytes)
+            parts, text = text[0], text[1:]
+            self.asked.append(parts)
         self.told.append((letter, from_text(text)))
         if letter == frames.LOCK_IN:
             self.say(frames.LOCKED_IN, b'[["files",true,"all of it"]]')
         elif letter == frames.BEGIN:
             self.tick = options_from_data(from_text(text)).first_tick
             self.say(frames.DESCRIBED, to_text(shape_of(RobotDescription).encode(description())).encode())
-        elif letter in (frames.TICK, frames.TICK_UNREAD) and not self.is_mute:
-            if letter == frames.TICK or self.has_changed:
+        elif letter == frames.TICK and not self.is_mute:
+            if parts or self.has_changed:
                 self.answer()
             else:
                 self.answer_without_snapshot()
@@ -134,9 +142,8 @@ class TestLink:
         async def body(link):
             shown = []
             for tick in range(2 * REFRESH_TICKS + 10):
-                shown.append((await link.tick((), tick in (3, 40))).snapshot.robot.tick)
-            letters = [letter for letter, _ in children[0].told if letter in (frames.TICK, frames.TICK_UNREAD)]
-            asked = [tick for tick, letter in enumerate(letters) if letter == frames.TICK]
+                shown.append((await link.tick((), ALL_PARTS if tick in (3, 40) else 0)).snapshot.robot.tick)
+            asked = [tick for tick, parts in enumerate(children[0].asked) if parts]
             assert asked == [0, 3, 3 + REFRESH_TICKS, 40, 40 + REFRESH_TICKS - 6][:4]
             assert [tick for tick, of in enumerate(shown) if tick == of] == asked
 
@@ -144,9 +151,10 @@ class TestLink:
 
     def test_takes_a_snapshot_that_the_child_sends_by_itself(self, children):
         async def body(link):
-            await link.tick((), True)
+            await link.tick((), ALL_PARTS)
             children[0].has_changed = True
-            assert [(await link.tick((), False)).is_fresh for _ in range(3)] == [True] * 3
+            outputs = [await link.tick((), 0) for _ in range(3)]
+            assert [found.has(TIME) for found in outputs] == [True] * 3
 
         with_link(body, grace_s=IMPATIENT_S)
 
@@ -164,9 +172,9 @@ class TestLink:
     def test_the_alarm_has_the_line_of_a_tick_without_a_snapshot(self, children):
         async def body(link):
             await link.tick(())
-            await link.tick((), False)
+            await link.tick((), 0)
             children[0].end("it has ended")
-            (alarm, _) = (await link.tick((), False)).events
+            (alarm, _) = (await link.tick((), 0)).events
             assert (alarm.code, alarm.line) == ("R132", 31)
 
         with_link(body, grace_s=IMPATIENT_S)
@@ -175,10 +183,9 @@ class TestLink:
         async def body(link):
             await link.tick(())
             children[0].is_mute = True
-            await link.tick((), False)
-            await link.tick((), False)
-            letters = [letter for letter, _ in children[0].told][-2:]
-            assert letters == [frames.TICK_UNREAD, frames.TICK]
+            await link.tick((), 0)
+            await link.tick((), 0)
+            assert children[0].asked[-2:] == [0, ALL_PARTS]
 
         with_link(body)
 
@@ -762,7 +769,7 @@ class TestChild:
             while not alarms or outputs[-1].snapshot.robot.tick <= alarms[0].tick:
                 assert len(outputs) < 2500
                 await cycle.next()
-                outputs.append(await link.tick((), False))
+                outputs.append(await link.tick((), 0))
                 alarms += [event for event in outputs[-1].events if isinstance(event, Alarm)]
             cycle.close()
             events = [event for one in outputs for event in one.events]

@@ -202,7 +202,7 @@ class TestLink:
             await link.tick(())
             child = children[0]
             child.is_mute = True
-            await link.tick((), reads_snapshot=False)
+            await link.tick((), parts=0)
             number = link._transport.unanswered[0].number
             child.say(frames.RESULT, to_text([line, [number, [], [], []]]).encode())
             await link.tick(())

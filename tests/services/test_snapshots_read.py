@@ -16,6 +16,7 @@ from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.inputs import Do, RunUnit, SetRemote
 from elitescript.messages.machine import SetSpeedScale, WriteSignal
 from elitescript.messages.snapshot import Snapshot
+from elitescript.messages.snapshot_parts import ALL_PARTS, TCP_SPEEDS, TIME, WRENCHES
 from elitescript.services.control.channel import ControlChannel, ask
 from tests.protocol import modbus_client, rtsi_client
 from tests.services.served import Scene, run, serving
@@ -32,10 +33,13 @@ class CountingKernel(Kernel):
     def __init__(self) -> None:
         super().__init__(RobotOptions(power_on=True))
         self.shown: list[int] = []
+        self.parts = 0
+        """Of all of them, as bits."""
 
-    def snapshot(self) -> Snapshot:
-        made = super().snapshot()
+    def snapshot(self, parts: int = ALL_PARTS) -> Snapshot:
+        made = super().snapshot(parts)
         self.shown.append(made.robot.tick)
+        self.parts |= parts
         return made
 
 
@@ -52,6 +56,7 @@ async def made_in(scene: Scene, ticks: int = TICKS) -> list[int]:
     """Of so many ticks those with a snapshot, counted from the first one."""
     begin = scene.server.output.tick + 1
     scene.robot.shown.clear()
+    scene.robot.parts = 0
     while scene.server.output.tick < begin + ticks:
         await asyncio.sleep(0.001)
     return [tick - begin for tick in scene.robot.shown if tick < begin + ticks]
@@ -74,6 +79,7 @@ def test_a_recipe_is_read_when_it_is_due() -> None:
             found = await made_in(scene)
             assert len(found) == TICKS // 10
             assert {later - tick for tick, later in pairwise(found)} == {10}
+            assert scene.robot.parts == TIME
             # Every package is of its own tick.
             times = [int.from_bytes((await peer.rtsi("U"))[1][1:9]) for _ in range(3)]
             assert len(set(times)) == 3
@@ -87,6 +93,7 @@ def test_clients_of_the_primary_port_read_ten_a_second() -> None:
             peer = await scene.connect("primary")
             await peer.primary(16)
             assert len(await made_in(scene, 75)) == 3
+            assert scene.robot.parts == ALL_PARTS & ~(TCP_SPEEDS | WRENCHES)
 
     run(test())
 
@@ -115,7 +122,7 @@ def test_what_changes_in_steps_is_always_shown() -> None:
             while not (line := await dashboard.line()).startswith("Target Speed"):
                 pass
             assert "25" in line
-            assert not scene.server.output.is_fresh
+            assert not scene.server.output.has(ALL_PARTS)
 
     run(test())
 

@@ -96,7 +96,7 @@ def shape_of(kind: Any) -> Shape[Any]:
 
 
 def field_shapes(kind: type, names: Mapping[str, type] = MappingProxyType({})) -> dict[str, Shape[Any]]:
-    """Return the shape of every field of a message, in the order in which they are written.
+    """Return the shape of every field of a message that is written, in their order; see `outputs.NOT_WRITTEN`.
 
     Args:
         kind: a dataclass.
@@ -110,7 +110,7 @@ def field_shapes(kind: type, names: Mapping[str, type] = MappingProxyType({})) -
     return {
         field.name: _IMAGES.get((name, field.name)) or _shape(hints[field.name], _bounds_of(name, field.name))
         for field in fields(kind)
-        if field.init
+        if field.init and field.metadata.get("is_written", True)
     }
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
-from elitescript.controller.arm.cartesian_state import CartesianStateFinder
+from elitescript.controller.arm.cartesian_state import CartesianStateFinder, Poses, TcpSpeeds
 from elitescript.controller.arm.joint_encoders import JointEncoders
 from elitescript.controller.arm.joint_loads import JointLoads
 from elitescript.controller.arm.plant import LaggingJoints
@@ -96,6 +96,7 @@ class Controller:
 
     __slots__ = (
         "_by",
+        "_cartesian",
         "_ending",
         "_epoch_s",
         "_inbox",
@@ -103,7 +104,6 @@ class Controller:
         "_model",
         "_node",
         "_on_event",
-        "_places",
         "_tick",
         "arm",
         "arm_state",
@@ -139,7 +139,7 @@ class Controller:
         self._by = PROGRAM
         self._model = model
         self.arm: Arm = model.arm
-        self._places = CartesianStateFinder(model.arm)
+        self._cartesian = CartesianStateFinder(model.arm)
         self.joint_ranges: tuple[tuple[float, float], ...] = model.joint_ranges
         self._epoch_s = epoch_s
         self._on_event = on_event
@@ -358,8 +358,19 @@ class Controller:
     def state_at(self, tick: int) -> RobotState:
         """Return the state of the machine at a tick, as `joints_at`."""
         joints = self.joints_at(tick)
+        return self.state_of(tick, joints, self.poses(joints), self.tcp_speeds(joints))
+
+    def poses(self, joints: JointState) -> Poses:
+        """Return the poses of TCP and flange for joints."""
+        return self._cartesian.poses(joints, self.setup.T_flange_tcp)
+
+    def tcp_speeds(self, joints: JointState) -> TcpSpeeds:
+        """Return the velocities of the TCP for joints."""
+        return self._cartesian.speeds(joints, self.setup.T_flange_tcp)
+
+    def state_of(self, tick: int, joints: JointState, poses: Poses, speeds: TcpSpeeds) -> RobotState:
+        """Return the state of the machine at a tick with these joints, poses and velocities."""
         setup = self.setup
-        places = self._places.places(joints, setup.T_flange_tcp)
         return RobotState(
             tick=tick,
             time_s=seconds(tick),
@@ -371,11 +382,11 @@ class Controller:
             q_actual=joints.q_actual,
             qd_actual=joints.qd_actual,
             tcp_offset=setup.tcp_offset,
-            tcp_pose_target=places.pose_target,
-            tcp_pose_actual=places.pose_actual,
-            tcp_speed_target=places.speed_target,
-            tcp_speed_actual=places.speed_actual,
-            flange_pose_actual=places.flange_pose,
+            tcp_pose_target=poses.target,
+            tcp_pose_actual=poses.actual,
+            tcp_speed_target=speeds.target,
+            tcp_speed_actual=speeds.actual,
+            flange_pose_actual=poses.flange,
             payload=setup.payload,
             gravity=setup.gravity,
             speed_scale=self.safety.speed_scale,

@@ -254,9 +254,9 @@ class Device:
         """Return the next tick after `tick` of which it must get the output although nothing happens in it."""
         return None
 
-    def reads_snapshot(self, tick: int) -> bool:
-        """Return whether it is connected to a port of the robot that reads the snapshot of a tick."""
-        return False
+    def reads(self, tick: int) -> int:
+        """Return the parts of the snapshot of a tick that it reads at a port of the robot, as bits."""
+        return 0
 
     def take_output(self, output: Output) -> None:
         """Take the output of a tick that has run."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 import traceback
 from collections.abc import Callable, Iterable
 from dataclasses import replace
-from functools import partial
+from functools import partial, reduce
+from operator import or_
 from pathlib import Path
 from typing import Any, Final
 
@@ -248,9 +249,9 @@ class World(Surroundings):
         self.signals.settle()
         self._context.publish()
 
-    def reads_snapshot(self, tick: int) -> bool:
-        """Return whether a device that is connected to a port of the robot reads the snapshot of a tick."""
-        return any(device.reads_snapshot(tick) for device in self._context.clients)
+    def reads(self, tick: int) -> int:
+        """Return the parts of the snapshot of a tick that devices read at ports of the robot, as bits."""
+        return reduce(or_, [device.reads(tick) for device in self._context.clients], 0)
 
     def run_ended(self) -> None:
         for device in self.devices:

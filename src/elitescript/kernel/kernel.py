@@ -1,7 +1,8 @@
 """One robot: the machine, the host of its programs, and what clients ask of them.
 
 `Kernel.tick` runs one tick and returns what happened in it. The machine as ports show it is a call of its own,
-`Kernel.snapshot`: it takes most of the time of a tick of an arm that moves, and changes nothing.
+`Kernel.snapshot`: it takes most of the time of a tick of an arm that moves, and changes nothing; so it makes only the
+parts that are read.
 
 `VirtualRobot`, `serve` and its child hold a `Kernel`. Nothing here uses a clock, a socket or a file of this computer:
 a kernel does the same whenever it is made with the same options and given the same inputs at the same ticks.
@@ -28,6 +29,7 @@ from elitescript.messages.machine import DisturbInput
 from elitescript.messages.motion import Six
 from elitescript.messages.profile import profile
 from elitescript.messages.signals import Value
+from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.messages.timing import seconds
 from elitescript.models.model import RobotModel
 from elitescript.runtime.environment import ProgramEnvironment
@@ -321,11 +323,16 @@ class Kernel:
         self._left = 0
         return result
 
-    def snapshot(self) -> Snapshot:
-        """Return the machine at the present tick, as ports show it."""
+    def snapshot(self, parts: int = ALL_PARTS) -> Snapshot:
+        """Return the machine at the present tick, as ports show it.
+
+        Args:
+            parts: that are computed, as bits of `messages.snapshot_parts`. The others are those of the last snapshot
+                that had them; the discrete state and `TIME` are always of the present tick.
+        """
         handlers = self.handlers
         return self._snapshot_builder().picture(
-            handlers.tasks.shown, self.popup.text, is_remote=handlers.is_remote, overruns=self.overruns
+            handlers.tasks.shown, self.popup.text, is_remote=handlers.is_remote, overruns=self.overruns, parts=parts
         )
 
     def discrete_state(self) -> tuple[object, ...]:

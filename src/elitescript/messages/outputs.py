@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Final
 
 from elitescript.messages.events import Event
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outcomes import Outcome
 from elitescript.messages.snapshot import Snapshot
+from elitescript.messages.snapshot_parts import ALL_PARTS
+
+NOT_WRITTEN: Final = MappingProxyType({"is_written": False})
+"""Metadata of a field that stays out of journals and of messages between processes."""
 
 CHANNEL_WINDOW: Final = 65_536
 """Bytes that may be under way in each direction of a channel; more only after credit.
@@ -88,9 +93,9 @@ class TickResult:
     requests: tuple[ChannelRequest, ...]
     replies: tuple[Reply, ...]
 
-    def with_snapshot(self, snapshot: Snapshot) -> Output:
-        """Return the output that ports publish."""
-        return Output(self.tick, self.events, self.requests, self.replies, snapshot)
+    def with_snapshot(self, snapshot: Snapshot, parts: int = ALL_PARTS) -> Output:
+        """Return the output that ports publish; for `parts` see `Output.parts`."""
+        return Output(self.tick, self.events, self.requests, self.replies, snapshot, parts)
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,9 +103,10 @@ class Output(TickResult):
     """What ports publish of one tick: what happened, and the snapshot."""
 
     snapshot: Snapshot
-    """Of this tick; an older one if no port reads more than its discrete state, see `is_fresh`."""
+    """Of this tick; an older one if no port reads more than its discrete state, see `has`."""
+    parts: int = field(default=ALL_PARTS, metadata=NOT_WRITTEN)
+    """Parts of the snapshot that are of its tick, as bits; the others may be older. See `messages.snapshot_parts`."""
 
-    @property
-    def is_fresh(self) -> bool:
-        """Whether the snapshot is of this tick."""
-        return self.snapshot.robot.tick == self.tick
+    def has(self, parts: int) -> bool:
+        """Return whether these parts of the snapshot are of this tick."""
+        return self.snapshot.robot.tick == self.tick and not parts & ~self.parts

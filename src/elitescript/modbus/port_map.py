@@ -13,6 +13,8 @@ fits, functions 1 and 2, and 3 and 4, read the same table.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import reduce
+from operator import or_
 from typing import Final, NamedTuple, Protocol
 
 from elitescript.errors import ArgumentRangeError, InvalidValueError
@@ -20,6 +22,7 @@ from elitescript.messages.enums import POWERED, AnalogDomain, SafetyMode
 from elitescript.messages.machine import MachineRequest, SetAnalogDomain, WriteSignal
 from elitescript.messages.motion import Six
 from elitescript.messages.signals import SIGNALS, WORD_MAX, Value
+from elitescript.messages.snapshot_parts import JOINTS, LOADS, POSES, TCP_SPEEDS, TEMPERATURES
 from elitescript.messages.state import RobotState
 
 COIL_COUNT: Final = 128
@@ -89,6 +92,8 @@ class RegisterRow(NamedTuple):
     """All registers of the block, 0 to 65535 each."""
     write: Write | None = None
     """None for read-only registers."""
+    parts: int = 0
+    """Of the snapshot that it reads, as bits; 0 for the discrete state."""
 
 
 class CoilRow(NamedTuple):
@@ -229,6 +234,7 @@ def _six_row(
     content: str,
     unit: str,
     values: Callable[[PortSource], Six],
+    parts: int,
     *scales: float,
     evidence: str = _MEANING_ASSUMED,
 ) -> RegisterRow:
@@ -238,7 +244,7 @@ def _six_row(
     def read(view: View) -> Words:
         return [_short(value * factor) for value, factor in zip(values(view.snapshot), factors, strict=True)]
 
-    return RegisterRow(first, 6, content, unit, evidence, read)
+    return RegisterRow(first, 6, content, unit, evidence, read, parts=parts)
 
 
 def _reserved(first: int, last: int) -> RegisterRow:
@@ -276,10 +282,10 @@ REGISTERS: Final[tuple[RegisterRow, ...]] = (
     _row(68, "protective stop", "0 or 1", _number(lambda p: p.robot.safety_mode is SafetyMode.PROTECTIVE_STOP)),
     _row(69, "emergency stop", "0 or 1", _number(lambda p: p.robot.safety_mode in _STOPPED_BY_BUTTON)),
     _row(70, "reduced mode", "0 or 1", _number(lambda p: p.robot.safety_mode is SafetyMode.REDUCED)),
-    _six_row(73, "joint positions", "mrad, signed", lambda p: p.robot.q_actual, _MILLI, evidence=DOCUMENTED),
-    _six_row(84, "joint velocities", "mrad/s, signed", lambda p: p.robot.qd_actual, _MILLI),
-    _six_row(95, "joint currents", "mA, signed", lambda p: p.joint_currents, _MILLI),
-    _six_row(105, "joint temperatures", "degC", lambda p: p.joint_temperatures, 1.0),
+    _six_row(73, "joint positions", "mrad, signed", lambda p: p.robot.q_actual, JOINTS, _MILLI, evidence=DOCUMENTED),
+    _six_row(84, "joint velocities", "mrad/s, signed", lambda p: p.robot.qd_actual, JOINTS, _MILLI),
+    _six_row(95, "joint currents", "mA, signed", lambda p: p.joint_currents, LOADS, _MILLI),
+    _six_row(105, "joint temperatures", "degC", lambda p: p.joint_temperatures, TEMPERATURES, 1.0),
     RegisterRow(
         GENERAL_REGISTER,
         SIGNALS["general_register"].size,
@@ -294,17 +300,26 @@ REGISTERS: Final[tuple[RegisterRow, ...]] = (
         "TCP: x, y, z, rx, ry, rz (roll-pitch-yaw), base frame",
         "0.1 mm, mrad, signed",
         lambda p: p.robot.tcp_pose_actual,
+        POSES,
         _TENTH_MM,
         _MILLI,
     ),
     _six_row(
-        400, "velocity of the TCP, base frame", "mm/s, mrad/s, signed", lambda p: p.robot.tcp_speed_actual, _MILLI
+        400,
+        "velocity of the TCP, base frame",
+        "mm/s, mrad/s, signed",
+        lambda p: p.robot.tcp_speed_actual,
+        TCP_SPEEDS,
+        _MILLI,
     ),
     _six_row(
-        410, "TCP offset from the flange", "0.1 mm, mrad, signed", lambda p: p.robot.tcp_offset, _TENTH_MM, _MILLI
+        410, "TCP offset from the flange", "0.1 mm, mrad, signed", lambda p: p.robot.tcp_offset, 0, _TENTH_MM, _MILLI
     ),
     _reserved(449, 511),
 )
+
+REGISTER_PARTS: Final = reduce(or_, (row.parts for row in REGISTERS))
+"""Parts of the snapshot that registers read, as bits; coils read levels alone."""
 
 COILS: Final[tuple[CoilRow, ...]] = (
     CoilRow(0, 16, "standard digital inputs", DOCUMENTED, "standard_digital_in", 0, False),

@@ -67,13 +67,13 @@ class Connection(ABC):
     def publish(self, output: Output) -> None:
         """Take the output of a tick: queue the messages to this client about it."""
 
-    def reads_snapshot(self, tick: int) -> bool:
-        """Return whether it reads more of the snapshot of a tick than the discrete state: joints, poses, forces, times.
+    def reads(self, tick: int) -> int:
+        """Return the parts of the snapshot of a tick that it reads, as bits of `messages.snapshot_parts`; 0 for none.
 
-        Called before the tick runs. If not, `receive` and `publish` may get an older snapshot, of which only the
-        discrete state (levels, modes, tool, task) is that of the tick. See `messages.outputs.Output`.
+        Called before the tick runs. `receive` and `publish` may get a snapshot of which all other parts are older, and
+        only the discrete state (levels, modes, tool, task) is always that of the tick. See `messages.outputs.Output`.
         """
-        return False
+        return 0
 
     @property
     def is_busy(self) -> bool:

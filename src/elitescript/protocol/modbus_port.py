@@ -45,7 +45,7 @@ from elitescript.modbus.frames.pdu import (
 )
 from elitescript.modbus.frames.tcp import LENGTH_MAX, TcpFrame, TcpSplitter, tcp_frame
 from elitescript.modbus.port_image import PortImage, check_writable_coils, check_writable_registers
-from elitescript.modbus.port_map import View
+from elitescript.modbus.port_map import REGISTER_PARTS, View
 from elitescript.protocol.connection import Connection, ProtocolError, is_restarted
 
 NUMBER: Final = 502
@@ -148,9 +148,9 @@ class ModbusConnection(Connection):
     def is_expecting(self) -> bool:
         return self.is_busy
 
-    def reads_snapshot(self, tick: int) -> bool:
-        """See `Connection.reads_snapshot`: a request may come at any time."""
-        return True
+    def reads(self, tick: int) -> int:
+        """See `Connection.reads`: a request may come at any time."""
+        return REGISTER_PARTS
 
     def publish(self, output: Output) -> None:
         self._ticks += 1
@@ -178,7 +178,7 @@ class ModbusConnection(Connection):
 
     def _go_on(self, output: Output) -> list[Input]:
         """Take requests in their order, up to the first write or as many as a tick allows."""
-        if self._ticks < 2 and not output.is_fresh:
+        if self._ticks < 2 and not output.has(REGISTER_PARTS):
             # Connected after the last tick, or during it: the next tick has a snapshot for it.
             return []
         if output.tick != self._tick:

@@ -3,9 +3,9 @@
 In both cases a tick is one call: inputs in, output out. How fast the time of the robot passes depends on the calls
 alone.
 
-A snapshot takes most of the time of a tick, so one is made only at ticks of which something reads it, and when the
-discrete state has changed. So levels, modes, tool and task are up to date in the snapshot of any output;
-joints, poses and forces in it may be older, if nothing was to read them.
+A snapshot takes most of the time of a tick, so one is made only at ticks of which something reads it, of those parts
+alone, and when the discrete state has changed. So levels, modes, tool and task are up to date in the snapshot of any
+output; joints, poses and forces in it may be older, if nothing was to read them.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from elitescript.kernel import Kernel
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription, Snapshot
+from elitescript.messages.snapshot_parts import ALL_PARTS, TIME
 
 
 class RobotLink(Protocol):
@@ -36,12 +37,12 @@ class RobotLink(Protocol):
     async def open(self) -> None:
         """Bring the robot up."""
 
-    async def tick(self, inputs: Sequence[Input], reads_snapshot: bool = True) -> Output:
+    async def tick(self, inputs: Sequence[Input], parts: int = ALL_PARTS) -> Output:
         """Run one tick.
 
         Args:
             inputs: for the robot, in order.
-            reads_snapshot: whether something reads more of its snapshot than the discrete state.
+            parts: of its snapshot that something reads, as bits of `messages.snapshot_parts`.
         """
 
     async def close(self) -> None:
@@ -55,12 +56,14 @@ class InProcessLink:
         robot: the robot.
     """
 
-    __slots__ = ("_discrete_state", "_snapshot", "robot")
+    __slots__ = ("_discrete_state", "_parts", "_snapshot", "robot")
 
     def __init__(self, robot: Kernel) -> None:
         self.robot = robot
         self._discrete_state: tuple[object, ...] = ()
         self._snapshot: Snapshot
+        self._parts = 0
+        """Those of the snapshot that are of its tick."""
 
     @property
     def description(self) -> RobotDescription:
@@ -73,16 +76,21 @@ class InProcessLink:
     async def open(self) -> None:
         """Do nothing: the robot is there."""
 
-    async def tick(self, inputs: Sequence[Input], reads_snapshot: bool = True) -> Output:
-        return self.tick_now(inputs, reads_snapshot)
-
-    def tick_now(self, inputs: Sequence[Input], reads_snapshot: bool = True) -> Output:
-        """Run one tick as `tick` does, without waiting."""
+    async def tick(self, inputs: Sequence[Input], parts: int = ALL_PARTS) -> Output:
         robot = self.robot
         result, discrete_state = robot.tick(inputs), robot.discrete_state()
-        if reads_snapshot or discrete_state != self._discrete_state:
-            self._discrete_state, self._snapshot = discrete_state, robot.snapshot()
-        return result.with_snapshot(self._snapshot)
+        if parts or discrete_state != self._discrete_state:
+            self._discrete_state = discrete_state
+            self._parts = parts | TIME
+            self._snapshot = robot.snapshot(self._parts)
+        return result.with_snapshot(self._snapshot, self._parts)
+
+    def completed(self, output: Output) -> Output:
+        """Return the output of the last tick with all parts of its snapshot."""
+        if output.has(ALL_PARTS):
+            return output
+        self._snapshot, self._parts = self.robot.snapshot(), ALL_PARTS
+        return output.with_snapshot(self._snapshot)
 
     async def close(self) -> None:
         """Do nothing: there is nothing to end."""

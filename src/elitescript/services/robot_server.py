@@ -17,6 +17,7 @@ from elitescript.errors import UsageError
 from elitescript.messages.enums import TaskState
 from elitescript.messages.inputs import Input, Lag
 from elitescript.messages.outputs import Output
+from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.messages.timing import PERIOD_S
 from elitescript.protocol.connection import Connection
 from elitescript.protocol.ports import services_of
@@ -254,7 +255,9 @@ class RobotServer:
         self._write_events(self.output)
         if self._is_lockstep:
             clients, timeout_s = self.listeners[RTSI].clients, self._lockstep_timeout_s
-            self._time = LockstepTime(self._log, self._note_left_out, clients, self._relieve, timeout_s)
+            self._time = LockstepTime(
+                self._log, self._note_left_out, clients, self._complete_output, self._relieve, timeout_s
+            )
         else:
             self._time = PacedTime(self._log, self._note_left_out)
         self._task = asyncio.get_running_loop().create_task(self._run(self._time))
@@ -294,14 +297,14 @@ class RobotServer:
         while True:
             await time.next()
             lag = self._lag(time.lag_ticks)
-            output = await self.link.tick([*lag, *self._begin_tick()], self._reads_snapshot())
+            output = await self.link.tick([*lag, *self._begin_tick()], self._reads())
             if self._has_readers:
                 await time.outlet()
             self._end_tick(time.with_overruns(output))
 
     async def step(self) -> None:
         """Run one tick, whose output leaves as soon as it is there."""
-        self._end_tick(await self.link.tick(self._begin_tick(), self._reads_snapshot()))
+        self._end_tick(await self.link.tick(self._begin_tick(), self._reads()))
 
     def _lag(self, ticks: int) -> tuple[Lag, ...]:
         """Return the input for how far robot time is behind, if that is new and programs may wait for peers."""
@@ -374,15 +377,20 @@ class RobotServer:
         self.shares.begin_tick(is_late=overruns > self._overruns_before)
         self._overruns_before = overruns
 
-    def _reads_snapshot(self) -> bool:
-        """Return whether anything reads more of the snapshot of the tick that begins now than the discrete state.
-
-        Time that stands still leaves no later tick to read, so in lockstep every snapshot is new.
-        """
+    def _reads(self) -> int:
+        """Return the parts of the snapshot of the tick that begins now that anything reads, as bits."""
+        if self._answered:
+            return ALL_PARTS
         tick = self.output.tick + 1
-        if self._is_lockstep or self._answered or (self.devices is not None and self.devices.reads_snapshot(tick)):
-            return True
-        return any(listener.reads_snapshot(tick) for listener in self._by_urgency)
+        parts = 0 if self.devices is None else self.devices.reads(tick)
+        for listener in self._by_urgency:
+            parts |= listener.reads(tick)
+        return parts
+
+    def _complete_output(self) -> None:
+        """Make the snapshot of the last tick whole: while time stands still, no later tick shows it to newcomers."""
+        if isinstance(self.link, InProcessLink):
+            self.output = self.link.completed(self.output)
 
     def _note_refused(self) -> None:
         count, self._inputs.refused = self._inputs.refused, 0

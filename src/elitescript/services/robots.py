@@ -15,6 +15,7 @@ from elitescript.errors import ElitescriptError
 from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
+from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.runtime.environment import Files
 from elitescript.services.channels.connect_policy import ConnectPolicy
 from elitescript.services.child.jail import Layer
@@ -144,9 +145,9 @@ class _RecordedLink(InProcessLink):
         super().__init__(robot)
         self._journal = journal
 
-    def tick_now(self, inputs: Sequence[Input], reads_snapshot: bool = True) -> Output:
+    async def tick(self, inputs: Sequence[Input], parts: int = ALL_PARTS) -> Output:
         # The digests of the journal cover the snapshot of every tick, so it is there already.
-        output = super().tick_now(inputs, reads_snapshot=True)
+        output = await super().tick(inputs)
         warning = self._journal.take_warning(output.tick)
         return replace(output, events=(*output.events, *warning)) if warning else output
 

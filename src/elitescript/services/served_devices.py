@@ -146,9 +146,9 @@ class ServedDevices:
         self._connect = connect
         self._world.begin(self)
 
-    def reads_snapshot(self, tick: int) -> bool:
-        """Return whether a device that is connected to a port of the robot reads the snapshot of a tick."""
-        return self._world.reads_snapshot(tick)
+    def reads(self, tick: int) -> int:
+        """Return the parts of the snapshot of a tick that devices read at ports of the robot, as bits."""
+        return self._world.reads(tick)
 
     def inputs(self, tick: int) -> list[Input]:
         """Return what happens in the tick that is about to run."""

@@ -11,54 +11,72 @@ from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX, JointState
 
 
-class CartesianState(NamedTuple):
-    """Holds poses and speeds that follow from joints and TCP, base frame: m, rad, m/s, rad/s."""
+class Poses(NamedTuple):
+    """Poses of TCP and flange, base frame: m, rad."""
 
-    pose_target: Six
-    pose_actual: Six
-    speed_target: Six
-    speed_actual: Six
-    flange_pose: Six
+    target: Six
+    actual: Six
+    flange: Six
+
+
+class TcpSpeeds(NamedTuple):
+    """Velocities of the TCP, base frame: m/s, rad/s."""
+
+    target: Six
+    actual: Six
 
 
 class CartesianStateFinder:
-    """Computes Cartesian states, anew only for other joints or another TCP.
+    """Computes poses and velocities, anew only for other joints or another TCP.
 
     Args:
         arm: the kinematics.
     """
 
-    __slots__ = ("_T_flange_tcp", "_arm", "_joints", "_places")
+    __slots__ = ("_arm", "_poses", "_poses_of", "_speeds", "_speeds_of")
 
     def __init__(self, arm: Arm) -> None:
         self._arm = arm
-        self._joints: JointState | None = None
-        self._T_flange_tcp: Transform | None = None
-        self._places = CartesianState(ZERO_SIX, ZERO_SIX, ZERO_SIX, ZERO_SIX, ZERO_SIX)
+        self._poses_of: tuple[JointState, Transform] | None = None
+        self._poses = Poses(ZERO_SIX, ZERO_SIX, ZERO_SIX)
+        self._speeds_of: tuple[JointState, Transform] | None = None
+        self._speeds = TcpSpeeds(ZERO_SIX, ZERO_SIX)
 
-    def places(self, joints: JointState, T_flange_tcp: Transform) -> CartesianState:
-        """Return the Cartesian state for joints (rad, rad/s) and the TCP."""
-        if T_flange_tcp is not self._T_flange_tcp or not _are_same(joints, self._joints):
-            self._joints, self._T_flange_tcp = joints, T_flange_tcp
-            self._places = self._worked_out(joints, T_flange_tcp)
-        return self._places
+    def poses(self, joints: JointState, T_flange_tcp: Transform) -> Poses:
+        """Return the poses for joints (rad) and the TCP."""
+        if not _are_same(joints, T_flange_tcp, self._poses_of):
+            self._poses_of = joints, T_flange_tcp
+            arm = self._arm
+            T_base_flange = arm.forward(joints.q_target)
+            target = actual = pose_from_transform(compose(T_base_flange, T_flange_tcp))
+            if not _is_on_target(joints):
+                T_base_flange = arm.forward(joints.q_actual)
+                actual = pose_from_transform(compose(T_base_flange, T_flange_tcp))
+            self._poses = Poses(target, actual, pose_from_transform(T_base_flange))
+        return self._poses
 
-    def _worked_out(self, joints: JointState, T_flange_tcp: Transform) -> CartesianState:
-        arm = self._arm
-        T_base_flange = arm.forward(joints.q_target)
-        pose_target = pose_from_transform(compose(T_base_flange, T_flange_tcp))
-        speed_target = tcp_twist(arm, joints.q_target, joints.qd_target, T_flange_tcp)
-        pose_actual, speed_actual = pose_target, speed_target
-        if joints.q_actual != joints.q_target or joints.qd_actual != joints.qd_target:
-            T_base_flange = arm.forward(joints.q_actual)
-            pose_actual = pose_from_transform(compose(T_base_flange, T_flange_tcp))
-            speed_actual = tcp_twist(arm, joints.q_actual, joints.qd_actual, T_flange_tcp)
-        return CartesianState(pose_target, pose_actual, speed_target, speed_actual, pose_from_transform(T_base_flange))
+    def speeds(self, joints: JointState, T_flange_tcp: Transform) -> TcpSpeeds:
+        """Return the velocities for joints (rad, rad/s) and the TCP."""
+        if not _are_same(joints, T_flange_tcp, self._speeds_of):
+            self._speeds_of = joints, T_flange_tcp
+            arm = self._arm
+            target = actual = tcp_twist(arm, joints.q_target, joints.qd_target, T_flange_tcp)
+            if not _is_on_target(joints):
+                actual = tcp_twist(arm, joints.q_actual, joints.qd_actual, T_flange_tcp)
+            self._speeds = TcpSpeeds(target, actual)
+        return self._speeds
 
 
-def _are_same(joints: JointState, other: JointState | None) -> bool:
-    """Return whether both hold the identical tuples; equal ones may differ in the sign of a zero."""
-    return other is not None and (
+def _is_on_target(joints: JointState) -> bool:
+    return joints.q_actual == joints.q_target and joints.qd_actual == joints.qd_target
+
+
+def _are_same(joints: JointState, T_flange_tcp: Transform, before: tuple[JointState, Transform] | None) -> bool:
+    """Return whether both have the identical tuples; equal ones may differ in the sign of a zero."""
+    if before is None or T_flange_tcp is not before[1]:
+        return False
+    other = before[0]
+    return joints is other or (
         joints.q_target is other.q_target
         and joints.qd_target is other.qd_target
         and joints.q_actual is other.q_actual

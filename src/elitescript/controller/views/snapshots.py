@@ -1,4 +1,4 @@
-"""Builds the snapshot of the machine that ports publish; unchanged parts are not computed again.
+"""Builds the snapshot of the machine that ports publish: the parts that are read, once for an arm at rest.
 
 Supply voltages and currents are *assumed*: a 48 V bus, idle currents of cabinet and tool, and the currents of the
 motors. A joint without power, or with its brakes closed, has no torque.
@@ -9,11 +9,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final, NamedTuple
 
+from elitescript.controller.arm.cartesian_state import Poses, TcpSpeeds
 from elitescript.controller.controller import Controller
 from elitescript.kinematics.arm import Arm
 from elitescript.messages.enums import POWERED, RobotMode, TaskState
 from elitescript.messages.motion import Six
 from elitescript.messages.snapshot import Snapshot, TaskPicture, Three
+from elitescript.messages.snapshot_parts import (
+    ALL_PARTS,
+    ELBOW,
+    JOINTS,
+    LOADS,
+    POSES,
+    TCP_SPEEDS,
+    TEMPERATURES,
+    WRENCHES,
+)
 from elitescript.messages.state import ZERO_SIX, JointState, Payload
 
 BUS_V: Final = 48.0
@@ -25,26 +36,16 @@ IO_CURRENT_A: Final = 0.05
 TOOL_CURRENT_A: Final = 0.05
 """Current of a tool with supply (*assumed*)."""
 
+_OF_LOADS: Final = LOADS | WRENCHES | ELBOW
+_OF_JOINTS: Final = JOINTS | POSES | TCP_SPEEDS | _OF_LOADS
+"""Parts that follow from the joints."""
 _INSTANT_S: Final = 1e-4
 _NO_VOLTAGES: Final[Six] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 _BUS_VOLTAGES: Final[Six] = (BUS_V, BUS_V, BUS_V, BUS_V, BUS_V, BUS_V)
 
 
-class LoadState(NamedTuple):
-    """Loads of the joints, wrenches, and motion of the elbow."""
-
-    torques: Six
-    currents: Six
-    joint_current: float
-    """Sum of their magnitudes."""
-    tcp_force: Six
-    raw_wrench: Six
-    elbow_position: Three
-    elbow_velocity: Three
-
-
 class _Key(NamedTuple):
-    """Everything that the load of a resting arm depends on."""
+    """Everything that loads, wrenches and elbow of a resting arm depend on."""
 
     mode: RobotMode
     joints: JointState
@@ -63,14 +64,43 @@ class SnapshotBuilder:
         controller: the machine.
     """
 
-    __slots__ = ("_controller", "_key", "_load")
+    __slots__ = (
+        "_controller",
+        "_currents",
+        "_elbow_position",
+        "_elbow_velocity",
+        "_joint_current",
+        "_joints",
+        "_key",
+        "_made",
+        "_poses",
+        "_raw_wrench",
+        "_tcp_force",
+        "_tcp_speeds",
+        "_temperatures",
+        "_torques",
+    )
 
     def __init__(self, controller: Controller) -> None:
         self._controller = controller
         self._key: _Key | None = None
-        self._load = LoadState(ZERO_SIX, ZERO_SIX, 0.0, ZERO_SIX, ZERO_SIX, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+        """Of an arm at rest; None while it moves."""
+        self._made = 0
+        """Parts that hold for `_key`."""
+        self._joints: JointState | None = None
+        """Of the last snapshot that has them; None before the first one, which is whole."""
+        self._poses: Poses
+        self._tcp_speeds: TcpSpeeds
+        self._torques = self._currents = self._tcp_force = self._raw_wrench = ZERO_SIX
+        self._joint_current = 0.0
+        """Sum of the magnitudes of the currents."""
+        self._elbow_position: Three = (0.0, 0.0, 0.0)
+        self._elbow_velocity: Three = (0.0, 0.0, 0.0)
+        self._temperatures: tuple[Six, float]
 
-    def picture(self, task: TaskPicture, popup: str, *, is_remote: bool, overruns: int) -> Snapshot:
+    def picture(
+        self, task: TaskPicture, popup: str, *, is_remote: bool, overruns: int, parts: int = ALL_PARTS
+    ) -> Snapshot:
         """Return the snapshot of the present tick.
 
         Args:
@@ -78,31 +108,42 @@ class SnapshotBuilder:
             popup: text of the open message window.
             is_remote: whether clients may change the robot.
             overruns: ticks that began late.
+            parts: that are computed; the others stay as in the last snapshot that had them. The first one has all.
         """
         controller = self._controller
-        robot = controller.state()
-        signals = controller.signals
-        temperatures, controller_temperature = controller.loads.temperatures(robot.tick)
-        load = self._load_of_now(robot.robot_mode)
-        is_powered = robot.robot_mode in POWERED
-        voltage = BUS_V if is_powered else 0.0
+        signals, mode, tick = controller.signals, controller.robot_mode, controller.tick
+        joints = self._joints
+        if joints is None:
+            parts = ALL_PARTS
+        if parts & _OF_JOINTS or joints is None:
+            joints = self._joints = controller.joints()
+            if parts & POSES:
+                self._poses = controller.poses(joints)
+            if parts & TCP_SPEEDS:
+                self._tcp_speeds = controller.tcp_speeds(joints)
+            self._make_loads(parts & _OF_LOADS, mode, joints)
+        if parts & TEMPERATURES:
+            self._temperatures = controller.loads.temperatures(tick)
+        temperatures, controller_temperature = self._temperatures
+        robot = controller.state_of(tick, joints, self._poses, self._tcp_speeds)
+        is_powered = mode in POWERED
         image = signals.image
         pins = signals.tool_pins
         is_paused = robot.task_state is TaskState.PAUSED
         return Snapshot(
             robot=robot,
-            joint_torques=load.torques,
-            joint_currents=load.currents,
+            joint_torques=self._torques,
+            joint_currents=self._currents,
             joint_temperatures=temperatures,
             joint_voltages=_BUS_VOLTAGES if is_powered else _NO_VOLTAGES,
-            tcp_force=load.tcp_force,
-            raw_wrench=load.raw_wrench,
-            elbow_position=load.elbow_position,
-            elbow_velocity=load.elbow_velocity,
-            speed_scaling=0.0 if is_paused and not robot.is_moving else controller.motion.rate(robot.tick),
+            tcp_force=self._tcp_force,
+            raw_wrench=self._raw_wrench,
+            elbow_position=self._elbow_position,
+            elbow_velocity=self._elbow_velocity,
+            speed_scaling=0.0 if is_paused and not robot.is_moving else controller.motion.rate(tick),
             controller_temperature=controller_temperature,
-            robot_voltage=voltage,
-            robot_current=IDLE_CURRENT_A + load.joint_current if is_powered else 0.0,
+            robot_voltage=BUS_V if is_powered else 0.0,
+            robot_current=IDLE_CURRENT_A + self._joint_current if is_powered else 0.0,
             io_current=IO_CURRENT_A,
             tool_current=TOOL_CURRENT_A if is_powered and image["tool_voltage"][0] else 0.0,
             tool_temperature=temperatures[5],
@@ -142,44 +183,42 @@ class SnapshotBuilder:
             yielding.is_guided_by_input,
         )
 
-    def _load_of_now(self, mode: RobotMode) -> LoadState:
+    def _make_loads(self, parts: int, mode: RobotMode, joints: JointState) -> None:
+        """Compute loads, wrenches and elbow, unless the arm rests and they are there already."""
+        if not parts:
+            return
         controller = self._controller
-        arm_state, setup, tick = controller.arm_state, controller.setup, controller.tick
+        key = self._key_of_rest(mode)
+        if key is None or key != self._key:
+            self._key, self._made = key, 0
+        parts &= ~self._made
+        self._made |= parts
+        if parts & LOADS:
+            self._torques = self._currents = ZERO_SIX
+            if mode is RobotMode.RUNNING:
+                self._torques, self._currents = controller.loads.measured(controller.tick)
+            self._joint_current = sum(map(abs, self._currents))
+        if parts & WRENCHES:
+            self._tcp_force = controller.tcp_wrench(True)
+            self._raw_wrench = controller.tcp_wrench(False)
+        if parts & ELBOW:
+            self._elbow_position = controller.arm.elbow(joints.q_actual)
+            self._elbow_velocity = elbow_velocity(controller.arm, joints.q_actual, joints.qd_actual)
+
+    def _key_of_rest(self, mode: RobotMode) -> _Key | None:
+        controller = self._controller
+        arm_state, setup, sensor = controller.arm_state, controller.setup, controller.yielding.sensor
         if not arm_state.is_resting:
-            self._key = None
-            self._load = self._worked_out(mode, controller.joints())
-            return self._load
-        joints = controller.joints()
-        sensor = controller.yielding.sensor
-        key = _Key(
+            return None
+        return _Key(
             mode,
-            arm_state.joints(tick),
+            arm_state.joints(controller.tick),
             setup.tcp_offset,
             setup.payload,
             setup.gravity,
             sensor.zero,
             sensor.client_offset,
             controller.signals.image,
-        )
-        if key != self._key:
-            self._key = key
-            self._load = self._worked_out(mode, joints)
-        return self._load
-
-    def _worked_out(self, mode: RobotMode, joints: JointState) -> LoadState:
-        controller = self._controller
-        torques = currents = ZERO_SIX
-        if mode is RobotMode.RUNNING:
-            torques, currents = controller.loads.measured(controller.tick)
-        arm = controller.arm
-        return LoadState(
-            torques,
-            currents,
-            sum(map(abs, currents)),
-            controller.tcp_wrench(True),
-            controller.tcp_wrench(False),
-            arm.elbow(joints.q_actual),
-            elbow_velocity(arm, joints.q_actual, joints.qd_actual),
         )
 
 

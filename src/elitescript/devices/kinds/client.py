@@ -126,9 +126,9 @@ class TcpClient(Device):
     def next_output_tick(self, tick: int) -> int | None:
         return None if self._transport is None else self._transport.next_tick(tick)
 
-    def reads_snapshot(self, tick: int) -> bool:
+    def reads(self, tick: int) -> int:
         transport = self._transport
-        return transport is not None and transport.is_open and transport.connection.reads_snapshot(tick)
+        return 0 if transport is None or not transport.is_open else transport.connection.reads(tick)
 
     def take_output(self, output: Output) -> None:
         assert self._transport is not None

@@ -32,7 +32,7 @@ from elitescript.protocol.primary.messages import (
     message_of,
     version_message,
 )
-from elitescript.protocol.primary.packets import ASSUMED, DOCUMENTED, SUB_MESSAGES, pack_state
+from elitescript.protocol.primary.packets import ASSUMED, DOCUMENTED, STATE_PARTS, SUB_MESSAGES, pack_state
 
 SPACING_TICKS: Final = 7
 """Between two robot messages: with ten states they stay below 50 messages a second."""
@@ -196,12 +196,12 @@ class PrimaryConnection(Connection):
     def is_busy(self) -> bool:
         return bool(self._ready) or len(self._raw) >= MAX_BYTES_PER_TICK
 
-    def reads_snapshot(self, tick: int) -> bool:
-        return tick >= self._next_state_at
+    def reads(self, tick: int) -> int:
+        return STATE_PARTS if tick >= self._next_state_at else 0
 
     def publish(self, output: Output) -> None:
         self._begin_tick(output)
-        if not self._is_greeted and not output.is_fresh:
+        if not self._is_greeted and not output.has(STATE_PARTS):
             # Connected during this tick: its first state is that of the next one.
             self._next_state_at = output.tick + 1
         if self._feed.port.sends_messages:

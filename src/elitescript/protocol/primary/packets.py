@@ -11,11 +11,15 @@ simulated is a constant, and the row names it.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import reduce
 from math import copysign, inf, isnan
+from operator import or_
 from typing import Final
 
 from elitescript.messages.enums import POWERED, SafetyMode, TaskState
 from elitescript.messages.snapshot import RobotDescription, Snapshot
+from elitescript.messages.snapshot_parts import ELBOW, LOADS, POSES, TEMPERATURES, TIME
+from elitescript.messages.snapshot_parts import JOINTS as JOINT_STATE
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol.binary import (
     BOOL,
@@ -61,12 +65,22 @@ _HEAD: Final = (Field("length", UINT32, "byte", DOCUMENTED), Field("type", UINT8
 class PacketField:
     """One field of a sub-message."""
 
-    __slots__ = ("field", "read")
+    __slots__ = ("field", "parts", "read")
 
     def __init__(
-        self, name: str, wire: WireType, unit: str, evidence: str, read: Reading | Number, summary: str = ""
+        self,
+        name: str,
+        wire: WireType,
+        unit: str,
+        evidence: str,
+        read: Reading | Number,
+        summary: str = "",
+        *,
+        parts: int = 0,
     ) -> None:
         self.field = Field(name, wire, unit, evidence, summary)
+        self.parts = parts
+        """Of the snapshot that it reads, as bits; 0 for the discrete state."""
         self.read: Reading
         if isinstance(read, int | float):
             constant = read
@@ -170,7 +184,9 @@ ROBOT_MODE: Final = SubMessage(
     0,
     53,
     DOCUMENTED,
-    PacketField("timestamp", UINT64, "us", DOCUMENTED, lambda s, _: timestamp(s.robot.tick), "time since the start"),
+    PacketField(
+        "timestamp", UINT64, "us", DOCUMENTED, lambda s, _: timestamp(s.robot.tick), "time since the start", parts=TIME
+    ),
     PacketField("reserved 1", BOOL, "", DOCUMENTED, 0),
     PacketField("reserved 2", BOOL, "", DOCUMENTED, 0),
     PacketField("robot power on", BOOL, "", DOCUMENTED, lambda s, _: s.robot.robot_mode in POWERED),
@@ -187,7 +203,15 @@ ROBOT_MODE: Final = SubMessage(
     PacketField(
         "target speed fraction", DOUBLE, "1", DOCUMENTED, lambda s, _: s.robot.speed_scale, "speed slider, 0 to 1"
     ),
-    PacketField("speed scaling", DOUBLE, "1", DOCUMENTED, lambda s, _: s.speed_scaling, "how fast planned time passes"),
+    PacketField(
+        "speed scaling",
+        DOUBLE,
+        "1",
+        DOCUMENTED,
+        lambda s, _: s.speed_scaling,
+        "how fast planned time passes",
+        parts=TIME,
+    ),
     PacketField("target speed fraction limit", DOUBLE, "1", DOCUMENTED, 1.0, "always 1: not simulated"),
     PacketField("robot speed mode", UINT8, "", DOCUMENTED, 0, "always 0: not simulated"),
     PacketField("reserved 3", UINT8, "", DOCUMENTED, 0, "in older firmware: system in alarm"),
@@ -200,16 +224,16 @@ JOINTS: Final = SubMessage(
     1,
     347,
     OBSERVED,
-    PacketField("actual position", DOUBLE, "rad", DOCUMENTED, lambda s, _: s.robot.q_actual),
-    PacketField("target position", DOUBLE, "rad", DOCUMENTED, lambda s, _: s.robot.q_target),
-    PacketField("actual velocity", DOUBLE, "rad/s", DOCUMENTED, lambda s, _: s.robot.qd_actual),
+    PacketField("actual position", DOUBLE, "rad", DOCUMENTED, lambda s, _: s.robot.q_actual, parts=JOINT_STATE),
+    PacketField("target position", DOUBLE, "rad", DOCUMENTED, lambda s, _: s.robot.q_target, parts=JOINT_STATE),
+    PacketField("actual velocity", DOUBLE, "rad/s", DOCUMENTED, lambda s, _: s.robot.qd_actual, parts=JOINT_STATE),
     PacketField("target encoder pulses", INT32, "", DOCUMENTED, 0, "always 0: not simulated"),
     PacketField("actual encoder pulses", INT32, "", DOCUMENTED, 0, "always 0: not simulated"),
     PacketField("zero position pulses", INT32, "", DOCUMENTED, 0, "always 0; reserved in newer firmware"),
-    PacketField("current", FLOAT, "A", DOCUMENTED, lambda s, _: s.joint_currents),
+    PacketField("current", FLOAT, "A", DOCUMENTED, lambda s, _: s.joint_currents, parts=LOADS),
     PacketField("voltage", FLOAT, "V", DOCUMENTED, lambda s, _: s.joint_voltages),
-    PacketField("temperature", FLOAT, "degC", DOCUMENTED, lambda s, _: s.joint_temperatures),
-    PacketField("torque", FLOAT, "N m", DOCUMENTED, lambda s, _: s.joint_torques),
+    PacketField("temperature", FLOAT, "degC", DOCUMENTED, lambda s, _: s.joint_temperatures, parts=TEMPERATURES),
+    PacketField("torque", FLOAT, "N m", DOCUMENTED, lambda s, _: s.joint_torques, parts=LOADS),
     PacketField(
         "joint mode", UINT8, "", DOCUMENTED, lambda s, _: joint_mode(s.robot), "253 running, 255 idle, 239 power off"
     ),
@@ -223,7 +247,13 @@ CARTESIAN: Final = SubMessage(
     101,
     DOCUMENTED,
     PacketField(
-        "TCP pose", VECTOR6D, "m, rad", DOCUMENTED, lambda s, _: s.robot.tcp_pose_actual, "base frame; RPY *assumed*"
+        "TCP pose",
+        VECTOR6D,
+        "m, rad",
+        DOCUMENTED,
+        lambda s, _: s.robot.tcp_pose_actual,
+        "base frame; RPY *assumed*",
+        parts=POSES,
     ),
     PacketField("TCP offset", VECTOR6D, "m, rad", DOCUMENTED, lambda s, _: s.robot.tcp_offset, "from the flange"),
 )
@@ -286,9 +316,11 @@ MASTER_BOARD: Final = SubMessage(
     PacketField("analog output 0", DOUBLE, "A or V", DOCUMENTED, _signal("standard_analog_out", 0)),
     PacketField("analog output 1", DOUBLE, "A or V", DOCUMENTED, _signal("standard_analog_out", 1)),
     PacketField("tool analog output", DOUBLE, "A or V", DOCUMENTED, _signal("tool_analog_out")),
-    PacketField("board temperature", FLOAT, "degC", DOCUMENTED, lambda s, _: s.controller_temperature),
+    PacketField(
+        "board temperature", FLOAT, "degC", DOCUMENTED, lambda s, _: s.controller_temperature, parts=TEMPERATURES
+    ),
     PacketField("robot voltage", FLOAT, "V", DOCUMENTED, lambda s, _: s.robot_voltage),
-    PacketField("robot current", FLOAT, "A", DOCUMENTED, lambda s, _: s.robot_current),
+    PacketField("robot current", FLOAT, "A", DOCUMENTED, lambda s, _: s.robot_current, parts=LOADS),
     PacketField("I/O current", FLOAT, "A", DOCUMENTED, lambda s, _: s.io_current),
     PacketField("safety mode", UINT8, "", DOCUMENTED, lambda s, _: s.robot.safety_mode, "`SafetyMode`"),
     PacketField("in reduced mode", UINT8, "", DOCUMENTED, lambda s, _: s.robot.safety_mode is SafetyMode.REDUCED),
@@ -328,7 +360,7 @@ TOOL: Final = SubMessage(
     PacketField("tool voltage", FLOAT, "V", DOCUMENTED, _signal("tool_voltage"), "measured; here what is set"),
     PacketField("output voltage", UINT8, "V", DOCUMENTED, _signal("tool_voltage"), "set: 0, 12 or 24"),
     PacketField("tool current", FLOAT, "A", DOCUMENTED, lambda s, _: s.tool_current),
-    PacketField("tool temperature", FLOAT, "degC", DOCUMENTED, lambda s, _: s.tool_temperature),
+    PacketField("tool temperature", FLOAT, "degC", DOCUMENTED, lambda s, _: s.tool_temperature, parts=TEMPERATURES),
     PacketField(
         "tool mode", UINT8, "", DOCUMENTED, lambda s, _: tool_mode(s.robot), "253 running, 255 idle, 239 power off"
     ),
@@ -349,7 +381,7 @@ SAFETY: Final = SubMessage(
         "-1 not reported; `[safety] operational_mode`: 0 manual, 1 automatic; numbers *assumed*",
     ),
     PacketField("reserved", UINT8, "", DOCUMENTED, 0),
-    PacketField("elbow position", VECTOR3D, "m", DOCUMENTED, lambda s, _: s.elbow_position, "base frame"),
+    PacketField("elbow position", VECTOR3D, "m", DOCUMENTED, lambda s, _: s.elbow_position, "base frame", parts=ELBOW),
     PacketField("elbow radius", DOUBLE, "m", DOCUMENTED, 0.0, "always 0: not simulated"),
 )
 
@@ -380,3 +412,6 @@ SUB_MESSAGES: Final[tuple[SubMessage, ...]] = (
     TOOL_COMMUNICATION,
 )
 """In the order of the wire; *observed*: public clients go by position."""
+
+STATE_PARTS: Final = reduce(or_, (row.parts for part in SUB_MESSAGES for row in part.rows))
+"""Parts of the snapshot that the message reads, as bits."""

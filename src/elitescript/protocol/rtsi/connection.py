@@ -20,6 +20,7 @@ from typing import Final, NamedTuple
 from elitescript.messages.inputs import AddLog, Do, Input, VariablesArrived
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
+from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol.binary import UINT8, UINT16, UINT32, Field, FieldList, WireValue
 from elitescript.protocol.connection import Connection, ProtocolError
@@ -93,7 +94,6 @@ class RtsiConnection(Connection):
         "_buffer",
         "_failure",
         "_first_tick",
-        "_fresh_before",
         "_held_back_until",
         "_inputs",
         "_is_started",
@@ -118,8 +118,6 @@ class RtsiConnection(Connection):
         self._first_tick = 0
         """Tick of the first package after the start, which shows the inputs that were sent before the start."""
         self._held_back_until = 0
-        self._fresh_before = 0
-        """Before this tick no package has an older snapshot."""
         self._reported: dict[str, int] = {}
         """Tick of the last text message by kind of problem."""
 
@@ -168,9 +166,15 @@ class RtsiConnection(Connection):
         del buffer[:at]
         return inputs
 
-    def reads_snapshot(self, tick: int) -> bool:
-        """See `Connection.reads_snapshot`. A client that gets no packages may begin at any time."""
-        return not self._is_started or any(recipe.schedule.will_be_due(tick) for recipe in self._outputs)
+    def reads(self, tick: int) -> int:
+        """See `Connection.reads`. A client that gets no packages may begin at any time, with any recipe."""
+        if not self._is_started:
+            return ALL_PARTS
+        parts = 0
+        for recipe in self._outputs:
+            if recipe.schedule.will_be_due(tick):
+                parts |= recipe.parts
+        return parts
 
     def publish(self, output: Output) -> None:
         """Queue the packages that are due at this tick.
@@ -180,13 +184,13 @@ class RtsiConnection(Connection):
         """
         if not self._is_started or output.tick == self._written_tick:
             return
-        if output.tick < self._fresh_before and not output.is_fresh:
-            return
         if self._first_tick:
             if output.snapshot.robot.tick < self._first_tick and output.tick < self._held_back_until:
                 return
             self._first_tick = 0
         for recipe in self._outputs:
+            if output.tick < recipe.new_before and not output.has(recipe.parts):
+                continue
             if recipe.schedule.is_due(output.tick):
                 self.send(recipe.package(self._port.packages.body(recipe, output)))
 
@@ -271,6 +275,7 @@ class RtsiConnection(Connection):
             self._refuse("O", words, f"a package has {MESSAGE_MAX} bytes at most, not {recipe.size}", output)
             return []
         self._outputs.append(recipe)
+        self._hold_back_old(recipe, output)
         self._reply("O", bytes([recipe.ident]) + ",".join(words).encode())
         if frequency_hz != wanted_hz:
             text = f"recipe {recipe.ident} is sent at {frequency_hz:g} Hz, not {wanted_hz:g} Hz"
@@ -318,13 +323,14 @@ class RtsiConnection(Connection):
             self._is_started = True
             for recipe in self._outputs:
                 recipe.schedule.reset()
+                self._hold_back_old(recipe, output)
             self._held_back_until = output.tick + HELD_BACK_TICKS
-            if output.is_fresh:
-                self.publish(output)
-            else:
-                # Connected just now: this tick and one under way may have an older snapshot.
-                self._fresh_before = output.tick + 2
+            self.publish(output)
         return []
+
+    def _hold_back_old(self, recipe: OutputRecipe, output: Output) -> None:
+        """Send no older snapshot of what was not read before: this tick and one under way may lack it."""
+        recipe.new_before = 0 if output.has(recipe.parts) else output.tick + 2
 
     def _pause(self, _body: bytes, _output: Output) -> list[Input]:
         self._is_started = False

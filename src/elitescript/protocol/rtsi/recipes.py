@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from typing import Final
 
 from elitescript.messages.outputs import Output
+from elitescript.messages.snapshot_parts import TIME
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol.binary import Field, FieldList, Number, WireValue
 from elitescript.protocol.rtsi.inputs import INPUTS, effects_of
@@ -85,13 +86,19 @@ class OutputRecipe:
         frequency_hz: 1 to 250.
     """
 
-    __slots__ = ("_layout", "_readers", "ident", "names", "schedule", "size")
+    __slots__ = ("_layout", "_readers", "ident", "names", "new_before", "parts", "schedule", "size")
 
     def __init__(self, ident: int, names: tuple[str, ...], frequency_hz: float) -> None:
         rows = [OUTPUTS[name] for name in names]
         self.ident = ident
         self.names = names
         self.schedule = RecipeSchedule(frequency_hz)
+        self.parts = TIME
+        """Of the snapshot, as bits of `messages.snapshot_parts`."""
+        for row in rows:
+            self.parts |= row.parts
+        self.new_before = 0
+        """Before this tick it is not sent with an older snapshot."""
         self._layout = struct.Struct(">" + "".join(row.type.layout for row in rows))
         self._readers = tuple((row.read, row.type.is_vector) for row in rows)
         self.size = HEAD.size + self._layout.size

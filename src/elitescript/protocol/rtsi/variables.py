@@ -13,6 +13,7 @@ from typing import Final, NamedTuple, TypeAlias
 from elitescript.messages.enums import POWERED, RobotMode, SafetyMode, TaskState
 from elitescript.messages.signals import SIGNALS
 from elitescript.messages.snapshot import Snapshot
+from elitescript.messages.snapshot_parts import ELBOW, JOINTS, LOADS, POSES, TCP_SPEEDS, TEMPERATURES, TIME, WRENCHES
 from elitescript.protocol.binary import (
     BOOL,
     DOUBLE,
@@ -52,10 +53,14 @@ class OutputVariable(NamedTuple):
     """Makes the reader of one index; of a single variable, of 0."""
     indices: range = range(1)
     evidence: str = CLIENT
+    parts: int = 0
+    """Of the snapshot that it reads, as bits; 0 for the discrete state."""
 
 
-def _one(name: str, wire: WireType, unit: str, summary: str, read: Reader, *, evidence: str = CLIENT) -> OutputVariable:
-    return OutputVariable(name, wire, unit, summary, lambda _: read, evidence=evidence)
+def _one(
+    name: str, wire: WireType, unit: str, summary: str, read: Reader, parts: int = 0, *, evidence: str = CLIENT
+) -> OutputVariable:
+    return OutputVariable(name, wire, unit, summary, lambda _: read, evidence=evidence, parts=parts)
 
 
 def _numbers(modes: type[IntEnum]) -> str:
@@ -153,36 +158,54 @@ def _registers(side: str) -> tuple[OutputVariable, ...]:
 
 
 OUTPUT_ROWS: Final[tuple[OutputVariable, ...]] = (
-    _one("timestamp", DOUBLE, "s", "time since the controller started", lambda s: s.robot.time_s),
+    _one("timestamp", DOUBLE, "s", "time since the controller started", lambda s: s.robot.time_s, TIME),
     _one("payload_mass", DOUBLE, "kg", "payload", lambda s: s.robot.payload.mass_kg),
     _one("payload_cog", VECTOR3D, "m", "centre of gravity of the payload", lambda s: s.robot.payload.cog),
-    _one("script_control_line", UINT32, "", "line that the program executes; 0: none runs", lambda s: s.robot.line),
-    _one("target_joint_positions", VECTOR6D, "rad", "joints as commanded", lambda s: s.robot.q_target),
-    _one("target_joint_speeds", VECTOR6D, "rad/s", "joint speeds as commanded", lambda s: s.robot.qd_target),
-    _one("actual_joint_torques", VECTOR6D, "N m", "joint torques", lambda s: s.joint_torques),
-    _one("actual_joint_positions", VECTOR6D, "rad", "joints as measured", lambda s: s.robot.q_actual),
-    _one("actual_joint_speeds", VECTOR6D, "rad/s", "joint speeds as measured", lambda s: s.robot.qd_actual),
-    _one("actual_joint_current", VECTOR6D, "A", "joint currents", lambda s: s.joint_currents),
+    _one(
+        "script_control_line", UINT32, "", "line that the program executes; 0: none runs", lambda s: s.robot.line, TIME
+    ),
+    _one("target_joint_positions", VECTOR6D, "rad", "joints as commanded", lambda s: s.robot.q_target, JOINTS),
+    _one("target_joint_speeds", VECTOR6D, "rad/s", "joint speeds as commanded", lambda s: s.robot.qd_target, JOINTS),
+    _one("actual_joint_torques", VECTOR6D, "N m", "joint torques", lambda s: s.joint_torques, LOADS),
+    _one("actual_joint_positions", VECTOR6D, "rad", "joints as measured", lambda s: s.robot.q_actual, JOINTS),
+    _one("actual_joint_speeds", VECTOR6D, "rad/s", "joint speeds as measured", lambda s: s.robot.qd_actual, JOINTS),
+    _one("actual_joint_current", VECTOR6D, "A", "joint currents", lambda s: s.joint_currents, LOADS),
     _one(
         "actual_TCP_pose",
         VECTOR6D,
         "m, rad",
         "TCP as measured, base frame, roll-pitch-yaw",
         lambda s: s.robot.tcp_pose_actual,
+        POSES,
         evidence=f"{CLIENT}; orientation {ASSUMED}",
     ),
-    _one("actual_TCP_speed", VECTOR6D, "m/s, rad/s", "velocity of the TCP", lambda s: s.robot.tcp_speed_actual),
-    _one("actual_TCP_force", VECTOR6D, "N, N m", "wrench at the TCP without the payload", lambda s: s.tcp_force),
+    _one(
+        "actual_TCP_speed",
+        VECTOR6D,
+        "m/s, rad/s",
+        "velocity of the TCP",
+        lambda s: s.robot.tcp_speed_actual,
+        TCP_SPEEDS,
+    ),
+    _one(
+        "actual_TCP_force", VECTOR6D, "N, N m", "wrench at the TCP without the payload", lambda s: s.tcp_force, WRENCHES
+    ),
     _one(
         "target_TCP_pose",
         VECTOR6D,
         "m, rad",
         "TCP as commanded, base frame, roll-pitch-yaw",
         lambda s: s.robot.tcp_pose_target,
+        POSES,
         evidence=f"{CLIENT}; orientation {ASSUMED}",
     ),
     _one(
-        "target_TCP_speed", VECTOR6D, "m/s, rad/s", "commanded velocity of the TCP", lambda s: s.robot.tcp_speed_target
+        "target_TCP_speed",
+        VECTOR6D,
+        "m/s, rad/s",
+        "commanded velocity of the TCP",
+        lambda s: s.robot.tcp_speed_target,
+        TCP_SPEEDS,
     ),
     _one(
         "actual_digital_input_bits",
@@ -192,7 +215,7 @@ OUTPUT_ROWS: Final[tuple[OutputVariable, ...]] = (
         _digital_word("in"),
     ),
     _one("actual_digital_output_bits", UINT32, "", "digital outputs: bits as of the inputs", _digital_word("out")),
-    _one("joint_temperatures", VECTOR6D, "degC", "joint temperatures", lambda s: s.joint_temperatures),
+    _one("joint_temperatures", VECTOR6D, "degC", "joint temperatures", lambda s: s.joint_temperatures, TEMPERATURES),
     _one("robot_mode", INT32, "", f"robot mode: {_numbers(RobotMode)}", lambda s: int(s.robot.robot_mode)),
     _one(
         "joint_mode",
@@ -204,13 +227,13 @@ OUTPUT_ROWS: Final[tuple[OutputVariable, ...]] = (
     ),
     _one("safety_status", INT32, "", f"safety mode: {_numbers(SafetyMode)}", lambda s: int(s.robot.safety_mode)),
     _one("safety_mode", INT32, "", "the same", lambda s: int(s.robot.safety_mode), evidence=THIRD),
-    _one("speed_scaling", DOUBLE, "", "how fast planned time passes, 0 to 1", lambda s: s.speed_scaling),
+    _one("speed_scaling", DOUBLE, "", "how fast planned time passes, 0 to 1", lambda s: s.speed_scaling, TIME),
     _one("target_speed_fraction", DOUBLE, "", "speed slider, 0 to 1", lambda s: s.robot.speed_scale),
     _one("actual_robot_voltage", DOUBLE, "V", "supply of the arm", lambda s: s.robot_voltage),
-    _one("actual_robot_current", DOUBLE, "A", "current of the arm", lambda s: s.robot_current),
+    _one("actual_robot_current", DOUBLE, "A", "current of the arm", lambda s: s.robot_current, LOADS),
     _one("runtime_state", UINT32, "", f"task: {_numbers(TaskState)}", lambda s: int(s.robot.task_state)),
-    _one("elbow_position", VECTOR3D, "m", "elbow, base frame", lambda s: s.elbow_position),
-    _one("elbow_velocity", VECTOR3D, "m/s", "velocity of the elbow, base frame", lambda s: s.elbow_velocity),
+    _one("elbow_position", VECTOR3D, "m", "elbow, base frame", lambda s: s.elbow_position, ELBOW),
+    _one("elbow_velocity", VECTOR3D, "m/s", "velocity of the elbow, base frame", lambda s: s.elbow_velocity, ELBOW),
     _one(
         "robot_status_bits",
         UINT32,
@@ -253,7 +276,7 @@ OUTPUT_ROWS: Final[tuple[OutputVariable, ...]] = (
     _one("tool_analog_output", DOUBLE, "A or V", "analog output of the tool", _point("tool_analog_out")(0)),
     _one("tool_output_voltage", DOUBLE, "V", "supply of the tool connector", _point("tool_voltage")(0)),
     _one("tool_output_current", DOUBLE, "A", "current of the tool", lambda s: s.tool_current),
-    _one("tool_temperature", DOUBLE, "degC", "temperature of the tool", lambda s: s.tool_temperature),
+    _one("tool_temperature", DOUBLE, "degC", "temperature of the tool", lambda s: s.tool_temperature, TEMPERATURES),
     _one(
         "tool_digital_mode",
         UINT8,
@@ -273,9 +296,15 @@ OUTPUT_ROWS: Final[tuple[OutputVariable, ...]] = (
     *_registers("output"),
     *_registers("input"),
     _one(
-        "ft_raw_wrench", VECTOR6D, "N, N m", "wrench as the sensor measures it", lambda s: s.raw_wrench, evidence=THIRD
+        "ft_raw_wrench",
+        VECTOR6D,
+        "N, N m",
+        "wrench as the sensor measures it",
+        lambda s: s.raw_wrench,
+        WRENCHES,
+        evidence=THIRD,
     ),
-    _one("actual_current", VECTOR6D, "A", "joint currents", lambda s: s.joint_currents, evidence=THIRD),
+    _one("actual_current", VECTOR6D, "A", "joint currents", lambda s: s.joint_currents, LOADS, evidence=THIRD),
     _one("actual_joint_voltage", VECTOR6D, "V", "joint voltages", lambda s: s.joint_voltages, evidence=THIRD),
 )
 
@@ -285,10 +314,12 @@ class OutputVariableRow(NamedTuple):
 
     type: WireType
     read: Reader
+    parts: int
+    """Of the snapshot that it reads, as bits; 0 for the discrete state."""
 
 
 OUTPUTS: Final[dict[str, OutputVariableRow]] = {
-    row.name.replace("#", str(index)): OutputVariableRow(row.type, row.reader(index))
+    row.name.replace("#", str(index)): OutputVariableRow(row.type, row.reader(index), row.parts)
     for row in OUTPUT_ROWS
     for index in row.indices
 }

@@ -43,14 +43,15 @@ def serve(line: frames.BlockingLine) -> None:
     kernel: Kernel | None = None
     while True:
         letter, text = line.receive()
-        if letter in (frames.TICK, frames.TICK_UNREAD) and kernel is not None:
+        if letter == frames.TICK and kernel is not None:
+            parts, text = text[0], text[1:]
             inputs = () if text == frames.NO_INPUTS else [input_shape.decode(item) for item in from_text(text)]
             result, state = kernel.tick(inputs), kernel.discrete_state()
-            if letter == frames.TICK_UNREAD and state == shown:
+            if not parts and state == shown:
                 line.send(frames.RESULT, to_text([kernel.line, result_shape.encode(without_points(result))]))
             else:
                 shown = state
-                line.send(*writer.message(result.with_snapshot(kernel.snapshot())))
+                line.send(*writer.message(result.with_snapshot(kernel.snapshot(parts))))
             continue
         data = from_text(text)
         if letter == frames.LOCK_IN:

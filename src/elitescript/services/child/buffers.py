@@ -118,13 +118,14 @@ class OutputBuffer:
         newest: the last snapshot that has come in.
     """
 
-    __slots__ = ("_events", "_fewest", "_is_flushed", "_requests", "_shown", "_ticks", "_waiting", "newest")
+    __slots__ = ("_events", "_fewest", "_is_flushed", "_parts", "_requests", "_shown", "_ticks", "_waiting", "newest")
 
     def __init__(self) -> None:
         self._waiting: deque[Output | TickResult] = deque()
         self._events: list[Event] = []
         self._requests: list[ChannelRequest] = []
         self._shown: Snapshot | None = None
+        self._parts = 0
         self._fewest = DELAY_MAX_TICKS
         self._ticks = 0
         self._is_flushed = False
@@ -159,7 +160,7 @@ class OutputBuffer:
         replies: list[Reply] = []
         for output in taken:
             if isinstance(output, Output):
-                self._shown = output.snapshot
+                self._shown, self._parts = output.snapshot, output.parts
             events += output.events
             requests += output.requests
             replies += output.replies
@@ -168,7 +169,7 @@ class OutputBuffer:
         requests += self._requests
         self._events.clear()
         self._requests.clear()
-        return Output(tick, tuple(events), tuple(requests), tuple(replies), self._shown)
+        return Output(tick, tuple(events), tuple(requests), tuple(replies), self._shown, self._parts)
 
     def _surplus(self) -> int:
         """Return how many outputs need not wait any longer."""

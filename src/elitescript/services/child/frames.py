@@ -27,12 +27,10 @@ LOCK_IN: Final = "L"
 BEGIN: Final = "B"
 """Options: the child makes its robot and answers `DESCRIBED`."""
 TICK: Final = "T"
-"""Inputs; the child answers with `OUTPUT`, later `OUTPUT_CHANGES`."""
-TICK_UNREAD: Final = "U"
-"""Inputs; nothing reads the snapshot of this tick, so the child answers as to `TICK` only if the discrete state has
-changed, else with `RESULT`."""
+"""A byte with the parts of the snapshot that are read, then the inputs. The child answers with `OUTPUT`, later
+`OUTPUT_CHANGES`; if nothing is read and the discrete state has not changed, with `RESULT`."""
 NO_INPUTS: Final = b"[]"
-"""The content of most of them."""
+"""The inputs of most of them."""
 ANSWER: Final = "A"
 """Answer to a `QUESTION`."""
 

@@ -21,6 +21,7 @@ from elitescript.messages.events import Warned
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output, TickResult
 from elitescript.messages.snapshot import RobotDescription
+from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.runtime.environment import Files, FilesRefused
 from elitescript.services.child.buffers import BEHIND_TICKS, WAITING_MAX, OutputBuffer, PendingInputs, room_for
@@ -173,7 +174,7 @@ class ChildLink:
             reason = transport.failure or transport.end_reason or "it does not answer"
             raise ElitescriptError(f"the robot's process did not come up: {reason}\n{transport.process.log}".rstrip())
 
-    async def tick(self, inputs: Sequence[Input], reads_snapshot: bool = True) -> Output:
+    async def tick(self, inputs: Sequence[Input], parts: int = ALL_PARTS) -> Output:
         """Give the robot its inputs and return what it has given by now; see `RobotLink.tick`.
 
         Raises:
@@ -191,7 +192,7 @@ class ChildLink:
             if transport.is_ready:
                 if not transport.is_begun:
                     self._go_on(transport, tick)
-                self._send_tick(transport, tick, reads_snapshot)
+                self._send_tick(transport, tick, parts)
         await self._wait_for_output(tick)
         self._watch(tick)
         if self._outputs.newest is None:
@@ -235,20 +236,21 @@ class ChildLink:
         if self._journal is not None:
             self._journal.restart(tick, self._supervision.reason, last, self._lost)
 
-    def _send_tick(self, transport: ChildTransport, tick: int, reads_snapshot: bool) -> None:
+    def _send_tick(self, transport: ChildTransport, tick: int, parts: int) -> None:
         inputs = self._pending.portion()
         if refused := self._pending.take_refused():
             text = f"{refused} inputs were refused: {WAITING_MAX} waited for the robot already"
             self._outputs.add_own(Warned(tick, text))
-        has_snapshot = reads_snapshot or self._needs_snapshot(transport, tick)
-        if has_snapshot:
+        if self._needs_snapshot(transport, tick):
+            parts = ALL_PARTS
+        if parts == ALL_PARTS:
             self._snapshot_tick = tick
         if not transport.unanswered:
             self._supervision.watch_from_now(transport.process.worked_s())
-        transport.send_tick(tick, inputs, has_snapshot=has_snapshot)
+        transport.send_tick(tick, inputs, parts)
 
     def _needs_snapshot(self, transport: ChildTransport, tick: int) -> bool:
-        """Return whether a tick needs a snapshot that nothing reads in it.
+        """Return whether a tick needs a whole snapshot that nothing reads in it.
 
         The digests of a journal cover the snapshot of every tick; the first of a child has all that changes later ones
         refer to; while outputs leave later than in their own tick, what is due then reads the one of an earlier tick.

@@ -28,6 +28,7 @@ from elitescript.codec.values import CodecError, Shape, check_list
 from elitescript.errors import UsageError
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import Snapshot
+from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.messages.state import RobotState
 from elitescript.services.child import frames
 from elitescript.services.output_text import output_text, without_points
@@ -154,8 +155,8 @@ class OutputReader:
         """The fields as they are."""
         self._robot_tick = 0
 
-    def read(self, letter: str, content: bytes) -> Output:
-        """Return the output of a message.
+    def read(self, letter: str, content: bytes, parts: int = ALL_PARTS) -> Output:
+        """Return the output of a message; for `parts` see `Output.parts`.
 
         Raises:
             CodecError: it is none, or changes come before there is anything to change.
@@ -185,7 +186,7 @@ class OutputReader:
             raise CodecError(f"changes of a snapshot: {error}") from None
         self._data[:4] = tick, *written
         events, requests, replies = lists
-        return Output(tick, events, requests, replies, snapshot)
+        return Output(tick, events, requests, replies, snapshot, parts)
 
     def _read_whole(self, data: Any) -> Output:
         if type(data) is list:

@@ -22,6 +22,7 @@ from elitescript.kernel import RobotOptions
 from elitescript.messages.inputs import Input, Interpret, LoadTask, PlayTask, Query, RunUnit
 from elitescript.messages.outputs import Output, TickResult
 from elitescript.messages.snapshot import RobotDescription
+from elitescript.messages.snapshot_parts import TIME
 from elitescript.messages.state import RobotState
 from elitescript.services.child import frames, output_changes
 from elitescript.services.child.jail import Layer
@@ -43,8 +44,8 @@ class SentTick:
 
     number: int
     inputs: Sequence[Input]
-    has_snapshot: bool
-    """Whether its snapshot is asked for."""
+    parts: int
+    """Those of its snapshot that are asked for, as bits."""
     text: str
     """The inputs as JSON text."""
     size: int = 0
@@ -147,12 +148,12 @@ class ChildTransport:
         self.is_begun = True
         self.process.send(frames.BEGIN, to_text(options_data(options)))
 
-    def send_tick(self, number: int, inputs: Sequence[Input], *, has_snapshot: bool) -> None:
-        """Send a tick with its inputs, and whether its snapshot is asked for."""
+    def send_tick(self, number: int, inputs: Sequence[Input], parts: int) -> None:
+        """Send a tick with its inputs, and the parts of its snapshot that are asked for."""
         text = to_text([self._input_shape.encode(item) for item in inputs])
         size = sum(len(item.text) for item in inputs if isinstance(item, RunUnit | Interpret | Query))
-        self.unanswered.append(SentTick(number, inputs, has_snapshot, text, size))
-        self.process.send(frames.TICK if has_snapshot else frames.TICK_UNREAD, text)
+        self.unanswered.append(SentTick(number, inputs, parts, text, size))
+        self.process.send(frames.TICK, bytes((parts,)) + text.encode())
 
     # ---------------------------------------------------------------- up
 
@@ -200,7 +201,8 @@ class ChildTransport:
         if not self.unanswered:
             raise CodecError("an output that was not asked for")
         began_s = time.thread_time()
-        output = self._read_result(text) if letter == frames.RESULT else self._reader.read(letter, text)
+        parts = self.unanswered[0].parts | TIME
+        output = self._read_result(text) if letter == frames.RESULT else self._reader.read(letter, text, parts)
         self._reading_s = READING_KEPT * self._reading_s + time.thread_time() - began_s
         if self._reading_s > READING_MAX_S:
             raise CodecError("it says so much that reading it takes the time of other clients")
@@ -209,7 +211,7 @@ class ChildTransport:
             raise CodecError(f"the output of tick {output.tick} instead of {sent.number}")
         if isinstance(output, Output):
             self.line = output.snapshot.robot.line
-        elif sent.has_snapshot:
+        elif sent.parts:
             raise CodecError(f"the output of tick {output.tick} lacks the snapshot that was asked for")
         self._on_output(sent, output)
 

@@ -126,9 +126,12 @@ class Listener:
         """Accept clients from now on."""
         self._task = asyncio.get_running_loop().create_task(self._accept())
 
-    def reads_snapshot(self, tick: int) -> bool:
-        """Return whether a client reads more of the snapshot of a tick than the discrete state."""
-        return any(client.connection.reads_snapshot(tick) for client in self.clients.values())
+    def reads(self, tick: int) -> int:
+        """Return the parts of the snapshot of a tick that its clients read, as bits."""
+        parts = 0
+        for client in self.clients.values():
+            parts |= client.connection.reads(tick)
+        return parts
 
     def publish(self, output: Output) -> None:
         """Give every client the output of a tick."""

@@ -184,7 +184,7 @@ class ControlChannel:
             return {"ok": True, "result": _clients(server)}
         if verb.order is None:
             assert verb.read is not None
-            if verb.name == "state" and not server.output.is_fresh and not server.waits_for:
+            if verb.parts and not server.output.has(verb.parts) and not server.waits_for:
                 # Nothing has read where the arm is; the next tick shows it.
                 await server.next_output()
             result = verb.read(request, server.output)

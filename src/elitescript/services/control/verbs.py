@@ -30,6 +30,7 @@ from elitescript.messages.outcomes import Outcome
 from elitescript.messages.outputs import Output
 from elitescript.messages.signals import SIGNALS, Value, parse_signal_name, signal_name
 from elitescript.messages.snapshot import RobotDescription, Snapshot
+from elitescript.messages.snapshot_parts import JOINTS, POSES, TIME
 from elitescript.protocol.dashboard.answers import Answer, Asked
 from elitescript.protocol.dashboard.connection import find_row
 from elitescript.protocol.outcomes import refusal_of, value_text
@@ -85,6 +86,8 @@ class Verb(NamedTuple):
     """Returns what it shows, from the output of a tick."""
     details: Callable[[], tuple[str, ...]] = tuple
     """Further lines of its help."""
+    parts: int = 0
+    """Of the snapshot that `read` reads, as bits; 0 for the discrete state."""
 
     @property
     def usage(self) -> str:
@@ -294,7 +297,7 @@ def _state(request: VerbRequest, output: Output) -> dict[str, Any]:
 
 
 _ROWS: Final = (
-    Verb("state", "", "Modes, task, joints, late ticks.", read=_state),
+    Verb("state", "", "Modes, task, joints, late ticks.", read=_state, parts=TIME | JOINTS | POSES),
     Verb("get", "[NAME...]", "Values of signals; all that are not at their default.", read=_values),
     Verb("set", "NAME=VALUE...", "Set signals, inputs above all.", _set),
     Verb("estop", "", "Press the emergency stop.", _press("emergency_stop", True, "emergency stop pressed")),

@@ -13,6 +13,7 @@ from elitescript.kernel.restart import restored_options
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output, TickResult
 from elitescript.messages.snapshot import Snapshot
+from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.runtime.environment import Files
 from elitescript.services.child.remote_files import FileDesk, RemoteFiles
 from elitescript.services.journal.records import RecordError, check_answer
@@ -46,8 +47,8 @@ class RecordedRobot(Kernel):
         self._answers.clear()
         return result
 
-    def snapshot(self) -> Snapshot:
-        """Return the machine as its ports show it after the last tick."""
+    def snapshot(self, parts: int = ALL_PARTS) -> Snapshot:
+        """Return the machine as its ports show it after the last tick; always the whole of it."""
         return self._snapshot
 
     def _ask(self, question: list[Any]) -> list[Any]:

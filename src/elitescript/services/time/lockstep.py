@@ -192,6 +192,7 @@ class LockstepTime(PacedTime):
         log: takes the names of clients that are let go.
         on_left_out: see `PacedTime`.
         clients: of the RTSI port, by origin; read at every call.
+        complete: called before the event loop gets a turn: makes the snapshot of the last tick whole.
         relieve: called once in a period while time may stand still, with the origin of the client that it waits for:
             reads clients on.
         timeout_s: see `Lockstep`.
@@ -202,6 +203,7 @@ class LockstepTime(PacedTime):
 
     __slots__ = (
         "_clients",
+        "_complete",
         "_direct",
         "_gate",
         "_news",
@@ -218,6 +220,7 @@ class LockstepTime(PacedTime):
         log: ServerLog,
         on_left_out: Callable[[int], None],
         clients: Mapping[str, Client],
+        complete: Callable[[], None],
         relieve: Callable[[str], None],
         timeout_s: float = TIMEOUT_S,
     ) -> None:
@@ -226,6 +229,7 @@ class LockstepTime(PacedTime):
             clients, lambda text, origin: log.note("let_go", text, is_problem=True, origin=origin), timeout_s
         )
         self._clients = clients
+        self._complete = complete
         self._relieve_clients = relieve
         self._news = asyncio.Event()
         loop = asyncio.get_running_loop()
@@ -282,14 +286,19 @@ class LockstepTime(PacedTime):
 
     async def _turn(self) -> None:
         """Let the event loop look for what has come, which is the first of its rounds, and hand it on."""
-        self._direct.release()
+        self._leave_direct()
         await asyncio.sleep(0)
         await asyncio.sleep(0)
         self._turn_s = time.monotonic()
 
+    def _leave_direct(self) -> None:
+        """Prepare a turn of the event loop."""
+        self._complete()
+        self._direct.release()
+
     async def _stand(self) -> None:
         """Return when there is a reason to look at the clients again."""
-        self._direct.release()
+        self._leave_direct()
         self._news.clear()
         self.is_standing = True
         try:
