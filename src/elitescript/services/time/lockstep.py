@@ -252,6 +252,7 @@ class LockstepTime(PacedTime):
 
     async def next(self) -> None:
         """Return when the next tick begins."""
+        had_turn = False
         while True:
             found = self._gate.gate()
             self._waits_for = found.waits_for
@@ -262,11 +263,14 @@ class LockstepTime(PacedTime):
                     return
                 continue
             self._cycle.restart()
-            if self._direct.is_loop_due or time.monotonic() - self._turn_s >= TURN_S:
+            if not had_turn and (self._direct.is_loop_due or time.monotonic() - self._turn_s >= TURN_S):
                 await self._turn()
-            elif found.is_open:
+                had_turn = True
+                continue
+            if found.is_open:
                 return
-            elif not self._direct.read(self._clients[found.waits_for], DIRECT_MS):
+            had_turn = False
+            if not self._direct.read(self._clients[found.waits_for], DIRECT_MS):
                 await self._stand()
 
     async def outlet(self) -> None:
