@@ -31,8 +31,12 @@ class FakeRobot:
         self._snapshot = output(0, task_state=TaskState.STOPPED, **changes).snapshot
         self._tick = -1
 
-    def tick(self, inputs: Sequence[Input]) -> TickResult:
-        self._tick += 1
+    def due_tick(self) -> int | None:
+        """Every tick, as the test may let it say something at any time."""
+        return self._tick + 1
+
+    def tick(self, inputs: Sequence[Input], number: int | None = None) -> TickResult:
+        self._tick = self._tick + 1 if number is None else number
         tick = self._tick
         self.on_tick(tick)
         self.heard += [(tick, item) for item in inputs]

@@ -27,8 +27,9 @@ from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.snapshot_parts import ALL_PARTS, TIME
 from elitescript.services.child import buffers, frames, supervision, transport
 from elitescript.services.child import link as child_link
+from elitescript.services.child.frames import REFRESH_TICKS
 from elitescript.services.child.jail import is_complete
-from elitescript.services.child.link import REFRESH_TICKS, ChildLink
+from elitescript.services.child.link import ChildLink
 from elitescript.services.child.process import child_environment, processor_time_s
 from elitescript.services.child.supervision import BOOTS_MAX, COMPILE_HINT, HANG_LIMIT_TICKS, HINT
 from elitescript.services.clients.input_queue import InputQueue
@@ -59,16 +60,20 @@ class FakeChild:
         """Whether its discrete state has changed, so that it shows a snapshot that is not asked for."""
         self.pid, self.log = 4711, "last words"
         self.tick: int | None = None
+        """The one that it answers next."""
+        self.numbers: list[int] = []
+        """Of the ticks that it was asked for."""
+        self.due = frames.NEVER
         self.processor_s: float | None = None
         type(self).made.append(self)
 
     def send(self, letter: str, text: str | bytes) -> None:
         parts = 0
         if letter == frames.TICK:
-            assert isinstance(text, bytes)
-            parts, text = text[0], text[1:]
+            number, parts, text = frames.read_tick(text)
+            self.numbers.append(number)
             self.asked.append(parts)
-        self.told.append((letter, from_text(text)))
+        self.told.append((letter, from_text(text) if text else []))
         if letter == frames.LOCK_IN:
             self.say(frames.LOCKED_IN, b'[["files",true,"all of it"]]')
         elif letter == frames.BEGIN:
@@ -84,13 +89,13 @@ class FakeChild:
         assert self.tick is not None
         whole = output(self.tick, task_state=TaskState.PLAYING, **changes)
         self.tick += 1
-        self.say(frames.OUTPUT, to_text(shape_of(Output).encode(whole)).encode())
+        self.say(frames.OUTPUT, frames.numbered(self.due, to_text(shape_of(Output).encode(whole))))
 
     def answer_without_snapshot(self) -> None:
         assert self.tick is not None
         result = TickResult(self.tick, (), (), ())
         self.tick += 1
-        self.say(frames.RESULT, to_text([31, shape_of(TickResult).encode(result)]).encode())
+        self.say(frames.RESULT, frames.numbered(self.due, to_text([31, shape_of(TickResult).encode(result)])))
 
     def worked_s(self) -> float | None:
         return self.processor_s
@@ -146,6 +151,53 @@ class TestLink:
             asked = [tick for tick, parts in enumerate(children[0].asked) if parts]
             assert asked == [0, 3, 3 + REFRESH_TICKS, 40, 40 + REFRESH_TICKS - 6][:4]
             assert [tick for tick, of in enumerate(shown) if tick == of] == asked
+
+        with_link(body, grace_s=IMPATIENT_S)
+
+    def test_leaps_to_the_tick_that_it_is_given(self, children):
+        async def body(link):
+            assert link.due_tick == 0
+            child = children[0]
+            child.due = 900
+            await link.tick(())
+            assert link.due_tick == 900
+            child.tick, child.due = 40, frames.NEVER
+            assert (await link.tick((), 0, 40)).tick == child.numbers[-1] == 40
+            assert link.due_tick is None
+            child.tick, child.due = 50, 7
+            await link.tick((), 0, 50)
+            assert link.due_tick == 51
+
+        with_link(body, grace_s=IMPATIENT_S)
+
+    def test_every_tick_is_due_while_the_child_is_late_or_gone(self, children):
+        async def body(link):
+            due = []
+            link.watch(lambda: due.append(link.due_tick))
+            await link.tick(())
+            assert link.due_tick is None
+            children[0].is_mute = True
+            for tick in range(1, 4):
+                await link.tick((), 0)
+                assert link.due_tick == tick + 1
+            children[0].is_mute = False
+            for _ in range(3):
+                children[0].answer()
+            # Three outputs wait for the ticks to come.
+            assert link.due_tick == 4
+            while link.due_tick is not None:
+                await link.tick((), 0)
+                assert link._next < 1000
+            tick = link._next
+            assert due == []
+            children[0].end("it has ended")
+            assert due == [tick]
+            (alarm, _) = (await link.tick((), 0, tick)).events
+            assert (alarm.code, alarm.tick) == ("R132", tick)
+            assert link.due_tick == tick + 1
+            await link.tick((), 0)
+            assert (await link.tick((), 0)).tick == tick + 2
+            assert link.due_tick is None
 
         with_link(body, grace_s=IMPATIENT_S)
 

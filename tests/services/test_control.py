@@ -232,7 +232,7 @@ def test_a_robot_that_never_answers_is_told(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def _deaf(tick: Any) -> Any:
-    return lambda robot, _inputs: tick(robot, ())
+    return lambda robot, _inputs, number: tick(robot, (), number)
 
 
 def test_a_popup_is_confirmed() -> None:

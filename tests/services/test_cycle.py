@@ -14,6 +14,7 @@ import pytest
 from elitescript.services.time import cycle
 from elitescript.services.time.cycle import (
     CATCH_UP_TICKS,
+    LEAP_MAX_TICKS,
     OUTLET_NS,
     PERIOD_NS,
     Cycle,
@@ -58,6 +59,87 @@ def test_ticks_come_every_period(clock: Clock) -> None:
             await ticks.next()
             assert clock.now_ns - begin_ns == number * PERIOD_NS
         assert (ticks.overruns, ticks.left_out) == (0, 0)
+
+    asyncio.run(test())
+
+
+def test_ticks_that_are_not_due_are_leapt_over_and_never_late(clock: Clock) -> None:
+    async def test() -> None:
+        ticks = Cycle(clock)
+        begin_ns = clock.now_ns
+        assert await ticks.next(50) == 50
+        assert clock.now_ns - begin_ns == 50 * PERIOD_NS
+        # Long behind: what is leapt over then has gone by already.
+        clock.now_ns += 30 * PERIOD_NS
+        assert await ticks.next(100) == 100
+        assert clock.now_ns - begin_ns == 150 * PERIOD_NS
+        assert await ticks.next(None) == LEAP_MAX_TICKS
+        assert clock.now_ns - begin_ns == (150 + LEAP_MAX_TICKS) * PERIOD_NS
+        assert (ticks.overruns, ticks.left_out, ticks.lag_ticks, ticks.worst_ns) == (0, 0, 0, 0)
+
+    asyncio.run(test())
+
+
+def test_a_tick_that_is_due_late_is_counted_once(clock: Clock) -> None:
+    async def test() -> None:
+        ticks = Cycle(clock)
+        await ticks.next()
+        clock.now_ns += 23 * PERIOD_NS
+        assert await ticks.next(20) == 20
+        assert (ticks.overruns, ticks.lag_ticks, ticks.worst_ns) == (1, 3, 3 * PERIOD_NS)
+        assert await ticks.next(10) == 10
+        assert (ticks.overruns, ticks.lag_ticks) == (1, 0)
+
+    asyncio.run(test())
+
+
+class HeldClock(Clock):
+    """One whose time the test alone moves on."""
+
+    waiter: asyncio.Future[None]
+
+    def wake_at(self, due_ns: int, waiter: asyncio.Future[None]) -> None:
+        self.due_ns, self.waiter = due_ns, waiter
+
+
+@pytest.mark.parametrize(
+    "part, has_outlet, passed, runs",
+    [
+        (0.0, False, 0, 1),
+        (1.0, False, 1, 2),
+        (1.5, False, 1, 2),
+        (7.999, False, 7, 8),
+        (19.5, False, 19, 20),
+        (25.0, False, 19, 20),
+        (7.0, True, 6, 8),
+        (7.2, True, 6, 8),
+        (7.3, True, 7, 8),
+    ],
+)
+def test_what_comes_in_belongs_to_the_tick_that_is_next_then(
+    monkeypatch: pytest.MonkeyPatch, part: float, has_outlet: bool, passed: int, runs: int
+) -> None:
+    clock = HeldClock()
+    monkeypatch.setattr(cycle.time, "monotonic_ns", clock.monotonic_ns)
+
+    async def test() -> None:
+        ticks = Cycle(clock, outlet_timer=clock)
+        begin_ns = clock.now_ns
+        waiting = asyncio.create_task(ticks.next(20, has_outlet=has_outlet))
+        await asyncio.sleep(0)
+        assert ticks.passed == 0
+        clock.now_ns += round(part * PERIOD_NS)
+        assert ticks.passed == passed
+        assert ticks.make_due() == ticks.make_due() == runs
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        clock.now_ns = max(clock.now_ns, begin_ns + runs * PERIOD_NS)
+        if runs < 20:
+            assert clock.due_ns == begin_ns + runs * PERIOD_NS
+            assert not waiting.done()
+        clock.waiter.done() or clock.waiter.set_result(None)
+        assert await waiting == runs
+        assert (ticks.passed, ticks.make_due()) == (0, 1)
 
     asyncio.run(test())
 

@@ -101,6 +101,9 @@ class Hub:
     def wake(self) -> None:
         """Time does not wait here."""
 
+    def make_due(self) -> None:
+        """Every tick runs here."""
+
     def note(self, kind: str, text: str, **details: Any) -> None:
         """Nobody reads the log."""
 

@@ -18,7 +18,9 @@ from elitescript.messages.machine import SetSpeedScale, WriteSignal
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.snapshot_parts import ALL_PARTS, TCP_SPEEDS, TIME, WRENCHES
 from elitescript.services.control.channel import ControlChannel, ask
+from elitescript.services.time.cycle import OUTLET_NS, PERIOD_NS
 from tests.protocol import modbus_client, rtsi_client
+from tests.services.made_up_time import timed
 from tests.services.served import Scene, run, serving
 
 MOVING = (
@@ -83,6 +85,27 @@ def test_a_recipe_is_read_when_it_is_due() -> None:
             # Every package is of its own tick.
             times = [int.from_bytes((await peer.rtsi("U"))[1][1:9]) for _ in range(3)]
             assert len(set(times)) == 3
+
+    run(test())
+
+
+def test_a_recipe_that_comes_while_packages_flow_begins_with_a_package_of_its_tick(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async def test() -> None:
+        async with timed(monkeypatch, CountingKernel()) as (_, wall, connect):
+            begin_ns = wall.now_ns
+            stream = connect("rtsi")
+            stream.send(rtsi_client.output_recipe(1.0, ["timestamp"]) + rtsi_client.message("S"))
+            # A tick is under way, of which nothing has asked for a snapshot.
+            await wall.go_to(begin_ns + 100 * PERIOD_NS - 1)
+            stream.client._hub.post([])
+            await wall.go_to(begin_ns + 100 * PERIOD_NS + OUTLET_NS // 2)
+            stream.send(rtsi_client.output_recipe(1.0, ["timestamp"]))
+            stream.written.clear()
+            await wall.go_to(begin_ns + 102 * PERIOD_NS)
+            ((_, package),) = stream.written
+            assert struct.unpack(">d", package[4:])[0] == 101 * 0.004
 
     run(test())
 

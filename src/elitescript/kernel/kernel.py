@@ -216,14 +216,15 @@ class Kernel:
         """Number of the tick that `tick` runs next."""
         return self.controller.tick + self._has_run
 
-    def tick(self, inputs: Sequence[Input] = ()) -> TickResult:
+    def tick(self, inputs: Sequence[Input] = (), number: int | None = None) -> TickResult:
         """Run one tick, the next one if the present one has run.
 
         Args:
             inputs: what has come in since the last one, in order.
+            number: of the tick, not later than `due_tick`; the next one if None.
         """
         if self._has_run:
-            self.controller.leap(self.controller.tick + 1)
+            self.controller.leap(self.controller.tick + 1 if number is None else number)
         self.run_tick(inputs)
         return self._result()
 
@@ -248,9 +249,11 @@ class Kernel:
 
     def due_tick(self) -> int | None:
         """Return the next tick at which anything is due; None when nothing will ever happen by itself."""
+        tick, faulty = self.controller.tick, self._faulty
         if self._posted or (self._handlers is not None and self._handlers.is_waiting):
-            return self.controller.tick + 1
-        return self.controller.next_tick()
+            return tick + 1
+        due, arrives = self.controller.next_tick(), None if faulty is None else faulty.next_tick(tick)
+        return due if arrives is None else arrives if due is None else min(due, arrives)
 
     def leap(self, tick: int) -> None:
         """Go to a tick that is not later than the next one at which anything is due."""

@@ -39,15 +39,20 @@ class ServerLog:
         listen: takes everything.
 
     Attributes:
-        tick: the last one.
+        clock: returns the last tick.
     """
 
-    __slots__ = ("_listen", "robot", "tick")
+    __slots__ = ("_listen", "clock", "robot")
 
     def __init__(self, robot: str, listen: Listen) -> None:
         self.robot = robot
         self._listen = listen
-        self.tick = 0
+        self.clock: Callable[[], int] = lambda: 0
+
+    @property
+    def tick(self) -> int:
+        """The last tick."""
+        return self.clock()
 
     def event(self, event: Event) -> None:
         """Write an event of the robot."""

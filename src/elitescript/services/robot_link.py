@@ -1,7 +1,8 @@
 """How the serving process reaches a robot: in this process, or in a child.
 
 In both cases a tick is one call: inputs in, output out. How fast the time of the robot passes depends on the calls
-alone.
+alone. Ticks in which nothing is due and to which nothing is given need no call: the next one leaps over them, which
+gives the same.
 
 A snapshot takes most of the time of a tick, so one is made only at ticks of which something reads it, of those parts
 alone, and when the discrete state has changed. So levels, modes, tool and task are up to date in the snapshot of any
@@ -10,7 +11,7 @@ output; joints, poses and forces in it may be older, if nothing was to read them
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from elitescript.kernel import Kernel
@@ -37,12 +38,20 @@ class RobotLink(Protocol):
     async def open(self) -> None:
         """Bring the robot up."""
 
-    async def tick(self, inputs: Sequence[Input], parts: int = ALL_PARTS) -> Output:
+    @property
+    def due_tick(self) -> int | None:
+        """The next tick that is to run though it is given nothing; None if there is none."""
+
+    def watch(self, on_due: Callable[[], object]) -> None:
+        """Have a call made when a tick becomes due that `due_tick` has not announced."""
+
+    async def tick(self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None) -> Output:
         """Run one tick.
 
         Args:
             inputs: for the robot, in order.
             parts: of its snapshot that something reads, as bits of `messages.snapshot_parts`.
+            number: of the tick, not later than `due_tick`; the one after the last if None.
         """
 
     async def close(self) -> None:
@@ -76,9 +85,16 @@ class InProcessLink:
     async def open(self) -> None:
         """Do nothing: the robot is there."""
 
-    async def tick(self, inputs: Sequence[Input], parts: int = ALL_PARTS) -> Output:
+    @property
+    def due_tick(self) -> int | None:
+        return self.robot.due_tick()
+
+    def watch(self, on_due: Callable[[], object]) -> None:
+        """Do nothing: a robot in this process does nothing by itself but what `due_tick` announces."""
+
+    async def tick(self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None) -> Output:
         robot = self.robot
-        result, discrete_state = robot.tick(inputs), robot.discrete_state()
+        result, discrete_state = robot.tick(inputs, number), robot.discrete_state()
         if parts or discrete_state != self._discrete_state:
             self._discrete_state = discrete_state
             self._parts = parts | TIME

@@ -1,6 +1,7 @@
 """One served robot: its ports, its clients, its time.
 
 A tick takes what clients and peers have sent since the last one, gives it to the robot, and publishes its output.
+Ticks in which nothing is due are leapt over: to all that is outside it looks as if they had run.
 Nothing here depends on the protocol of a client or on how the robot is reached.
 """
 
@@ -8,7 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING, Any, Final
@@ -59,13 +60,13 @@ class RobotServer:
 
     Attributes:
         name: unique among the robots of this `serve`.
-        output: of the last tick.
     """
 
     __slots__ = (
         "_answered",
         "_by_urgency",
         "_followers",
+        "_from_tick",
         "_inputs",
         "_is_lockstep",
         "_is_under_way",
@@ -74,6 +75,7 @@ class RobotServer:
         "_lockstep_timeout_s",
         "_log",
         "_next_followers",
+        "_output",
         "_overruns_before",
         "_ssh",
         "_stepped",
@@ -84,7 +86,6 @@ class RobotServer:
         "link",
         "listeners",
         "name",
-        "output",
         "shares",
     )
 
@@ -105,11 +106,17 @@ class RobotServer:
         self.link = link
         self.devices = devices
         self.listeners: dict[str, Listener] = {}
-        self.output: Output
+        self._output: Output
+        self._from_tick = 0
+        """The last tick that has run, or that was leapt over before the one that runs."""
         self.shares = Shares()
         self._log = log
+        log.clock = lambda: self.output.tick
+        link.watch(self.make_due)
         self._by_urgency: list[Listener] = []
         self._ssh = ssh
+        if ssh is not None:
+            ssh.taps.on_join = self.make_due
         self.broker = Broker(self.post if ssh is None else self._post_from_lines, lines, policy)
         self._is_lockstep = is_lockstep
         self._lockstep_timeout_s = lockstep_timeout_s
@@ -131,12 +138,20 @@ class RobotServer:
         self._followers: list[Callable[[Output], bool]] = []
         self._task: asyncio.Task[None] | None = None
 
+    @property
+    def output(self) -> Output:
+        """Of the last tick; one that was leapt over has given nothing."""
+        tick = self._from_tick if self._time is None else self._from_tick + self._time.passed
+        if tick != self._output.tick:
+            self._output = Output(tick, (), (), (), self._output.snapshot, self._output.parts)
+        return self._output
+
     # ---------------------------------------------------------------- called by clients
 
     def post(self, inputs: list[Input]) -> int:
         """Take inputs for the next tick that begins; return its number."""
         self._inputs.post(inputs)
-        return self.output.tick + (2 if self._is_under_way else 1)
+        return self._from_tick + self.make_due() + self._is_under_way
 
     def _post_from_lines(self, inputs: list[Input]) -> None:
         """Take inputs from channels; what belongs to bridges of serial ports stays with them."""
@@ -153,6 +168,10 @@ class RobotServer:
         if self._time is not None:
             self._time.wake()
 
+    def make_due(self) -> int:
+        """Let the next tick run, whether anything is due in it or not; see `Cycle.make_due`."""
+        return 1 if self._time is None else self._time.make_due()
+
     def note(self, kind: str, text: str, *, is_problem: bool = False, **details: Any) -> None:
         """Write a line of the log."""
         self._log.note(kind, text, is_problem=is_problem, **details)
@@ -161,11 +180,13 @@ class RobotServer:
         """Return the output of the next tick that begins, with its snapshot; it has taken what was posted before."""
         waiter: asyncio.Future[Output] = asyncio.get_running_loop().create_future()
         self._stepped.append(waiter)
+        self.make_due()
         return await waiter
 
     def follow(self, take: Callable[[Output], bool]) -> None:
         """Call `take` with every output from the next tick that begins on, without a gap, until it returns False."""
         self._next_followers.append(take)
+        self.make_due()
 
     def connect(self, service: str, origin: str) -> Connection:
         """Make a connection to a port, for a device in this process.
@@ -241,7 +262,8 @@ class RobotServer:
     async def boot(self) -> None:
         """Bring the robot up, with one tick, so that there is an output."""
         await self.link.open()
-        self.output = await self.link.tick(())
+        self._output = await self.link.tick(())
+        self._from_tick = self._output.tick
         if self.devices is not None:
             self.devices.begin(self.output, self.connect)
         self._carry_out(self.output)
@@ -295,12 +317,46 @@ class RobotServer:
     async def _run(self, time: PacedTime) -> None:
         """Let time pass; never returns."""
         while True:
-            await time.next()
+            self._pass_over(await time.next(self._ticks_on(), has_outlet=self._has_readers) - 1)
             lag = self._lag(time.lag_ticks)
-            output = await self.link.tick([*lag, *self._begin_tick()], self._reads())
+            inputs, number = [*lag, *self._begin_tick()], self._from_tick + 1
+            output = await self.link.tick(inputs, self._reads(), number)
             if self._has_readers:
                 await time.outlet()
             self._end_tick(time.with_overruns(output))
+
+    def _ticks_on(self) -> int | None:
+        """Return how many ticks on the next one is that is due; None if there is none."""
+        if self._lag_ticks or self._stepped or self._followers or self._next_followers or not self._inputs.is_settled:
+            return 1
+        # In lockstep shares are counted by the wall clock; the peers of programs have to be looked at in between.
+        if self.broker.count if self._is_lockstep else not self.shares.is_settled:
+            return 1
+        tick, nearest = self._from_tick, None
+        for due in self._due_ticks(tick):
+            if due is not None and (nearest is None or due < nearest):
+                nearest = due
+                if due <= tick + 1:
+                    return 1
+        return None if nearest is None else nearest - tick
+
+    def _due_ticks(self, tick: int) -> Iterator[int | None]:
+        """Yield the next ticks after `tick` that must run for the robot, its devices, its clients."""
+        yield self.link.due_tick
+        if self.devices is not None:
+            yield self.devices.next_tick(tick)
+        if self._ssh is not None and self._ssh.taps.is_active:
+            yield tick + 1
+        for listener in self._by_urgency:
+            yield listener.next_tick(tick)
+
+    def _pass_over(self, ticks: int) -> None:
+        """Leap over ticks in which nothing is due."""
+        if ticks:
+            tick = self._from_tick = self._from_tick + ticks
+            self._output = Output(tick, (), (), (), self._output.snapshot, self._output.parts)
+            if self.devices is not None:
+                self.devices.pass_over(self._output)
 
     async def step(self) -> None:
         """Run one tick, whose output leaves as soon as it is there."""
@@ -350,8 +406,7 @@ class RobotServer:
 
     def _end_tick(self, output: Output) -> None:
         """Publish the output of the tick."""
-        self.output = output
-        self._log.tick = output.tick
+        self._output, self._from_tick = output, output.tick
         self._is_under_way = False
         for listener in self._by_urgency:
             if listener.clients:
@@ -390,7 +445,7 @@ class RobotServer:
     def _complete_output(self) -> None:
         """Make the snapshot of the last tick whole: while time stands still, no later tick shows it to newcomers."""
         if isinstance(self.link, InProcessLink):
-            self.output = self.link.completed(self.output)
+            self._output = self.link.completed(self.output)
 
     def _note_refused(self) -> None:
         count, self._inputs.refused = self._inputs.refused, 0

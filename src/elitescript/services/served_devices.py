@@ -150,6 +150,16 @@ class ServedDevices:
         """Return the parts of the snapshot of a tick that devices read at ports of the robot, as bits."""
         return self._world.reads(tick)
 
+    def next_tick(self, tick: int) -> int | None:
+        """Return the next tick after `tick` that must run for a device; None if none must."""
+        if self._inputs or self._refusals or self._world.reads(tick + 1):
+            return tick + 1
+        return self._world.network.next_tick(tick)
+
+    def pass_over(self, output: Output) -> None:
+        """Take the output of a tick in which nothing has happened."""
+        self._output = output
+
     def inputs(self, tick: int) -> list[Input]:
         """Return what happens in the tick that is about to run."""
         events, self._refusals = self._refusals, []

@@ -15,7 +15,7 @@ from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import PERIOD_S, ticks_for
 from elitescript.motion.limits import MotionLimits
 from elitescript.motion.segment import Setpoint
-from elitescript.motion.streaming.servo import ServoState, begun, followed, held
+from elitescript.motion.streaming.servo import ServoState, begun, followed, held, may_meet_obstacle
 from elitescript.motion.streaming.speed import Obstacle
 from elitescript.motion.streaming.twist import ToolMotion, TwistState
 
@@ -79,9 +79,14 @@ class Stepped(Drive, ABC):
     def _change(self) -> None:
         self._ahead = None
 
+    @property
+    def _may_meet_obstacle(self) -> bool:
+        """Whether the state of the next tick may be an obstacle."""
+        return True
+
     def obstacle(self, tick: int) -> Obstacle | None:
         """Return the obstacle that the drive meets at a tick."""
-        if self._stands_still:
+        if not self._may_meet_obstacle or self._stands_still:
             return None
         ahead = self._next()
         return ahead if isinstance(ahead, Obstacle) else None
@@ -267,6 +272,11 @@ class ServoDrive(Stepped):
     @property
     def _has_arrived(self) -> bool:
         return self.state.is_at(self._q_target)
+
+    @property
+    def _may_meet_obstacle(self) -> bool:
+        # The next target often comes before the next state is needed, so that state is not computed to look at it.
+        return may_meet_obstacle(self.state, self._limits)
 
     def leads_into(self, obstacle: Obstacle, q: Six) -> bool:
         """Return False: a target is inside the range, so the arm only brakes in front of it."""

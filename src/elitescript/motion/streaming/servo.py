@@ -16,7 +16,9 @@ Without further targets the arm comes to rest at the last one. The speed percent
 
 from __future__ import annotations
 
+from itertools import repeat
 from math import exp, sqrt
+from operator import sub
 from typing import Final, NamedTuple
 
 from elitescript.messages.motion import Six
@@ -61,6 +63,8 @@ class ServoState(NamedTuple):
         """Return whether stream and arm have arrived."""
         return (
             self.left == 0
+            # The oldest place comes there last.
+            and self.stream[0] == q_target
             and all(place == q_target for place in self.stream)
             and all(
                 abs(q - end) <= ARRIVED_RAD and abs(w) * PERIOD_S <= ARRIVED_RAD
@@ -103,14 +107,28 @@ def followed(state: ServoState, q_target: Six, window: int, gain: float, limits:
         zip(*stream, strict=True), state.q, state.qd, limits.qd_max, limits.qdd_max, strict=True
     ):
         first = column[0]
-        mean = first + sum([place - first for place in column]) / window
-        wanted = _approach(mean - q, rate, APPROACH_SHARE * a_top)
-        if abs(wanted) > top:
-            wanted = top if wanted > 0.0 else -top
+        # Of a joint that stands the sum is zero.
+        away = 0.0 if column.count(first) == window else sum(map(sub, column, repeat(first))) / window
+        way = first + away - q
+        deceleration = APPROACH_SHARE * a_top
+        near = deceleration / (rate * rate)
+        if -near <= way <= near:
+            wanted = rate * way
+        elif way > 0.0:
+            wanted = sqrt(2.0 * deceleration * (way - 0.5 * near))
+        else:
+            wanted = -sqrt(2.0 * deceleration * (-way - 0.5 * near))
+        if wanted > top:
+            wanted = top
+            is_limited = True
+        elif wanted < -top:
+            wanted = -top
             is_limited = True
         wanted *= gain_share
         change = share * a_top * PERIOD_S
-        speeds.append(min(max(wanted, w - change), w + change))
+        if w - change > wanted:
+            wanted = w - change
+        speeds.append(w + change if w + change < wanted else wanted)
     w1, w2, w3, w4, w5, w6 = speeds
     return _next(state, stream, max(0, state.left - 1), (w1, w2, w3, w4, w5, w6), is_limited, ease, limits)
 
@@ -127,6 +145,20 @@ def held(state: ServoState, deceleration: float, limits: MotionLimits) -> ServoS
     return _next(state, state.stream, state.left, qd, False, EASE_TICKS - (EASE_TICKS - state.ease) * keep, limits)
 
 
+def may_meet_obstacle(state: ServoState, limits: MotionLimits) -> bool:
+    """Return whether `followed` or `held` may find a joint that cannot stop inside its range.
+
+    False is certain: no joint changes its speed by more than its acceleration limit allows.
+    """
+    deceleration = min(limits.qdd_max)
+    for q, w, low, high, a_top in zip(state.q, state.qd, limits.q_min, limits.q_max, limits.qdd_max, strict=True):
+        fastest = abs(w) + a_top * PERIOD_S
+        way = fastest * (PERIOD_S + fastest / (2.0 * deceleration))
+        if not (low <= q - way and q + way <= high):
+            return True
+    return False
+
+
 def _next(
     state: ServoState, stream: tuple[Six, ...], left: int, qd: Six, is_limited: bool, ease: float, limits: MotionLimits
 ) -> ServoState | Obstacle:
@@ -136,12 +168,3 @@ def _next(
     if joint is not None:
         return range_obstacle(limits, joint, state.q, "servoj")
     return ServoState(q, qd, stream, left, is_limited, ease)
-
-
-def _approach(way: float, rate: float, deceleration: float) -> float:
-    """Return the speed towards a place `way` ahead: in proportion near it, with constant deceleration far away."""
-    near = deceleration / (rate * rate)
-    if abs(way) <= near:
-        return rate * way
-    speed = sqrt(2.0 * deceleration * (abs(way) - 0.5 * near))
-    return speed if way > 0.0 else -speed

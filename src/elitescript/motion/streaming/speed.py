@@ -137,11 +137,12 @@ def _braked(start: Setpoint, ramp_of: Callable[[float], float], limits: MotionLi
 
 def obstacle_at(q: Six, qd: Six, deceleration: float, limits: MotionLimits) -> int | None:
     """Return the first joint that can no more stop inside its range with a deceleration, or None."""
+    twice = 2.0 * deceleration
     for joint, (angle, w, low, high) in enumerate(zip(q, qd, limits.q_min, limits.q_max, strict=True)):
-        way = w * abs(w) / (2.0 * deceleration)
-        if (w > 0.0 and angle + way > high + RANGE_ROUNDING_RAD) or (
-            w < 0.0 and angle + way < low - RANGE_ROUNDING_RAD
-        ):
+        if w > 0.0:
+            if angle + w * w / twice > high + RANGE_ROUNDING_RAD:
+                return joint
+        elif w < 0.0 and angle - w * w / twice < low - RANGE_ROUNDING_RAD:
             return joint
     return None
 

@@ -22,6 +22,7 @@ from elitescript.kernel import Kernel
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import TickResult
 from elitescript.messages.snapshot import RobotDescription
+from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.services.child import frames
 from elitescript.services.child.jail import enter_jail
 from elitescript.services.child.output_changes import OutputWriter
@@ -35,23 +36,34 @@ def serve(line: frames.BlockingLine) -> None:
     input_shape, result_shape, writer = shape_of(Input), shape_of(TickResult), OutputWriter()
     shown: tuple[object, ...] = ()
     """Discrete state of the last snapshot that was sent."""
+    whole_tick, is_whole = 0, False
+    """Tick of the last one with all parts, and whether the arm has rested since."""
 
     def ask(question: list[Any]) -> list[Any]:
         line.send(frames.QUESTION, to_text(question))
         return list(from_text(line.receive_answer(frames.ANSWER)))
 
     kernel: Kernel | None = None
+    content: str | bytes
     while True:
         letter, text = line.receive()
         if letter == frames.TICK and kernel is not None:
-            parts, text = text[0], text[1:]
-            inputs = () if text == frames.NO_INPUTS else [input_shape.decode(item) for item in from_text(text)]
-            result, state = kernel.tick(inputs), kernel.discrete_state()
+            tick, parts, text = frames.read_tick(text)
+            result = kernel.tick([input_shape.decode(item) for item in from_text(text)] if text else (), tick)
+            state, rests, due = kernel.discrete_state(), kernel.controller.is_resting, kernel.due_tick()
             if not parts and state == shown:
-                line.send(frames.RESULT, to_text([kernel.line, result_shape.encode(without_points(result))]))
+                letter, content = frames.RESULT, to_text([kernel.line, result_shape.encode(without_points(result))])
             else:
                 shown = state
-                line.send(*writer.message(result.with_snapshot(kernel.snapshot(parts))))
+                letter, content = writer.message(result.with_snapshot(kernel.snapshot(parts)))
+            if parts == ALL_PARTS:
+                whole_tick, is_whole = tick, rests
+            elif not rests:
+                is_whole = False
+            due = frames.NEVER if due is None else due
+            if not is_whole:
+                due = min(due, max(whole_tick + frames.REFRESH_TICKS, tick + 1))
+            line.send(letter, frames.numbered(due, content))
             continue
         data = from_text(text)
         if letter == frames.LOCK_IN:

@@ -136,6 +136,11 @@ class OutputBuffer:
         """Whether no output waits: the next tick would have none of its own."""
         return not self._waiting
 
+    @property
+    def is_settled(self) -> bool:
+        """Whether nothing waits to leave with the next tick."""
+        return not (self._waiting or self._events or self._requests)
+
     def add(self, output: Output | TickResult) -> None:
         """Take an output that has come in, with a snapshot or without."""
         self._waiting.append(output)

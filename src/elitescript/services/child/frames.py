@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from elitescript.codec.values import CodecError
+from elitescript.messages.timing import TICKS_PER_S
 
 DOWN_MAX: Final = 32 * 1024 * 1024
 UP_MAX: Final = 8 * 1024 * 1024
@@ -20,6 +21,13 @@ READ_BYTES: Final = 1 << 16
 """Taken from a socket at once: more would be memory that the system has to find anew for every message."""
 _LENGTH: Final = struct.Struct(">I")
 _HEAD: Final = struct.Struct(">IB")
+_TICK: Final = struct.Struct(">qB")
+_NUMBER: Final = struct.Struct(">q")
+NEVER: Final = (1 << 63) - 1
+"""Number of a tick that does not come."""
+REFRESH_TICKS: Final = TICKS_PER_S // 10
+"""A snapshot is at most so old when a fresh child goes on from it, though nothing reads one: while the arm moves, the
+child names a tick that is due within this time (*assumed*: as often as the primary port shows joints)."""
 
 # Down.
 LOCK_IN: Final = "L"
@@ -27,14 +35,13 @@ LOCK_IN: Final = "L"
 BEGIN: Final = "B"
 """Options: the child makes its robot and answers `DESCRIBED`."""
 TICK: Final = "T"
-"""A byte with the parts of the snapshot that are read, then the inputs. The child answers with `OUTPUT`, later
-`OUTPUT_CHANGES`; if nothing is read and the discrete state has not changed, with `RESULT`."""
-NO_INPUTS: Final = b"[]"
-"""The inputs of most of them."""
+"""Number of a tick to leap to and run (i64), the parts of its snapshot that are read (a byte), then the inputs if there
+are any. The child answers with `OUTPUT`, later `OUTPUT_CHANGES`; if nothing is read and the discrete state has not
+changed, with `RESULT`."""
 ANSWER: Final = "A"
 """Answer to a `QUESTION`."""
 
-# Up.
+# Up. The answers to a tick begin with the number of the next one that is due.
 LOCKED_IN: Final = "L"
 """The layers of the jail."""
 DESCRIBED: Final = "D"
@@ -49,6 +56,32 @@ QUESTION: Final = "Q"
 """Something about files, in the middle of a tick."""
 FAILED: Final = "F"
 """`[kind, text]`: why the child ends."""
+
+
+def tick_content(number: int, parts: int, inputs: str) -> bytes:
+    """Return the content of `TICK`."""
+    return _TICK.pack(number, parts) + inputs.encode()
+
+
+def read_tick(content: bytes) -> tuple[int, int, bytes]:
+    """Return number, parts and inputs of the content of `TICK`."""
+    return *_TICK.unpack_from(content), content[_TICK.size :]
+
+
+def numbered(number: int, content: str | bytes) -> bytes:
+    """Return a content with the number of a tick before it."""
+    return _NUMBER.pack(number) + (content.encode() if isinstance(content, str) else content)
+
+
+def split_number(content: bytes) -> tuple[int, bytes]:
+    """Return the number of a tick, and the content behind it.
+
+    Raises:
+        CodecError: there is none.
+    """
+    if len(content) < _NUMBER.size:
+        raise CodecError("a message about a tick without its number")
+    return _NUMBER.unpack_from(content)[0], content[_NUMBER.size :]
 
 
 def frame(letter: str, content: str | bytes, limit: int = DOWN_MAX) -> bytes:

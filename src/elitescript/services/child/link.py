@@ -22,9 +22,9 @@ from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output, TickResult
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.snapshot_parts import ALL_PARTS
-from elitescript.messages.timing import TICKS_PER_S
 from elitescript.runtime.environment import Files, FilesRefused
 from elitescript.services.child.buffers import BEHIND_TICKS, WAITING_MAX, OutputBuffer, PendingInputs, room_for
+from elitescript.services.child.frames import NEVER, REFRESH_TICKS
 from elitescript.services.child.jail import MEMORY_MAX, Layer
 from elitescript.services.child.remote_files import FileDesk
 from elitescript.services.child.supervision import (
@@ -50,9 +50,6 @@ LAG_MAX: Final = CATCH_UP_TICKS
 """Ticks behind which time waits for a child that goes on answering: what is asked for is done half a second later."""
 LAG_S: Final = 0.1
 """How long it waits in each tick, and how long the child may have been silent before."""
-REFRESH_TICKS: Final = TICKS_PER_S // 10
-"""A snapshot is at most so old when a fresh child goes on from it, though nothing reads one: joints, as all else that
-does not change with time alone is always new (*assumed*: as often as the primary port shows it)."""
 BOOT_S: Final = 20.0
 UNANSWERED_MAX: Final = 6000
 """Ticks that may wait for an answer; more than a text takes that is compiled for the longest time."""
@@ -75,9 +72,11 @@ class ChildLink:
     """
 
     __slots__ = (
+        "_answered",
         "_changed",
         "_description",
         "_desk",
+        "_due",
         "_grace_left_s",
         "_grace_s",
         "_is_catching_up",
@@ -86,6 +85,7 @@ class ChildLink:
         "_lost",
         "_memory_max",
         "_next",
+        "_on_due",
         "_options",
         "_outputs",
         "_pending",
@@ -114,7 +114,10 @@ class ChildLink:
         self._grace_left_s = grace_s
         self._memory_max = memory_max
         self._desk = FileDesk(FilesRefused() if files is None else files)
-        self._next = options.first_tick
+        self._next = self._due = options.first_tick
+        self._answered = options.first_tick - 1
+        """The last tick that a child has answered."""
+        self._on_due: Callable[[], object] = lambda: None
         self._transport: ChildTransport | None = None
         self._description: RobotDescription | None = None
         self._outputs = OutputBuffer()
@@ -174,13 +177,33 @@ class ChildLink:
             reason = transport.failure or transport.end_reason or "it does not answer"
             raise ElitescriptError(f"the robot's process did not come up: {reason}\n{transport.process.log}".rstrip())
 
-    async def tick(self, inputs: Sequence[Input], parts: int = ALL_PARTS) -> Output:
+    @property
+    def due_tick(self) -> int | None:
+        """See `RobotLink.due_tick`.
+
+        Every tick is due while the child owes an answer or is not there, while something waits for it or for its
+        clients, and with a journal, whose digests cover every tick.
+        """
+        transport = self._transport
+        if transport is None or not transport.is_begun or transport.end_reason or transport.unanswered:
+            return self._next
+        if self._journal is not None or len(self._pending) or not self._outputs.is_settled:
+            return self._next
+        return None if self._due == NEVER else max(self._due, self._next)
+
+    def watch(self, on_due: Callable[[], object]) -> None:
+        """See `RobotLink.watch`: a child may end at any time."""
+        self._on_due = on_due
+
+    async def tick(self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None) -> Output:
         """Give the robot its inputs and return what it has given by now; see `RobotLink.tick`.
 
         Raises:
             ElitescriptError: one child after the other has ended.
         """
-        tick, self._next = self._next, self._next + 1
+        tick = self._next if number is None else number
+        self._grace_left_s += (tick - self._next) * GRACE_PER_TICK_S
+        self._next = tick + 1
         self._pending.add(inputs)
         if self._transport is None and self._supervision.may_start(tick):
             self._start_again(tick)
@@ -228,6 +251,7 @@ class ChildLink:
         """Have a fresh child go on at this tick from the last snapshot; as at first, if others could not."""
         last = self._outputs.newest
         assert last is not None
+        self._answered = tick - 1
         if self._supervision.boots >= BOOTS_FROM_SNAPSHOT:
             transport.begin(replace(self._options, first_tick=tick))
             return
@@ -263,11 +287,12 @@ class ChildLink:
 
     # ---------------------------------------------------------------- up
 
-    def _take_output(self, sent: SentTick, output: Output | TickResult) -> None:
+    def _take_output(self, sent: SentTick, output: Output | TickResult, due: int) -> None:
         """Take what a tick has given."""
         transport = self._transport
         assert transport is not None
-        self._supervision.note_answer(transport.process.worked_s())
+        self._supervision.note_answer(transport.process.worked_s(), sent.number - self._answered)
+        self._answered, self._due = sent.number, due
         if sent.size and len(transport.unanswered) >= LAG_MAX:
             # What queued up while it compiled is soon made up for; clients need not wait for that.
             self._is_catching_up = True
@@ -285,6 +310,8 @@ class ChildLink:
 
     def _wake(self) -> None:
         """Look again at what is waited for."""
+        if self._transport is not None and self._transport.end_reason:
+            self._on_due()
         if self._changed is not None and not self._changed.done():
             self._changed.set_result(None)
 

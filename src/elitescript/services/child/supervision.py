@@ -110,14 +110,15 @@ class Supervision:
         self.answered = 0
         self._asked_where_s = 0.0
 
-    def note_answer(self, worked_s: float | None) -> None:
+    def note_answer(self, worked_s: float | None, ticks: int = 1) -> None:
         """Count a tick that the child has answered.
 
         Args:
             worked_s: processor time that it has used so far; None if it is not known.
+            ticks: how many have gone by since the one before.
         """
         self.boots = 0
-        self.answered += 1
+        self.answered += ticks
         if self.answered >= CALM_TICKS:
             self._failures = 0
         self._asked_where_s = 0.0

@@ -34,6 +34,7 @@ from elitescript.services.options_data import options_data
 READING_MAX_S: Final = 0.25
 READING_KEPT: Final = 0.99
 """Time that the outputs of the last hundred ticks or so may take to be read: more than half of it."""
+NO_INPUTS: Final = to_text([])
 FAILURE_MAX: Final = 8000
 """Characters of the reason that a child gives for its end."""
 
@@ -61,7 +62,7 @@ class ChildTransport:
 
     Args:
         desk: answers questions about files.
-        on_output: takes a tick that was sent, and what it has given.
+        on_output: takes a tick that was sent, what it has given, and the next one that is due.
         on_question: called when a question about files was answered, with the tick that it was asked in; None if that
             was before the first one.
         on_change: called after each message, and when the child has ended.
@@ -105,7 +106,7 @@ class ChildTransport:
     def __init__(
         self,
         desk: FileDesk,
-        on_output: Callable[[SentTick, Output | TickResult], None],
+        on_output: Callable[[SentTick, Output | TickResult, int], None],
         on_question: Callable[[SentTick | None], None],
         on_change: Callable[[], None],
         *,
@@ -150,10 +151,10 @@ class ChildTransport:
 
     def send_tick(self, number: int, inputs: Sequence[Input], parts: int) -> None:
         """Send a tick with its inputs, and the parts of its snapshot that are asked for."""
-        text = to_text([self._input_shape.encode(item) for item in inputs])
+        text = to_text([self._input_shape.encode(item) for item in inputs]) if inputs else NO_INPUTS
         size = sum(len(item.text) for item in inputs if isinstance(item, RunUnit | Interpret | Query))
         self.unanswered.append(SentTick(number, inputs, parts, text, size))
-        self.process.send(frames.TICK, bytes((parts,)) + text.encode())
+        self.process.send(frames.TICK, frames.tick_content(number, parts, text if inputs else ""))
 
     # ---------------------------------------------------------------- up
 
@@ -200,6 +201,7 @@ class ChildTransport:
     def _take_output(self, letter: str, text: bytes) -> None:
         if not self.unanswered:
             raise CodecError("an output that was not asked for")
+        due, text = frames.split_number(text)
         began_s = time.thread_time()
         parts = self.unanswered[0].parts | TIME
         output = self._read_result(text) if letter == frames.RESULT else self._reader.read(letter, text, parts)
@@ -213,7 +215,7 @@ class ChildTransport:
             self.line = output.snapshot.robot.line
         elif sent.parts:
             raise CodecError(f"the output of tick {output.tick} lacks the snapshot that was asked for")
-        self._on_output(sent, output)
+        self._on_output(sent, output, due)
 
     def _read_result(self, text: bytes) -> TickResult:
         """Read what a tick gives without its snapshot."""

@@ -89,6 +89,11 @@ class InputQueue:
     def __len__(self) -> int:
         return self._count
 
+    @property
+    def is_settled(self) -> bool:
+        """Whether nothing waits, and nothing of earlier ticks is to be paid."""
+        return not self._count and not self._debt_ns
+
     def waiting_of(self, client: str) -> int:
         """Return how many inputs of a client could not go in at the last tick."""
         return sum(map(len, self._held[client])) if client in self._held else 0

@@ -63,9 +63,14 @@ class RefusalBurst:
         if is_first:
             self._report(why)
 
+    @property
+    def is_reported(self) -> bool:
+        """Whether the log has all of them."""
+        return self._reported >= self.count
+
     def report_due(self) -> None:
         """Write how many there were if the burst is over, or lasts long."""
-        if self._reported < self.count:
+        if not self.is_reported:
             tick = self._hub.output.tick
             if tick - self._last_tick >= BURST_TICKS or tick - self._reported_tick >= REPORT_TICKS:
                 self._report(f"refused {self.count - self._reported} more {self._more}")
@@ -133,6 +138,19 @@ class Listener:
             parts |= client.connection.reads(tick)
         return parts
 
+    def next_tick(self, tick: int) -> int | None:
+        """Return the next tick after `tick` that must run though nothing happens in it; None if none must."""
+        if self._accepted or not (self._crowd.is_reported and self._browsers.is_reported):
+            return tick + 1
+        due: int | None = None
+        for client in self.clients.values():
+            at = client.next_tick(tick)
+            if at is not None and (due is None or at < due):
+                due = at
+                if due <= tick + 1:
+                    break
+        return due
+
     def publish(self, output: Output) -> None:
         """Give every client the output of a tick."""
         for client in list(self.clients.values()):
@@ -191,6 +209,7 @@ class Listener:
             except OSError as error:
                 if error.errno in (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM):
                     self._crowd.add(f"this process can have no more sockets ({error.strerror})")
+                    self._hub.make_due()
                     await asyncio.sleep(NO_ROOM_S)
                 # Any other error is of the client that was to be accepted: it has gone already.
                 continue
@@ -203,6 +222,7 @@ class Listener:
             self.expected_ns = time.thread_time_ns() - start_ns
             self._hub.shares.charge(self.expected_ns)
             self._accepted += 1
+            self._hub.make_due()
             if self._accepted >= ACCEPTS_PER_TICK or self._hub.shares.is_used_up(0):
                 self._turn = loop.create_future()
                 try:

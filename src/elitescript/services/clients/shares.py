@@ -62,6 +62,11 @@ class Shares:
         """Number of clients that wait to be read."""
         return len(self._light) + len(self._heavy)
 
+    @property
+    def is_settled(self) -> bool:
+        """Whether nobody waits to be read, and nothing of earlier ticks is to be paid."""
+        return not self._light and not self._heavy and not self.spent_ns
+
     def charge(self, spent_ns: int) -> None:
         """Count time that reading a client has used, ns."""
         self.spent_ns += spent_ns

@@ -49,10 +49,12 @@ LINGER_TICKS: Final = 5 * TICKS_PER_S
 class Hub(Protocol):
     """The robot server as its clients see it."""
 
-    output: Output
-    """Of the last tick."""
     shares: Shares
     """The time that clients have."""
+
+    @property
+    def output(self) -> Output:
+        """Of the last tick."""
 
     def post(self, inputs: list[Input]) -> int:
         """Take inputs for the next tick that begins; return its number."""
@@ -62,6 +64,9 @@ class Hub(Protocol):
 
     def wake(self) -> None:
         """Let time go on, if it waited: a client that owes an input has sent something, has read, or goes."""
+
+    def make_due(self) -> object:
+        """Let the next tick run, whether anything else is due in it or not: a client has come, or was read."""
 
     def note(self, kind: str, text: str, *, is_problem: bool = False, **details: Any) -> None:
         """Write a line of the log."""
@@ -186,6 +191,7 @@ class Client(asyncio.BufferedProtocol):
     def _take_in(self, nbytes: int) -> int | None:
         """Hand on what has come; return the number of inputs, or None if the client was closed for what it sent."""
         connection, hub = self.connection, self._hub
+        hub.make_due()
         data = bytes(self._buffer[:nbytes])
         if self._first_bytes is not None and self._is_browser(self._first_bytes, data):
             return None
@@ -316,6 +322,13 @@ class Client(asyncio.BufferedProtocol):
     def is_leaving(self) -> bool:
         """Whether it has ended its half, is to be closed, or has gone."""
         return self._deadline is not None or self._left is not None
+
+    def next_tick(self, tick: int) -> int | None:
+        """Return the next tick after `tick` that must run for it though nothing happens in it; None if none must."""
+        if self._is_paused or self._deadline is not None or self._stalled_since is not None:
+            return tick + 1
+        connection = self.connection
+        return tick + 1 if connection.reads(tick + 1) else connection.next_tick(tick)
 
     def publish(self, output: Output) -> None:
         """Give the client a tick."""

@@ -184,10 +184,11 @@ class ControlChannel:
             return {"ok": True, "result": _clients(server)}
         if verb.order is None:
             assert verb.read is not None
-            if verb.parts and not server.output.has(verb.parts) and not server.waits_for:
+            output = server.output
+            if verb.parts and not output.has(verb.parts) and not server.waits_for:
                 # Nothing has read where the arm is; the next tick shows it.
-                await server.next_output()
-            result = verb.read(request, server.output)
+                output = await server.next_output()
+            result = verb.read(request, output)
             if verb.name == "state":
                 result |= {"left_out": server.left_out, "waits_for": server.waits_for}
             return {"ok": True, "result": result}

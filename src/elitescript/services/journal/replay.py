@@ -39,13 +39,17 @@ class RecordedRobot(Kernel):
         self._snapshot: Snapshot
         super().__init__(options, RequestEnvironment(RemoteFiles(self._ask)))
 
-    def tick(self, inputs: Sequence[Input] = ()) -> TickResult:
+    def tick(self, inputs: Sequence[Input] = (), number: int | None = None) -> TickResult:
         """Run one tick; the digests of the journal cover every snapshot."""
-        result = super().tick(inputs)
+        result = super().tick(inputs, number)
         self._snapshot = super().snapshot()
         self._journal.tick(result.tick, inputs, self._answers, result.with_snapshot(self._snapshot))
         self._answers.clear()
         return result
+
+    def due_tick(self) -> int:
+        """Return the next tick: the digests cover every one."""
+        return self.next_tick
 
     def snapshot(self, parts: int = ALL_PARTS) -> Snapshot:
         """Return the machine as its ports show it after the last tick; always the whole of it."""

@@ -92,14 +92,18 @@ class LineTaps:
 
     Args:
         warn: takes a line for the log.
+
+    Attributes:
+        on_join: called when a bridge gets a client.
     """
 
-    __slots__ = ("_by_channel", "_taps", "_warn")
+    __slots__ = ("_by_channel", "_taps", "_warn", "on_join")
 
     def __init__(self, warn: Callable[[str], None]) -> None:
         self._taps = {device: _Tap(device) for device in PORT_NAMES}
         self._by_channel: dict[int, _Tap] = {}
         self._warn = warn
+        self.on_join: Callable[[], object] = lambda: None
 
     # ---------------------------------------------------------------- called by bridges
 
@@ -109,6 +113,7 @@ class LineTaps:
         if not tap.clients:
             tap.waited = 0
         tap.clients.append(client)
+        self.on_join()
         if tap.is_lost:
             self._report(tap)
 
@@ -136,6 +141,11 @@ class LineTaps:
             self._warn(f"a client bridges the serial port {name}, and its bytes go nowhere: {tap.why}")
 
     # ---------------------------------------------------------------- called by the robot server
+
+    @property
+    def is_active(self) -> bool:
+        """Whether every tick is to run for a bridge."""
+        return any(tap.clients or tap.owed or (tap.pending and not tap.why) for tap in self._taps.values())
 
     def outgoing(self, requests: Sequence[ChannelRequest]) -> Sequence[ChannelRequest]:
         """Return the requests of a robot in a tick, and those of bridges behind them."""

@@ -1,4 +1,7 @@
-"""The cycle of a served robot: one tick of 4 ms after the other, against the wall clock, in an event loop.
+"""The cycle of a served robot: ticks of 4 ms against the wall clock, in an event loop.
+
+Ticks in which nothing is due are leapt over: the cycle sleeps until the next one that is, or until something comes in,
+which belongs to the tick that is next then. A tick that is not due is never late.
 
 A tick has two moments: it begins when it is due, and what it gives leaves `OUTLET_NS` later. How long the robot takes
 differs from tick to tick, the more so when its process or the caches have to be woken up; what leaves at an appointed
@@ -19,6 +22,8 @@ import time
 from collections.abc import Callable
 from typing import Any, Final, Protocol
 
+from elitescript.messages.timing import TICKS_PER_S
+
 PERIOD_NS: Final = 4_000_000
 LATE_NS: Final = PERIOD_NS
 """A tick that begins this much after its time is counted as an overrun."""
@@ -26,6 +31,8 @@ OUTLET_NS: Final = 1_000_000
 """After the moment at which a tick is due; most robots have given their output by then."""
 CATCH_UP_TICKS: Final = 125
 """Missed ticks that are made up for, 0.5 s; more would reach clients in one burst."""
+LEAP_MAX_TICKS: Final = 10 * TICKS_PER_S
+"""So many ticks are leapt over at most."""
 
 
 class Timer(Protocol):
@@ -57,7 +64,19 @@ class Cycle:
         worst_ns: the latest beginning of a tick since `worst_ns` was last set to 0.
     """
 
-    __slots__ = ("_due_ns", "_on_left_out", "_outlet_timer", "_timer", "lag_ticks", "left_out", "overruns", "worst_ns")
+    __slots__ = (
+        "_due_ns",
+        "_leap",
+        "_on_left_out",
+        "_outlet_timer",
+        "_passed_after_ns",
+        "_timer",
+        "_waiter",
+        "lag_ticks",
+        "left_out",
+        "overruns",
+        "worst_ns",
+    )
 
     def __init__(
         self,
@@ -69,6 +88,11 @@ class Cycle:
         self._outlet_timer = outlet_timer or best_timer()
         self._on_left_out = on_left_out
         self._due_ns = 0
+        self._leap = 1
+        """How many ticks on the one that `next` waits for is from the one before."""
+        self._passed_after_ns = 0
+        """After its beginning a tick that is leapt over has given what it would have given."""
+        self._waiter: asyncio.Future[None] | None = None
         self.overruns = 0
         self.lag_ticks = 0
         self.left_out = 0
@@ -78,26 +102,70 @@ class Cycle:
         """Make the next tick due a period from now; what was missed before is not made up for."""
         self._due_ns = 0
 
-    async def next(self) -> None:
-        """Return when the next tick is due; others are served before it in any case.
+    async def next(self, ticks: int | None = 1, *, has_outlet: bool = False) -> int:
+        """Return when the next tick begins; others are served before it in any case.
 
         Before a tick that begins late, all that has arrived by the time of `lag_ticks` is read; what arrives later is
         not for this tick.
+
+        Args:
+            ticks: how many ticks on the next one is that is due; None if there is none.
+            has_outlet: whether what ticks give leaves at `outlet`, that of the ticks between too.
+
+        Returns:
+            How many ticks on the one is that begins; fewer after `make_due`, or than `LEAP_MAX_TICKS`.
         """
         now_ns = time.monotonic_ns()
         if self._due_ns == 0:
             self._due_ns = now_ns
-        self._due_ns += PERIOD_NS
+        self._leap = LEAP_MAX_TICKS if ticks is None else min(ticks, LEAP_MAX_TICKS)
+        self._due_ns += self._leap * PERIOD_NS
+        self._passed_after_ns = OUTLET_NS if has_outlet and self._outlet_timer.is_exact else 0
         if now_ns >= self._due_ns:
             await asyncio.sleep(0)
             now_ns = time.monotonic_ns()
         else:
-            now_ns = await _until(self._due_ns, self._timer)
+            now_ns = await self._until_due()
+        gone_on, self._leap = self._leap, 1
         self._note(now_ns - self._due_ns, now_ns)
         if self.lag_ticks:
             # The loop looks for what has arrived in the first of these rounds, and hands it on in the second.
             await asyncio.sleep(0)
             await asyncio.sleep(0)
+        return gone_on
+
+    @property
+    def passed(self) -> int:
+        """How many of the ticks that are being leapt over have given what they would have given."""
+        return 0 if self._leap == 1 else self._begun(time.monotonic_ns() - self._passed_after_ns)
+
+    def make_due(self) -> int:
+        """Let the next tick run, if the cycle is about to leap over it.
+
+        Returns:
+            How many ticks on it is from the last one that `next` has returned for.
+        """
+        if self._leap > 1:
+            left = self._leap - self._begun(time.monotonic_ns()) - 1
+            if left:
+                self._due_ns -= left * PERIOD_NS
+                self._leap -= left
+                if self._waiter is not None:
+                    _wake(self._waiter)
+        return self._leap
+
+    def _begun(self, now_ns: int) -> int:
+        """Return how many of the ticks that are being leapt over would have begun at a time."""
+        return min(max((now_ns - self._due_ns) // PERIOD_NS + self._leap, 0), self._leap - 1)
+
+    async def _until_due(self) -> int:
+        """Wait for the tick that is due, which may become an earlier one meanwhile; return what time it is then."""
+        loop = asyncio.get_running_loop()
+        while (now_ns := time.monotonic_ns()) < self._due_ns:
+            self._waiter = loop.create_future()
+            self._timer.wake_at(self._due_ns, self._waiter)
+            await self._waiter
+        return now_ns
 
     async def outlet(self) -> None:
         """Return when what the present tick gives is to leave; at once if that was before, or no timer is so exact."""
@@ -137,6 +205,7 @@ class LoopTimer:
 
     def wake_at(self, due_ns: int, waiter: asyncio.Future[None]) -> None:
         loop = asyncio.get_running_loop()
+        self.close()
         self._timer = loop.call_at(loop.time() + (due_ns - time.monotonic_ns()) / 1e9, _wake, waiter)
 
     def close(self) -> None:

@@ -31,6 +31,7 @@ from elitescript.protocol.rtsi.connection import RtsiConnection
 from elitescript.services.clients.direct import DirectReading
 from elitescript.services.clients.tcp import Client
 from elitescript.services.log import ServerLog
+from elitescript.services.time.cycle import LEAP_MAX_TICKS
 from elitescript.services.time.paced import PacedTime
 
 TIMEOUT_S: Final = 0.5
@@ -206,7 +207,9 @@ class LockstepTime(PacedTime):
         "_complete",
         "_direct",
         "_gate",
+        "_leap",
         "_news",
+        "_passed",
         "_relief",
         "_relieve_clients",
         "_relieved_s",
@@ -236,6 +239,10 @@ class LockstepTime(PacedTime):
         self._direct = DirectReading()
         self._turn_s = 0.0
         """When it has had a turn last."""
+        self._leap = 1
+        """How many ticks on the next one is that is due, if time goes by the clients."""
+        self._passed = 0
+        """Ticks that went by on the wall since the last one, before a client took part."""
         self._waits_for = ""
         self.is_standing = False
         self._relieved_s = loop.time()
@@ -250,17 +257,33 @@ class LockstepTime(PacedTime):
     def waits_for(self) -> str:
         return self._waits_for
 
-    async def next(self) -> None:
-        """Return when the next tick begins."""
+    @property
+    def passed(self) -> int:
+        return self._passed + self._cycle.passed
+
+    async def next(self, ticks: int | None = 1, *, has_outlet: bool = False) -> int:
+        """Return when the next tick begins.
+
+        While time goes by the clients, ticks are leapt over as soon as it may go on.
+
+        Args:
+            ticks: how many ticks on the next one is that is due; None if there is none.
+            has_outlet: not used: what a tick gives leaves at once.
+
+        Returns:
+            How many ticks on the one is that begins; see `Cycle.next`.
+        """
+        self._leap = LEAP_MAX_TICKS if ticks is None else min(ticks, LEAP_MAX_TICKS)
         had_turn = False
         while True:
             found = self._gate.gate()
             self._waits_for = found.waits_for
             if not found.has_participants:
                 self._direct.release()
-                await self._cycle.next()
+                gone_on = await self._cycle.next(self._leap)
+                self._passed, self._leap = self._passed + gone_on - 1, 1
                 if not self._gate.gate().has_participants:
-                    return
+                    return self._go_on()
                 continue
             self._cycle.restart()
             if not had_turn and (self._direct.is_loop_due or time.monotonic() - self._turn_s >= TURN_S):
@@ -268,10 +291,19 @@ class LockstepTime(PacedTime):
                 had_turn = True
                 continue
             if found.is_open:
-                return
+                return self._go_on()
             had_turn = False
             if not self._direct.read(self._clients[found.waits_for], DIRECT_MS):
                 await self._stand()
+
+    def make_due(self) -> int:
+        self._leap = 1
+        return self._passed + self._cycle.make_due()
+
+    def _go_on(self) -> int:
+        """Return how many ticks on the next one is."""
+        passed, self._passed = self._passed, 0
+        return passed + self._leap
 
     async def outlet(self) -> None:
         """Return at once: an output leaves as soon as it is there."""
@@ -282,6 +314,7 @@ class LockstepTime(PacedTime):
 
     def wake(self) -> None:
         """Look again whether time may go on: a client has sent something, has read, or goes."""
+        self.make_due()
         self._news.set()
 
     def close(self) -> None:

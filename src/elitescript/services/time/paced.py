@@ -61,13 +61,19 @@ class PacedTime:
         """Origin of the client that time waits for; empty if there is none."""
         return ""
 
-    async def next(self) -> None:
-        """Return when the next tick begins."""
+    @property
+    def passed(self) -> int:
+        """How many of the ticks that are being leapt over have gone by; see `Cycle.passed`."""
+        return self._cycle.passed
+
+    async def next(self, ticks: int | None = 1, *, has_outlet: bool = False) -> int:
+        """Return when the next tick begins; see `Cycle.next`."""
         if self._ticks >= REPORT_TICKS:
             self._report(self._cycle.overruns - self._overruns_before)
             self._ticks, self._overruns_before = 0, self._cycle.overruns
-        self._ticks += 1
-        await self._cycle.next()
+        gone_on = await self._cycle.next(ticks, has_outlet=has_outlet)
+        self._ticks += gone_on
+        return gone_on
 
     async def outlet(self) -> None:
         """Return when the output of the present tick leaves."""
@@ -86,7 +92,12 @@ class PacedTime:
         return replace(output, snapshot=self._counted)
 
     def wake(self) -> None:
-        """Look again whether time may go on: it waits for no client."""
+        """Look again whether time may go on: it waits for no client, but what a client does is due."""
+        self._cycle.make_due()
+
+    def make_due(self) -> int:
+        """Let the next tick run, if it is about to be leapt over; see `Cycle.make_due`."""
+        return self._cycle.make_due()
 
     def close(self) -> None:
         """End: no tick comes after this."""
@@ -96,5 +107,5 @@ class PacedTime:
         """Write how many ticks began late of the last `REPORT_TICKS`."""
         worst_ms, self._cycle.worst_ns = self._cycle.worst_ns / 1e6, 0
         if late:
-            text = f"{late} of {REPORT_TICKS} ticks began late, by {worst_ms:.1f} ms at most: the computer is busy"
+            text = f"{late} of {self._ticks} ticks began late, by {worst_ms:.1f} ms at most: the computer is busy"
             self._log.note("late", text, is_problem=late >= LATE_MANY, ticks=late, worst_ms=worst_ms)
