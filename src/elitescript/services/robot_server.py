@@ -341,14 +341,14 @@ class RobotServer:
         return None if nearest is None else nearest - tick
 
     def _due_ticks(self, tick: int) -> Iterator[int | None]:
-        """Yield the next ticks after `tick` that must run for the robot, its devices, its clients."""
-        yield self.link.due_tick
+        """Yield the next ticks after `tick` that must run for clients, devices, the robot: what is dear to say, last."""
+        for listener in self._by_urgency:
+            yield listener.next_tick(tick)
         if self.devices is not None:
             yield self.devices.next_tick(tick)
         if self._ssh is not None and self._ssh.taps.is_active:
             yield tick + 1
-        for listener in self._by_urgency:
-            yield listener.next_tick(tick)
+        yield self.link.due_tick
 
     def _pass_over(self, ticks: int) -> None:
         """Leap over ticks in which nothing is due."""
@@ -377,7 +377,7 @@ class RobotServer:
         self.note("left_out", text, is_problem=True, ticks=ticks, is_playing=is_playing)
 
     def _relieve(self, waits_for: str) -> None:
-        """Read clients on in lockstep, once in a period; if too much waits for a tick, only the one that time waits for."""
+        """Read clients on, once in a period in lockstep; if too much waits for a tick, only the one that is waited for."""
         for listener in self.listeners.values():
             for client in list(listener.clients.values()):
                 if len(self._inputs) < PENDING_MAX or client.origin == waits_for:
@@ -425,7 +425,7 @@ class RobotServer:
         self._answered.clear()
 
     def _begin_reading(self) -> None:
-        """Let clients be read on: the output of the tick has left. In lockstep a period of the wall clock has gone by."""
+        """Let clients be read on: the output of a tick has left, or in lockstep a period of the wall clock has passed."""
         for listener in self.listeners.values():
             listener.begin_tick()
         overruns = self.overruns

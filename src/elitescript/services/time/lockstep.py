@@ -49,7 +49,6 @@ TURN_S: Final = PERIOD_S / 2
 """Wall time after which the event loop gets a turn in any case."""
 
 
-
 class Gate(NamedTuple):
     """Whether time may go on."""
 
