@@ -341,7 +341,7 @@ class RobotServer:
         return None if nearest is None else nearest - tick
 
     def _due_ticks(self, tick: int) -> Iterator[int | None]:
-        """Yield the next ticks after `tick` that must run for clients, devices, the robot: what is dear to say, last."""
+        """Yield the next ticks after `tick` that must run for clients, devices, the robot: what is dear to say last."""
         for listener in self._by_urgency:
             yield listener.next_tick(tick)
         if self.devices is not None:
@@ -377,7 +377,7 @@ class RobotServer:
         self.note("left_out", text, is_problem=True, ticks=ticks, is_playing=is_playing)
 
     def _relieve(self, waits_for: str) -> None:
-        """Read clients on, once in a period in lockstep; if too much waits for a tick, only the one that is waited for."""
+        """Read clients on, once in a period in lockstep; if too much waits for a tick, only whom time waits for."""
         for listener in self.listeners.values():
             for client in list(listener.clients.values()):
                 if len(self._inputs) < PENDING_MAX or client.origin == waits_for:
@@ -425,7 +425,7 @@ class RobotServer:
         self._answered.clear()
 
     def _begin_reading(self) -> None:
-        """Let clients be read on: the output of a tick has left, or in lockstep a period of the wall clock has passed."""
+        """Let clients be read on: the output of a tick has left; in lockstep, a period of the wall clock has passed."""
         for listener in self.listeners.values():
             listener.begin_tick()
         overruns = self.overruns
