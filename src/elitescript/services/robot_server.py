@@ -387,7 +387,10 @@ class RobotServer:
     @property
     def _has_readers(self) -> bool:
         """Whether an output leaves this process: clients, or connections of programs, are open."""
-        return self.broker.count > 0 or any(listener.clients for listener in self._by_urgency)
+        for listener in self._by_urgency:
+            if listener.clients:
+                return True
+        return self.broker.count > 0
 
     def _begin_tick(self) -> list[Input]:
         """Take what the tick that begins now is given."""
@@ -439,7 +442,8 @@ class RobotServer:
         tick = self.output.tick + 1
         parts = 0 if self.devices is None else self.devices.reads(tick)
         for listener in self._by_urgency:
-            parts |= listener.reads(tick)
+            if listener.clients:
+                parts |= listener.reads(tick)
         return parts
 
     def _complete_output(self) -> None:

@@ -105,16 +105,16 @@ class Lockstep:
         """Return whether time may go on now."""
         has_participants = False
         behind = ""
-        for client in self._clients.values():
+        for origin, client in self._clients.items():
             connection = client.connection
-            if not isinstance(connection, RtsiConnection) or not connection.is_streaming or client.is_leaving:
+            if client.is_leaving or not isinstance(connection, RtsiConnection):
                 continue
             if connection.answers:
                 has_participants = True
                 if client.owes_input:
-                    return Gate(False, True, client.origin)
-            if client.is_behind and client.origin not in self._passed:
-                behind = client.origin
+                    return Gate(False, True, origin)
+            if client.is_behind and connection.is_streaming and origin not in self._passed:
+                behind = origin
         if not has_participants:
             return _UNASKED
         return Gate(False, True, behind) if behind else _OPEN
