@@ -136,14 +136,19 @@ def test_an_input_belongs_to_one_client_until_it_goes() -> None:
     assert not claims.is_free("c", "z")
 
 
-def test_equal_recipes_are_packed_once_in_a_tick() -> None:
+def test_equal_recipes_are_packed_once_in_a_tick(monkeypatch: pytest.MonkeyPatch) -> None:
+    packed: list[tuple[str, ...]] = []
+    pack = OutputRecipe.packed
+    monkeypatch.setattr(OutputRecipe, "packed", lambda recipe, tick: packed.append(recipe.names) or pack(recipe, tick))
     cache = PackageCache()
-    first, second = (OutputRecipe(ident, ("timestamp", "robot_mode"), 250.0) for ident in (1, 2))
+    first, same, second = (OutputRecipe(ident, ("timestamp", "robot_mode"), 250.0) for ident in (1, 1, 2))
     other = OutputRecipe(1, ("robot_mode", "timestamp"), 250.0)
     tick = output(1000)
-    body = cache.body(first, tick)
-    assert cache.body(second, tick) is body
-    assert cache.body(other, tick) != body
-    later = cache.body(first, output(1001))
-    assert later != body
-    assert values(b"\x01" + later, ["DOUBLE", "INT32"]) == [1001 / 250, 7]
+    package = cache.package(first, tick)
+    assert cache.package(same, tick) is package
+    assert cache.package(second, tick) == package[:3] + b"\x02" + package[4:]
+    assert cache.package(other, tick)[4:] != package[4:]
+    assert packed == [first.names, other.names]
+    later = cache.package(first, output(1001))
+    assert later != package
+    assert values(later[3:], ["DOUBLE", "INT32"]) == [1001 / 250, 7]

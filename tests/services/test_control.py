@@ -8,6 +8,7 @@ import json
 import os
 import stat
 import tempfile
+import time
 from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 from typing import Any
@@ -92,6 +93,19 @@ def test_the_state_is_that_of_the_robot() -> None:
             state = (await order(channel, "state"))["result"]
             assert (state["robot_mode"], state["safety_mode"], state["waits_for"]) == ("RUNNING", "NORMAL", "")
             assert len(state["joints"]) == 6
+
+    run(test())
+
+
+def test_the_state_has_what_the_wall_clock_has_done() -> None:
+    async def test() -> None:
+        async with controlled() as (scene, channel):
+            now = scene.server.output.tick
+            scene.robot.on_tick = lambda tick: time.sleep(0.02) if tick == now + 2 else None
+            await scene.until(lambda: scene.server.overruns > 1)
+            state = (await order(channel, "state"))["result"]
+            assert state["overruns"] > 1
+            assert state["left_out"] == 0
 
     run(test())
 

@@ -204,7 +204,6 @@ def test_late_ticks_are_made_up_for_and_counted() -> None:
             elapsed_ticks = (time.monotonic() - start) / 0.004
             assert 29 <= elapsed_ticks < 60
             assert scene.server.overruns >= 5
-            assert scene.server.output.snapshot.overruns >= 5
 
     run(test())
 

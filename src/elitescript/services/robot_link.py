@@ -45,13 +45,16 @@ class RobotLink(Protocol):
     def watch(self, on_due: Callable[[], object]) -> None:
         """Have a call made when a tick becomes due that `due_tick` has not announced."""
 
-    async def tick(self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None) -> Output:
+    async def tick(
+        self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None, *, asks_due: bool = True
+    ) -> Output:
         """Run one tick.
 
         Args:
             inputs: for the robot, in order.
             parts: of its snapshot that something reads, as bits of `messages.snapshot_parts`.
             number: of the tick, not later than `due_tick`; the one after the last if None.
+            asks_due: whether `due_tick` is to be found out; if not, every tick is due.
         """
 
     async def close(self) -> None:
@@ -92,7 +95,9 @@ class InProcessLink:
     def watch(self, on_due: Callable[[], object]) -> None:
         """Do nothing: a robot in this process does nothing by itself but what `due_tick` announces."""
 
-    async def tick(self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None) -> Output:
+    async def tick(
+        self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None, *, asks_due: bool = True
+    ) -> Output:
         robot = self.robot
         result, discrete_state = robot.tick(inputs, number), robot.discrete_state()
         if parts or discrete_state != self._discrete_state:

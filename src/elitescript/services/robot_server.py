@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import inf
 from typing import TYPE_CHECKING, Any, Final
@@ -64,6 +64,7 @@ class RobotServer:
 
     __slots__ = (
         "_answered",
+        "_asks_due",
         "_by_urgency",
         "_followers",
         "_from_tick",
@@ -107,6 +108,7 @@ class RobotServer:
         self.devices = devices
         self.listeners: dict[str, Listener] = {}
         self._output: Output
+        self._asks_due = True
         self._from_tick = 0
         """The last tick that has run, or that was leapt over before the one that runs."""
         self.shares = Shares()
@@ -317,46 +319,53 @@ class RobotServer:
     async def _run(self, time: PacedTime) -> None:
         """Let time pass; never returns."""
         while True:
-            self._pass_over(await time.next(self._ticks_on(), has_outlet=self._has_readers) - 1)
+            has_readers = self._has_readers
+            if (ticks := await time.next(self._ticks_on(), has_outlet=has_readers)) > 1:
+                self._pass_over(ticks - 1)
             lag = self._lag(time.lag_ticks)
-            inputs, number = [*lag, *self._begin_tick()], self._from_tick + 1
-            output = await self.link.tick(inputs, self._reads(), number)
+            inputs = self._begin_tick()
+            if lag:
+                inputs = [*lag, *inputs]
+            output = await self.link.tick(inputs, self._reads(), self._from_tick + 1, asks_due=self._asks_due)
             if self._has_readers:
                 await time.outlet()
-            self._end_tick(time.with_overruns(output))
+            self._end_tick(output)
 
     def _ticks_on(self) -> int | None:
         """Return how many ticks on the next one is that is due; None if there is none."""
-        if self._lag_ticks or self._stepped or self._followers or self._next_followers or not self._inputs.is_settled:
-            return 1
-        # In lockstep shares are counted by the wall clock; the peers of programs have to be looked at in between.
-        if self.broker.count if self._is_lockstep else not self.shares.is_settled:
-            return 1
-        tick, nearest = self._from_tick, None
-        for due in self._due_ticks(tick):
+        tick = self._from_tick
+        nearest = self._next_outside(tick)
+        # While others need every tick, the robot is not asked for its next one.
+        self._asks_due = nearest is None or nearest > tick + 1
+        if self._asks_due:
+            due = self.link.due_tick
             if due is not None and (nearest is None or due < nearest):
                 nearest = due
-                if due <= tick + 1:
-                    return 1
         return None if nearest is None else nearest - tick
 
-    def _due_ticks(self, tick: int) -> Iterator[int | None]:
-        """Yield the next ticks after `tick` that must run for clients, devices, the robot: what is dear to say last."""
-        for listener in self._by_urgency:
-            yield listener.next_tick(tick)
-        if self.devices is not None:
-            yield self.devices.next_tick(tick)
+    def _next_outside(self, tick: int) -> int | None:
+        """Return the next tick after `tick` that must run for devices, clients or this server; None if none must."""
+        if self._lag_ticks or self._stepped or self._followers or self._next_followers or not self._inputs.is_settled:
+            return tick + 1
+        # In lockstep shares are counted by the wall clock; the peers of programs have to be looked at in between.
+        if self.broker.count if self._is_lockstep else not self.shares.is_settled:
+            return tick + 1
         if self._ssh is not None and self._ssh.taps.is_active:
-            yield tick + 1
-        yield self.link.due_tick
+            return tick + 1
+        nearest = None if self.devices is None else self.devices.next_tick(tick)
+        for listener in self._by_urgency:
+            if listener.clients or listener.is_restless:
+                due = listener.next_tick(tick)
+                if due is not None and (nearest is None or due < nearest):
+                    nearest = due
+        return nearest
 
     def _pass_over(self, ticks: int) -> None:
         """Leap over ticks in which nothing is due."""
-        if ticks:
-            tick = self._from_tick = self._from_tick + ticks
-            self._output = Output(tick, (), (), (), self._output.snapshot, self._output.parts)
-            if self.devices is not None:
-                self.devices.pass_over(self._output)
+        tick = self._from_tick = self._from_tick + ticks
+        self._output = Output(tick, (), (), (), self._output.snapshot, self._output.parts)
+        if self.devices is not None:
+            self.devices.pass_over(self._output)
 
     async def step(self) -> None:
         """Run one tick, whose output leaves as soon as it is there."""
@@ -387,10 +396,12 @@ class RobotServer:
     @property
     def _has_readers(self) -> bool:
         """Whether an output leaves this process: clients, or connections of programs, are open."""
-        for listener in self._by_urgency:
+        if self.broker.count:
+            return True
+        for listener in self._by_urgency:  # noqa: SIM110 (`any` takes some times as long)
             if listener.clients:
                 return True
-        return self.broker.count > 0
+        return False
 
     def _begin_tick(self) -> list[Input]:
         """Take what the tick that begins now is given."""
@@ -429,8 +440,9 @@ class RobotServer:
 
     def _begin_reading(self) -> None:
         """Let clients be read on: the output of a tick has left; in lockstep, a period of the wall clock has passed."""
-        for listener in self.listeners.values():
-            listener.begin_tick()
+        for listener in self._by_urgency:
+            if listener.is_restless:
+                listener.begin_tick()
         overruns = self.overruns
         self.shares.begin_tick(is_late=overruns > self._overruns_before)
         self._overruns_before = overruns

@@ -145,7 +145,9 @@ class _RecordedLink(InProcessLink):
         super().__init__(robot)
         self._journal = journal
 
-    async def tick(self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None) -> Output:
+    async def tick(
+        self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None, *, asks_due: bool = True
+    ) -> Output:
         # The digests of the journal cover the snapshot of every tick, so it is there already.
         output = await super().tick(inputs, ALL_PARTS, number)
         warning = self._journal.take_warning(output.tick)

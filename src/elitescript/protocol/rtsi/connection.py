@@ -182,17 +182,18 @@ class RtsiConnection(Connection):
         A client that has just written an input gets no package of an earlier tick, since it takes the next package for
         the answer. The first package after a start shows all inputs that were written before.
         """
-        if not self._is_started or output.tick == self._written_tick:
+        tick = output.tick
+        if not self._is_started or tick == self._written_tick:
             return
         if self._first_tick:
-            if output.snapshot.robot.tick < self._first_tick and output.tick < self._held_back_until:
+            if output.snapshot.robot.tick < self._first_tick and tick < self._held_back_until:
                 return
             self._first_tick = 0
         for recipe in self._outputs:
-            if output.tick < recipe.new_before and not output.has(recipe.parts):
+            if tick < recipe.new_before and not output.has(recipe.parts):
                 continue
-            if recipe.schedule.is_due(output.tick):
-                self.send(recipe.package(self._port.packages.body(recipe, output)))
+            if recipe.schedule.is_due(tick):
+                self._out.append(self._port.packages.package(recipe, output))
 
     def next_tick(self, tick: int) -> int | None:
         if not self._is_started:

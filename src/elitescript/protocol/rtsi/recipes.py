@@ -27,6 +27,10 @@ HEAD: Final = struct.Struct(">HBB")
 DATA_PACKAGE: Final = ord("U")
 
 
+_NEVER: Final = 1 << 62
+"""A tick that does not come."""
+
+
 class RecipeSchedule:
     """Ticks at which a recipe is due, exact for any frequency.
 
@@ -36,45 +40,37 @@ class RecipeSchedule:
         frequency_hz: 1 to 250.
     """
 
-    __slots__ = ("_denominator", "_numerator", "_sent", "_start")
+    __slots__ = ("_denominator", "_due", "_numerator", "_start")
 
     def __init__(self, frequency_hz: float) -> None:
         numerator, denominator = frequency_hz.as_integer_ratio()
         self._numerator = numerator
         self._denominator = denominator * TICKS_PER_S
-        self._start: int | None = None
-        self._sent = 0
+        self._start = _NEVER
+        """Tick of the first package."""
+        self._due = 0
+        """First tick at which the next one is due."""
 
     def reset(self) -> None:
         """Start again: a package is due at the next tick."""
-        self._start = None
+        self._start, self._due = _NEVER, 0
 
     def will_be_due(self, tick: int) -> bool:
         """Return whether `is_due` will be True for this tick."""
-        return self._start is None or tick < self._start or self._count(tick) > self._sent
+        return not self._start <= tick < self._due
 
     def is_due(self, tick: int) -> bool:
         """Return whether a package is due at this tick, once; missed packages are not made up for."""
-        if self._start is None or tick < self._start:
-            self._start = tick
-            self._sent = 0
-            return True
-        count = self._count(tick)
-        if count <= self._sent:
+        if self._start <= tick < self._due:
             return False
-        self._sent = count
+        self._start = min(self._start, tick)
+        count = (tick - self._start) * self._numerator // self._denominator
+        self._due = self._start - (-(count + 1) * self._denominator // self._numerator)
         return True
 
     def next_tick(self, tick: int) -> int:
         """Return the first tick after `tick` at which a package is due."""
-        if self._start is None:
-            return tick + 1
-        return max(self._start + -(-(self._sent + 1) * self._denominator // self._numerator), tick + 1)
-
-    def _count(self, tick: int) -> int:
-        """Return the number of packages that are due after the first one, up to a tick."""
-        assert self._start is not None
-        return (tick - self._start) * self._numerator // self._denominator
+        return max(self._due, tick + 1)
 
 
 class OutputRecipe:
@@ -86,12 +82,14 @@ class OutputRecipe:
         frequency_hz: 1 to 250.
     """
 
-    __slots__ = ("_layout", "_readers", "ident", "names", "new_before", "parts", "schedule", "size")
+    __slots__ = ("_layout", "_readers", "ident", "key", "names", "new_before", "parts", "schedule", "size")
 
     def __init__(self, ident: int, names: tuple[str, ...], frequency_hz: float) -> None:
         rows = [OUTPUTS[name] for name in names]
         self.ident = ident
         self.names = names
+        self.key = f"{ident},{','.join(names)}"
+        """The same for recipes with the same packages; other than a tuple of names it is hashed once."""
         self.schedule = RecipeSchedule(frequency_hz)
         self.parts = TIME
         """Of the snapshot, as bits of `messages.snapshot_parts`."""
@@ -171,23 +169,27 @@ class InputClaims:
 
 
 class PackageCache:
-    """The values of each recipe at the newest tick, packed once for all clients."""
+    """The packages of the newest tick: the values of recipes, packed once for all clients."""
 
-    __slots__ = ("_bodies", "_output")
+    __slots__ = ("_bodies", "_output", "_packages")
 
     def __init__(self) -> None:
         self._output: Output | None = None
         self._bodies: dict[tuple[str, ...], bytes] = {}
+        self._packages: dict[str, bytes] = {}
 
-    def body(self, recipe: OutputRecipe, output: Output) -> bytes:
-        """Return the values of a recipe at a tick."""
+    def package(self, recipe: OutputRecipe, output: Output) -> bytes:
+        """Return the package of a recipe at a tick."""
         if output is not self._output:
             self._output = output
-            self._bodies = {}
-        body = self._bodies.get(recipe.names)
-        if body is None:
-            body = self._bodies[recipe.names] = recipe.packed(output)
-        return body
+            self._bodies, self._packages = {}, {}
+        package = self._packages.get(recipe.key)
+        if package is None:
+            body = self._bodies.get(recipe.names)
+            if body is None:
+                body = self._bodies[recipe.names] = recipe.packed(output)
+            package = self._packages[recipe.key] = recipe.package(body)
+        return package
 
 
 class RtsiPort:

@@ -48,9 +48,9 @@ def serve(line: frames.BlockingLine) -> None:
     while True:
         letter, text = line.receive()
         if letter == frames.TICK and kernel is not None:
-            tick, parts, text = frames.read_tick(text)
+            tick, parts, asks_due, text = frames.read_tick(text)
             result = kernel.tick([input_shape.decode(item) for item in from_text(text)] if text else (), tick)
-            state, rests, due = kernel.discrete_state(), kernel.controller.is_resting, kernel.due_tick()
+            state, rests = kernel.discrete_state(), kernel.controller.is_resting
             if not parts and state == shown:
                 letter, content = frames.RESULT, to_text([kernel.line, result_shape.encode(without_points(result))])
             else:
@@ -60,7 +60,9 @@ def serve(line: frames.BlockingLine) -> None:
                 whole_tick, is_whole = tick, rests
             elif not rests:
                 is_whole = False
-            due = frames.NEVER if due is None else due
+            due = kernel.due_tick() if asks_due else tick + 1
+            if due is None:
+                due = frames.NEVER
             if not is_whole:
                 due = min(due, max(whole_tick + frames.REFRESH_TICKS, tick + 1))
             line.send(letter, frames.numbered(due, content))

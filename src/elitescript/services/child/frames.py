@@ -21,7 +21,7 @@ READ_BYTES: Final = 1 << 16
 """Taken from a socket at once: more would be memory that the system has to find anew for every message."""
 _LENGTH: Final = struct.Struct(">I")
 _HEAD: Final = struct.Struct(">IB")
-_TICK: Final = struct.Struct(">qB")
+_TICK: Final = struct.Struct(">qB?")
 _NUMBER: Final = struct.Struct(">q")
 NEVER: Final = (1 << 63) - 1
 """Number of a tick that does not come."""
@@ -35,13 +35,13 @@ LOCK_IN: Final = "L"
 BEGIN: Final = "B"
 """Options: the child makes its robot and answers `DESCRIBED`."""
 TICK: Final = "T"
-"""Number of a tick to leap to and run (i64), the parts of its snapshot that are read (a byte), then the inputs if there
-are any. The child answers with `OUTPUT`, later `OUTPUT_CHANGES`; if nothing is read and the discrete state has not
-changed, with `RESULT`."""
+"""Number of a tick to leap to and run (i64), parts of its snapshot that are read (a byte), whether the next tick that is
+due is asked for (a byte), then the inputs if there are any. The child answers with `OUTPUT`, later `OUTPUT_CHANGES`; if
+nothing is read and the discrete state has not changed, with `RESULT`."""
 ANSWER: Final = "A"
 """Answer to a `QUESTION`."""
 
-# Up. The answers to a tick begin with the number of the next one that is due.
+# Up. The answers to a tick begin with the number of the next one that is due; the next one if that was not asked for.
 LOCKED_IN: Final = "L"
 """The layers of the jail."""
 DESCRIBED: Final = "D"
@@ -58,13 +58,13 @@ FAILED: Final = "F"
 """`[kind, text]`: why the child ends."""
 
 
-def tick_content(number: int, parts: int, inputs: str) -> bytes:
+def tick_content(number: int, parts: int, asks_due: bool, inputs: str) -> bytes:
     """Return the content of `TICK`."""
-    return _TICK.pack(number, parts) + inputs.encode()
+    return _TICK.pack(number, parts, asks_due) + inputs.encode()
 
 
-def read_tick(content: bytes) -> tuple[int, int, bytes]:
-    """Return number, parts and inputs of the content of `TICK`."""
+def read_tick(content: bytes) -> tuple[int, int, bool, bytes]:
+    """Return what `tick_content` was given."""
     return *_TICK.unpack_from(content), content[_TICK.size :]
 
 
@@ -118,6 +118,12 @@ class FrameReader:
             CodecError: a length that no message has.
         """
         buffer = self._buffer
+        if not buffer and len(data) > _LENGTH.size and _LENGTH.unpack_from(data)[0] == len(data) - _LENGTH.size:
+            # As most come: one message in one piece.
+            if len(data) - _LENGTH.size > self._limit:
+                raise CodecError(f"a message of {len(data) - _LENGTH.size} bytes; there are 1 to {self._limit}")
+            yield chr(data[_LENGTH.size]), data[_LENGTH.size + 1 :]
+            return
         buffer += data
         at = 0
         while len(buffer) - at >= _LENGTH.size:

@@ -39,6 +39,7 @@ from elitescript.services.child.supervision import (
 from elitescript.services.child.transport import ChildTransport, SentTick
 from elitescript.services.journal.writer import Journal
 from elitescript.services.time.cycle import CATCH_UP_TICKS
+from elitescript.services.time.prompt import PromptFuture
 
 GRACE_S: Final = 0.1
 """How long outputs that are late are waited for, if the others were in time: ticks leave late then, but all of them."""
@@ -72,6 +73,7 @@ class ChildLink:
     """
 
     __slots__ = (
+        "_alarm",
         "_answered",
         "_changed",
         "_description",
@@ -81,6 +83,7 @@ class ChildLink:
         "_grace_s",
         "_is_catching_up",
         "_is_jailed",
+        "_is_over",
         "_journal",
         "_lost",
         "_memory_max",
@@ -92,6 +95,7 @@ class ChildLink:
         "_snapshot_tick",
         "_supervision",
         "_transport",
+        "_until_s",
         "layers",
     )
 
@@ -122,7 +126,12 @@ class ChildLink:
         self._description: RobotDescription | None = None
         self._outputs = OutputBuffer()
         self._pending = PendingInputs()
-        self._changed: asyncio.Future[None] | None = None
+        self._changed: PromptFuture | None = None
+        """What is waited for now."""
+        self._is_over: Callable[[], bool] = lambda: True
+        """Whether it has come."""
+        self._until_s = 0.0
+        self._alarm: asyncio.TimerHandle | None = None
         self._is_catching_up = False
         self._lost: Sequence[Input] = ()
         """Inputs of the tick that the last child has failed in."""
@@ -195,7 +204,9 @@ class ChildLink:
         """See `RobotLink.watch`: a child may end at any time."""
         self._on_due = on_due
 
-    async def tick(self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None) -> Output:
+    async def tick(
+        self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None, *, asks_due: bool = True
+    ) -> Output:
         """Give the robot its inputs and return what it has given by now; see `RobotLink.tick`.
 
         Raises:
@@ -215,7 +226,7 @@ class ChildLink:
             if transport.is_ready:
                 if not transport.is_begun:
                     self._go_on(transport, tick)
-                self._send_tick(transport, tick, parts)
+                self._send_tick(transport, tick, parts, asks_due=asks_due)
         await self._wait_for_output(tick)
         self._watch(tick)
         if self._outputs.newest is None:
@@ -229,6 +240,8 @@ class ChildLink:
             process, self._transport = self._transport.process, None
             process.kill()
             await process.gone()
+        if self._alarm is not None:
+            self._alarm.cancel()
         self._desk.close()
         if self._journal is not None:
             self._journal.close()
@@ -260,7 +273,7 @@ class ChildLink:
         if self._journal is not None:
             self._journal.restart(tick, self._supervision.reason, last, self._lost)
 
-    def _send_tick(self, transport: ChildTransport, tick: int, parts: int) -> None:
+    def _send_tick(self, transport: ChildTransport, tick: int, parts: int, *, asks_due: bool) -> None:
         inputs = self._pending.portion()
         if refused := self._pending.take_refused():
             text = f"{refused} inputs were refused: {WAITING_MAX} waited for the robot already"
@@ -270,8 +283,8 @@ class ChildLink:
         if parts == ALL_PARTS:
             self._snapshot_tick = tick
         if not transport.unanswered:
-            self._supervision.watch_from_now(transport.process.worked_s())
-        transport.send_tick(tick, inputs, parts)
+            self._supervision.watch_from_now()
+        transport.send_tick(tick, inputs, parts, asks_due=asks_due)
 
     def _needs_snapshot(self, transport: ChildTransport, tick: int) -> bool:
         """Return whether a tick needs a whole snapshot that nothing reads in it.
@@ -291,7 +304,7 @@ class ChildLink:
         """Take what a tick has given."""
         transport = self._transport
         assert transport is not None
-        self._supervision.note_answer(transport.process.worked_s(), sent.number - self._answered)
+        self._supervision.note_answer(sent.number - self._answered)
         self._answered, self._due = sent.number, due
         if sent.size and len(transport.unanswered) >= LAG_MAX:
             # What queued up while it compiled is soon made up for; clients need not wait for that.
@@ -304,15 +317,14 @@ class ChildLink:
 
     def _take_question(self, sent: SentTick | None) -> None:
         """Count a question about files as an answer, unless they take too long altogether."""
-        assert self._transport is not None
         if sent is not None and time.monotonic() - sent.asking_since_s < FILES_MAX_S:
-            self._supervision.watch_from_now(self._transport.process.worked_s())
+            self._supervision.watch_from_now()
 
     def _wake(self) -> None:
         """Look again at what is waited for."""
         if self._transport is not None and self._transport.end_reason:
             self._on_due()
-        if self._changed is not None and not self._changed.done():
+        if self._changed is not None and not self._changed.done() and self._is_over():
             self._changed.set_result(None)
 
     # ---------------------------------------------------------------- watching
@@ -397,16 +409,36 @@ class ChildLink:
 
     async def _wait_until(self, is_over: Callable[[], bool], longest_s: float) -> None:
         """Return when a condition holds, or after a time."""
-        loop = asyncio.get_running_loop()
         if longest_s <= 0.0:
             await asyncio.sleep(0)
             return
-        until_s = loop.time() + longest_s
-        while not is_over() and loop.time() < until_s:
-            changed = self._changed = loop.create_future()
-            timer = loop.call_at(until_s, self._wake)
-            try:
-                await changed
-            finally:
-                self._changed = None
-                timer.cancel()
+        if is_over():
+            return
+        self._until_s = time.monotonic() + longest_s
+        self._is_over = is_over
+        changed = self._changed = PromptFuture()
+        self._set_alarm()
+        try:
+            await changed
+        finally:
+            self._changed = None
+
+    def _set_alarm(self) -> None:
+        """Have what is waited for given up in time.
+
+        A timer that is set already is left alone, and set anew when it rings too early: nearly all answers come before.
+        """
+        if self._alarm is not None:
+            if self._alarm.when() <= self._until_s:
+                return
+            self._alarm.cancel()
+        self._alarm = asyncio.get_running_loop().call_at(self._until_s, self._ring)
+
+    def _ring(self) -> None:
+        self._alarm = None
+        if self._changed is None or self._changed.done():
+            return
+        if time.monotonic() < self._until_s:
+            self._set_alarm()
+        else:
+            self._changed.set_result(None)

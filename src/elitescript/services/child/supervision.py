@@ -84,6 +84,7 @@ class Supervision:
     __slots__ = (
         "_asked_where_s",
         "_failures",
+        "_is_measured",
         "_restart_at",
         "_since_s",
         "_worked_s",
@@ -98,6 +99,8 @@ class Supervision:
         self.hang_limit_s = hang_limit_s
         self._since_s = self._asked_where_s = 0.0
         self._worked_s: float | None = None
+        """Processor time of the child at the end of the first tick in which it has not answered; None if not known."""
+        self._is_measured = False
         self._failures = self._restart_at = 0
         self.answered = self.boots = self.restarts = 0
         self.reason = ""
@@ -110,11 +113,10 @@ class Supervision:
         self.answered = 0
         self._asked_where_s = 0.0
 
-    def note_answer(self, worked_s: float | None, ticks: int = 1) -> None:
+    def note_answer(self, ticks: int = 1) -> None:
         """Count a tick that the child has answered.
 
         Args:
-            worked_s: processor time that it has used so far; None if it is not known.
             ticks: how many have gone by since the one before.
         """
         self.boots = 0
@@ -122,12 +124,12 @@ class Supervision:
         if self.answered >= CALM_TICKS:
             self._failures = 0
         self._asked_where_s = 0.0
-        self.watch_from_now(worked_s)
+        self.watch_from_now()
 
-    def watch_from_now(self, worked_s: float | None) -> None:
+    def watch_from_now(self) -> None:
         """Begin to wait for an answer anew."""
         self._since_s = time.monotonic()
-        self._worked_s = worked_s
+        self._is_measured = False
 
     def note_failure(self, tick: int, reason: str) -> str:
         """Count a failure; return the reason, with when the next child starts if that is not at once."""
@@ -169,6 +171,9 @@ class Supervision:
         if not transport.unanswered:
             return None
         process, sent = transport.process, transport.unanswered[0]
+        if not self._is_measured:
+            # Most answers come in the tick that they are asked for in, and this is not reached.
+            self._worked_s, self._is_measured = process.worked_s(), True
         if not self.is_hanging(tick - sent.number, process.worked_s, more_s=compile_s(sent.size)):
             return None
         if not self._asked_where_s:

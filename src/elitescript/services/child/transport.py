@@ -35,6 +35,8 @@ READING_MAX_S: Final = 0.25
 READING_KEPT: Final = 0.99
 """Time that the outputs of the last hundred ticks or so may take to be read: more than half of it."""
 NO_INPUTS: Final = to_text([])
+READ_FREELY: Final = 4000
+"""Bytes of an output that take so little time that it is not measured."""
 FAILURE_MAX: Final = 8000
 """Characters of the reason that a child gives for its end."""
 
@@ -149,12 +151,16 @@ class ChildTransport:
         self.is_begun = True
         self.process.send(frames.BEGIN, to_text(options_data(options)))
 
-    def send_tick(self, number: int, inputs: Sequence[Input], parts: int) -> None:
-        """Send a tick with its inputs, and the parts of its snapshot that are asked for."""
-        text = to_text([self._input_shape.encode(item) for item in inputs]) if inputs else NO_INPUTS
-        size = sum(len(item.text) for item in inputs if isinstance(item, RunUnit | Interpret | Query))
-        self.unanswered.append(SentTick(number, inputs, parts, text, size))
-        self.process.send(frames.TICK, frames.tick_content(number, parts, text if inputs else ""))
+    def send_tick(self, number: int, inputs: Sequence[Input], parts: int, *, asks_due: bool) -> None:
+        """Send a tick with its inputs, and ask for parts of its snapshot, and for the next tick that is due."""
+        if inputs:
+            text = to_text([self._input_shape.encode(item) for item in inputs])
+            size = sum(len(item.text) for item in inputs if isinstance(item, RunUnit | Interpret | Query))
+            self.unanswered.append(SentTick(number, inputs, parts, text, size))
+        else:
+            text = ""
+            self.unanswered.append(SentTick(number, inputs, parts, NO_INPUTS))
+        self.process.send(frames.TICK, frames.tick_content(number, parts, asks_due, text))
 
     # ---------------------------------------------------------------- up
 
@@ -202,12 +208,15 @@ class ChildTransport:
         if not self.unanswered:
             raise CodecError("an output that was not asked for")
         due, text = frames.split_number(text)
-        began_s = time.thread_time()
-        parts = self.unanswered[0].parts | TIME
-        output = self._read_result(text) if letter == frames.RESULT else self._reader.read(letter, text, parts)
-        self._reading_s = READING_KEPT * self._reading_s + time.thread_time() - began_s
-        if self._reading_s > READING_MAX_S:
-            raise CodecError("it says so much that reading it takes the time of other clients")
+        self._reading_s *= READING_KEPT
+        if len(text) < READ_FREELY:
+            output = self._read_output(letter, text)
+        else:
+            began_s = time.thread_time()
+            output = self._read_output(letter, text)
+            self._reading_s += time.thread_time() - began_s
+            if self._reading_s > READING_MAX_S:
+                raise CodecError("it says so much that reading it takes the time of other clients")
         sent = self.unanswered.popleft()
         if output.tick != sent.number:
             raise CodecError(f"the output of tick {output.tick} instead of {sent.number}")
@@ -216,6 +225,11 @@ class ChildTransport:
         elif sent.parts:
             raise CodecError(f"the output of tick {output.tick} lacks the snapshot that was asked for")
         self._on_output(sent, output, due)
+
+    def _read_output(self, letter: str, text: bytes) -> Output | TickResult:
+        if letter == frames.RESULT:
+            return self._read_result(text)
+        return self._reader.read(letter, text, self.unanswered[0].parts | TIME)
 
     def _read_result(self, text: bytes) -> TickResult:
         """Read what a tick gives without its snapshot."""

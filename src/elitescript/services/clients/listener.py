@@ -93,6 +93,7 @@ class Listener:
         clients: by origin.
         number: of the port.
         expected_ns: what accepting takes, see `shares.Waiting`.
+        is_restless: whether `begin_tick` is to be called: clients were accepted or refused.
     """
 
     __slots__ = (
@@ -107,6 +108,7 @@ class Listener:
         "clients",
         "connect",
         "expected_ns",
+        "is_restless",
         "number",
         "service",
     )
@@ -116,6 +118,7 @@ class Listener:
         self.clients: dict[str, Client] = {}
         self.number: int = bound.getsockname()[1]
         self.expected_ns = 0
+        self.is_restless = False
         self._hub = hub
         self._crowd = RefusalBurst(hub, service.name, "clients")
         """Clients that found no room."""
@@ -140,7 +143,7 @@ class Listener:
 
     def next_tick(self, tick: int) -> int | None:
         """Return the next tick after `tick` that must run though nothing happens in it; None if none must."""
-        if self._accepted or not (self._crowd.is_reported and self._browsers.is_reported):
+        if self.is_restless:
             return tick + 1
         due: int | None = None
         for client in self.clients.values():
@@ -153,7 +156,7 @@ class Listener:
 
     def publish(self, output: Output) -> None:
         """Give every client the output of a tick."""
-        for client in list(self.clients.values()):
+        for client in tuple(self.clients.values()):
             client.publish(output)
 
     @property
@@ -162,13 +165,14 @@ class Listener:
         return sum(not client.is_leaving for client in self.clients.values())
 
     def begin_tick(self) -> None:
-        """Accept on, and write how many clients were refused if that is due."""
+        """Accept on, and write how many clients were refused if that is due; while `is_restless`."""
         if self._accepted:
             self._accepted = 0
             if self._turn is not None:
                 self._hub.shares.wait(self, is_light=True)
         self._crowd.report_due()
         self._browsers.report_due()
+        self.is_restless = not (self._crowd.is_reported and self._browsers.is_reported)
 
     @property
     def refused(self) -> int:
@@ -209,7 +213,7 @@ class Listener:
             except OSError as error:
                 if error.errno in (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM):
                     self._crowd.add(f"this process can have no more sockets ({error.strerror})")
-                    self._hub.make_due()
+                    self._stir()
                     await asyncio.sleep(NO_ROOM_S)
                 # Any other error is of the client that was to be accepted: it has gone already.
                 continue
@@ -222,7 +226,7 @@ class Listener:
             self.expected_ns = time.thread_time_ns() - start_ns
             self._hub.shares.charge(self.expected_ns)
             self._accepted += 1
-            self._hub.make_due()
+            self._stir()
             if self._accepted >= ACCEPTS_PER_TICK or self._hub.shares.is_used_up(0):
                 self._turn = loop.create_future()
                 try:
@@ -233,7 +237,7 @@ class Listener:
     async def _welcome(self, raw: socket.socket) -> None:
         self._count += 1
         origin = f"{self.service.name}#{self._count}"
-        client = Client(self._hub, self.service, self.connect(origin), self._forget, self._browsers.add)
+        client = Client(self._hub, self.service, self.connect(origin), self._forget, self._refuse)
         self.clients[origin] = client
         with contextlib.suppress(OSError):
             # It may have gone already; what it sent before counts.
@@ -245,6 +249,16 @@ class Listener:
             # It has gone already.
             raw.close()
             self._forget(origin)
+
+    def _refuse(self, why: str) -> None:
+        """Write that a client was a web browser."""
+        self._browsers.add(why)
+        self._stir()
+
+    def _stir(self) -> None:
+        """Have the next tick run."""
+        self.is_restless = True
+        self._hub.make_due()
 
     def _forget(self, origin: str) -> None:
         self.clients.pop(origin, None)

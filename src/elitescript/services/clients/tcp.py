@@ -332,18 +332,18 @@ class Client(asyncio.BufferedProtocol):
 
     def publish(self, output: Output) -> None:
         """Give the client a tick."""
-        if self.connection.is_busy:
+        connection = self.connection
+        if connection.is_busy:
             # What it has sent before is worked on now, and is paid for as if it had just been read.
             start_ns = time.thread_time_ns()
-            self._give(output)
+            self._give(connection, output)
             spent_ns = time.thread_time_ns() - start_ns
             self._late_ns += spent_ns
             self._hub.shares.charge(spent_ns)
         else:
-            self._give(output)
+            self._give(connection, output)
 
-    def _give(self, output: Output) -> None:
-        connection = self.connection
+    def _give(self, connection: Connection, output: Output) -> None:
         try:
             connection.publish(output)
             inputs = connection.due()
@@ -365,8 +365,10 @@ class Client(asyncio.BufferedProtocol):
             self._finish()
         elif self._stalled_since is not None and output.tick - self._stalled_since > STALLED_TICKS:
             self._cut_off(f"has read nothing for {STALLED_TICKS // TICKS_PER_S} s")
-        else:
+        elif self._is_paused:
             self.read_on()
+        else:
+            self._spent_ns = 0
 
     def relieve(self) -> None:
         """Go on with what needs no tick, while none comes."""
@@ -435,7 +437,8 @@ class Client(asyncio.BufferedProtocol):
         for message in connection.take():
             if transport.is_closing():
                 return
-            backlog = transport.get_write_buffer_size()
+            # Up to `SAMPLE_BACKLOG` the transport does not pause writing.
+            backlog = 0 if self._stalled_since is None else transport.get_write_buffer_size()
             if is_sample(message):
                 if backlog > SAMPLE_BACKLOG:
                     self._miss()
@@ -445,7 +448,7 @@ class Client(asyncio.BufferedProtocol):
                 self._cut_off(f"does not read: {backlog} bytes wait for it")
                 return
             transport.write(message)
-        if self.is_behind:
+        if self._stalled_since is not None:
             self._pause()
 
     def _miss(self) -> None:

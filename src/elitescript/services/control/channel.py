@@ -190,7 +190,11 @@ class ControlChannel:
                 output = await server.next_output()
             result = verb.read(request, output)
             if verb.name == "state":
-                result |= {"left_out": server.left_out, "waits_for": server.waits_for}
+                result |= {
+                    "overruns": server.overruns,
+                    "left_out": server.left_out,
+                    "waits_for": server.waits_for,
+                }
             return {"ok": True, "result": result}
         order, awaited = verb.order(request).answered(request.origin)
         if not order.inputs:

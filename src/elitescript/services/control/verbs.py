@@ -292,7 +292,6 @@ def _state(request: VerbRequest, output: Output) -> dict[str, Any]:
         "remote": snapshot.is_remote,
         "popup": snapshot.popup,
         "task": asdict(snapshot.task),
-        "overruns": snapshot.overruns,
     }
 
 

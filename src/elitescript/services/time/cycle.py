@@ -23,6 +23,7 @@ from collections.abc import Callable
 from typing import Any, Final, Protocol
 
 from elitescript.messages.timing import TICKS_PER_S
+from elitescript.services.time.prompt import PromptFuture
 
 PERIOD_NS: Final = 4_000_000
 LATE_NS: Final = PERIOD_NS
@@ -160,9 +161,8 @@ class Cycle:
 
     async def _until_due(self) -> int:
         """Wait for the tick that is due, which may become an earlier one meanwhile; return what time it is then."""
-        loop = asyncio.get_running_loop()
         while (now_ns := time.monotonic_ns()) < self._due_ns:
-            self._waiter = loop.create_future()
+            self._waiter = PromptFuture()
             self._timer.wake_at(self._due_ns, self._waiter)
             await self._waiter
         return now_ns
@@ -272,9 +272,8 @@ def best_timer() -> Timer:
 
 async def _until(due_ns: int, timer: Timer) -> int:
     """Wait for a time of `time.monotonic_ns`; return what time it is then."""
-    loop = asyncio.get_running_loop()
     while (now_ns := time.monotonic_ns()) < due_ns:
-        waiter = loop.create_future()
+        waiter = PromptFuture()
         timer.wake_at(due_ns, waiter)
         await waiter
     return now_ns

@@ -25,7 +25,6 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Final, NamedTuple
 
-from elitescript.messages.outputs import Output
 from elitescript.messages.timing import PERIOD_S
 from elitescript.protocol.rtsi.connection import RtsiConnection
 from elitescript.services.clients.direct import DirectReading
@@ -306,10 +305,6 @@ class LockstepTime(PacedTime):
 
     async def outlet(self) -> None:
         """Return at once: an output leaves as soon as it is there."""
-
-    def with_overruns(self, output: Output) -> Output:
-        """Return the output as it is: no tick is late."""
-        return output
 
     def wake(self) -> None:
         """Look again whether time may go on: a client has sent something, has read, or goes."""

@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
-from operator import attrgetter
 from typing import Final
 
-from elitescript.messages.outputs import Output
-from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.services.log import ServerLog
 from elitescript.services.time.cycle import Cycle
@@ -17,9 +13,6 @@ REPORT_TICKS: Final = 10 * TICKS_PER_S
 """After so many ticks the log gets the number of those that were late."""
 LATE_MANY: Final = REPORT_TICKS // 100
 """So many of them are a problem."""
-
-_ALL_FIELDS: Final = attrgetter(*Snapshot.__dataclass_fields__)
-_OVERRUNS_AT: Final = list(Snapshot.__dataclass_fields__).index("overruns")
 
 
 class PacedTime:
@@ -30,16 +23,13 @@ class PacedTime:
         on_left_out: called with the number of ticks that are left out.
     """
 
-    __slots__ = ("_counted", "_cycle", "_log", "_overruns_before", "_plain", "_ticks")
+    __slots__ = ("_cycle", "_log", "_overruns_before", "_ticks")
 
     def __init__(self, log: ServerLog, on_left_out: Callable[[int], None]) -> None:
         self._log = log
         self._cycle = Cycle(on_left_out=on_left_out)
         self._ticks = self._overruns_before = 0
         """Since the last report, and before it."""
-        self._plain: Snapshot | None = None
-        self._counted: Snapshot | None = None
-        """The snapshot of the last output as the robot made it, and with the count of late ticks."""
 
     @property
     def overruns(self) -> int:
@@ -78,18 +68,6 @@ class PacedTime:
     async def outlet(self) -> None:
         """Return when the output of the present tick leaves."""
         await self._cycle.outlet()
-
-    def with_overruns(self, output: Output) -> Output:
-        """Return an output whose snapshot has the count of late ticks; the same object while nothing has changed."""
-        snapshot, overruns = output.snapshot, self._cycle.overruns
-        if not overruns:
-            return output
-        if self._counted is None or snapshot is not self._plain or self._counted.overruns != overruns:
-            # `dataclasses.replace` takes some times as long.
-            fields = list(_ALL_FIELDS(snapshot))
-            fields[_OVERRUNS_AT] = overruns
-            self._plain, self._counted = snapshot, Snapshot(*fields)
-        return replace(output, snapshot=self._counted)
 
     def wake(self) -> None:
         """Look again whether time may go on: it waits for no client, but what a client does is due."""
