@@ -145,9 +145,11 @@ class _RecordedLink(InProcessLink):
         super().__init__(robot)
         self._journal = journal
 
-    def tick_now(self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None) -> Output:
+    async def tick(
+        self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None, *, asks_due: bool = True
+    ) -> Output:
         # The digests of the journal cover the snapshot of every tick, so it is there already.
-        output = super().tick_now(inputs, ALL_PARTS, number)
+        output = await super().tick(inputs, ALL_PARTS, number)
         warning = self._journal.take_warning(output.tick)
         return replace(output, events=(*output.events, *warning)) if warning else output
 
