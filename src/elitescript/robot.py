@@ -15,6 +15,7 @@ from weakref import WeakMethod
 from elitescript.controller.signals.by_name import signal_write
 from elitescript.controller.views.signals import Signals
 from elitescript.controller.views.trace import Trace
+from elitescript.controller.views.trace_rows import TraceRecorder
 from elitescript.controller.views.trace_signals import SignalRecord, TraceSignals
 from elitescript.controller.views.warning_limit import WarningLimit
 from elitescript.devices.drain import DRAIN_S, Drain
@@ -347,7 +348,7 @@ class VirtualRobot:
             self.controller.power_up()
         self._trace = trace if isinstance(trace, Trace) else None
         if trace and self._trace is None:
-            self._trace = Trace(run.trace.append, trace_step_s, TraceSignals(trace_signals))
+            self._trace = TraceRecorder(trace_step_s, TraceSignals(trace_signals), run.trace)
         if unit.kind == SECONDARY and self._run is run:
             self._host.start_secondary(unit, world=world)
         else:

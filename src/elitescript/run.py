@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable
 from typing import Any, Final, Literal, NamedTuple, TypeVar
 
-from elitescript.controller.views.trace import TraceRow
+from elitescript.controller.views.trace_rows import TraceRows
 from elitescript.controller.views.trace_signals import SignalRecord
 from elitescript.errors import AlarmError
 from elitescript.language.compiler import CompiledUnit
@@ -87,7 +87,7 @@ class Run:
         self.alarms: list[Alarm] = []
         self.events: list[Event] = []
         self.events_dropped = 0
-        self.trace: list[TraceRow] = []
+        self.trace = TraceRows()
         self.undelivered: list[str] = []
         self.look: Callable[[], Look] | None = None
         self._end: Look | None = None

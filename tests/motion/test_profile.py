@@ -203,3 +203,16 @@ def test_one_motion_after_another() -> None:
         t_s = k * 0.1
         (s_1, v_1), (s_2, v_2) = first.at(t_s), second.at(t_s - first.duration_s)
         assert both.at(t_s) == pytest.approx((s_1 + s_2, v_1 + v_2), abs=1e-12)
+
+
+def test_many_times_give_what_one_time_gives() -> None:
+    rng = random.Random(5)
+    profiles = [trapezoid(*law) for law in random_laws(100, 8)]
+    profiles += [trapezoid(0.0, 1.0, 1.0), trapezoid(0.4, 0.25, 1.25).followed_by(trapezoid(0.01, 5.0, 1.0))]
+    profiles += [trapezoid_of(0.5, Law(0.3, 1.0, 0.7), start=0.1, v_start=0.2)]
+    for profile in profiles:
+        corners = [profile.time_at(position) for position in profile.corners]
+        times = [-1.0, 0.0, *corners, profile.duration_s, profile.duration_s + 1.0]
+        times += [rng.uniform(-0.1, 1.1) * profile.duration_s for _ in range(50)]
+        for order in (sorted(times), times):
+            assert profile.at_times(order) == [profile.at(t_s) for t_s in order]

@@ -111,3 +111,12 @@ def test_kind_tells_the_geometry() -> None:
 def test_end_pose_of_a_line_is_the_target_itself() -> None:
     request = line_by(Q_WORK, 0.1, 0.15, -0.08, 0.2, 0.1, -0.3)
     assert SEGMENTS["movel"].T_base_tcp_end == transform_from_pose(request.p_target)
+
+
+def test_many_times_give_what_one_time_gives(segment: Segment) -> None:
+    rng = random.Random(11)
+    times = sorted([-1.0, 0.0, segment.duration_s, 99.0, *(rng.uniform(0.0, segment.duration_s) for _ in range(60))])
+    assert segment.setpoints(times) == [segment.setpoint(t_s) for t_s in times]
+    for end in (0, 1, 2, len(times) - 2):
+        assert segment.setpoints(times[end:]) == [segment.setpoint(t_s) for t_s in times[end:]]
+    assert segment.setpoints([-2.0, -1.0]) == [segment.setpoint(-1.0)] * 2

@@ -34,7 +34,7 @@ from elitescript.controller.tasks import ProgramPort, Task
 from elitescript.controller.tool_setup import SETUP_HANDLERS, Setup
 from elitescript.errors import MotionError, ScriptStateError
 from elitescript.kinematics.arm import Arm
-from elitescript.kinematics.transforms import pose_from_transform
+from elitescript.kinematics.tcp import tcp_pose
 from elitescript.messages.enums import RobotMode, TaskState
 from elitescript.messages.events import Event, LineMarked, RobotModeChanged, SignalChanged, TaskStateChanged, Warned
 from elitescript.messages.machine import (
@@ -355,7 +355,7 @@ class Controller:
 
     def tcp_pose(self, q: Six) -> Six:
         """Return the pose of the active TCP at joint positions, base frame."""
-        return pose_from_transform(self.arm.forward_tcp(q, self.setup.T_flange_tcp))
+        return tcp_pose(self.arm, q, self.setup.T_flange_tcp)
 
     def path_offset_along(self, frame: OffsetFrame) -> Six:
         """See `commands.definition.context.Machine.path_offset_along`."""

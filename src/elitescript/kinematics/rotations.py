@@ -61,7 +61,7 @@ def rpy_from_rotation(R: Rotation) -> RPY:
     At pitch +-pi/2 (within `GIMBAL_MARGIN_RAD`) rx is zero and rz carries the whole turn.
     """
     ry = atan2(-R[6], sqrt(R[0] * R[0] + R[3] * R[3]))
-    if -_PITCH_LIMIT <= ry <= _PITCH_LIMIT:
+    if -PITCH_LIMIT <= ry <= PITCH_LIMIT:
         return atan2(R[7], R[8]), ry, atan2(R[3], R[0])
     return 0.0, ry, atan2(-R[1], R[4])
 
@@ -165,7 +165,7 @@ def from_columns(x: Vector3, y: Vector3, z: Vector3) -> Rotation:
     return x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]
 
 
-_PITCH_LIMIT: Final = 0.5 * pi - GIMBAL_MARGIN_RAD
+PITCH_LIMIT: Final = 0.5 * pi - GIMBAL_MARGIN_RAD
 
 _SMALL_ANGLE: Final = 1e-9
 """Below it sin t = t to the last bit, and dividing by t would only add noise (rad)."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
+from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 from elitescript.kinematics.transforms import Transform
@@ -113,6 +115,19 @@ class Segment:
             return Setpoint(self.path.q_end, ZERO_SIX)
         return _state(self.path, *self.profile.at(t_s))
 
+    def setpoints(self, times_s: Sequence[float]) -> list[tuple[Six, Six]]:
+        """Return what `setpoint` returns, for many times in rising order."""
+        path = self.path
+        if path.length == 0.0:
+            return [(path.q_start, ZERO_SIX)] * len(times_s)
+        begin, end = bisect_right(times_s, 0.0), bisect_left(times_s, self.duration_s)
+        passages = self.profile.at_times(times_s[begin:end])
+        return [
+            *[(path.q_start, ZERO_SIX)] * begin,
+            *_states(path, passages),
+            *[(path.q_end, ZERO_SIX)] * (len(times_s) - max(begin, end)),
+        ]
+
     def profile_time(self, t_s: float) -> float:
         """Return the time of the profile at a time of the segment; below 0 before the path is entered."""
         return t_s
@@ -179,6 +194,18 @@ class BlendedSegment(Segment):
             return Setpoint(*self.corner.q_and_slope(t_s - self.approach_s))
         return _state(self.before, *self.before_profile.at(self.before_s + max(0.0, t_s)))
 
+    def setpoints(self, times_s: Sequence[float]) -> list[tuple[Six, Six]]:
+        approach_s, entered_s, before_s = self.approach_s, self.entered_s, self.before_s
+        corner, rest, end = [bisect_left(times_s, t_s) for t_s in (approach_s, entered_s, self.duration_s)]
+        before_times = [before_s + max(0.0, t_s) for t_s in times_s[:corner]]
+        rest_times = [t_s - entered_s for t_s in times_s[rest:end]]
+        return [
+            *_states(self.before, self.before_profile.at_times(before_times)),
+            *[self.corner.q_and_slope(t_s - approach_s) for t_s in times_s[corner:rest]],
+            *_states(self.path, self.profile.at_times(rest_times)),
+            *[(self.path.q_end, ZERO_SIX)] * (len(times_s) - end),
+        ]
+
     def profile_time(self, t_s: float) -> float:
         return t_s - self.entered_s
 
@@ -209,8 +236,23 @@ class RunningSegment(Segment):
             return Setpoint(self.path.q_end, ZERO_SIX)
         return _state(self.path, *self.profile.at(t_s))
 
+    def setpoints(self, times_s: Sequence[float]) -> list[tuple[Six, Six]]:
+        end = bisect_left(times_s, self.duration_s)
+        passages = self.profile.at_times(times_s[:end])
+        return [*_states(self.path, passages), *[(self.path.q_end, ZERO_SIX)] * (len(times_s) - end)]
+
 
 def _state(path: JointPath, position: float, speed: float) -> Setpoint:
     """Return joint angles and speeds where a path position is passed at a path speed."""
     q, (d1, d2, d3, d4, d5, d6) = path.q_and_slope(position)
     return Setpoint(q, (d1 * speed, d2 * speed, d3 * speed, d4 * speed, d5 * speed, d6 * speed))
+
+
+def _states(path: JointPath, passages: Sequence[tuple[float, float]]) -> list[tuple[Six, Six]]:
+    """Return what `_state` returns, for many positions and speeds."""
+    q_and_slope = path.q_and_slope
+    found: list[tuple[Six, Six]] = []
+    for position, speed in passages:
+        q, (d1, d2, d3, d4, d5, d6) = q_and_slope(position)
+        found.append((q, (d1 * speed, d2 * speed, d3 * speed, d4 * speed, d5 * speed, d6 * speed)))
+    return found

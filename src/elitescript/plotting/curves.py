@@ -8,6 +8,7 @@ from math import dist
 from typing import Any, Final
 
 from elitescript.controller.views.trace import TraceRow
+from elitescript.controller.views.trace_rows import TraceRows
 from elitescript.models.model import RobotModel
 from elitescript.plotting.decimation import decimated, within_tolerance
 from elitescript.plotting.packing import deltas, milliseconds
@@ -32,11 +33,11 @@ def joint_curves(rows: Sequence[TraceRow], model: RobotModel) -> list[dict[str, 
 
     The acceleration of a row is the change of `qd` since the row before, divided by the time between them.
     """
-    times = [row.t for row in rows]
+    trace = TraceRows.of(rows)
+    times = trace.times
     joints = []
-    for index, limit in enumerate(model.joints):
-        q = [row.q[index] for row in rows]
-        qd = [row.qd[index] for row in rows]
+    for number, limit in enumerate(model.joints, 1):
+        q, qd = list(trace.column(f"q{number}")), list(trace.column(f"qd{number}"))
         joints.append(
             {
                 "name": limit.name,
@@ -53,14 +54,15 @@ def error_curves(rows: Sequence[TraceRow], model: RobotModel) -> list[dict[str, 
 
     Empty if the trace does not have it.
     """
-    if any(row.q_actual is None for row in rows):
+    trace = TraceRows.of(rows)
+    if not trace.has_actual:
         return []
-    times = [row.t for row in rows]
     limit = model.safety.tracking_error_max
-    return [
-        _limited(times, [row.q[index] - row.q_actual[index] for row in rows if row.q_actual], -limit, limit)
-        for index in range(6)
+    errors = [
+        [target - actual for target, actual in zip(trace.column(f"q{joint}"), trace.column(f"qa{joint}"), strict=True)]
+        for joint in range(1, 7)
     ]
+    return [_limited(trace.times, error, -limit, limit) for error in errors]
 
 
 def accelerations(times: Sequence[float], qd: Sequence[float]) -> list[float]:
@@ -74,27 +76,31 @@ def tcp_speeds(rows: Sequence[TraceRow]) -> list[float]:
 
     A pose that changes while the joints stand is another TCP, not a motion.
     """
-    speeds = (
-        0.0 if row.q == later.q else dist(row.tcp_pose[:3], later.tcp_pose[:3]) / (later.t - row.t)
-        for row, later in pairwise(rows)
-    )
-    return [0.0, *speeds]
+    trace = TraceRows.of(rows)
+    places = zip(*map(trace.column, "xyz"), strict=True)
+    steps = zip(joint_changes(trace), pairwise(places), pairwise(trace.times), strict=True)
+    return [0.0, *(dist(place, later) / (t1 - t0) if moves else 0.0 for moves, (place, later), (t0, t1) in steps)]
+
+
+def joint_changes(rows: Sequence[TraceRow]) -> list[bool]:
+    """Return for each row but the first whether its joint positions differ from those before."""
+    trace = TraceRows.of(rows)
+    joints = zip(*[trace.column(f"q{joint}") for joint in range(1, 7)], strict=True)
+    return [q != later for q, later in pairwise(joints)]
 
 
 def speed_curve(rows: Sequence[TraceRow], speeds: Sequence[float], speed_max: float) -> dict[str, Any]:
     """Return the curve of the TCP speed with its limit, m/s."""
-    return _limited([row.t for row in rows], speeds, 0.0, speed_max)
+    return _limited(TraceRows.of(rows).times, speeds, 0.0, speed_max)
 
 
 def tcp_path(rows: Sequence[TraceRow], speeds: Sequence[float]) -> dict[str, Any]:
     """Return the TCP path: times, positions and speeds of its corners, and where the TCP was replaced."""
-    times = [row.t for row in rows]
-    columns = [[row.tcp_pose[axis] for row in rows] for axis in range(3)]
-    jumps = [
-        index + 1
-        for index, (row, later) in enumerate(pairwise(rows))
-        if row.q == later.q and row.tcp_pose[:3] != later.tcp_pose[:3]
-    ]
+    trace = TraceRows.of(rows)
+    times = trace.times
+    columns = [list(trace.column(name)) for name in "xyz"]
+    steps = zip(joint_changes(trace), pairwise(zip(*columns, strict=True)), strict=True)
+    jumps = [index for index, (moves, (place, later)) in enumerate(steps, 1) if not moves and place != later]
     near_jumps = {index for jump in jumps[: PATH_POINTS_MAX // 8] for index in (jump - 1, jump)}
     bounds = [(speeds, 0.01 * max(speeds)), *((column, _PATH_TOLERANCE_M) for column in columns)]
     tolerance = 1.0

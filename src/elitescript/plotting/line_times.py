@@ -7,7 +7,9 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from elitescript.controller.views.trace import TraceRow
+from elitescript.controller.views.trace_rows import TraceRows
 from elitescript.messages.timing import seconds
+from elitescript.plotting.curves import joint_changes
 
 
 class LineStretch(NamedTuple):
@@ -70,26 +72,35 @@ class ThreadLines:
 def stretches(rows: Sequence[TraceRow]) -> list[LineStretch]:
     """Return the stretches of a trace; they follow each other without gaps. A row lasts until the next one."""
     found: list[LineStretch] = []
-    start_s, line = rows[0].t, rows[0].line
-    for row in rows[1:]:
-        if row.line != line:
-            found.append(LineStretch(start_s, row.t, line))
-            start_s, line = row.t, row.line
-    if rows[-1].t > start_s:
-        found.append(LineStretch(start_s, rows[-1].t, line))
+    trace = TraceRows.of(rows)
+    times, parts = trace.times, trace.stretches()
+    start_s, line = times[0], parts[0].line
+    for part in parts:
+        if part.line != line:
+            found.append(LineStretch(start_s, times[part.begin], line))
+            start_s, line = times[part.begin], part.line
+    if times[-1] > start_s:
+        found.append(LineStretch(start_s, times[-1], line))
     return found
 
 
 def line_times(rows: Sequence[TraceRow]) -> list[LineTime]:
     """Return the time by line, the longest first; the sum over all lines is the duration of the trace."""
+    trace = TraceRows.of(rows)
     moving: dict[int, float] = {}
     standing: dict[int, float] = {}
     visits: dict[int, int] = {}
-    for stretch in stretches(rows):
+    for stretch in stretches(trace):
         visits[stretch.line] = visits.get(stretch.line, 0) + 1
-    for index, (row, later) in enumerate(pairwise(rows)):
-        times = moving if _is_moving(rows, index) else standing
-        times[row.line] = times.get(row.line, 0.0) + later.t - row.t
+    # A row shows the state at the end of its tick. So where rows are one tick apart, the change since the row before is
+    # the motion of this one; where they are further apart, most of it lies in the change to the next.
+    changes = [any(trace[0].qd), *joint_changes(trace)]
+    for part in trace.stretches():
+        line = part.line
+        for index in range(part.begin, min(part.end, len(trace) - 1)):
+            t_s, later_s = trace.times[index], trace.times[index + 1]
+            times = moving if changes[index + (later_s - t_s > 1.5 * seconds(1))] else standing
+            times[line] = times.get(line, 0.0) + later_s - t_s
     table = [LineTime(line, moving.get(line, 0.0), standing.get(line, 0.0), visits[line]) for line in visits]
     return sorted(table, key=lambda entry: (-entry.moving_s - entry.standing_s, entry.line))
 
@@ -121,15 +132,3 @@ def merged(found: Sequence[LineStretch], stretches_max: int) -> list[LineStretch
             start_s = stretch.end_s
     close(found[-1].end_s)
     return result
-
-
-def _is_moving(rows: Sequence[TraceRow], index: int) -> bool:
-    """Return whether the arm moves between a row and the next.
-
-    A row shows the state at the end of its tick. So where rows are one tick apart, the change since the row before is
-    the motion of this one; where they are further apart, most of it lies in the change to the next.
-    """
-    row, later = rows[index], rows[index + 1]
-    if later.t - row.t > 1.5 * seconds(1):
-        return row.q != later.q
-    return row.q != rows[index - 1].q if index else any(row.qd)

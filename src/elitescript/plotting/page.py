@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from elitescript.controller.views.trace import TraceRow
+from elitescript.controller.views.trace_rows import TraceRows
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Event
 from elitescript.models.model import RobotModel
@@ -77,8 +78,8 @@ def page(recording: Recording) -> str:
 
 def page_data(recording: Recording) -> dict[str, Any]:
     """Return what the page's code draws, as JSON has it; SI units."""
-    rows, model = recording.rows, recording.model
-    start_s, end_s = rows[0].t, rows[-1].t
+    rows, model = TraceRows.of(recording.rows), recording.model
+    start_s, end_s = rows.times[0], rows.times[-1]
     speeds = tcp_speeds(rows)
     found = stretches(rows)
     spans = merged(found, STRETCHES_MAX)

@@ -10,27 +10,27 @@ from __future__ import annotations
 from typing import Final
 
 from elitescript.controller.controller import Controller
-from elitescript.controller.views.trace import Trace, TraceRow
+from elitescript.controller.views.trace import TraceSpan
+from elitescript.controller.views.trace_rows import TraceRecorder
 from elitescript.messages.timing import PERIOD_S
 
 ROWS_MAX: Final = 200_000
 """Rows of a run of 800 s in which every control period is kept."""
 
 
-class Sampling(Trace):
+class Sampling(TraceRecorder):
     """A trace that keeps its own rows, and thins them.
 
     Args:
         rows_max: rows from which on they are thinned; more remain only where lines change that often.
     """
 
-    __slots__ = ("_full", "_line", "rows")
+    __slots__ = ("_full", "_line")
 
     def __init__(self, rows_max: int = ROWS_MAX) -> None:
-        self.rows: list[TraceRow] = []
+        super().__init__()
         self._full = rows_max
         self._line = -1
-        super().__init__(self._take)
 
     @property
     def step_s(self) -> float:
@@ -41,23 +41,18 @@ class Sampling(Trace):
         """As `Trace.record`; with a row at the tick at which the line changes."""
         if controller.line != self._line:
             self._line = controller.line
-            is_known = bool(self.rows) and self.rows[-1].t >= controller.tick * PERIOD_S
+            times = self.rows.times
+            is_known = bool(times) and times[-1] >= controller.tick * PERIOD_S
             self._next_tick = controller.tick + is_known
         super().record(controller, until_tick)
 
-    def _take(self, row: TraceRow) -> None:
-        self.rows.append(row)
+    @property
+    def _rows_max(self) -> int:
+        return min(super()._rows_max, self._full + 1 - len(self.rows))
+
+    def _take(self, span: TraceSpan) -> None:
+        super()._take(span)
         if len(self.rows) > self._full:
-            self._thin()
+            self.rows.thin()
             self._step_ticks *= 2
             self._full = max(self._full, 2 * len(self.rows))
-
-    def _thin(self) -> None:
-        kept: list[TraceRow] = []
-        line, is_even = -1, True
-        for row in self.rows:
-            is_even = row.line != line or not is_even
-            line = row.line
-            if is_even:
-                kept.append(row)
-        self.rows[:] = kept if kept[-1] is self.rows[-1] else [*kept, self.rows[-1]]

@@ -8,6 +8,7 @@ from math import isfinite
 from typing import Any, Final
 
 from elitescript.controller.views.trace import TraceRow
+from elitescript.controller.views.trace_rows import TraceRows
 from elitescript.messages.events import Event, SignalChanged
 from elitescript.messages.signals import Value, parse_signal_name
 from elitescript.messages.timing import seconds
@@ -84,15 +85,13 @@ def signal_lanes_of_rows(rows: Sequence[TraceRow]) -> dict[str, Any]:
     Returns:
         As `signal_lanes`; a trace has no causes of changes.
     """
-    found = {name: _Steps([rows[0].t], [value]) for name, value in rows[0].signals.items()}
-    before = rows[0].signals
-    for row in rows:
-        if row.signals is before:
-            continue
-        before = row.signals
+    trace = TraceRows.of(rows)
+    first, *others_after = trace.stretches()
+    found = {name: _Steps([trace.times[0]], [value]) for name, value in first.signals.items()}
+    for part in others_after:
         for name, steps in found.items():
-            if (value := before[name]) != steps.values[-1]:
-                steps.add(row.t, value, "", 0)
+            if (value := part.signals[name]) != steps.values[-1]:
+                steps.add(trace.times[part.begin], value, "", 0)
     if len(found) > SIGNALS_MAX:
         found = {name: steps for name, steps in found.items() if len(steps.times) > 1}
     by_first_change = sorted(found, key=lambda name: found[name].times[1] if len(found[name].times) > 1 else 0.0)

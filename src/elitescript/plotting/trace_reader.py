@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from elitescript.controller.views.trace import ACTUAL_COLUMNS, TRACE_COLUMNS, TraceRow
+from elitescript.controller.views.trace_rows import TraceRows
 from elitescript.controller.views.trace_signals import NO_SIGNALS, SignalLevels
 from elitescript.errors import UsageError
 from elitescript.messages.motion import Six
@@ -20,7 +21,7 @@ SUFFIXES: Final = (".csv", ".jsonl")
 _NUMBERS: Final = tuple(name for name in TRACE_COLUMNS if name not in ("line", "state"))
 
 
-def read_trace(path: Path) -> list[TraceRow]:
+def read_trace(path: Path) -> TraceRows:
     """Return the rows of a trace file, in the order of time.
 
     The order of the columns is free. Measured joint positions are read where a row has all six, and signals where a
@@ -40,7 +41,7 @@ def read_trace(path: Path) -> list[TraceRow]:
         raise UsageError(f"{path}:{number}: byte 0x{error.object[error.start]:02X} is not UTF-8 text") from None
     lines = text.split("\n")
     records = _csv_records(path, lines) if path.suffix == ".csv" else _json_records(path, lines)
-    rows: list[TraceRow] = []
+    rows = TraceRows()
     columns: tuple[str, ...] = ()
     kinds: dict[str, str] = {}
     levels: dict[str, Value] = {}
@@ -53,8 +54,8 @@ def read_trace(path: Path) -> list[TraceRow]:
         if found != levels:
             levels, signals = found, SignalLevels(found)
         row = _row(place, record)._replace(signals=signals)
-        if rows and not row.t > rows[-1].t:
-            raise UsageError(f"{path}:{number}: t = {row.t:g} s does not come after the {rows[-1].t:g} s before it")
+        if rows and not row.t > rows.times[-1]:
+            raise UsageError(f"{path}:{number}: t = {row.t:g} s does not come after the {rows.times[-1]:g} s before it")
         rows.append(row)
     if not rows:
         raise UsageError(f"{path}:{max(1, text.count(chr(10)))}: the trace has no rows")

@@ -133,6 +133,12 @@ class ArmState:
             self._joints, self._joints_tick = joints, tick
         return self._joints
 
+    def targets(self, ticks: range) -> list[tuple[Six, Six]]:
+        """Return the target joints, rad, and their speeds, rad/s, at many ticks in rising order, as `joints`."""
+        if self._is_stepped:
+            return [(joints.q_target, joints.qd_target) for joints in map(self.joints, ticks)]
+        return self._motion.setpoints(ticks)
+
     def target_acceleration(self) -> Six:
         """Return the acceleration of the target after the present tick, rad/s^2.
 

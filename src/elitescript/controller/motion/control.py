@@ -11,6 +11,7 @@ in any state, and end the motion before.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Callable, Iterable
 
 from elitescript.controller.motion.joint_drive import Drive, JointDrive
@@ -172,6 +173,13 @@ class MotionControl:
         if self._next is not None and tick >= source.end_tick:
             source = self._next
         return source.setpoint(tick)
+
+    def setpoints(self, ticks: range) -> list[tuple[Six, Six]]:
+        """Return what `setpoint` returns, for many ticks in rising order."""
+        source = self._source
+        end = bisect_left(ticks, source.end_tick) if isinstance(source, Move) else 0
+        found = source.setpoints(ticks[:end]) if isinstance(source, Move) and end else []
+        return [*found, *map(self.sample, ticks[end:])]
 
     def request(self, request: MotionRequest, tick: int, T_flange_tcp: Transform, line: int, thread: str) -> int:
         """Begin a motion or a stop; return the number of the call whose end is the end of it.

@@ -7,6 +7,7 @@ itself. `MotionControl` holds one at a time. A source in closed form is due rare
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from math import inf, isinf
 from typing import Final, NamedTuple, Protocol
 
@@ -65,6 +66,10 @@ class MotionSource(Protocol):
 
     def is_awaited(self, number: int) -> bool:
         """Return whether the call of that number is not over."""
+
+
+def _time_s(tick: int) -> float:
+    return tick * PERIOD_S
 
 
 class Move:
@@ -148,6 +153,21 @@ class Move:
             a, b, c, d, e, f = qd
             qd = (a * rate, b * rate, c * rate, d * rate, e * rate, f * rate)
         return Setpoint(q, qd)
+
+    def setpoints(self, ticks: range) -> list[tuple[Six, Six]]:
+        """Return what `setpoint` returns, for many ticks in rising order."""
+        scale = self.scale
+        begin = bisect_left(ticks, scale.settled_s, key=_time_s)
+        end = max(begin, bisect_left(ticks, self.end_tick))
+        path_times = scale.settled_path_times([tick * PERIOD_S for tick in ticks[begin:end]])
+        found = self.segment.setpoints(path_times)
+        rate = scale.rate_target
+        if rate != 1.0:
+            found = [
+                (q, (a * rate, b * rate, c * rate, d * rate, e * rate, f * rate)) for q, (a, b, c, d, e, f) in found
+            ]
+        # In a ramp the rate is different at every tick.
+        return [*map(self.setpoint, ticks[:begin]), *found, *map(self.setpoint, ticks[end:])]
 
     def is_awaited(self, number: int) -> bool:
         """Return whether the call of that number is not over."""

@@ -11,7 +11,7 @@ That the percentage acts by scaling time along the path is *assumed*, as is the 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from math import inf, isfinite, sqrt
 from typing import Final
 
@@ -88,6 +88,11 @@ class TimeScale:
             return self.s_start_s + self._ramp_gain_s + self.rate_target * (t_s - self.settled_s)
         gained = 0.5 * (self.rate_target - self.rate_start) * (elapsed_s / self.ramp_s)
         return self.s_start_s + elapsed_s * (self.rate_start + gained)
+
+    def settled_path_times(self, times_s: Iterable[float]) -> list[float]:
+        """Return the path times, s, at real times that are not before `settled_s`."""
+        path_time_s, rate, settled_s = self.s_start_s + self._ramp_gain_s, self.rate_target, self.settled_s
+        return [path_time_s + rate * (t_s - settled_s) for t_s in times_s]
 
     def time_of(self, path_time_s: float) -> float:
         """Return the real time at which a path time is reached, inf when it never is.

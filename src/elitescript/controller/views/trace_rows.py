@@ -1,0 +1,292 @@
+"""Keeps the rows of a trace as numbers, and makes them when they are read.
+
+A row takes 8 bytes for its time and 144 for joints, speeds and pose; one of an arm at rest takes only those for its
+time. Line, state and signals are kept once for each stretch of rows that share them.
+"""
+
+from __future__ import annotations
+
+from array import array
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from struct import Struct
+from typing import Final, NamedTuple, overload
+
+from elitescript.controller.views.trace import ACTUAL_COLUMNS, TRACE_COLUMNS, Trace, TraceRow, TraceSpan
+from elitescript.controller.views.trace_signals import TraceSignals
+from elitescript.errors import UsageError
+from elitescript.messages.signals import Value
+from elitescript.messages.timing import TICKS_PER_S
+
+_WIDTH: Final = 18
+"""Numbers of a row: joints, speeds, pose."""
+_WIDTH_WITH_ACTUAL: Final = 24
+"""The same and measured joints."""
+_FORMS: Final = {width: Struct(f"{width}d") for width in (_WIDTH, _WIDTH_WITH_ACTUAL)}
+
+_PLACES: Final = {name: place for place, name in enumerate((*TRACE_COLUMNS[2:-1], *ACTUAL_COLUMNS))}
+"""Place of each column among the numbers of a row."""
+
+_CHUNK: Final = 1024
+"""Rows whose numbers are copied at once while rows are read one after the other."""
+
+
+class RowStretch(NamedTuple):
+    """Rows one after the other that share line, state and signals."""
+
+    begin: int
+    """Index of the first row."""
+    end: int
+    """Index of the row after the last one."""
+    line: int
+    state: str
+    signals: Mapping[str, Value]
+
+
+class _Stretch:
+    """Where the numbers of a stretch are; those of an arm at rest are there once."""
+
+    __slots__ = ("begin", "first", "is_at_rest", "line", "signals", "state", "width")
+
+    def __init__(
+        self,
+        begin: int,
+        first: int,
+        width: int,
+        is_at_rest: bool,
+        line: int,
+        state: str,
+        signals: Mapping[str, Value],
+    ) -> None:
+        self.begin = begin
+        """Index of the first row."""
+        self.first = first
+        """Index of its first number."""
+        self.width = width
+        """Numbers of a row."""
+        self.is_at_rest = is_at_rest
+        self.line = line
+        self.state = state
+        self.signals = signals
+
+    def row(self, t: float, numbers: tuple[float, ...]) -> TraceRow:
+        """Return a row."""
+        a, b, c, d, e, f, g, h, i, j, k, m, x, y, z, rx, ry, rz, *actual = numbers
+        q, qd, pose = (a, b, c, d, e, f), (g, h, i, j, k, m), (x, y, z, rx, ry, rz)
+        if not actual:
+            return TraceRow(t, self.line, q, qd, pose, self.state, None, self.signals)
+        a, b, c, d, e, f = actual
+        return TraceRow(t, self.line, q, qd, pose, self.state, (a, b, c, d, e, f), self.signals)
+
+
+class TraceRows(Sequence[TraceRow]):
+    """Rows of a trace in the order of time; equal to any sequence of the same rows."""
+
+    __slots__ = ("_begins", "_numbers", "_stretches", "_times")
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __init__(self, rows: Iterable[TraceRow] = ()) -> None:
+        self._times = array("d")
+        self._numbers = array("d")
+        self._stretches: list[_Stretch] = []
+        self._begins: list[int] = []
+        """Index of the first row of each stretch."""
+        for row in rows:
+            self.append(row)
+
+    # ---------------------------------------------------------------- writing
+
+    def append(self, row: TraceRow) -> None:
+        """Append a row that is later than the others."""
+        numbers = (*row.q, *row.qd, *row.tcp_pose, *(row.q_actual or ()))
+        width = len(numbers)
+        self._put(_FORMS[width].pack(*numbers), width, False, row.line, row.state, row.signals)
+        self._times.append(row.t)
+
+    def add(self, span: TraceSpan) -> None:
+        """Append the rows of a span that is later than the others."""
+        width = _WIDTH if span.q_actual is None else _WIDTH_WITH_ACTUAL
+        pack = _FORMS[width].pack
+        if span.q_actual is None:
+            packed = [pack(*q, *qd, *pose) for (q, qd), pose in zip(span.targets, span.tcp_poses, strict=True)]
+        else:
+            places = zip(span.targets, span.tcp_poses, span.q_actual, strict=True)
+            packed = [pack(*q, *qd, *pose, *actual) for (q, qd), pose, actual in places]
+        self._put(b"".join(packed), width, span.is_at_rest, span.line, span.state, span.signals)
+        self._times.extend([tick / TICKS_PER_S for tick in span.ticks])
+
+    def _put(
+        self, numbers: bytes, width: int, is_at_rest: bool, line: int, state: str, signals: Mapping[str, Value]
+    ) -> None:
+        """Append the numbers of the next rows; of rows at rest only if they are others than before."""
+        last = self._stretches[-1] if self._stretches else None
+        if (
+            last is None
+            or last.line != line
+            or last.signals is not signals
+            or last.state != state
+            or last.width != width
+            or last.is_at_rest != is_at_rest
+            or (is_at_rest and self._numbers[-width:].tobytes() != numbers)
+        ):
+            begin = len(self._times)
+            stretch = _Stretch(begin, len(self._numbers), width, is_at_rest, line, state, signals)
+            self._stretches.append(stretch)
+            self._begins.append(begin)
+        elif is_at_rest:
+            return
+        self._numbers.frombytes(numbers)
+
+    def thin(self) -> None:
+        """Drop every second row, but the first of those in one line, and the last row of all."""
+        kept = TraceRows()
+        view = memoryview(self._numbers).cast("B")
+        line, is_even = -1, False
+        last = len(self._times) - 1
+        for stretch, (begin, end, *_) in zip(self._stretches, self.stretches(), strict=True):
+            first = begin if stretch.line != line or not is_even else begin + 1
+            line, is_even = stretch.line, (end - 1 - first) % 2 == 0
+            indices = [*range(first, end, 2)]
+            if end > last and not is_even:
+                indices.append(last)
+            if indices:
+                size = 8 * stretch.width
+                places = [0] if stretch.is_at_rest else [index - begin for index in indices]
+                offsets = [8 * stretch.first + place * size for place in places]
+                numbers = b"".join([view[offset : offset + size] for offset in offsets])
+                kept._put(numbers, stretch.width, stretch.is_at_rest, line, stretch.state, stretch.signals)
+                kept._times.extend([self._times[index] for index in indices])
+        view.release()
+        self._times, self._numbers, self._stretches, self._begins = (
+            kept._times,
+            kept._numbers,
+            kept._stretches,
+            kept._begins,
+        )
+
+    # ---------------------------------------------------------------- reading
+
+    @classmethod
+    def of(cls, rows: Sequence[TraceRow]) -> TraceRows:
+        """Return rows in this form: themselves if they have it already."""
+        return rows if isinstance(rows, TraceRows) else cls(rows)
+
+    @property
+    def times(self) -> Sequence[float]:
+        """Times of the rows, s."""
+        return self._times
+
+    @property
+    def has_actual(self) -> bool:
+        """Whether every row has measured joint positions."""
+        return all(stretch.width == _WIDTH_WITH_ACTUAL for stretch in self._stretches)
+
+    def stretches(self) -> list[RowStretch]:
+        """Return the stretches of rows that share line, state and signals; neighbours may differ in none of them."""
+        ends = [*self._begins[1:], len(self._times)]
+        return [
+            RowStretch(its.begin, end, its.line, its.state, its.signals)
+            for its, end in zip(self._stretches, ends, strict=True)
+        ]
+
+    def column(self, name: str) -> Sequence[float]:
+        """Return the numbers of a column, one for each row.
+
+        Args:
+            name: `q1` to `q6`, `qd1` to `qd6`, `x`, `y`, `z`, `rx`, `ry`, `rz`, or `qa1` to `qa6` for measured joint
+                positions, which are the targets where there is no plant.
+
+        Raises:
+            UsageError: there is no such column of numbers.
+        """
+        place = _PLACES.get(name)
+        if place is None:
+            raise UsageError(f"a trace has no column of numbers {name!r}; it has {', '.join(_PLACES)}")
+        found = array("d")
+        for stretch, (begin, end, *_) in zip(self._stretches, self.stretches(), strict=True):
+            width = stretch.width
+            first = stretch.first + (place if place < width else place - width)
+            if stretch.is_at_rest:
+                found.extend(array("d", [self._numbers[first]]) * (end - begin))
+            else:
+                found.extend(self._numbers[first : first + (end - begin) * width : width])
+        return found
+
+    def between(self, begin_s: float, end_s: float, every: int = 1) -> list[TraceRow]:
+        """Return the rows from one time to another, both included, or only every second or third ... of them.
+
+        The cost depends on the number of rows that are returned, not on the length of the trace.
+
+        Args:
+            begin_s: time of the first row at the earliest, s.
+            end_s: time of the last row at the latest, s.
+            every: from one row to the next.
+        """
+        return self[bisect_left(self._times, begin_s) : bisect_right(self._times, end_s) : every]
+
+    def __len__(self) -> int:
+        return len(self._times)
+
+    @overload
+    def __getitem__(self, index: int) -> TraceRow: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> list[TraceRow]: ...
+
+    def __getitem__(self, index: int | slice) -> TraceRow | list[TraceRow]:
+        if isinstance(index, slice):
+            return [self._row(number) for number in range(*index.indices(len(self._times)))]
+        return self._row(range(len(self._times))[index])
+
+    def _row(self, index: int) -> TraceRow:
+        stretch = self._stretches[bisect_right(self._begins, index) - 1]
+        first = stretch.first if stretch.is_at_rest else stretch.first + (index - stretch.begin) * stretch.width
+        return stretch.row(self._times[index], _FORMS[stretch.width].unpack_from(self._numbers, 8 * first))
+
+    def __iter__(self) -> Iterator[TraceRow]:
+        index = 0
+        while index < len(self._times):
+            place = bisect_right(self._begins, index)
+            stretch = self._stretches[place - 1]
+            end = self._begins[place] if place < len(self._begins) else len(self._times)
+            times = self._times[index : min(end, index + _CHUNK)]
+            if stretch.is_at_rest:
+                row = self._row(index)
+                yield from [row._replace(t=t) for t in times]
+            else:
+                first = stretch.first + (index - stretch.begin) * stretch.width
+                # A copy: an array that is being read as it is could not grow.
+                numbers = self._numbers[first : first + len(times) * stretch.width]
+                yield from map(stretch.row, times, _FORMS[stretch.width].iter_unpack(numbers))
+            index += len(times)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, TraceRows | list | tuple):
+            return NotImplemented
+        return len(self) == len(other) and all(row == its for row, its in zip(self, other, strict=True))
+
+    def __repr__(self) -> str:
+        ends = f" from {self._times[0]:g} to {self._times[-1]:g} s" if self._times else ""
+        return f"<{len(self)} trace rows{ends}>"
+
+
+class TraceRecorder(Trace):
+    """A trace that keeps its own rows.
+
+    Args:
+        step_s: as for `Trace`.
+        signals: as for `Trace`.
+        rows: where they are kept.
+    """
+
+    __slots__ = ("rows",)
+
+    def __init__(
+        self, step_s: float | None = None, signals: TraceSignals | None = None, rows: TraceRows | None = None
+    ) -> None:
+        self.rows = TraceRows() if rows is None else rows
+        super().__init__(self.rows.append, step_s, signals)
+
+    def _take(self, span: TraceSpan) -> None:
+        self.rows.add(span)
