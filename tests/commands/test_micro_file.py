@@ -105,6 +105,9 @@ def test_decimal_commas_are_recognised() -> None:
 def test_too_many_points_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(micro_file, "POINTS_MAX", 3)
     assert len(read("1 2 3 4 5 6\n" * 3)[1]) == 3
+    assert "line 5, column 1: 'x'" in str(refused("1 2 3 4 5 6\n" * 2 + "\n\nx 2 3 4 5 6\n"))
+    assert "line 5: six numbers" in str(refused("1 2 3 4 5 6\n" * 4 + "1 2\n"))
+    assert "holds 4 points" in str(refused("1 2 x 4 5 6\n" * 4))
     error = refused("1 2 3 4 5 6\n" * 4)
     assert "holds 4 points; at most 3" in str(error)
     assert error.limit == "<= 3"
@@ -118,9 +121,21 @@ def test_a_hundred_thousand_lines_take_well_under_a_second() -> None:
     assert process_time() - started < 1.0
 
 
+def plainly_read(text: str) -> tuple[list[float], list[int]]:
+    """Line by line, number by number."""
+    numbers, lines = [], []
+    for number, line in enumerate(text.lstrip("\ufeff").replace("\r\n", "\n").replace("\r", "\n").split("\n"), 1):
+        words = line.partition("#")[0].replace(",", " ").split()
+        if words:
+            numbers += [float(word) for word in words]
+            lines.append(number)
+    return numbers, lines
+
+
 @pytest.mark.parametrize("seed", range(20))
-def test_any_text_is_read_whole_or_refused(seed: int) -> None:
+def test_any_text_is_read_whole_or_refused(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     chance = Random(seed)
+    monkeypatch.setattr(micro_file, "_BATCH", 1 + seed % 4)
     outcomes = set()
     for _ in range(200):
         rows = [
@@ -136,7 +151,7 @@ def test_any_text_is_read_whole_or_refused(seed: int) -> None:
             assert str(error).startswith("path.txt, line ")
             outcomes.add("refused")
         else:
+            assert (numbers, lines) == plainly_read("".join(text))
             assert len(numbers) == 6 * len(lines)
-            assert lines == sorted(set(lines))
             outcomes.add("read")
     assert outcomes == {"read", "refused"}

@@ -8,6 +8,7 @@ this is *assumed*: the manual does not say what a file looks like.
 from __future__ import annotations
 
 from array import array
+from itertools import chain, compress
 from math import isfinite, pi
 from typing import Final
 
@@ -20,6 +21,11 @@ BYTES_MAX: Final = 256 * POINTS_MAX
 """Bytes of one file; six numbers of any sensible length and a comment fit in 256."""
 
 _COUNT: Final = 6
+_COUNTS: Final = {0, _COUNT}
+
+_BATCH: Final = 500
+"""Lines whose words are held at a time: of a whole file they would take three times as much memory as all else."""
+
 _SHOWN: Final = 24
 """Characters of a wrong number that a message repeats."""
 
@@ -42,34 +48,27 @@ def read_points(data: bytes, name: str, *, is_cartesian: bool, is_degrees: bool)
         InvalidValueError: with file, line and column of what is wrong.
     """
     text = _text(data, name)
-    lines = text.split("\n")
     blank = text.replace(" ", "").replace("\t", "") if "," in text else ""
     if "_" in text or ",," in blank or "\n," in blank or blank.startswith(","):
         # Rarely right, and wrong in ways that the quick reading below does not detect.
-        _refuse_bad_line(lines, name)
-    words: list[str] = []
-    file_lines = array("I")
-    for line_number, line in enumerate(lines, 1):
-        fields = _fields(line)
-        if fields:
-            if len(fields) != _COUNT:
-                _refuse_bad_line(lines, name)
-            words += fields
-            file_lines.append(line_number)
-    count = len(file_lines)
-    if count == 0:
-        raise InvalidValueError(f"{name} holds no point; each line has to hold six numbers", value=name)
-    if count > POINTS_MAX:
-        raise InvalidValueError(
-            f"{name} holds {count} points; at most {POINTS_MAX} are allowed", value=count, limit=f"<= {POINTS_MAX}"
-        )
-    try:
-        numbers = array("d", map(float, words))
-    except ValueError:
-        _refuse_bad_line(lines, name)
-        raise
-    if not all(map(isfinite, numbers)):
-        _refuse_bad_line(lines, name)
+        _refuse_bad_line(text.split("\n"), name)
+    numbers, file_lines = array("d"), array("I")
+    lines = _separated(text)
+    for first in range(0, len(lines), _BATCH):
+        rows = list(map(str.split, lines[first : first + _BATCH]))
+        counts = set(map(len, rows))
+        if not counts <= _COUNTS:
+            _refuse(text, lines, name)
+        here = range(first + 1, first + 1 + len(rows))
+        file_lines.extend(here if 0 not in counts else compress(here, rows))
+        try:
+            numbers.extend(map(float, chain.from_iterable(rows)))
+        except ValueError:
+            _refuse(text, lines, name)
+            raise
+    _check_count(len(file_lines), name)
+    if not isfinite(sum(numbers)) and not all(map(isfinite, numbers)):
+        _refuse_bad_line(text.split("\n"), name)
     if is_degrees and is_cartesian:
         for axis in range(3):
             numbers[axis::_COUNT] = array("d", [length * 1e-3 for length in numbers[axis::_COUNT]])
@@ -88,12 +87,29 @@ def _text(data: bytes, name: str) -> str:
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
-def _fields(line: str) -> list[str]:
-    if "#" in line:
-        line = line.partition("#")[0]
-    if "," in line:
-        line = line.replace(",", " ")
-    return line.split()
+def _separated(text: str) -> list[str]:
+    """Return the lines without comments, with blanks in place of commas."""
+    if "," in text:
+        text = text.replace(",", " ")
+    lines = text.split("\n")
+    return [line.partition("#")[0] for line in lines] if "#" in text else lines
+
+
+def _check_count(count: int, name: str) -> None:
+    if count == 0:
+        raise InvalidValueError(f"{name} holds no point; each line has to hold six numbers", value=name)
+    if count > POINTS_MAX:
+        raise InvalidValueError(
+            f"{name} holds {count} points; at most {POINTS_MAX} are allowed", value=count, limit=f"<= {POINTS_MAX}"
+        )
+
+
+def _refuse(text: str, lines: list[str], name: str) -> None:
+    """Raise the error of a file with a bad line, or with too many points; a wrong count of numbers comes first."""
+    counts = [len(line.split()) for line in lines]
+    if _COUNTS.issuperset(counts):
+        _check_count(len(counts) - counts.count(0), name)
+    _refuse_bad_line(text.split("\n"), name)
 
 
 def _refuse_bad_line(lines: list[str], name: str) -> None:

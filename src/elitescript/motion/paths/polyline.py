@@ -110,7 +110,7 @@ class ChainStretch(NamedTuple):
 class ChainPath:
     """The known path, from a place behind the arm on; immutable. A `JointPath`."""
 
-    __slots__ = ("_starts", "length", "link_start", "links", "q_start", "stretches")
+    __slots__ = ("_starts", "length", "link_start", "links", "stretches")
 
     kind = "chain"
     unit = "m"
@@ -124,7 +124,10 @@ class ChainPath:
         self.link_start = tuple(link_start)
         self._starts = [stretch.start for stretch in stretches]
         self.length = stretches[-1].end
-        self.q_start: Six = stretches[0].track.q(stretches[0].offset)
+
+    @property
+    def q_start(self) -> Six:
+        return self.stretches[0].track.q(self.stretches[0].offset)
 
     @property
     def q_end(self) -> Six:
@@ -253,27 +256,50 @@ def _corner_size(last: ChainLine, link: ChainLine, bend: float) -> float:
 
 def _straight(link: ChainLine, start: float, begin: float, end: float, stops_at_start: bool) -> ChainStretch:
     """Return the part of a line between two of its own positions; `start` is the chain's position of the first."""
-    track, (v, a, _) = link.track, link.law
-    intervals: list[Interval] = []
+    intervals = _intervals(link.track, start, begin, end, link.law.v * link.law.v, link.law.a)
+    if stops_at_start:
+        intervals[0] = intervals[0]._replace(x_start_max=0.0)
+    return ChainStretch(start, start + end - begin, link.track, begin, tuple(intervals))
+
+
+def _intervals(
+    track: JointTrack, start: float, begin: float, end: float, x_top: float, a: float, curvature: float = 0.0
+) -> list[Interval]:
+    """Return the bounds along a part of a track; neighbours of the same bounds are one interval.
+
+    Args:
+        track: joints.
+        start: the chain's position of the first.
+        begin: of the part, on the track.
+        end: of the part, on the track.
+        x_top: bound of the path speed squared without the joints.
+        a: the same of the acceleration.
+        curvature: by how much the path bends per unit of path position.
+    """
+    found: list[Interval] = []
+    grid_s, x_before, a_before = track.grid_s, -1.0, -1.0
     for k, ratios in enumerate(track.interval_ratios):
-        s_a, s_b = max(track.grid_s[k], begin), min(track.grid_s[k + 1], end)
+        s_a, s_b = max(grid_s[k], begin), min(grid_s[k + 1], end)
         if s_b > s_a:
-            x_max, most = _bounded(v * v, a, ratios)
-            _add(intervals, Interval(start + s_a - begin, s_b - s_a, x_max, most, inf))
-    intervals[0] = intervals[0]._replace(x_start_max=0.0 if stops_at_start else inf)
-    return ChainStretch(start, start + end - begin, track, begin, tuple(intervals))
+            x_max, most = _bounded(x_top, a, ratios)
+            first, length = start + s_a - begin, s_b - s_a
+            if x_max == x_before and most == a_before:
+                length = first + length - found[-1].start
+                first = found.pop().start
+            found.append(Interval(first, length, x_max, most, inf, curvature * most / a))
+            x_before, a_before = x_max, most
+    return found
 
 
 def _cut(stretch: ChainStretch, end: float) -> tuple[ChainStretch, ...]:
     """Return the rest of a stretch that now ends sooner; none when nothing is left."""
     if end - stretch.start <= _ROUNDING_M:
         return ()
-    intervals = [
-        interval._replace(length=min(interval.length, end - interval.start))
-        for interval in stretch.intervals
-        if interval.start < end - _ROUNDING_M
-    ]
-    return (stretch._replace(end=end, intervals=tuple(intervals)),)
+    intervals = [interval for interval in stretch.intervals if interval.start < end - _ROUNDING_M]
+    for k, interval in enumerate(intervals):
+        if interval.length > end - interval.start:
+            intervals[k] = interval._replace(length=end - interval.start)
+    return (ChainStretch(stretch.start, end, stretch.track, stretch.offset, tuple(intervals)),)
 
 
 def _corner(
@@ -297,11 +323,7 @@ def _corner(
     # Bending by |u2 - u1| / (2 d) takes that times the speed squared of the acceleration.
     curvature = 0.5 * bend / d
     x_tool = min(v * v, BEND_SHARE * a / curvature)
-    intervals: list[Interval] = []
-    for k, ratios in enumerate(track.interval_ratios):
-        x_max, most = _bounded(x_tool, a, ratios)
-        length = track.grid_s[k + 1] - track.grid_s[k]
-        _add(intervals, Interval(start + track.grid_s[k], length, x_max, most, inf, curvature * most / a))
+    intervals = _intervals(track, start, 0.0, 2.0 * d, x_tool, a, curvature)
     round_it = ChainStretch(start, start + 2.0 * d, track, 0.0, tuple(intervals))
     if link.track.length - d <= _ROUNDING_M:
         return (round_it,)
@@ -319,16 +341,6 @@ def _bounded(x_max: float, a: float, ratios: tuple[float, float, float]) -> tupl
         if acceleration_ratio * a > LIMIT_SHARE - curvature_ratio * x_max:
             a = (LIMIT_SHARE - curvature_ratio * x_max) / acceleration_ratio
     return x_max, a
-
-
-def _add(intervals: list[Interval], interval: Interval) -> None:
-    """Append an interval, joined with the one before where nothing changes."""
-    if intervals:
-        before = intervals[-1]
-        if (before.x_max, before.a, before.bend) == (interval.x_max, interval.a, interval.bend):
-            intervals[-1] = before._replace(length=interval.start + interval.length - before.start)
-            return
-    intervals.append(interval)
 
 
 _ROUNDING_M: Final = 1e-12
@@ -350,13 +362,19 @@ def _profile(path: ChainPath, position: float, x_start: float, *, is_checked: bo
     x = [0.0] * (len(ahead) + 1)
     for k in range(len(ahead) - 1, -1, -1):
         _, length, x_max, a, x_start_max, bend = ahead[k]
-        reachable = (x[k + 1] + 2.0 * length * a) / (1.0 + 2.0 * length * bend)
+        reachable = x[k + 1] + 2.0 * length * a
+        if bend:
+            reachable /= 1.0 + 2.0 * length * bend
         x[k] = min(reachable, x_max, x_start_max, ahead[k - 1].x_max if k else inf)
     if is_checked and x_start > x[0] * (1.0 + 1e-9) + 1e-15:
         return None
     x[0] = x_start
     for k, (_, length, _, a, _, bend) in enumerate(ahead, 1):
-        x[k] = min(x[k], (x[k - 1] + 2.0 * length * a) / (1.0 + 2.0 * length * bend))
+        reachable = x[k - 1] + 2.0 * length * a
+        if bend:
+            reachable /= 1.0 + 2.0 * length * bend
+        if reachable < x[k]:
+            x[k] = reachable
     start_s: list[float] = []
     positions: list[float] = []
     speeds: list[float] = []
@@ -367,6 +385,8 @@ def _profile(path: ChainPath, position: float, x_start: float, *, is_checked: bo
         pieces: tuple[tuple[float, float, float, float], ...]
         if bend and x_here + x_ahead > 0.0 and length > 0.0:
             pieces = ((length, x_here, x_ahead, 0.5 * (x_ahead - x_here) / length),)
+        elif x_here == x_ahead == x_max:
+            pieces = ((length, x_max, x_max, 0.0),)
         else:
             top = max(x_here, x_ahead, min(x_max, 0.5 * (x_here + x_ahead) + a * length))
             rise, fall = 0.5 * (top - x_here) / a, 0.5 * (top - x_ahead) / a

@@ -19,6 +19,7 @@ when all are free it is exactly the wanted one.
 from __future__ import annotations
 
 from bisect import insort
+from collections.abc import Sequence
 from math import ceil, inf, sqrt
 from typing import Final, NamedTuple
 
@@ -80,7 +81,7 @@ def retimed(track: JointTrack, limits: MotionLimits, wanted: TimeLaw, law: Law |
         law = Law(wanted.peak_speed, a, a)
     law = law._replace(v=wanted.peak_speed)
     grid = _grid(track, wanted, law)
-    if len(grid) == 2 and grid[0].is_free_ahead:
+    if grid.is_free:
         return Retimed(wanted, None)
     x = _passed(grid, limits, law, 0.0)
     assert x is not None
@@ -101,7 +102,7 @@ def entered(track: JointTrack, limits: MotionLimits, law: Law, start: float, v_s
     wanted = trapezoid_of(track.length, law, start, v_start)
     law = law._replace(v=wanted.peak_speed)
     grid = _grid(track, wanted, law)
-    if len(grid) == 2 and grid[0].is_free_ahead:
+    if grid.is_free:
         return wanted
     x = _passed(grid, limits, law, v_start * v_start)
     if x is None:
@@ -114,12 +115,11 @@ def keeps_limits(track: JointTrack, limits: MotionLimits, wanted: TimeLaw) -> bo
     """Return whether every joint stays within its speed and acceleration limits under a trapezoid."""
     a = wanted.acceleration(0.0)
     first_corner, last_corner = wanted.corners[0], wanted.corners[-1]
-    for point in _grid(track, wanted, Law(wanted.peak_speed, a, a)):
-        speed = wanted.speed_at_position(point.s)
-        u = 0.0 if first_corner < point.s < last_corner else a
-        for slope, curvature, qd_max, qdd_max in zip(
-            point.slope, point.curvature, limits.qd_max, limits.qdd_max, strict=True
-        ):
+    grid = _grid(track, wanted, Law(wanted.peak_speed, a, a))
+    for s, slopes, curvatures in zip(grid.s, grid.slopes, grid.curvatures, strict=True):
+        speed = wanted.speed_at_position(s)
+        u = 0.0 if first_corner < s < last_corner else a
+        for slope, curvature, qd_max, qdd_max in zip(slopes, curvatures, limits.qd_max, limits.qdd_max, strict=True):
             if slope * speed > qd_max or slope * u + curvature * speed * speed > qdd_max:
                 return False
     return True
@@ -132,19 +132,33 @@ _CLOSEST: Final = 1e-6
 """Least distance of grid points, as a share of the path; nearer ones would only add rounding."""
 
 
-class GridPoint(NamedTuple):
-    """A point of the grid of the passes."""
+class _Grid:
+    """The grid of the passes, as columns: one value for each point."""
 
-    s: float
-    slope: tuple[float, ...]
-    """|q'| of each joint; zeros between free intervals."""
-    curvature: tuple[float, ...]
-    """|q''| of each joint; zeros between free intervals."""
-    is_free_ahead: bool
-    """Whether no joint can reach its limits on the way to the next grid point."""
+    __slots__ = ("curvatures", "is_free_ahead", "s", "slopes")
+
+    def __init__(self) -> None:
+        self.s: list[float] = []
+        self.slopes: list[Sequence[float]] = []
+        """|q'| of each joint; zeros between free intervals."""
+        self.curvatures: list[Sequence[float]] = []
+        """|q''| of each joint; zeros between free intervals."""
+        self.is_free_ahead: list[bool] = []
+        """Whether no joint can reach its limits on the way to the next grid point."""
+
+    def add(self, s: float, slopes: Sequence[float], curvatures: Sequence[float], is_free_ahead: bool) -> None:
+        self.s.append(s)
+        self.slopes.append(slopes)
+        self.curvatures.append(curvatures)
+        self.is_free_ahead.append(is_free_ahead)
+
+    @property
+    def is_free(self) -> bool:
+        """Whether no joint can reach its limits anywhere."""
+        return len(self.s) == 2 and self.is_free_ahead[0]
 
 
-def _grid(track: JointTrack, wanted: TimeLaw, law: Law) -> list[GridPoint]:
+def _grid(track: JointTrack, wanted: TimeLaw, law: Law) -> _Grid:
     """Return the grid of the passes: free intervals joined, the others subdivided.
 
     Inside an interval the joints are taken as the cubic through angles and slopes of its ends.
@@ -153,10 +167,10 @@ def _grid(track: JointTrack, wanted: TimeLaw, law: Law) -> list[GridPoint]:
     v, a = law.v, max(law.a, law.brake)
     length, start = track.length, wanted.start
     closest = _CLOSEST * length
-    grid: list[GridPoint] = []
+    grid = _Grid()
     was_free = False
-    slope: tuple[float, ...] = ZERO_SIX
-    curvature: tuple[float, ...] = ZERO_SIX
+    slopes_here: Sequence[float] = ZERO_SIX
+    curvatures_here: Sequence[float] = ZERO_SIX
     for k, (speed_ratio, acceleration_ratio, curvature_ratio) in enumerate(track.interval_ratios):
         s_a, s_b = track.grid_s[k], track.grid_s[k + 1]
         if s_b <= start + closest:
@@ -164,8 +178,8 @@ def _grid(track: JointTrack, wanted: TimeLaw, law: Law) -> list[GridPoint]:
         s_first = max(s_a, start)
         if speed_ratio * v <= 1.0 and acceleration_ratio * a + curvature_ratio * v * v <= 1.0:
             if not was_free:
-                grid.append(GridPoint(s_first, slope, curvature, True))
-                slope = curvature = ZERO_SIX
+                grid.add(s_first, slopes_here, curvatures_here, True)
+                slopes_here = curvatures_here = ZERO_SIX
             was_free = True
             continue
         h = s_b - s_a
@@ -174,97 +188,97 @@ def _grid(track: JointTrack, wanted: TimeLaw, law: Law) -> list[GridPoint]:
         for corner in wanted.corners:
             if s_first < corner < s_b and all(abs(corner - s) > closest for s in (*positions, s_b)):
                 insort(positions, corner)
-        cubic = _Cubic(track, k)
-        at_start = cubic.slope_and_curvature((s_first - s_a) / h)
+        slopes, curvatures = _bent(track, k, [(s - s_a) / h for s in positions] + [1.0])
         # The cubics of two intervals bend differently where they meet; the larger bend counts.
-        grid.append(GridPoint(s_first, at_start[0], tuple(map(max, at_start[1], curvature)), False))
-        grid += [GridPoint(s, *cubic.slope_and_curvature((s - s_a) / h), False) for s in positions[1:]]
-        slope, curvature = cubic.slope_and_curvature(1.0)
+        curvatures[0] = tuple(map(max, curvatures[0], curvatures_here))
+        slopes_here, curvatures_here = slopes.pop(), curvatures.pop()
+        grid.s += positions
+        grid.slopes += slopes
+        grid.curvatures += curvatures
+        grid.is_free_ahead += [False] * len(positions)
         was_free = False
-    grid.append(GridPoint(length, slope, curvature, False))
+    grid.add(length, slopes_here, curvatures_here, False)
     return grid
 
 
-class _Cubic:
-    """Joints inside one interval of a track."""
-
-    __slots__ = ("_bows", "_h", "_slope_a", "_slope_change")
-
-    def __init__(self, track: JointTrack, k: int) -> None:
-        h = track.grid_s[k + 1] - track.grid_s[k]
-        slope_a, slope_b = track.grid_slope[k], track.grid_slope[k + 1]
-        self._h = h
-        self._slope_a = slope_a
-        self._slope_change = [b - a for a, b in zip(slope_a, slope_b, strict=True)]
-        self._bows = [
-            6.0 * (qb - qa) / h - 3.0 * (da + db)
-            for qa, qb, da, db in zip(track.grid_q[k], track.grid_q[k + 1], slope_a, slope_b, strict=True)
-        ]
-
-    def slope_and_curvature(self, f: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Return |q'| and |q''| of the joints at a fraction of the interval."""
-        bend, turn = f * (1.0 - f), 1.0 - 2.0 * f
-        slope = [
-            abs(start + change * f + bow * bend)
-            for start, change, bow in zip(self._slope_a, self._slope_change, self._bows, strict=True)
-        ]
-        curvature = [
-            abs(change + bow * turn) / self._h for change, bow in zip(self._slope_change, self._bows, strict=True)
-        ]
-        return tuple(slope), tuple(curvature)
-
-
-def _bound(point: GridPoint, limits: MotionLimits) -> float:
-    """Return the largest x that speed limits and the bending of the path allow."""
-    bound = inf
-    for slope, curvature, qd_max, qdd_max in zip(
-        point.slope, point.curvature, limits.qd_max, limits.qdd_max, strict=True
+def _bent(
+    track: JointTrack, k: int, fractions: Sequence[float]
+) -> tuple[list[tuple[float, ...]], list[tuple[float, ...]]]:
+    """Return |q'| and |q''| of the joints at fractions of an interval of a track."""
+    h = track.grid_s[k + 1] - track.grid_s[k]
+    ways = [(f, f * (1.0 - f), 1.0 - 2.0 * f) for f in fractions]
+    slopes: list[list[float]] = []
+    curvatures: list[list[float]] = []
+    for qa, qb, da, db in zip(
+        track.grid_q[k], track.grid_q[k + 1], track.grid_slope[k], track.grid_slope[k + 1], strict=True
     ):
-        if slope * slope * bound > (SPEED_MARGIN * qd_max) ** 2:
-            bound = (SPEED_MARGIN * qd_max / slope) ** 2
-        if curvature * bound > CURVATURE_SHARE * qdd_max:
-            bound = CURVATURE_SHARE * qdd_max / curvature
-    return bound
+        change = db - da
+        bow = 6.0 * (qb - qa) / h - 3.0 * (da + db)
+        slopes.append([abs(da + change * f + bow * bend) for f, bend, _ in ways])
+        curvatures.append([abs(change + bow * turn) / h for _, _, turn in ways])
+    return list(zip(*slopes, strict=True)), list(zip(*curvatures, strict=True))
 
 
-def _passed(grid: list[GridPoint], limits: MotionLimits, law: Law, x_start: float) -> list[float] | None:
-    """Return x at the grid points after the pass backwards and the pass forwards; None when x_start is too much."""
+def _bounds(grid: _Grid, limits: MotionLimits) -> list[float]:
+    """Return the largest x that speed limits and the bending of the path allow at each grid point."""
+    tops = [
+        (SPEED_MARGIN * qd_max, (SPEED_MARGIN * qd_max) ** 2, CURVATURE_SHARE * qdd_max)
+        for qd_max, qdd_max in zip(limits.qd_max, limits.qdd_max, strict=True)
+    ]
+    bounds = []
+    for slopes, curvatures in zip(grid.slopes, grid.curvatures, strict=True):
+        bound = inf
+        for slope, curvature, (top, top_square, bend_top) in zip(slopes, curvatures, tops, strict=True):
+            if slope * slope * bound > top_square:
+                bound = (top / slope) ** 2
+            if curvature * bound > bend_top:
+                bound = bend_top / curvature
+        bounds.append(bound)
+    return bounds
+
+
+def _passed(grid: _Grid, limits: MotionLimits, law: Law, x_start: float) -> list[float] | None:
+    """Return x at the grid points after the pass backwards and the pass forwards; None when x_start is too much.
+
+    A point that is no faster than its neighbour can always be reached: bending takes `CURVATURE_SHARE` of the joint
+    accelerations at most, which is less than `ACCELERATION_MARGIN`.
+    """
     x_max = law.v * law.v
-    x = [min(x_max, _bound(point, limits)) for point in grid]
+    allowed = [ACCELERATION_MARGIN * qdd_max for qdd_max in limits.qdd_max]
+    x = [min(x_max, bound) for bound in _bounds(grid, limits)]
     x[-1] = 0.0
     for here in range(len(x) - 2, -1, -1):
-        is_free = grid[here].is_free_ahead
-        x[here] = min(x[here], _reachable(grid[here], grid[here + 1], x[here + 1], is_free, limits, law.brake))
+        if x[here] > x[here + 1]:
+            x[here] = min(x[here], _reachable(grid, here, here + 1, x[here + 1], allowed, law.brake))
     if x_start > x[0] * (1.0 + _SAME_DURATION):
         return None
     x[0] = x_start
     for here in range(1, len(x)):
-        is_free = grid[here - 1].is_free_ahead
-        x[here] = min(x[here], _reachable(grid[here], grid[here - 1], x[here - 1], is_free, limits, law.a))
+        if x[here] > x[here - 1]:
+            x[here] = min(x[here], _reachable(grid, here, here - 1, x[here - 1], allowed, law.a))
     return x
 
 
-def _reachable(
-    point: GridPoint, neighbour: GridPoint, x_neighbour: float, is_free: bool, limits: MotionLimits, a: float
-) -> float:
-    """Return the largest x from which, or to which, the neighbour's x can be changed on the way between."""
-    way = 2.0 * abs(neighbour.s - point.s)
-    reachable = x_neighbour + way * a
-    if is_free:
+def _reachable(grid: _Grid, here: int, there: int, x_there: float, allowed: Sequence[float], a: float) -> float:
+    """Return the largest x at a point from which, or to which, the x of its neighbour can be changed."""
+    way = 2.0 * abs(grid.s[there] - grid.s[here])
+    reachable = x_there + way * a
+    if grid.is_free_ahead[min(here, there)]:
         return reachable
-    for slope, curvature, slope_there, curvature_there, qdd_max in zip(
-        point.slope, point.curvature, neighbour.slope, neighbour.curvature, limits.qdd_max, strict=True
+    for slope, curvature, slope_there, curvature_there, most in zip(
+        grid.slopes[here], grid.curvatures[here], grid.slopes[there], grid.curvatures[there], allowed, strict=True
     ):
-        allowed = ACCELERATION_MARGIN * qdd_max
         room = slope + way * curvature
-        if room * reachable > slope * x_neighbour + way * allowed:
-            reachable = (slope * x_neighbour + way * allowed) / room
-        if slope_there * (reachable - x_neighbour) > way * (allowed - curvature_there * x_neighbour):
-            reachable = x_neighbour + way * (allowed - curvature_there * x_neighbour) / slope_there
+        gained = slope * x_there + way * most
+        if room * reachable > gained:
+            reachable = gained / room
+        left = way * (most - curvature_there * x_there)
+        if slope_there * (reachable - x_there) > left:
+            reachable = x_there + left / slope_there
     return reachable
 
 
-def _profile(grid: list[GridPoint], x: list[float], law: Law) -> TimeLaw:
+def _profile(grid: _Grid, x: list[float], law: Law) -> TimeLaw:
     """Return the profile through x at the grid points: constant acceleration, or a trapezoid where it is free."""
     start_s: list[float] = []
     positions: list[float] = []
@@ -274,19 +288,21 @@ def _profile(grid: list[GridPoint], x: list[float], law: Law) -> TimeLaw:
     x_max, a, brake = law.v * law.v, law.a, law.brake
     share = brake / (a + brake)
     pieces: tuple[tuple[float, float, float, float], ...]
-    for here, ahead, x_here, x_ahead in zip(grid, grid[1:], x, x[1:], strict=False):
-        h = ahead.s - here.s
-        if here.is_free_ahead:
+    for s_here, s_ahead, is_free, x_here, x_ahead in zip(
+        grid.s, grid.s[1:], grid.is_free_ahead, x, x[1:], strict=False
+    ):
+        h = s_ahead - s_here
+        if is_free:
             x_top = min(x_max, share * x_here + (1.0 - share) * x_ahead + a * (2.0 * share) * h)
             rise = (x_top - x_here) / (2.0 * a)
             fall = (x_top - x_ahead) / (2.0 * brake)
             pieces = (
-                (here.s, x_here, a, rise),
-                (here.s + rise, x_top, 0.0, h - rise - fall),
-                (ahead.s - fall, x_top, -brake, fall),
+                (s_here, x_here, a, rise),
+                (s_here + rise, x_top, 0.0, h - rise - fall),
+                (s_ahead - fall, x_top, -brake, fall),
             )
         else:
-            pieces = ((here.s, x_here, (x_ahead - x_here) / (2.0 * h), h),)
+            pieces = ((s_here, x_here, (x_ahead - x_here) / (2.0 * h), h),)
         for s, x_piece, u, way in pieces:
             if way <= _NO_WAY * h:
                 continue
@@ -296,27 +312,26 @@ def _profile(grid: list[GridPoint], x: list[float], law: Law) -> TimeLaw:
             speeds.append(speed)
             accelerations.append(u)
             t_s += 2.0 * way / (speed + sqrt(max(0.0, x_piece + 2.0 * u * way)))
-    return TimeLaw(grid[-1].s, t_s, start_s, positions, speeds, accelerations)
+    return TimeLaw(grid.s[-1], t_s, start_s, positions, speeds, accelerations)
 
 
 _NO_WAY: Final = 1e-12
 """Share of its stretch below which a piece is rounding."""
 
 
-def _slow_place(grid: list[GridPoint], x: list[float], limits: MotionLimits, wanted: TimeLaw) -> SlowPlace:
+def _slow_place(grid: _Grid, x: list[float], limits: MotionLimits, wanted: TimeLaw) -> SlowPlace:
     """Return the point that is passed most slowly against the wanted profile."""
     slowest, least = 1, inf
-    for k in range(1, len(grid) - 1):
-        speed_wanted = wanted.speed_at_position(grid[k].s)
+    for k in range(1, len(x) - 1):
+        speed_wanted = wanted.speed_at_position(grid.s[k])
         if x[k] < least * speed_wanted * speed_wanted:
             slowest, least = k, x[k] / (speed_wanted * speed_wanted)
-    point = grid[slowest]
-    speed = sqrt(x[slowest])
-    u = abs(x[slowest + 1] - x[slowest]) / (2.0 * (grid[slowest + 1].s - point.s))
+    s, speed = grid.s[slowest], sqrt(x[slowest])
+    u = abs(x[slowest + 1] - x[slowest]) / (2.0 * (grid.s[slowest + 1] - s))
     shares = [
         max(slope * speed / qd_max, (slope * u + curvature * speed * speed) / qdd_max)
         for slope, curvature, qd_max, qdd_max in zip(
-            point.slope, point.curvature, limits.qd_max, limits.qdd_max, strict=True
+            grid.slopes[slowest], grid.curvatures[slowest], limits.qd_max, limits.qdd_max, strict=True
         )
     ]
-    return SlowPlace(point.s, speed, wanted.speed_at_position(point.s), shares.index(max(shares)))
+    return SlowPlace(s, speed, wanted.speed_at_position(s), shares.index(max(shares)))
