@@ -120,8 +120,8 @@ def compile_expression(source: SourceFile) -> CodeType:
         census = Census(tree)
         problems += review(parsed.source, census)
         if not any(problem.is_error for problem in problems):
-            insert_checkpoints(census)
             guard_formats(tree, census)
+            insert_checkpoints(census)
             code = _code_or_problem(tree, "eval", parsed.source, "expression", problems)
             if code is not None:
                 return code
@@ -166,8 +166,8 @@ def compile_statement(source: SourceFile, has_global: Callable[[str], bool]) -> 
             ]
         calls = frozenset(node.func.id for node in census.of(ast.Call) if isinstance(node.func, ast.Name))
         if first_too_deep(census) is None and not any(problem.is_error for problem in problems):
-            insert_checkpoints(census)
             guard_formats(parsed.tree, census)
+            insert_checkpoints(census)
             code = _code_or_problem(parsed.tree, "exec", parsed.source, "statement", problems)
             if code is not None:
                 return Statement(source, code, calls)
@@ -196,8 +196,8 @@ def _compile(parsed: Parsed) -> tuple[CodeType | None, frozenset[str], tuple[Dia
     if first_too_deep(census) is not None:
         return None, global_names, in_order(problems)
     if not any(problem.is_error for problem in problems):
-        insert_checkpoints(census)
         guard_formats(parsed.tree, census)
+        insert_checkpoints(census)
     code = _code(parsed, problems)
     return code, global_names, in_order(problems)
 
