@@ -1,7 +1,7 @@
 """What checkpoints cost: programs that only compute, against the same text as plain Python.
 
-Ours is compiled code with the cheapest possible hooks, `fuel.pop() or cp()`, as the runtime has
-them; nothing is scheduled. Both run in turn, and the best of several runs counts.
+Ours is compiled code with the cheapest possible hooks, `fuel.pop() or cp()` and payments of short loops, as the runtime
+has them; nothing is scheduled. Both run in turn, and the best of several runs counts.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 from benchmarks.measure import best_in_turn
 from benchmarks.table import Row, print_rows, timed_row
 from elitescript.language.compiler import compile_unit
-from elitescript.language.hooks import CHECKPOINT, FORMAT, LINE, MAIN, STOP, TICK
+from elitescript.language.hooks import CHECKPOINT, FORMAT, LINE, MAIN, PAY, RANGE, STOP, TICK
 from elitescript.language.text.dialect import translate
 from elitescript.language.text.source import SourceFile
 
@@ -145,10 +145,17 @@ def _instrumented(text: str) -> Callable[[], object]:
         fuel[:] = [False] + [True] * FUEL
         return True
 
+    def pay(count: int) -> bool:
+        if len(fuel) <= count:
+            return False
+        del fuel[-count:]
+        return True
+
     def nothing(*_: object) -> None: ...
 
     refill()
-    hooks = {TICK: fuel.pop, CHECKPOINT: refill, STOP: KeyboardInterrupt, LINE: nothing, FORMAT: getattr}
+    hooks = {TICK: fuel.pop, CHECKPOINT: refill, PAY: pay, RANGE: range, STOP: KeyboardInterrupt, LINE: nothing}
+    hooks[FORMAT] = getattr
     namespace: dict[str, Any] = {"__builtins__": {**vars(builtins), **hooks}}
     exec(compile_unit(SourceFile("benchmark", text)).code, namespace)
     program: Callable[[], object] = namespace[MAIN]

@@ -17,7 +17,7 @@ from elitescript.controller.views.signals import Signals
 from elitescript.controller.views.trace import Trace
 from elitescript.controller.views.trace_rows import TraceRecorder
 from elitescript.controller.views.trace_signals import SignalRecord, TraceSignals
-from elitescript.controller.views.warning_limit import WarningLimit
+from elitescript.controller.views.warning_limit import LIMITED, WarningLimit
 from elitescript.devices.drain import DRAIN_S, Drain
 from elitescript.devices.outside import Outside
 from elitescript.devices.surroundings import RobotSettings, Surroundings
@@ -609,15 +609,15 @@ class VirtualRobot:
     def _event(self, event: Event) -> None:
         if self._outside.surroundings is not None and isinstance(event, SignalChanged):
             self._outside.surroundings.signal_changed(event.name, event.value)
-        run = self._run
-        if run is None or run.is_closed or self._limit.takes(event):
+        if type(event) not in LIMITED or self._run is None or self._run.is_closed or self._limit.takes(event):
             self._pass_on(event)
 
     def _pass_on(self, event: Event) -> None:
         run = self._run
         if run is not None and not run.is_closed:
             run.add(event)
-        self._kernel.publish_event(event)
+        if self._clients is not None:
+            self._kernel.publish_event(event)
         if self._on_event is None or self._listener_error is not None:
             return
         try:

@@ -7,7 +7,7 @@ import copy
 from typing import Any
 
 from elitescript.language.compiler import CompiledUnit, compile_unit
-from elitescript.language.hooks import CHECKPOINT, FORMAT, LINE, MAIN, STOP, TICK
+from elitescript.language.hooks import CHECKPOINT, FORMAT, LINE, MAIN, PAY, RANGE, STOP, TICK
 from elitescript.language.options import DEFAULT, Options
 from elitescript.language.text.source import SourceFile
 
@@ -26,8 +26,9 @@ class Stage:
     def __init__(self, work: int = 100_000) -> None:
         self.out: list[str] = []
         self.marks: list[tuple[Any, ...]] = []
+        self.work = work
+        self.range: object = range
         self.fuel = [False] + [True] * work
-        self.ticks = 0
         self.globals: dict[str, Any] = {}
 
     def run(self, text: str, options: Options = DEFAULT) -> CompiledUnit:
@@ -43,8 +44,10 @@ class Stage:
 
     def _names(self) -> dict[str, Any]:
         return {
-            TICK: self._tick,
+            TICK: self.fuel.pop,
             CHECKPOINT: self._checkpoint,
+            PAY: self._pay,
+            RANGE: self.range,
             STOP: Stopped,
             LINE: lambda *mark: self.marks.append(mark),
             FORMAT: getattr,
@@ -53,9 +56,16 @@ class Stage:
             "elicopy": copy,
         }
 
-    def _tick(self) -> bool:
-        self.ticks += 1
-        return self.fuel.pop()
+    @property
+    def ticks(self) -> int:
+        """Units of work that were used up."""
+        return self.work + 1 - len(self.fuel)
+
+    def _pay(self, count: int) -> bool:
+        if len(self.fuel) <= count:
+            return False
+        del self.fuel[-count:]
+        return True
 
     def _checkpoint(self) -> bool:
         self.fuel[:] = [False]

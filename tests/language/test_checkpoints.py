@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import ast
+import random
 import time
 
 import pytest
@@ -9,7 +10,7 @@ from elitescript.language.checkpoints import insert_checkpoints, is_checkpoint
 from elitescript.language.nodes import Census
 from tests.language.stage import Stage, Stopped
 
-STATEMENT = "if not @tick():\n    @cp()"
+GUARD = "if not @tick(): @cp()"
 
 
 def instrumented(text):
@@ -50,6 +51,104 @@ def instrumented(text):
 )
 def test_where_checkpoints_stand(text, expected):
     assert instrumented(text) == ast.unparse(ast.parse(expected.replace("@", "at_"))).replace("at_", "@")
+
+
+SHORT = "if range is @range and @pay({}):\n{}\nelse:\n{}"
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (
+            "for i in range(8):\n    s += a[i]",
+            SHORT.format(
+                8,
+                "    for i in range(8): s += a[i]",
+                f"    for i in range(8):\n        {GUARD}\n        s += a[i]",
+            ),
+        ),
+        (
+            "for i in range(4):\n    r = []\n    for j in range(3):\n        if i: r.append(float(j))",
+            SHORT.format(
+                16,
+                "    for i in range(4):\n        r = []\n"
+                "        for j in range(3):\n            if i: r.append(float(j))",
+                f"    for i in range(4):\n        {GUARD}\n        r = []\n        for j in range(3):\n"
+                f"            {GUARD}\n            if i: r.append(float(j))",
+            ),
+        ),
+        (
+            "x = [i * i for i in range(50) if i > 3]",
+            "x = [i * i for i in range(50) if i > 3] if range is @range and @pay(50)"
+            " else [i * i for i in range(50) if (@tick() or @cp()) if i > 3]",
+        ),
+        (
+            "while x:\n    for i in range(9): pass",
+            f"while x:\n    {GUARD}\n    if range is @range and @pay(9):\n        for i in range(9): pass\n"
+            f"    else:\n        for i in range(9):\n            {GUARD}\n            pass",
+        ),
+    ],
+)
+def test_short_loops_pay_at_their_start(text, expected):
+    assert instrumented(text) == ast.unparse(ast.parse(expected.replace("@", "at_"))).replace("at_", "@")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "for i in range(7): pass",
+        "for i in range(101): pass",
+        "for i in range(51):\n  for j in range(2): pass",
+        "for i in range(n): pass",
+        "for i in range(9.0): pass",
+        "for i in range(-9): pass",
+        "for i in range(True): pass",
+        "for i in range(0, 9): pass",
+        "for i in range(*[9]): pass",
+        "for i in range(9, step=1): pass",
+        "for i in other(9): pass",
+        "for i in [9]: pass",
+        "for a.i in range(9): pass",
+        "for a[0] in range(9): pass",
+        "for i, j in range(9): pass",
+        "for i in range(9): pass\nelse: f()",
+        "for i in range(9): break",
+        "for i in range(9):\n  if a: break",
+        "for i in range(9):\n  if a: continue",
+        "def f():\n  for i in range(9): return i",
+        "def f():\n  for i in range(9): yield i",
+        "for i in range(9): raise a",
+        "for i in range(9): assert a",
+        "for i in range(9): f()",
+        "for i in range(9): f.appended(i)",
+        "for i in range(9): sleep(abs(i))",
+        "for i in range(9): abs(f())",
+        "for i in range(9): a[f()] = i",
+        "for i in range(9):\n  while a: pass",
+        "for i in range(9):\n  for j in a: pass",
+        "for i in range(9):\n  try: a\n  except b: c",
+        "for i in range(9):\n  with a: pass",
+        "for i in range(9):\n  def f(): pass",
+        "for i in range(9):\n  class C: pass",
+        "for i in range(9):\n  import a",
+        "for i in range(9): a = lambda: 1",
+        "for i in range(9): a = [j for j in b]",
+        "for i in range(9): a = sum(j for j in b)",
+        "for i in range(9): del a[0]",
+        "for i in range(9):\n  match a:\n    case 1: pass",
+        "[f(i) for i in range(9)]",
+        "[j for i in range(9) for j in i]",
+        "[i for i in range(9) if f(i)]",
+        "[(lambda: i) for i in range(9)]",
+        "[i for i in range(7)]",
+        "[i for i, in range(9)]",
+        "{i for i in range(9)}",
+        "{i: i for i in range(9)}",
+        "list(i for i in range(9))",
+    ],
+)
+def test_all_other_loops_have_a_checkpoint_in_each_pass(text):
+    assert "@pay" not in instrumented(text)
 
 
 def test_they_take_the_line_of_what_they_guard():
@@ -93,6 +192,17 @@ ENDLESS = [
     "f = lambda n: f(n - 1) + f(n - 2)\nwhile True:\n  try: f(9)\n  except RecursionError: pass",
     "class C:\n  while True: pass",
     "def f():\n  try:\n    while True: pass\n  except:\n    f()\nf()",
+    "class A:\n  def __add__(self, o):\n    for i in range(9): self + o\nwhile True:\n  try: A() + 1\n"
+    "  except RecursionError: pass",
+    "class B:\n  def __bool__(self):\n    for i in range(99):\n      if self: pass\n    return True\nif B(): pass",
+    "class E:\n  def __eq__(self, o): return [0 for i in range(99) if self == i]\nE() == 1",
+    "class F:\n  def __format__(self, s): return f'{self}' + f'{self}'\nf'{F()}'",
+    "class G:\n  @property\n  def x(self): return [self.x for i in range(99)]\nG().x",
+    "class I:\n  def __contains__(self, x):\n    for i in range(99): x in self\n1 in I()",
+    "def get(s): return [s.x for i in range(99)]\nclass H: x = property(get)\nH().x",
+    "x = [0]\ndef range(n): return x\nfor i in range(9): x += [1]",
+    "while True:\n  for i in range(9): pass",
+    "while True: [i for i in range(9)]",
     "class S:\n  def __enter__(self): pass\n  def __exit__(self, *a): return True\n"
     "while True:\n  with S():\n    while True: pass",
 ]
@@ -132,3 +242,87 @@ def test_the_count_of_work_is_exact():
     stage = Stage()
     stage.run("def f():\n  for i in range(3): pass\nend\nf()\nf()\n[i for i in range(4)]\nwhile False: pass")
     assert stage.ticks == 2 * (1 + 3) + 4
+
+
+class Counted:
+    """A program that runs to its end, and one that stops after so many units of work."""
+
+    def __init__(self, text, has_payments):
+        self.text = text
+        self.has_payments = has_payments
+
+    def stage(self, work):
+        stage = Stage(work)
+        if not self.has_payments:
+            stage.range = None
+        return stage
+
+    def result(self, work=100_000):
+        stage = self.stage(work)
+        try:
+            stage.run(self.text)
+        except Stopped:
+            return stage.out, "stopped"
+        except Exception as error:
+            return stage.out, repr(error)
+        return stage.out, stage.ticks
+
+
+def random_loops(seed):
+    """A program of loops, most of them short, that compute with lists and numbers and say what comes out."""
+    draw = random.Random(seed)
+
+    def block(depth, inside):
+        lines = []
+        for _ in range(draw.randint(1, 3)):
+            kind = draw.randrange(7 if depth < 3 else 4)
+            name = draw.choice("abc")
+            index = draw.choice(inside) if inside else "1"
+            if kind == 0:
+                lines.append(f"{name} = {name} * 3 % 101 + {index}")
+            elif kind == 1:
+                lines.append(f"r.append({name} + {index})")
+            elif kind == 2:
+                lines += [f"if {name} % 2 == {draw.randrange(2)}:", f"  {name} += abs(int({index} - 3))"]
+                lines += ["else:", "  pass"]
+            elif kind == 3:
+                lines.append(f"r = [v * {index} % 7 for v in range({draw.choice([3, 9, 40, 120])}) if v != {name}]")
+            elif kind == 4:
+                lines.append(f"textmsg({name}, len(r))")
+            else:
+                loop = f"i{depth}"
+                lines.append(f"for {loop} in range({draw.choice([1, 2, 3, 6, 8, 12, 30])}):")
+                lines += ["  " + line for line in block(depth + 1, [*inside, loop])]
+        return lines
+
+    text = ["a, b, c, r = 1, 2, 3, []", *block(0, []), *block(0, []), "textmsg(a, b, c, r)"]
+    return "\n".join(text) + "\n"
+
+
+@pytest.mark.parametrize("seed", range(150))
+def test_payments_change_nothing_but_the_time_it_takes(seed):
+    text = random_loops(seed)
+    paid, counted = Counted(text, True), Counted(text, False)
+    assert paid.result() == counted.result()
+    for work in (1, 7, 40, 99, 100, 101, 333):
+        assert paid.result(work) == counted.result(work)
+
+
+def test_random_loops_hold_payments():
+    assert sum("@pay" in instrumented(random_loops(seed)) for seed in range(150)) > 75
+
+
+def test_a_payment_is_all_or_nothing():
+    text = "for i in range(9): pass\ntextmsg('there')\nfor i in range(9): pass\ntextmsg('never')"
+    for work in (9, 10, 17):
+        assert Counted(text, True).result(work) == (["there"], "stopped")
+
+
+def test_a_range_of_the_program_is_asked_each_time():
+    text = "def range(n): return [5]\nfor i in range(9): textmsg(i)\nx = [i for i in range(9)]\ntextmsg(x)"
+    assert Counted(text, True).result() == Counted(text.replace("(9)", "(7)"), True).result() == (["5", "[5]"], 4)
+
+
+def test_a_loop_that_ends_with_an_exception_has_paid_for_all_passes():
+    text = "try:\n  for i in range(9): 1 / (i - 2)\nexcept ZeroDivisionError: pass"
+    assert (Counted(text, True).result()[1], Counted(text, False).result()[1]) == (9, 3)

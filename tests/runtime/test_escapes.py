@@ -162,6 +162,15 @@ COMPUTED = {
     "format by name": ("leak('{f.__globals__}'.format(f=sleep))", "PermissionError"),
     "format unbound": ("leak(str.format('{0.__globals__}', sleep))", "PermissionError"),
     "format in map": ("leak(list(map(str.format, ['{0.__globals__}'], [sleep])))", "PermissionError"),
+    "format in a lambda": ("f = lambda s: s.format\nleak(f('{0.__globals__}')(sleep))", "PermissionError"),
+    "format in a short list": (
+        "s = '{0.__globals__}'\nleak([s.format for i in range(9)][0](sleep))",
+        "PermissionError",
+    ),
+    "format in a short loop": (
+        "s = '{0.__globals__}'\nf = 0\nfor i in range(9):\n  f = s.format\nleak(f(sleep))",
+        "PermissionError",
+    ),
     "format_map": ("leak('{f.__globals__}'.format_map({'f': sleep}))", "PermissionError"),
     "format getattr": ("leak(getattr('{0.__globals__}', 'format')(sleep))", "PermissionError"),
     "format super": (

@@ -48,6 +48,34 @@ class Bench:
         return self.seen
 
 
+@pytest.mark.parametrize("portion", [1, 30, 77, 500])
+@pytest.mark.parametrize("sizes", [[1], [8], [33, 1, 90], [79], [80], [81]])
+def test_work_paid_at_once_counts_like_work_in_steps(portion, sizes):
+    def ticks(pays):
+        bench = Bench(work_per_tick=100, portion=portion)
+        scheduler = bench.scheduler
+
+        def work():
+            for number in range(200):
+                size = sizes[number % len(sizes)]
+                if not (pays and scheduler.pay(size)):
+                    bench.checkpoints(size)
+                bench.checkpoints(1)
+                bench.note(number)
+
+        bench.spawn("work", work)
+        return bench.run()
+
+    assert ticks(True) == ticks(False)
+
+
+def test_a_strand_without_fuel_cannot_pay():
+    bench = Bench(work_per_tick=100)
+    bench.spawn("work", lambda: bench.note(bench.scheduler.pay(1)))
+    assert bench.run() == [(0, False)]
+    assert not bench.scheduler.pay(1)
+
+
 def test_strands_run_in_the_order_of_their_start():
     bench = Bench()
 

@@ -593,9 +593,8 @@ class Controller:
         self.emit(event)
 
     def _signal_changed(self, name: str, index: int, value: Value) -> None:
-        by = self._by
+        by, row = self._by, SIGNALS[name]
         line = self.task.program.caller_line if by == PROGRAM else 0
-        row = SIGNALS[name]
         self._on_event(SignalChanged(self._tick, signal_name(row, index), value, by, line))
         if row.is_input:
             if name == SPEED_SIGNAL:

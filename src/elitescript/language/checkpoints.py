@@ -4,6 +4,15 @@ A checkpoint is the expression `@tick() or @cp()`. It stands at the start of eve
 the entry of every function, in every comprehension and lambda, so that no code of a script runs
 for long without one. Each costs one call of a built-in function.
 
+A short loop (`for`, or a list that one makes) over `range` of a small number, with a body that only computes, is there
+twice: `if range is @range and @pay(n)` it runs without checkpoints, having used up its n units of work at once; else
+with one in each pass. Nothing in such a body uses up work, so every other checkpoint finds the same count either way.
+Two cases differ by some units, never without end: a loop that ends with an exception has paid for the passes that it
+did not make, and operators or functions of the program in its body have checkpoints of their own, behind the payment.
+
+A function that calls nothing keeps its checkpoint. Its operators may run methods of the program, also of a class that
+comes with a later text, so that a recursion may lead through it; and the unit of work of a call has to be counted.
+
 Every `try` with handlers gets a first handler that lets a stop pass, so that `except:` cannot
 swallow it.
 """
@@ -11,10 +20,23 @@ swallow it.
 from __future__ import annotations
 
 import ast
+from typing import Final
 
-from elitescript.language.hooks import CHECKPOINT, STOP, TICK
+from elitescript.language.hooks import CHECKPOINT, PAY, RANGE, STOP, TICK
 from elitescript.language.kinds import is_text
 from elitescript.language.nodes import Census
+
+PAID_MAX: Final = 100
+"""Most units of work that a loop pays at its start; so many passes, with those of loops in it, have no checkpoint."""
+_PAID_MIN: Final = 8
+"""Fewer cost no more than paying them at once."""
+_COMPUTING: Final = frozenset(["abs", "float", "int", "len", "max", "min", "round", "str"])
+"""Functions that the body of a short loop may call: they take no time and use up no work."""
+_OPEN: Final = (
+    *(ast.Lambda, ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp, ast.Yield, ast.YieldFrom),
+    *(ast.Await, ast.Starred),
+)
+"""Expressions that have checkpoints of their own, or that leave the loop."""
 
 _LOAD = ast.Load()
 _OR = ast.Or()
@@ -30,6 +52,7 @@ def insert_checkpoints(census: Census) -> None:
     """
     if census.unknown:
         raise ValueError(f"unknown kind of node: {type(census.unknown[0]).__name__}")
+    prepaid = _prepaid(census)
     for loop in census.of(ast.For):
         loop.body.insert(0, _statement(loop))
     for repetition in census.of(ast.While):
@@ -44,6 +67,8 @@ def insert_checkpoints(census: Census) -> None:
     for statement in census.of(ast.Try):
         if statement.handlers:
             statement.handlers.insert(0, _stop_handler(statement))
+    if prepaid:
+        census.replace(prepaid)
 
 
 def body_start(body: list[ast.stmt]) -> int:
@@ -83,3 +108,91 @@ def _stop_handler(statement: ast.Try) -> ast.ExceptHandler:
     name = _call(STOP, statement).func
     raising = ast.copy_location(ast.Raise(None, None), name)
     return ast.copy_location(ast.ExceptHandler(name, None, [raising]), name)
+
+
+# Short loops
+
+
+def _prepaid(census: Census) -> dict[ast.AST, ast.If | ast.IfExp]:
+    """Return what stands for short loops and lists; called before these have checkpoints."""
+    units = {loop: count for loop in census.of(ast.For) if (count := _units(loop))}
+    inner = {statement for loop in units for statement in loop.body}
+    found: dict[ast.AST, ast.If | ast.IfExp] = {}
+    for loop, count in units.items():
+        if loop not in inner and count >= _PAID_MIN:
+            found[loop] = ast.copy_location(ast.If(_payment(loop.iter, count), [_bare(loop)], [loop]), loop)
+    for made in census.of(ast.ListComp):
+        generator = made.generators[0]
+        count = _passes(generator.target, generator.iter)
+        if len(made.generators) == 1 and count >= _PAID_MIN and all(map(_is_closed, (made.elt, *generator.ifs))):
+            alike = ast.comprehension(generator.target, generator.iter, list(generator.ifs), 0)
+            bare = ast.copy_location(ast.ListComp(made.elt, [alike]), made)
+            found[made] = ast.copy_location(ast.IfExp(_payment(generator.iter, count), bare, made), made)
+    return found
+
+
+def _passes(target: ast.expr, values: ast.expr) -> int:
+    """Return how many passes `for target in values` makes; 0 if that is not a small number in the text."""
+    if not isinstance(values, ast.Call) or not isinstance(values.func, ast.Name) or values.func.id != "range":
+        return 0
+    if len(values.args) != 1 or values.keywords or not isinstance(target, ast.Name):
+        return 0
+    limit = values.args[0]
+    if not isinstance(limit, ast.Constant) or type(limit.value) is not int:
+        return 0
+    return limit.value if 0 < limit.value <= PAID_MAX else 0
+
+
+def _units(loop: ast.For) -> int:
+    """Return how many passes a loop makes, with those of the loops in it; 0 for one that is not short."""
+    count = 0 if loop.orelse else _passes(loop.target, loop.iter)
+    if not count:
+        return 0
+    inner = 0
+    for statement in loop.body:
+        if isinstance(statement, ast.For):
+            passes = _units(statement)
+            if not passes:
+                return 0
+            inner += passes
+        elif not _only_computes(statement):
+            return 0
+    units = count * (1 + inner)
+    return units if units <= PAID_MAX else 0
+
+
+def _only_computes(statement: ast.stmt) -> bool:
+    """Return whether a statement goes on to the next one, takes no time and uses up no work."""
+    if isinstance(statement, ast.If):
+        return _is_closed(statement.test) and all(map(_only_computes, (*statement.body, *statement.orelse)))
+    return isinstance(statement, ast.Assign | ast.AugAssign | ast.Expr | ast.Pass) and _is_closed(statement)
+
+
+def _is_closed(node: ast.AST) -> bool:
+    for part in ast.walk(node):
+        if isinstance(part, _OPEN) or (isinstance(part, ast.Call) and not _calls_a_known_function(part)):
+            return False
+    return True
+
+
+def _calls_a_known_function(call: ast.Call) -> bool:
+    function = call.func
+    if isinstance(function, ast.Attribute):
+        return function.attr == "append"
+    return isinstance(function, ast.Name) and function.id in _COMPUTING
+
+
+def _payment(values: ast.expr, count: int) -> ast.BoolOp:
+    """Return `range is @range and @pay(count)`, at the place of `range`."""
+    assert isinstance(values, ast.Call)
+    paying = _call(PAY, values)
+    paying.args.append(ast.copy_location(ast.Constant(count), paying))
+    built_in = ast.copy_location(ast.Name(RANGE, _LOAD), values.func)
+    is_built_in = ast.copy_location(ast.Compare(values.func, [ast.Is()], [built_in]), values.func)
+    return ast.copy_location(ast.BoolOp(_AND, [is_built_in, paying]), values.func)
+
+
+def _bare(loop: ast.For) -> ast.For:
+    """Return a loop that stays without checkpoints; it shares its statements with the first one."""
+    body = [_bare(statement) if isinstance(statement, ast.For) else statement for statement in loop.body]
+    return ast.copy_location(ast.For(loop.target, loop.iter, body, []), loop)

@@ -132,8 +132,8 @@ def compile_expression(source: SourceFile) -> CodeType:
         census = Census(tree)
         problems += review(parsed.source, census)
         if not any(problem.is_error for problem in problems):
-            insert_checkpoints(census)
             guard_formats(tree, census)
+            insert_checkpoints(census)
             code = _code_or_problem(tree, "eval", parsed.source, "expression", problems)
             if code is not None:
                 return code
@@ -178,8 +178,8 @@ def compile_statement(source: SourceFile, has_global: Callable[[str], bool]) -> 
             ]
         calls = frozenset(node.func.id for node in census.of(ast.Call) if isinstance(node.func, ast.Name))
         if first_too_deep(census) is None and not any(problem.is_error for problem in problems):
-            insert_checkpoints(census)
             guard_formats(parsed.tree, census)
+            insert_checkpoints(census)
             code = _code_or_problem(parsed.tree, "exec", parsed.source, "statement", problems)
             if code is not None:
                 return Statement(source, code, calls)
@@ -216,8 +216,8 @@ def _compile(parsed: Parsed) -> _Compiled:
     if first_too_deep(census) is not None:
         return _Compiled(None, global_names, in_order(problems), shows)
     if not any(problem.is_error for problem in problems):
-        insert_checkpoints(census)
         guard_formats(parsed.tree, census)
+        insert_checkpoints(census)
     code = _code(parsed, problems)
     return _Compiled(code, global_names, in_order(problems), shows)
 

@@ -11,6 +11,8 @@ from typing import Final
 MAIN: Final = "@main"
 TICK: Final = "@tick"
 CHECKPOINT: Final = "@cp"
+PAY: Final = "@pay"
+RANGE: Final = "@range"
 STOP: Final = "@stop"
 LINE: Final = "@line"
 FORMAT: Final = "@format"
@@ -19,6 +21,9 @@ HOOKS: Final[dict[str, str]] = {
     TICK: "`() -> bool`: uses up one unit of work; False when there is none left, and then `@cp` is called",
     CHECKPOINT: "`() -> True`: the thread's budget is used up; may switch, wait or raise a stop. Must return True, "
     "because comprehensions and lambdas go on with `@tick() or @cp()` as a condition",
+    PAY: "`(count) -> bool`: uses up that many units of work, if there are so many before `@cp` would be called; "
+    "False, and nothing is used up, if not",
+    RANGE: "the built-in `range`, to see whether a program has another one",
     STOP: "exception class (a BaseException), or a tuple of them, that ends a thread; every `try` lets it pass",
     LINE: '`(number, label, after=None) -> None`: the program reached a `$ LINE: (number, "label")` mark',
     FORMAT: "`(object, name) -> value`: stands for `object.format` and `object.format_map`, with `name` one of the two",

@@ -7,7 +7,9 @@ never looked into and always refused.
 from __future__ import annotations
 
 import ast
+from collections.abc import Mapping
 from functools import cache
+from operator import attrgetter
 from typing import Final, TypeVar, cast
 
 _Node = TypeVar("_Node", bound=ast.AST)
@@ -135,6 +137,18 @@ class Census:
     def of(self, kind: type[_Node]) -> list[_Node]:
         """Return all nodes of one kind, in no particular order."""
         return cast("list[_Node]", self.by_kind[kind])
+
+    def replace(self, replacements: Mapping[ast.AST, ast.AST]) -> None:
+        """Put other nodes where counted nodes hold the keys; the nodes that are put in are not counted."""
+        keys = replacements.keys()
+        for kind, nodes in self.by_kind.items():
+            for field in CHILDREN[kind]:
+                for node, child in zip(nodes, map(attrgetter(field), nodes), strict=True):
+                    if type(child) is list:
+                        if not keys.isdisjoint(child):
+                            child[:] = [replacements.get(item, item) for item in child]
+                    elif child in keys:
+                        setattr(node, field, replacements[child])
 
 
 @cache

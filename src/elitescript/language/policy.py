@@ -18,7 +18,7 @@ from typing import Final
 
 from elitescript.language.diagnostics import Diagnostic, diagnostic
 from elitescript.language.hooks import FORMAT
-from elitescript.language.nodes import CHILDREN, Census
+from elitescript.language.nodes import Census
 from elitescript.language.text.source import SourceFile
 
 COMPREHENSION_DEPTH_MAX: Final = 12
@@ -135,23 +135,16 @@ def first_too_deep(census: Census) -> ast.AST | None:
 
 def guard_formats(tree: ast.AST, census: Census) -> None:
     """Replace loads of `.format` and `.format_map` by calls of the `@format` hook."""
-    calls = {
-        id(node): _guarded(node)
+    calls: dict[ast.AST, ast.Call] = {
+        node: _guarded(node)
         for node in census.of(ast.Attribute)
         if node.attr in GUARDED_ATTRIBUTES and isinstance(node.ctx, ast.Load)
     }
     if not calls:
         return
     for call in calls.values():
-        call.args[0] = calls.get(id(call.args[0]), call.args[0])
-    for nodes in census.by_kind.values():
-        for node in nodes:
-            for field in CHILDREN[type(node)]:
-                child = getattr(node, field)
-                if type(child) is list:
-                    child[:] = [calls.get(id(item), item) for item in child]
-                elif id(child) in calls:
-                    setattr(node, field, calls[id(child)])
+        call.args[0] = calls.get(call.args[0], call.args[0])
+    census.replace(calls)
 
 
 def _guarded(node: ast.Attribute) -> ast.Call:

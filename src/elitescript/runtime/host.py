@@ -36,9 +36,9 @@ FINISHED: Final = "finished"
 ALARM: Final = "alarm"
 STOPPED: Final = "stopped"
 
-_FRAMES_OF_A_CHANGE: Final = 6
-"""At least as many calls lie between a script's call of a command and `caller_line`, for which every change of a signal
-asks; the walk to the script passes them in one step."""
+_FRAMES_OF_A_CHANGE: Final = 8
+"""Frames of a plain write from `caller_line` up to the function that the script has called. No change of a signal that
+a script causes has fewer, so that the walk to its line passes them in one step."""
 
 SECONDARY_WARNING: Final = "[SEC] Exception: "
 

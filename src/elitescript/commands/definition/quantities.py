@@ -143,7 +143,7 @@ class Integer(Quantity):
         return f"in [{self.low}, {self.high}]"
 
     def coerce(self, value: Any) -> int:
-        number = value
+        number: int = value
         if type(value) is not int:
             if not isinstance(value, int):
                 raise self.wrong_type(value, "an int")

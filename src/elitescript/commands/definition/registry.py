@@ -206,21 +206,25 @@ class Command:
         """
         details = self._details or self.details
         coercions = details.coercions
-        given: Sequence[Any] = args
-        if kwargs or not details.required <= len(args) <= len(coercions):
-            given = self._arrange(args, kwargs)
-        elif len(args) < len(coercions):
-            given = [*args, *[_OMITTED] * (len(coercions) - len(args))]
         values: list[Any] = []
         try:
-            for coerce, value in zip(coercions, given):  # noqa: B905  `*more` follows
-                values.append(coerce(value) if value is not _OMITTED else details.params[len(values)].default_value)
+            if len(args) == len(coercions) and not kwargs:
+                for coerce, value in zip(coercions, args):  # noqa: B905  a keyword costs as much as one argument
+                    values.append(coerce(value))
+                return values
+            if not kwargs and details.required <= len(args) <= len(coercions):
+                given = [*args, *[_OMITTED] * (len(coercions) - len(args))]
+            else:
+                given = self._arrange(args, kwargs)
+            for param, value in zip(details.params, given, strict=False):
+                values.append(param.default_value if value is _OMITTED else param.quantity.coerce(value))
+            return values + given[len(values) :]
         except ScriptError as error:
-            error.command = self.name
-            error.argument = argument = details.params[len(values)].name
-            error.args = (f"{self.name}: {argument} {error.args[0]}",)
+            if error.command is None:
+                error.command = self.name
+                error.argument = argument = details.params[len(values)].name
+                error.args = (f"{self.name}: {argument} {error.args[0]}",)
             raise
-        return values if len(given) == len(values) else [*values, *given[len(values) :]]
 
     def call(self, robot: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
         """Bind and run; tuples come back as the lists that scripts expect.

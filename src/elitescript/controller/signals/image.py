@@ -170,7 +170,12 @@ class SignalImage:
         """
         if name in _BOUNDED:
             self.check(name, index, value)
-        self._command(name, index, float(value) if name in _FLOATS else value)
+        if name in _FLOATS:
+            value = float(value)
+        if self._runstate or self.faults is not None:
+            self._command(name, index, value)
+        else:
+            self.show(name, index, value)
 
     def check(self, name: str, index: int, value: Value, domain: AnalogDomain | None = None) -> None:
         """Check that a point can take a value.
@@ -279,7 +284,7 @@ class SignalImage:
         )
 
     def _command(self, name: str, index: int, value: Value) -> None:
-        forced = self._forced(name, index) if self._runstate else None
+        forced = self._forced(name, index)
         if forced is None:
             self._store(name, index, value)
         elif forced != value and (name, index) not in self._overridden:

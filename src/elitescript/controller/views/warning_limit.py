@@ -18,8 +18,9 @@ _KINDS_MAX: Final = 1000
 """Most kinds that are counted; warnings of further kinds all pass."""
 _NUMBERS: Final = r"[-+]?\d[\d.]*(?:e[-+]?\d+)?"
 
+LIMITED: Final = frozenset({Warned, DeviceNoted})
+"""Events that can be warnings; all others pass."""
 _Warning = Warned | DeviceNoted
-_LIMITED: Final = frozenset({Warned, DeviceNoted})
 
 
 class WarningLimit:
@@ -33,7 +34,7 @@ class WarningLimit:
 
     def takes(self, event: Event) -> bool:
         """Return whether an event passes; a warning that does not is counted."""
-        if type(event) not in _LIMITED or (isinstance(event, DeviceNoted) and not event.is_warning):
+        if not (isinstance(event, Warned) or (isinstance(event, DeviceNoted) and event.is_warning)):
             return True
         kind = _kind(event)
         if kind not in self._counts and len(self._counts) >= _KINDS_MAX:

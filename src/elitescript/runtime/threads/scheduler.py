@@ -7,7 +7,7 @@ checkpoints and blocks nothing. The speed of the real controller is not known: t
 
 Compiled scripts evaluate `tick() or checkpoint()`, where `tick` pops from the list `fuel`. The list holds True for
 every checkpoint that is passed at once, above False values that lead to `checkpoint`. It is filled in portions; work is
-counted exactly, so the size of a portion has no effect on results.
+counted exactly, so the size of a portion has no effect on results. Short loops take what they need at once (`pay`).
 """
 
 from __future__ import annotations
@@ -321,6 +321,14 @@ class Scheduler:
         # Another strand may have left fuel, which this strand has used since it was resumed.
         if self._loaded == 0:
             self._load(strand)
+        return True
+
+    def pay(self, count: int) -> bool:
+        """Take checkpoints from the fuel at once; return False, and take none, if it holds fewer."""
+        fuel = self.fuel
+        if len(fuel) < FLOOR + count:
+            return False
+        del fuel[-count:]
         return True
 
     def spend_event(self) -> None:
