@@ -13,7 +13,7 @@ import pytest
 
 from elitescript import VirtualRobot
 from elitescript.messages.events import Event
-from elitescript.models import datafile
+from elitescript.models import model
 
 PROGRAM = """
 def job():
@@ -28,15 +28,15 @@ OWN_ARM = 'base = "CS66"\nname = "mine"\ndefault_tool_speed = 0.25\n'
 
 @pytest.fixture
 def read_files(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """Return the names of the model files that are parsed from now on."""
+    """Return the names of models and model files that are read from now on."""
     parsed: list[str] = []
-    parse = datafile._parsed
+    for name in ("packaged", "parsed"):
 
-    def noted(file: str, text: str) -> dict[str, object]:
-        parsed.append(file)
-        return parse(file, text)
+        def noted(file: str, *text: str, read: Callable[..., object] = getattr(model, name)) -> object:
+            parsed.append(file)
+            return read(file, *text)
 
-    monkeypatch.setattr(datafile, "_parsed", noted)
+        monkeypatch.setattr(model, name, noted)
     return parsed
 
 
@@ -60,7 +60,9 @@ def calls_of(make: Callable[[], object]) -> int:
 def test_the_second_robot_of_a_kind_reads_no_file(
     name: str, read_files: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    model._packaged_model.cache_clear()
     first = VirtualRobot(name)
+    assert read_files == [name]
     read_files.clear()
 
     def refuse(*arguments: object, **_: object) -> None:
