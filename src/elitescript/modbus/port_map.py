@@ -13,7 +13,7 @@ fits, functions 1 and 2, and 3 and 4, read the same table.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Final, NamedTuple, Protocol
+from typing import Final, Protocol
 
 from elitescript.errors import ArgumentRangeError, InvalidValueError
 from elitescript.messages.enums import POWERED, AnalogDomain, SafetyMode
@@ -21,6 +21,7 @@ from elitescript.messages.machine import MachineRequest, SetAnalogDomain, WriteS
 from elitescript.messages.motion import Six
 from elitescript.messages.signals import SIGNALS, WORD_MAX, Value
 from elitescript.messages.state import RobotState
+from elitescript.records import NamedTuple
 
 COIL_COUNT: Final = 128
 REGISTER_COUNT: Final = 512

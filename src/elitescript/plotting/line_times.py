@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from typing import NamedTuple
 
 from elitescript.controller.views.trace import TraceRow
 from elitescript.messages.timing import seconds
+from elitescript.records import NamedTuple
 
 
 class LineStretch(NamedTuple):

@@ -8,7 +8,7 @@ itself. `MotionControl` holds one at a time. A source in closed form is due rare
 from __future__ import annotations
 
 from math import inf, isinf
-from typing import Final, NamedTuple, Protocol
+from typing import Final, Protocol
 
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.motion import Six
@@ -21,7 +21,7 @@ from elitescript.motion.planner import Plan
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import SpeedProfile
 from elitescript.motion.timing.timescale import TimeScale, change_ramp, stop_ramp
-from elitescript.records import replace
+from elitescript.records import NamedTuple, replace
 
 NEVER: Final = 1 << 62
 """Tick of an event that does not happen by itself."""

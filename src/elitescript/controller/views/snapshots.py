@@ -7,7 +7,7 @@ motors. A joint without power, or with its brakes closed, has no torque.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.controller.controller import Controller
 from elitescript.kinematics.arm import Arm
@@ -15,6 +15,7 @@ from elitescript.messages.enums import POWERED, RobotMode, TaskState
 from elitescript.messages.motion import Six
 from elitescript.messages.snapshot import Snapshot, TaskPicture, Three
 from elitescript.messages.state import ZERO_SIX, JointState, Payload
+from elitescript.records import NamedTuple
 
 BUS_V: Final = 48.0
 """Voltage of joints and robot with power (*assumed*: nominal)."""

@@ -16,7 +16,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Sequence
 from math import ceil
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.errors import InternalError
 from elitescript.kinematics.arm import Arm
@@ -28,6 +28,7 @@ from elitescript.messages.state import ZERO_SIX
 from elitescript.motion.limits import MotionLimits, joint_outside, joint_range_error, unwrapped
 from elitescript.motion.paths.cartesian import FlangePath
 from elitescript.motion.refusals import JUMP_RAD, RANGE_HINT, jump, leaves_reach, out_of_range, out_of_reach, singular
+from elitescript.records import NamedTuple
 
 INTERVAL_M: Final = 0.05
 """Widest interval of the first grid. Limits of reach and of joints with finer structure than this

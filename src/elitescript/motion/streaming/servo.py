@@ -17,7 +17,7 @@ Without further targets the arm comes to rest at the last one. The speed percent
 from __future__ import annotations
 
 from math import exp, sqrt
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX
@@ -25,6 +25,7 @@ from elitescript.messages.timing import PERIOD_S
 from elitescript.motion.limits import MotionLimits
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import Obstacle, obstacle_at, range_obstacle
+from elitescript.records import NamedTuple
 
 GAIN_PER_S: Final = 10.0
 """Gain for 1/s."""
