@@ -11,7 +11,7 @@ from time import perf_counter
 from timeit import repeat
 
 from benchmarks.kinematics import Q
-from benchmarks.programs import process_s
+from benchmarks.programs import starts
 
 SWITCHES = 20_000
 MODULES = ("argparse", "click", "asyncio", "trio", "greenlet", "msgspec", "numpy", "asyncssh", "serial")
@@ -39,10 +39,11 @@ def rows() -> list[tuple[str, str, str, str]]:
     table.append(
         ("forward kinematics of one pose", f"{ours:.1f} us", f"{other:.1f} us (4x4 arrays)" if other else "-", "-")
     )
-    empty = process_s([sys.executable, "-c", "pass"])
-    for name in filter(find_spec, MODULES):
-        took = process_s([sys.executable, "-c", f"import {name}"]) - empty
-        table.append((f"import {name}", f"{max(0.0, took) * 1e3:.0f} ms", "-", "-"))
+    found = list(filter(find_spec, MODULES))
+    empty, *loaded = starts([[sys.executable, "-c", text] for text in ("pass", *(f"import {name}" for name in found))])
+    for name, start in zip(found, loaded, strict=True):
+        took_s = max(0.0, start.cpu_s - empty.cpu_s)
+        table.append((f"import {name}", f"{took_s * 1e3:.0f} ms of CPU", "-", "-"))
     if sys.platform == "linux":
         taken = [
             float(subprocess.run([sys.executable, "-c", JAIL], capture_output=True, check=True).stdout)
