@@ -405,3 +405,49 @@ class TestStartUp:
     def test_the_command_line_loads_nothing_slow(self):
         slow = {"asyncio", "numpy", "multiprocessing", "socket", "subprocess", "unittest", "json", "csv"}
         assert self.modules_after("import elitescript.cli.main") & slow == set()
+
+    NOT_FOR_A_LINE = frozenset(
+        (
+            *("argparse", "asyncio", "bz2", "copy", "csv", "dataclasses", "datetime", "decimal", "gettext", "inspect"),
+            *("json", "locale", "logging", "lzma", "pkgutil", "random", "shutil", "socket", "string", "subprocess"),
+            *("tempfile", "threading", "tokenize", "tomllib", "traceback", "xmlrpc"),
+        )
+    )
+
+    @staticmethod
+    def start(tmp_path: Path, command: str) -> tuple[set[str], int]:
+        """Return the modules that a call for a program of one line loads, and how many methods of records it makes."""
+        program = tmp_path / "hello.script"
+        program.write_text('textmsg("hello")\n')
+        call = f"""
+import sys
+from elitescript import records
+written = records._written
+made = []
+records._written = lambda *arguments: made.append(1) or written(*arguments)
+from elitescript.cli.main import main
+assert main([{command!r}, {str(program)!r}]) == 0
+print("loaded", len(made), *sys.modules)
+"""
+        done = subprocess.run(
+            [sys.executable, "-c", call], cwd=ROOT / "src", capture_output=True, text=True, check=True
+        )
+        _, count, *modules = done.stdout.splitlines()[-1].split()
+        return set(modules), int(count)
+
+    @pytest.mark.parametrize(("command", "modules_max", "methods_max"), [("run", 300, 70), ("check", 180, 35)])
+    def test_a_line_takes_few_modules_and_methods(self, command, modules_max, methods_max, tmp_path):
+        """Each module takes 0.15 ms, each method 0.1 ms: raise a bound only for what every program needs."""
+        loaded, methods = self.start(tmp_path, command)
+        assert loaded & self.NOT_FOR_A_LINE == set()
+        assert len([name for name in loaded if name.startswith("elitescript")]) <= modules_max
+        assert methods <= methods_max
+
+    def test_classes_of_data_are_made_by_records_alone(self):
+        """`dataclasses` and `typing.NamedTuple` compile their methods when a module is imported."""
+        makers = re.compile(
+            r"^\s*(from dataclasses import .*\bdataclass\b|from typing import .*\bNamedTuple\b)", re.MULTILINE
+        )
+        left = {"records.py", "transport.py", "signal_lanes.py"}
+        found = {path.name for path in MODULES if makers.search(path.read_text(encoding="utf-8"))}
+        assert found <= left

@@ -9,13 +9,14 @@ import json
 import pickle
 import subprocess
 import sys
+import typing
 from pathlib import Path
 from typing import Any, ClassVar, get_type_hints
 
 import pytest
 
 from elitescript import records
-from elitescript.records import field, fields_of, is_record, record, replace
+from elitescript.records import NamedTuple, field, fields_of, is_record, record, replace
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -202,6 +203,117 @@ def test_kinds_of_fields_that_it_has_not_are_refused():
 
 def test_only_a_record_is_one():
     assert is_record(Point) and not is_record(Reference) and not is_record(Point(1.0))
+
+
+class Row(NamedTuple):
+    """A row of a table."""
+
+    name: str
+    size: int = 3
+    parts: tuple[int, ...] = ()
+
+    @property
+    def double(self) -> int:
+        return 2 * self.size
+
+
+class RowReference(typing.NamedTuple):
+    """The same, made by the standard library."""
+
+    name: str
+    size: int = 3
+    parts: tuple[int, ...] = ()
+
+    @property
+    def double(self) -> int:
+        return 2 * self.size
+
+
+class Narrow(Row):
+    """A class that is derived from a named tuple."""
+
+    __slots__ = ()
+
+    def __new__(cls, name: str) -> Narrow:
+        return super().__new__(cls, name, 1)
+
+
+def like_reference(value: Any) -> str:
+    return repr(value).replace("RowReference", "Row")
+
+
+class TestNamedTuples:
+    CALLS: ClassVar = [
+        (("a",), {}),
+        (("a", 4, (1,)), {}),
+        ((), {"name": "b", "parts": (2,)}),
+        ((), {}),
+        (("a",), {"name": "b"}),
+        (("a", 1, (), 2), {}),
+        (("a",), {"colour": 3}),
+    ]
+
+    def test_calls_and_their_errors_are_those_of_typing(self):
+        for args, named in self.CALLS:
+            ours, theirs = result(Row, *args, **named), result(RowReference, *args, **named)
+            assert like_reference(ours) == like_reference(theirs)
+
+    def test_what_a_class_says_of_itself_is_the_same(self):
+        for name in ("_fields", "_field_defaults", "__match_args__", "__slots__", "__doc__"):
+            if name != "__doc__":
+                assert getattr(Row, name) == getattr(RowReference, name)
+        assert str(inspect.signature(Row)) == "(name: 'str', size: 'int' = 3, parts: 'tuple[int, ...]' = ())"
+        assert get_type_hints(Row) == get_type_hints(RowReference)
+        assert Row.__mro__ == (Row, tuple, object)
+        assert Row.__doc__ == "A row of a table."
+
+    def test_methods_give_the_same(self):
+        for args, named in (("a",), {}), (("b", 5, (6,)), {}):
+            ours, theirs = Row(*args, **named), RowReference(*args, **named)
+            assert (ours, ours.name, ours.size, ours.parts, ours.double) == (
+                tuple(theirs),
+                theirs.name,
+                theirs.size,
+                theirs.parts,
+                theirs.double,
+            )
+            assert ours._asdict() == theirs._asdict()
+            assert hash(ours) == hash(theirs)
+            for change in ({"size": 9}, {"colour": 9}):
+                expected = like_reference(result(theirs._replace, **change))
+                assert like_reference(result(ours._replace, **change)) == expected
+            for values in (["x", 1, ()], ["x"], range(4)):
+                expected = like_reference(result(RowReference._make, values))
+                assert like_reference(result(Row._make, values)) == expected
+            assert result(setattr, ours, "size", 1) == result(setattr, theirs, "size", 1)
+
+    def test_copies_are_equal(self):
+        value = Row("a", 4, (1,))
+        for other in (copy.copy(value), copy.deepcopy(value), pickle.loads(pickle.dumps(value))):
+            assert other == value and type(other) is Row
+
+    def test_a_derived_class_makes_its_own_kind(self):
+        assert repr(Narrow("a")) == "Narrow(name='a', size=1, parts=())"
+        assert type(Narrow("a")._replace(size=2)) is Narrow
+
+    def test_matching_takes_fields_in_their_order(self):
+        match Row("a", 7):
+            case Row(name, size):
+                assert (name, size) == ("a", 7)
+
+    def test_the_constructor_is_written_at_the_first_call(self, monkeypatch):
+        made = []
+        written = records._written
+        monkeypatch.setattr(
+            records, "_written", lambda kind, name, *rest: made.append(name) or written(kind, name, *rest)
+        )
+
+        class Late(NamedTuple):
+            x: int
+
+        assert made == []
+        assert Late(1).x + Late(x=2).x == 3
+        assert made == ["__new__"]
 
 
 class TestFirstUse:

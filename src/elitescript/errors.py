@@ -12,7 +12,9 @@ warnings, R are alarms at run time.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
+
+from elitescript.records import NamedTuple
 
 
 class Code(NamedTuple):

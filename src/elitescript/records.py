@@ -1,21 +1,24 @@
-"""Frozen dataclasses with slots whose methods are written when they are first called.
+"""Frozen dataclasses with slots, and named tuples, whose methods are written when they are first called.
 
 `dataclasses` writes and compiles six methods for each class that a program imports, and importing it takes as long as
 twenty such classes. A run makes objects of a third of its classes and compares few of them, so `record` leaves each
 method to its first use. All else is as with `@dataclass(frozen=True, slots=True)`: `fields`, `replace`, `asdict`,
-`match`, `copy`, `pickle` and type checkers take a record for a dataclass. Why: decision record 0014.
+`match`, `copy`, `pickle` and type checkers take a record for a dataclass. `NamedTuple` stands for that of `typing`
+in the same way. Why: decision record 0014.
 """
 
 from __future__ import annotations
 
 import sys
+from _collections import _tuplegetter  # type: ignore[import-not-found]
 from reprlib import recursive_repr
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
     from dataclasses import replace as replace
     from typing import Any, Final, TypeVar, dataclass_transform
+    from typing import NamedTuple as NamedTuple
 
     Kind = TypeVar("Kind", bound=type)
 else:
@@ -34,6 +37,29 @@ else:
             if field.init and name not in changes:
                 changes[name] = getattr(original, name)
         return type(original)(**changes)
+
+    class _Rows(type):
+        """Makes the class of a `class Row(NamedTuple)`."""
+
+        def __new__(cls, name, bases, namespace):
+            fields = namespace.get("__annotations__", {})
+            names = tuple(fields)
+            defaults = {field: namespace.pop(field) for field in names if field in namespace}
+            late = _Late("__new__", _new)
+            getters = {field: _tuplegetter(index, "") for index, field in enumerate(names)}
+            own = {"__slots__": (), "__match_args__": names, "_fields": names, "_field_defaults": defaults}
+            late.kind = type(name, (tuple,), {**_OF_ROWS, **getters, **own, "__new__": late, **namespace})
+            return late.kind
+
+    _BASE = type.__new__(_Rows, "NamedTuple", (), {})
+
+    class NamedTuple:
+        """Stand in for `typing.NamedTuple` as a base class; `class Row(NamedTuple)` is a tuple with names."""
+
+        def __mro_entries__(self, bases):
+            return (_BASE,)
+
+    NamedTuple = NamedTuple()
 
 
 MISSING: Final = object()
@@ -233,6 +259,16 @@ def _dataclass_attribute(name: str) -> Callable[[type], Any]:
     return make
 
 
+def _new(kind: Any) -> Any:
+    defaults = kind._field_defaults
+    values = {"new": tuple.__new__, **{f"default_{name}": value for name, value in defaults.items()}}
+    parameters = [f"{name}=default_{name}" if name in defaults else name for name in kind._fields]
+    lines = [f"return new(_cls, ({''.join(f'{name},' for name in kind._fields)}))"]
+    new = _written(kind, "__new__", ", ".join(("_cls", *parameters)), lines, values)
+    new.__annotations__ = kind.__annotations__
+    return staticmethod(new)
+
+
 # ---------------------------------------------------------------- what all records share
 
 
@@ -262,6 +298,36 @@ def _set_state(self: Any, state: list[Any]) -> None:
     for name, value in zip(self.__record_fields__, state, strict=True):
         object.__setattr__(self, name, value)
 
+
+def _row_repr(self: Any) -> str:
+    shown = (f"{name}={value!r}" for name, value in zip(self._fields, self, strict=True))
+    return f"{type(self).__name__}({', '.join(shown)})"
+
+
+def _row_of(kind: Any, values: Iterable[Any]) -> Any:
+    row = tuple.__new__(kind, values)
+    if len(row) != len(kind._fields):
+        raise TypeError(f"Expected {len(kind._fields)} arguments, got {len(row)}")
+    return row
+
+
+def _row_replaced(self: Any, /, **changes: Any) -> Any:
+    row = self._make(map(changes.pop, self._fields, self))
+    if changes:
+        error = TypeError if sys.version_info >= (3, 13) else ValueError
+        raise error(f"Got unexpected field names: {list(changes)!r}")
+    return row
+
+
+_OF_ROWS: Final = {
+    "__repr__": _row_repr,
+    "__getnewargs__": lambda self: tuple(self),
+    "__replace__": _row_replaced,
+    "_asdict": lambda self: dict(zip(self._fields, self, strict=True)),
+    "_make": classmethod(_row_of),
+    "_replace": _row_replaced,
+}
+"""Methods that all named tuples share."""
 
 _LATE: Final = {
     "__init__": _init,

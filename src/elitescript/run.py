@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable
-from typing import Any, Final, Literal, NamedTuple, TypeVar
+from typing import Any, Final, Literal, TypeVar
 
 from elitescript.controller.views.trace_rows import TraceRows
 from elitescript.controller.views.trace_signals import SignalRecord
@@ -13,6 +13,7 @@ from elitescript.errors import AlarmError
 from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.events import UNDELIVERED, Alarm, DeviceNoted, Event, Printed, TextMessage, Warned
 from elitescript.messages.motion import Six
+from elitescript.records import NamedTuple
 
 RECORDS_MAX: Final = 50_000
 """Events, and texts of each kind, that a run keeps at least."""

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -55,3 +58,48 @@ def test_a_misspelt_signal_is_answered_with_the_nearest(tmp_path: Path, capsys: 
 )
 def test_advice_for_a_served_robot_names_the_verb_of_ctl(text: str, shown: str) -> None:
     assert with_verbs(text) == shown
+
+
+DEVICE = """
+from elitescript.testing.world import ModbusDevice
+
+log = open("device.log", "w")
+log.write("never closed")
+
+
+class Silent(ModbusDevice):
+    pass
+"""
+
+
+class TestTheEndOfTheProcess:
+    """It ends without taking the interpreter apart, and nothing is lost."""
+
+    @staticmethod
+    def ended(folder: Path, before: str, *words: str) -> subprocess.CompletedProcess[str]:
+        (folder / "p.script").write_text("def a():\n  textmsg('x' * 100000)\nend\n")
+        call = f"import sys; {before}; from elitescript.cli.main import main; sys.exit(main())"
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+        command = [sys.executable, "-c", call, *words]
+        return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+
+    def test_output_is_complete_and_the_code_is_that_of_the_call(self, tmp_path: Path) -> None:
+        done = self.ended(tmp_path, "pass", "run", "p.script")
+        assert (done.returncode, len(done.stdout) > 100000) == (0, True)
+        (tmp_path / "q.script").write_text("def a():\n  x = [1][3]\nend\n")
+        assert self.ended(tmp_path, "pass", "run", "q.script").returncode == 1
+
+    def test_what_was_registered_for_the_exit_is_called(self, tmp_path: Path) -> None:
+        done = self.ended(tmp_path, "import atexit; atexit.register(print, 'bye')", "check", "p.script")
+        assert done.stdout == "bye\n"
+
+    def test_threads_are_waited_for(self, tmp_path: Path) -> None:
+        before = "import threading, time; threading.Timer(0.3, print, ['late']).start()"
+        assert self.ended(tmp_path, before, "check", "p.script").stdout == "late\n"
+
+    def test_files_of_a_device_are_flushed(self, tmp_path: Path) -> None:
+        (tmp_path / "device.py").write_text(DEVICE)
+        (tmp_path / "cell.toml").write_text('[[modbus]]\nclass = "device.py:Silent"\nport = 502\n')
+        done = self.ended(tmp_path, "pass", "run", "p.script", "--world", "cell.toml")
+        assert done.returncode == 0, done.stderr
+        assert (tmp_path / "device.log").read_text() == "never closed"

@@ -171,6 +171,7 @@ def test_a_run_ends_with_the_process_that_watches_over_it(tmp_path):
         ),
         (b'  File "<frozen importlib>", line 1 in f\n  File "<script>", line 2 in p\n', ("<script>", 2)),
         (b'  File "/x/a.py", line 1 in f\n', None),
+        (b'  File "/x/elitescript/cli/main.py", line 1 in f\n  File "/x/bin/elitescript", line 8 in <module>\n', None),
         (b"", None),
     ],
 )

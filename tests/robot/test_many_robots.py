@@ -30,13 +30,16 @@ OWN_ARM = 'base = "CS66"\nname = "mine"\ndefault_tool_speed = 0.25\n'
 def read_files(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Return the names of models and model files that are read from now on."""
     parsed: list[str] = []
-    for name in ("packaged", "parsed"):
 
-        def noted(file: str, *text: str, read: Callable[..., object] = getattr(model, name)) -> object:
+    def noted(read: Callable[..., object]) -> Callable[..., object]:
+        def call(file: str, *text: str) -> object:
             parsed.append(file)
             return read(file, *text)
 
-        monkeypatch.setattr(model, name, noted)
+        return call
+
+    monkeypatch.setattr(model, "packaged", noted(model.packaged))
+    monkeypatch.setattr(model, "parsed", noted(model.parsed))
     return parsed
 
 

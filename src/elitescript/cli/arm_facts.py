@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.kernel.options import RobotOptions
 from elitescript.kinematics.arm import Arm
 from elitescript.models.model import load_model
+from elitescript.records import NamedTuple
 
 
 class _Limited(NamedTuple):

@@ -6,7 +6,7 @@ import os
 import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 from elitescript.cli.output.check_formats import FORMATS, CheckedFile
 from elitescript.cli.output.screen import progress_on
@@ -21,6 +21,7 @@ from elitescript.lint.engine import check_source
 from elitescript.lint.fixing import Repair, repaired
 from elitescript.messages.profile import profile
 from elitescript.paths import why_no_file
+from elitescript.records import NamedTuple
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final
 
 from elitescript.errors import UsageError
+from elitescript.records import NamedTuple
 
 if TYPE_CHECKING:
     import argparse

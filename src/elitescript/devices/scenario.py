@@ -10,13 +10,14 @@ import sys
 from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 from elitescript.devices.channels.faults import Fault, check_together, fault_from
 from elitescript.devices.device import Device, TakenError
 from elitescript.devices.surroundings import REAL, VIRTUAL
 from elitescript.devices.world import World, place_in
 from elitescript.errors import UsageError, did_you_mean
+from elitescript.records import NamedTuple
 
 WORLD_KEYS: Final = ("seed", "network")
 

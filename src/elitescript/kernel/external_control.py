@@ -11,11 +11,12 @@ program that does not come refuses the start (the vendor's plugin opens a messag
 from __future__ import annotations
 
 from errno import EINVAL
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.language.text.units import MAX_UNIT_BYTES
 from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelEvent, ChannelOpened
 from elitescript.messages.timing import TICKS_PER_S
+from elitescript.records import NamedTuple
 from elitescript.runtime.environment import Channels, Files
 
 WORD: Final = "external_control"

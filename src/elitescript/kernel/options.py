@@ -14,7 +14,7 @@ from importlib import import_module
 from math import inf, isfinite
 from operator import index
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.controller.modes import AT_ONCE, REALISTIC, PowerTimes
 from elitescript.errors import UsageError, did_you_mean
@@ -22,7 +22,7 @@ from elitescript.messages.motion import Six
 from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import RPC_TIMEOUT_S, WORK_PER_TICK
-from elitescript.records import field, fields_of, record
+from elitescript.records import NamedTuple, field, fields_of, record
 
 if TYPE_CHECKING:
     from elitescript.controller.force.contact import ContactConfig

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from elitescript.controller.controller import Controller
 from elitescript.kernel.options import RobotOptions
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Event, Popup, TaskStateChanged
 from elitescript.messages.profile import Profile
 from elitescript.models.model import RobotModel
+from elitescript.records import NamedTuple
 from elitescript.runtime.host import ScriptHost
 
 

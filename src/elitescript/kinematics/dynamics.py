@@ -21,13 +21,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import cos, isfinite, sin
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 from elitescript.errors import UsageError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.limits import SixFloats
 from elitescript.kinematics.rotations import Vector3
-from elitescript.records import field, record
+from elitescript.records import NamedTuple, field, record
 
 MassRow: TypeAlias = tuple[float, float, float, float, float, float, float, float, float, float]
 """Mass, kg; first moment x, y, z, kg m; inertia Jxx, Jyy, Jzz, Jxy, Jxz, Jyz about the frame's origin, kg m^2."""

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import atan2, cos, inf, isfinite, pi, sin, sqrt
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.limits import (
@@ -28,7 +28,7 @@ from elitescript.kinematics.limits import (
     wrap_to_pi,
 )
 from elitescript.kinematics.transforms import Transform
-from elitescript.records import replace
+from elitescript.records import NamedTuple, replace
 
 BRANCHES: Final = 8
 

@@ -12,12 +12,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import cos, sin
-from typing import Final, NamedTuple, TypeAlias
+from typing import Final, TypeAlias
 
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.limits import SixFloats
 from elitescript.kinematics.rotations import Vector3
 from elitescript.kinematics.transforms import IDENTITY, Transform, apply
+from elitescript.records import NamedTuple
 
 Matrix6: TypeAlias = tuple[SixFloats, SixFloats, SixFloats, SixFloats, SixFloats, SixFloats]
 """Six rows: three of linear velocity (m), three of angular velocity, per rad/s of each joint."""

@@ -11,7 +11,7 @@ import ast
 import warnings
 from collections.abc import Callable
 from types import CodeType
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.errors import ProgramError
 from elitescript.language.advice.syntax_errors import explain
@@ -24,7 +24,7 @@ from elitescript.language.options import DEFAULT, LINE, Options
 from elitescript.language.parser import NO_FILE, Parsed, character_offset, parse, parse_without, syntax_tree
 from elitescript.language.policy import first_too_deep, guard_formats, review
 from elitescript.language.text.source import SourceFile
-from elitescript.records import record, replace
+from elitescript.records import NamedTuple, record, replace
 
 _SCRIPT_NAME: Final = "main"
 """The name of an unnamed program in qualified names and stack listings."""

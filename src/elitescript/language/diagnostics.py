@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import Any, NamedTuple
+from typing import Any
 
 from elitescript.errors import CODES
-from elitescript.records import record
+from elitescript.records import NamedTuple, record
 
 
 class Severity(StrEnum):

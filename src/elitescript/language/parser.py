@@ -12,7 +12,6 @@ import re
 import warnings
 from bisect import bisect_right
 from collections.abc import Iterator
-from typing import NamedTuple
 
 from elitescript.language.advice.syntax_errors import broken_escape, explain
 from elitescript.language.diagnostics import Diagnostic, diagnostic, in_order
@@ -23,6 +22,7 @@ from elitescript.language.text.dialect import Translation, translate
 from elitescript.language.text.lexer import LogicalLine
 from elitescript.language.text.rewriting import PositionMap
 from elitescript.language.text.source import SourceFile
+from elitescript.records import NamedTuple
 
 MAX_SYNTAX_ERRORS = 20
 NO_FILE = "<elitescript>"

@@ -6,9 +6,9 @@ The rules are those of `Command.place`, which binds values at run time.
 from __future__ import annotations
 
 import ast
-from typing import NamedTuple
 
 from elitescript.commands.definition.registry import Command, Param
+from elitescript.records import NamedTuple
 
 
 class Misfit(NamedTuple):

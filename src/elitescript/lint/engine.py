@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from typing import NamedTuple
 
 from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.errors import CODES, ProgramError
@@ -16,6 +15,7 @@ from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.lint.registry import Finding, Rule, all_rules
 from elitescript.lint.suppression import without_suppressed
 from elitescript.messages.profile import Profile
+from elitescript.records import NamedTuple
 
 _ANY_SYNTAX = "E001"
 _BESIDE_SYNTAX = ("E104", "E105", "E107", "E115")

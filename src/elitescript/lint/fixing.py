@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.language.diagnostics import Diagnostic, Edit
 from elitescript.language.text.source import SourceFile, apply_fixes
 from elitescript.lint.engine import check_source
 from elitescript.messages.profile import Profile
+from elitescript.records import NamedTuple
 
 _MOST_PASSES: Final = 20
 """Limit of passes; a repair may uncover the next mistake."""

@@ -6,7 +6,7 @@ import ast
 import re
 from collections.abc import Collection, Iterator
 from functools import cached_property
-from typing import Final, NamedTuple, TypeVar
+from typing import Final, TypeVar
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.plausibility import JUDGES, KINDS, ArmFacts, Doubt, mistaken
@@ -24,6 +24,7 @@ from elitescript.lint.constants import Constants
 from elitescript.lint.kinds import Kinds
 from elitescript.lint.refusals import ArgumentRefusal, refuse
 from elitescript.messages.profile import Profile, release_of
+from elitescript.records import NamedTuple
 
 _MOST_SUGGESTIONS: Final = 20
 """Limit of unknown names of one program for which similar names are searched."""

@@ -7,7 +7,7 @@ by stand-ins that fit, and only what is wrong with the rest is reported.
 from __future__ import annotations
 
 import ast
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 from elitescript.commands.definition.quantities import (
     Boolean,
@@ -24,6 +24,7 @@ from elitescript.commands.definition.quantities import (
 from elitescript.commands.definition.registry import Command, Param
 from elitescript.errors import ScriptError
 from elitescript.lint.constants import Unknown
+from elitescript.records import NamedTuple
 
 
 class ArgumentRefusal(NamedTuple):

@@ -11,10 +11,11 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final
 
 from elitescript.errors import CODES, InternalError
 from elitescript.language.diagnostics import Fix
+from elitescript.records import NamedTuple
 
 if TYPE_CHECKING:
     from elitescript.lint.program import AnalysedProgram, Span

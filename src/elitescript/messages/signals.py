@@ -12,9 +12,10 @@ last rows are set by tests and devices; no program reads them as signals.
 from __future__ import annotations
 
 from functools import partial
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.errors import UsageError, did_you_mean
+from elitescript.records import NamedTuple
 
 Value = bool | int | float
 

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import reduce
 from operator import or_
-from typing import Final, NamedTuple, Protocol
+from typing import Final, Protocol
 
 from elitescript.errors import ArgumentRangeError, InvalidValueError
 from elitescript.messages.enums import POWERED, AnalogDomain, SafetyMode
@@ -24,6 +24,7 @@ from elitescript.messages.motion import Six
 from elitescript.messages.signals import SIGNALS, WORD_MAX, Value
 from elitescript.messages.snapshot_parts import JOINTS, LOADS, POSES, TCP_SPEEDS, TEMPERATURES
 from elitescript.messages.state import RobotState
+from elitescript.records import NamedTuple
 
 COIL_COUNT: Final = 128
 REGISTER_COUNT: Final = 512

@@ -16,11 +16,12 @@ from collections.abc import Iterator
 from importlib import import_module
 from math import isfinite, radians
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.kinematics.limits import JointVector
 from elitescript.paths import why_no_file
+from elitescript.records import NamedTuple
 
 EVIDENCE: Final = ("documented", "observed", "assumed")
 """Kinds of evidence: written by the maker, seen on a real robot, or chosen here."""

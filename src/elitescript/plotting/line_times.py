@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from typing import NamedTuple
 
 from elitescript.controller.views.trace import TraceRow
 from elitescript.controller.views.trace_rows import TraceRows
 from elitescript.messages.timing import seconds
 from elitescript.plotting.curves import joint_changes
+from elitescript.records import NamedTuple
 
 
 class LineStretch(NamedTuple):

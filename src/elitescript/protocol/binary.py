@@ -16,7 +16,9 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterable, Sequence
 from itertools import compress
-from typing import Final, NamedTuple
+from typing import Final
+
+from elitescript.records import NamedTuple
 
 Number = bool | int | float
 WireValue = Number | tuple[Number, ...]

@@ -16,7 +16,7 @@ its own statements, are *assumed*.
 from __future__ import annotations
 
 import re
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.messages.enums import DiscardReason
 from elitescript.messages.inputs import Input, Interpret, InterpreterWord
@@ -31,6 +31,7 @@ from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.protocol.connection import Connection, is_restarted
 from elitescript.protocol.lines import PacedLines, TextLine, one_line, shown
+from elitescript.records import NamedTuple
 
 LINE_LIMIT: Final = 65536
 """Bytes of a line; a function is written on one."""

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.errors import ArgumentRangeError, ScriptError
 from elitescript.messages.inputs import Do, Input
@@ -47,6 +47,7 @@ from elitescript.modbus.frames.tcp import LENGTH_MAX, TcpFrame, TcpSplitter, tcp
 from elitescript.modbus.port_image import PortImage, check_writable_coils, check_writable_registers
 from elitescript.modbus.port_map import REGISTER_PARTS, View
 from elitescript.protocol.connection import Connection, ProtocolError, is_restarted
+from elitescript.records import NamedTuple
 
 NUMBER: Final = 502
 SPARE_NUMBER: Final = 5020

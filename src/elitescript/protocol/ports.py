@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.messages.profile import Release
 from elitescript.messages.snapshot import RobotDescription
@@ -23,6 +23,7 @@ from elitescript.protocol.primary.packets import ROBOT_STATE
 from elitescript.protocol.query import QueryConnection
 from elitescript.protocol.rtsi.connection import RtsiConnection
 from elitescript.protocol.rtsi.recipes import DATA_PACKAGE, RtsiPort
+from elitescript.records import NamedTuple
 
 Connect = Callable[[str], Connection]
 """Makes the connection of one client from its origin."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping
 from types import CodeType, FrameType, TracebackType
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 from elitescript.commands.definition.quantities import shown
 from elitescript.commands.definition.registry import Catalogue
@@ -18,6 +18,7 @@ from elitescript.language.compiler import column_of
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Alarm
 from elitescript.messages.profile import Profile, release_of
+from elitescript.records import NamedTuple
 from elitescript.runtime.threads.strand import INNER_TEXTS, Strand
 
 UNCAUGHT: Final = "R100"

@@ -18,12 +18,13 @@ import sys
 from collections import deque
 from collections.abc import Callable
 from types import FrameType
-from typing import Any, Final, NamedTuple, Protocol
+from typing import Any, Final, Protocol
 
 from elitescript.errors import ProgramError, ScriptStateError
 from elitescript.language.compiler import Statement, compile_statement
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.enums import DiscardReason
+from elitescript.records import NamedTuple
 from elitescript.runtime.alarms import summary_of
 from elitescript.runtime.program_globals import ProgramGlobals
 from elitescript.runtime.threads.scheduler import Scheduler

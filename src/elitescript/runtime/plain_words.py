@@ -11,10 +11,11 @@ import ast
 import re
 from collections.abc import Callable, Mapping
 from types import CodeType, FunctionType
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 from elitescript.commands.definition.quantities import shown
 from elitescript.language.advice.unknown_names import nearest
+from elitescript.records import NamedTuple
 
 _SCALARS: Final = (bool, int, float, str, type(None))
 _LISTS: Final = (list, tuple)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from types import CodeType
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.language.compiler import compile_expression
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.timing import TICKS_PER_S
+from elitescript.records import NamedTuple
 from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.program import Program
 from elitescript.runtime.secondary import Secondaries

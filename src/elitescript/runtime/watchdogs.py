@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from math import ceil
-from typing import NamedTuple
 
 from elitescript.commands.definition.context import Machine
 from elitescript.errors import InvalidValueError
 from elitescript.messages.events import Warned
 from elitescript.messages.machine import PauseTask, StopTask
 from elitescript.messages.timing import TICKS_PER_S, seconds
+from elitescript.records import NamedTuple
 
 
 class Watch(NamedTuple):

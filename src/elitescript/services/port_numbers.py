@@ -6,10 +6,11 @@ What a port is stands in `protocol.ports`.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.errors import UsageError
 from elitescript.protocol.ports import SERVICES, Service
+from elitescript.records import NamedTuple
 
 PORTS_PER_INSTANCE: Final = 100
 """Ports of instance N lie this many times N higher."""

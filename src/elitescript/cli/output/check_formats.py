@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 from urllib.parse import quote
 
 from elitescript import __version__
@@ -14,6 +14,7 @@ from elitescript.errors import CODES
 from elitescript.language.diagnostics import Diagnostic, Fix, Severity, to_json
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.fixing import Repair
+from elitescript.records import NamedTuple
 
 
 class CheckedFile(NamedTuple):

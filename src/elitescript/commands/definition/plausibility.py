@@ -11,9 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from math import hypot, pi, radians
-from typing import Any, Final, NamedTuple, Protocol
+from typing import Any, Final, Protocol
 
 from elitescript.kinematics.arm import Arm
+from elitescript.records import NamedTuple
 
 FULL_TURN: Final = 2.0 * pi + 0.01
 """Joints of all arms end at a full turn to either side, rad; with room for rounded numbers."""

@@ -8,11 +8,12 @@ commands and start-up time counts.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Final, NamedTuple, TypeVar, get_args
+from typing import TYPE_CHECKING, Any, Final, TypeVar, get_args
 
 from elitescript.commands.definition.quantities import Anything, Optionally, Quantity, Vector
 from elitescript.errors import ArgumentCountError, InternalError, ScriptError, ScriptStateError
 from elitescript.messages.profile import release_of
+from elitescript.records import NamedTuple
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.plausibility import Doubt, Judge

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Container, Mapping
 from functools import cache
-from typing import NamedTuple
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.foreign import FOREIGN
 from elitescript.commands.definition.reserved import RESERVED
 from elitescript.messages.profile import PROFILES, Profile, release_of
+from elitescript.records import NamedTuple
 
 
 class Vocabulary(NamedTuple):

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.transforms import Transform, compose, pose_from_transform
 from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX, JointState
+from elitescript.records import NamedTuple
 
 
 class Poses(NamedTuple):

@@ -13,7 +13,7 @@ out. Temperatures are computed when they are read.
 from __future__ import annotations
 
 from math import exp
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.controller.arm.dynamics import ArmDynamics
 from elitescript.controller.arm.state import ArmState
@@ -22,6 +22,7 @@ from elitescript.messages.motion import Six
 from elitescript.messages.state import Payload
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import RobotModel
+from elitescript.records import NamedTuple
 
 LOOK_TICKS: Final = 2503
 """About ten seconds; a prime number, so that a periodic program is not always sampled in the same place."""

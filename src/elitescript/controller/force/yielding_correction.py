@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from math import hypot
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.controller.force.wrench_sensor import WrenchSensor
 from elitescript.controller.motion.notices import Notices
@@ -29,6 +29,7 @@ from elitescript.motion.limits import MotionLimits
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import Obstacle
 from elitescript.motion.streaming.twist import ToolMotion
+from elitescript.records import NamedTuple
 
 NONE_FREE: Final = (False,) * 6
 

@@ -14,12 +14,13 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from math import floor, remainder
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 from elitescript.errors import ArgumentRangeError, ScriptStateError
 from elitescript.messages.enums import PulseDecoder
 from elitescript.messages.machine import DecodePulses, PrepareEncoder, SetEncoderCount
 from elitescript.messages.timing import TICKS_PER_S
+from elitescript.records import NamedTuple
 
 ENCODERS: Final = 2
 

@@ -14,7 +14,7 @@ takes over the state of the joints and brakes them.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.controller.motion.conveyor_encoders import ENCODERS, CountLine, Encoder
 from elitescript.errors import MotionError
@@ -34,6 +34,7 @@ from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import Obstacle, SpeedProfile, halted
 from elitescript.motion.streaming.twist import ToolMotion, singular_obstacle
 from elitescript.motion.timing.pursuit import CatchUp, Coast, caught_up
+from elitescript.records import NamedTuple
 
 GENTLE_S: Final = 0.2
 """Small lags are caught up no sooner (*assumed*), so that whole counts that a program sets do not shake the arm."""

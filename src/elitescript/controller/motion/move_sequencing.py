@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection
 from enum import Enum
 from functools import partial
 from math import hypot
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.controller.motion.joint_drive import busy_error
 from elitescript.controller.motion.sources import NEVER, MotionCall, MotionSource, Move, MovePChain
@@ -21,7 +21,7 @@ from elitescript.motion.paths.track import JointTrack
 from elitescript.motion.planner import Plan, plan_movec, plan_movej, plan_movel
 from elitescript.motion.segment import BlendedSegment
 from elitescript.motion.timing.timescale import TimeScale
-from elitescript.records import replace
+from elitescript.records import NamedTuple, replace
 
 NOTEWORTHY: Final = 1e-3
 """Share by which a waypoint may be passed more slowly than requested without a warning."""

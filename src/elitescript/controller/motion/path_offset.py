@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from math import hypot
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.controller.motion.notices import Notices
 from elitescript.controller.tool_setup import Setup
@@ -61,6 +61,7 @@ from elitescript.motion.limits import MotionLimits, unwrapped
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import Obstacle, SpeedProfile, halted
 from elitescript.motion.streaming.twist import ToolMotion, singular_obstacle
+from elitescript.records import NamedTuple
 
 TRANSLATION_MAX_M: Final = 0.1
 ROTATION_MAX_RAD: Final = 0.52

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from math import inf, isinf
-from typing import Final, NamedTuple, Protocol
+from typing import Final, Protocol
 
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.motion import Six
@@ -22,7 +22,7 @@ from elitescript.motion.planner import Plan
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import SpeedProfile
 from elitescript.motion.timing.timescale import TimeScale, change_ramp, stop_ramp
-from elitescript.records import replace
+from elitescript.records import NamedTuple, replace
 
 NEVER: Final = 1 << 62
 """Tick of an event that does not happen by itself."""

@@ -14,12 +14,13 @@ also in `NORMAL` (*assumed*: the board that starts anew is the one that switches
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.controller.modes import SWITCH_ON
 from elitescript.errors import ScriptStateError
 from elitescript.messages.enums import SafetyMode
 from elitescript.messages.timing import ticks_for
+from elitescript.records import NamedTuple
 
 UNLOCK_AFTER_S: Final = 5.0
 """Time from a protective stop until it can be unlocked (*assumed*; clients wait as long for it)."""

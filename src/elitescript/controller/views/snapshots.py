@@ -7,7 +7,7 @@ motors. A joint without power, or with its brakes closed, has no torque.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.controller.arm.cartesian_state import Poses, TcpSpeeds
 from elitescript.controller.controller import Controller
@@ -26,6 +26,7 @@ from elitescript.messages.snapshot_parts import (
     WRENCHES,
 )
 from elitescript.messages.state import ZERO_SIX, JointState, Payload
+from elitescript.records import NamedTuple
 
 BUS_V: Final = 48.0
 """Voltage of joints and robot with power (*assumed*: nominal)."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import repeat
 from math import inf
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.controller.controller import Controller
 from elitescript.controller.views.trace_signals import NO_SIGNALS, TraceSignals
@@ -22,6 +22,7 @@ from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value
 from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import PERIOD_S, seconds, ticks_for
+from elitescript.records import NamedTuple
 
 
 class TraceRow(NamedTuple):

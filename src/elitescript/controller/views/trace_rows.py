@@ -10,13 +10,14 @@ from array import array
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from struct import Struct
-from typing import Final, NamedTuple, overload
+from typing import Final, overload
 
 from elitescript.controller.views.trace import ACTUAL_COLUMNS, TRACE_COLUMNS, Trace, TraceRow, TraceSpan
 from elitescript.controller.views.trace_signals import TraceSignals
 from elitescript.errors import UsageError
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import TICKS_PER_S
+from elitescript.records import NamedTuple
 
 _WIDTH: Final = 18
 """Numbers of a row: joints, speeds, pose."""

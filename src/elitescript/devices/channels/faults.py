@@ -8,13 +8,13 @@ what is refused, what the documentation prints, and what `faulty_channels` and
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 from elitescript.environment.line_bindings import PORTS
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.messages.signals import ANALOG_VOLTAGE_V, SIGNALS, parse_signal_name
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S, ticks_for
-from elitescript.records import fields_of, record
+from elitescript.records import NamedTuple, fields_of, record
 
 TCP: Final = "tcp"
 LINE: Final = "line"

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.devices.channels.faults import XML_RPC
 from elitescript.devices.channels.network import DeviceLink
 from elitescript.devices.device import check_number
 from elitescript.devices.kinds.tcp import LATENCY_MAX_S, TcpConnection, TcpServer
+from elitescript.records import NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import re
 from functools import cache
-from typing import NamedTuple
 
 from elitescript.language.advice.foreign import read_foreign
 from elitescript.language.advice.python2 import read_escapes
@@ -21,6 +20,7 @@ from elitescript.language.text.flat import CLAUSES, INDENT
 from elitescript.language.text.lexer import Lexed, LogicalLine, lex
 from elitescript.language.text.rewriting import BlockEnd, Draft, PositionMap, Unfolding
 from elitescript.language.text.source import SourceFile
+from elitescript.records import NamedTuple
 
 
 class Translation(NamedTuple):

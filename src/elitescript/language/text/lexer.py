@@ -13,9 +13,9 @@ import re
 from bisect import bisect_right
 from functools import cache
 from keyword import kwlist
-from typing import NamedTuple
 
 from elitescript.language.text.strings import formatted_end, prefix_start, string_end_pattern
+from elitescript.records import NamedTuple
 
 TAB_WIDTH = 8
 STRING_FILL = '"'

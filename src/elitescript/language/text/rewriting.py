@@ -9,13 +9,13 @@ from __future__ import annotations
 import re
 from bisect import bisect_right
 from collections.abc import Iterator
-from typing import NamedTuple
 
 from elitescript.language.diagnostics import Diagnostic, Edit, Fix, Severity, diagnostic
 from elitescript.language.options import Options
 from elitescript.language.text.lexer import Lexed, LogicalLine
 from elitescript.language.text.masked import NAME, compiled, top_level
 from elitescript.language.text.source import SourceFile
+from elitescript.records import NamedTuple
 
 _MAX_MATCHES = 50
 """Limit of findings of one rule in one text."""

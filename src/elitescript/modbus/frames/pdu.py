@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from struct import Struct, pack, unpack_from
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.errors import PeerError, UsageError
+from elitescript.records import NamedTuple
 
 READ_COILS: Final = 1
 READ_DISCRETE_INPUTS: Final = 2

@@ -7,7 +7,7 @@ Specification and Implementation Guide V1.02, chapter 2.5.1 and appendix B.
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.modbus.frames.pdu import (
     BIT_READS,
@@ -20,6 +20,7 @@ from elitescript.modbus.frames.pdu import (
     WRITE_REGISTER,
     WRITE_REGISTERS,
 )
+from elitescript.records import NamedTuple
 
 BROADCAST: Final = 0
 FRAME_MAX: Final = PDU_MAX + 3

@@ -6,9 +6,10 @@ Source: MODBUS Messaging on TCP/IP Implementation Guide V1.0b, chapter 3.
 from __future__ import annotations
 
 from struct import Struct
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.modbus.frames.pdu import PDU_MAX
+from elitescript.records import NamedTuple
 
 PORT: Final = 502
 

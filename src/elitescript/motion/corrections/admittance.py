@@ -16,11 +16,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import hypot
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.kinematics.rotations import Rotation, Vector3, cross, from_columns, rotate, transpose
 from elitescript.kinematics.transforms import Transform, position_of, rotation_of
 from elitescript.messages.motion import Six
+from elitescript.records import NamedTuple
 
 GAIN: Final[Six] = (0.005, 0.005, 0.005, 0.5, 0.5, 0.5)
 """Speed for each unit of missing force at gain scaling 1: (m/s)/N, (rad/s)/(N m). *Assumed.*"""

@@ -8,7 +8,7 @@ acceleration. Where even the given part exceeds them, the joints keep their limi
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import joint_speeds, singularity, tcp_twist
@@ -21,6 +21,7 @@ from elitescript.motion.limits import RANGE_TOLERANCE_RAD, joint_outside
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import Obstacle, range_obstacle
 from elitescript.motion.streaming.twist import ToolMotion, singular_obstacle
+from elitescript.records import NamedTuple
 
 _NEWTON_STEPS: Final = 3
 """The first guess is some 1e-6 m away, and each step squares what is left."""

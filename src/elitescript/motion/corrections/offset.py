@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import hypot, sqrt
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.kinematics.rotations import Rotation, Vector3, cross, from_columns, multiply, rotate, transpose
 from elitescript.kinematics.transforms import IDENTITY, Transform, position_of, rotation_of
@@ -18,6 +18,7 @@ from elitescript.messages.path_offset import OffsetFrame
 from elitescript.messages.timing import PERIOD_S
 from elitescript.motion.corrections.admittance import TRAVEL_MIN
 from elitescript.motion.corrections.compliance import after_way, way_between
+from elitescript.records import NamedTuple
 
 _PARALLEL: Final = 1e-3
 """Sine of the angle between path and tool axis below which they define no direction across."""

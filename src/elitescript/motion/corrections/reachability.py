@@ -5,13 +5,14 @@ The nominal motion is planned so that it can; with a correction the joints may h
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.messages.timing import PERIOD_S
 from elitescript.motion.limits import JOINT_NAMES
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import Obstacle, obstacle_at, range_obstacle
 from elitescript.motion.streaming.twist import ToolMotion, singular_obstacle
+from elitescript.records import NamedTuple
 
 _ROUNDING: Final = 1.0 + 1e-9
 

@@ -19,7 +19,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Sequence
 from math import dist, hypot, inf, sqrt
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.errors import MotionError
 from elitescript.kinematics.arm import Arm
@@ -31,6 +31,7 @@ from elitescript.motion.paths.corner import Corner
 from elitescript.motion.paths.track import JointTrack, follow
 from elitescript.motion.segment import RunningSegment
 from elitescript.motion.timing.profile import Law, TimeLaw
+from elitescript.records import NamedTuple
 
 DEVIATION_M: Final = 1e-4
 """Largest distance of the path from a corner without a blend radius."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import asin, dist
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.rotations import Vector3
@@ -17,6 +17,7 @@ from elitescript.messages.motion import BLEND_SHARE
 from elitescript.motion.paths.cartesian import ArcPath, LinePath
 from elitescript.motion.paths.track import JointTrack
 from elitescript.motion.segment import JointPath
+from elitescript.records import NamedTuple
 
 SAMPLES: Final = 16
 """Places of half a joint move at which the distance from the waypoint is computed."""

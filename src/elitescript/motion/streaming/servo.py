@@ -19,7 +19,7 @@ from __future__ import annotations
 from itertools import repeat
 from math import exp, sqrt
 from operator import sub
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX
@@ -27,6 +27,7 @@ from elitescript.messages.timing import PERIOD_S
 from elitescript.motion.limits import MotionLimits
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import Obstacle, obstacle_at, range_obstacle
+from elitescript.records import NamedTuple
 
 GAIN_PER_S: Final = 10.0
 """Gain for 1/s."""

@@ -13,13 +13,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import degrees, inf, sqrt
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.errors import MotionError
 from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX
 from elitescript.motion.limits import JOINT_NAMES, MotionLimits
 from elitescript.motion.segment import Setpoint
+from elitescript.records import NamedTuple
 
 RANGE_ROUNDING_RAD: Final = 1e-12
 """Distance outside the range at which a stopping place is outside by rounding."""

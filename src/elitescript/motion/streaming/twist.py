@@ -13,7 +13,7 @@ not mention singularities.
 from __future__ import annotations
 
 from math import cos, hypot, sin
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import Singularity, joint_speeds, singularity, tcp_twist
@@ -23,6 +23,7 @@ from elitescript.messages.timing import PERIOD_S
 from elitescript.motion.limits import MotionLimits
 from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import Obstacle, obstacle_at, range_obstacle
+from elitescript.records import NamedTuple
 
 
 class TwistState(NamedTuple):

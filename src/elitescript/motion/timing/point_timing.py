@@ -16,11 +16,12 @@ an interval, no limit is passed between the points either.
 from __future__ import annotations
 
 from math import sqrt
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.motion.limits import MotionLimits
 from elitescript.motion.paths.spline import JointSpline
 from elitescript.motion.timing.profile import TimeLaw
+from elitescript.records import NamedTuple
 
 CURVATURE_SHARE: Final = 0.9
 """Share of a joint's acceleration limit that the points themselves may use (*assumed*). The rest is for slowing down

@@ -11,9 +11,10 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from math import inf, sqrt
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.errors import InternalError
+from elitescript.records import NamedTuple
 
 RAMP_SHARE: Final = 1.0 / 3.0
 """Share of a prescribed duration of each of the two ramps (*assumed*: the manual only says that

@@ -10,7 +10,9 @@ follower are continuous.
 from __future__ import annotations
 
 from math import copysign, sqrt
-from typing import Final, NamedTuple
+from typing import Final
+
+from elitescript.records import NamedTuple
 
 
 class Piece(NamedTuple):

@@ -21,12 +21,13 @@ from __future__ import annotations
 from bisect import insort
 from collections.abc import Sequence
 from math import ceil, inf, sqrt
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.messages.state import ZERO_SIX
 from elitescript.motion.limits import MotionLimits
 from elitescript.motion.paths.track import JointTrack
 from elitescript.motion.timing.profile import Law, TimeLaw, trapezoid_of
+from elitescript.records import NamedTuple
 
 SUBDIVISION: Final = 6
 """Parts of an interval of the joint track that is not free; the slopes there come from its cubic

@@ -5,10 +5,11 @@ All of it is *assumed*: clients know only the replies of success.
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.snapshot import Snapshot
+from elitescript.records import NamedTuple
 
 EMERGENCY: Final = frozenset({SafetyMode.SYSTEM_EMERGENCY_STOP, SafetyMode.ROBOT_EMERGENCY_STOP})
 BROKEN: Final = frozenset({SafetyMode.VIOLATION, SafetyMode.FAULT})

@@ -8,13 +8,14 @@ lines of `status` are *assumed*.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.messages.enums import RobotMode, TaskState
 from elitescript.protocol.dashboard import answers as to
 from elitescript.protocol.dashboard.answers import Answer, Asked
 from elitescript.protocol.dashboard.guards import HAS_ARM, MAY_MOVE, MAY_POWER, Guard
 from elitescript.protocol.lines import shown
+from elitescript.records import NamedTuple
 
 
 class DashboardCommand(NamedTuple):

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import isfinite
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.messages.machine import (
     AskSafety,
@@ -22,6 +22,7 @@ from elitescript.messages.machine import (
     SetSpeedScale,
     StopTask,
 )
+from elitescript.records import NamedTuple
 
 
 class PlainCommand(NamedTuple):

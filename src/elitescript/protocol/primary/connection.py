@@ -12,7 +12,7 @@ with an invalid argument is a warning too, a program without its end a script ex
 from __future__ import annotations
 
 from collections import deque
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.language.text.units import MAX_UNIT_BYTES, SILENCE_S, DiscardedText, Unit, UnitSplitter
 from elitescript.messages.inputs import AddLog, Do, Input, RunUnit
@@ -33,6 +33,7 @@ from elitescript.protocol.primary.messages import (
     version_message,
 )
 from elitescript.protocol.primary.packets import ASSUMED, DOCUMENTED, STATE_PARTS, SUB_MESSAGES, pack_state
+from elitescript.records import NamedTuple
 
 SPACING_TICKS: Final = 7
 """Between two robot messages: with ten states they stay below 50 messages a second."""

@@ -15,7 +15,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 from math import isnan
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.messages.inputs import AddLog, Do, Input, VariablesArrived
 from elitescript.messages.outputs import Output
@@ -27,6 +27,7 @@ from elitescript.protocol.connection import Connection, ProtocolError
 from elitescript.protocol.rtsi.inputs import INPUTS, Arrival, requests_of
 from elitescript.protocol.rtsi.recipes import FREQUENCY_MAX_HZ, FREQUENCY_MIN_HZ, InputRecipe, OutputRecipe, RtsiPort
 from elitescript.protocol.rtsi.variables import OUTPUTS
+from elitescript.records import NamedTuple
 
 HELD_BACK_TICKS: Final = TICKS_PER_S // 2
 """Longest wait of packages after the start for inputs that were sent before it; a restarted robot loses them."""

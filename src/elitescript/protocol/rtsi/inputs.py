@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from math import isfinite
-from typing import Final, NamedTuple, TypeAlias
+from typing import Final, TypeAlias
 
 from elitescript.messages.enums import AnalogDomain
 from elitescript.messages.machine import MachineRequest, SetAnalogDomain, SetAnalogFraction, SetSpeedScale, WriteSignal
@@ -32,6 +32,7 @@ from elitescript.protocol.binary import (
     packed_bits,
 )
 from elitescript.protocol.rtsi.variables import ASSUMED, BIT_REGISTERS, CLIENT, THIRD, WORDS
+from elitescript.records import NamedTuple
 
 Values: TypeAlias = Mapping[str, WireValue]
 

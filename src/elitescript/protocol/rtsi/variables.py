@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from enum import IntEnum
-from typing import Final, NamedTuple, TypeAlias
+from typing import Final, TypeAlias
 
 from elitescript.messages.enums import POWERED, RobotMode, SafetyMode, TaskState
 from elitescript.messages.signals import SIGNALS
@@ -28,6 +28,7 @@ from elitescript.protocol.binary import (
     packed_bits,
 )
 from elitescript.protocol.device_modes import DeviceMode, joint_mode, tool_mode
+from elitescript.records import NamedTuple
 
 Reader: TypeAlias = Callable[[Snapshot], WireValue]
 

@@ -7,7 +7,7 @@ are numbers, texts, bytes, lists and dicts; a date is received as text (*assumed
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 from urllib.parse import SplitResult, urlsplit
 from xml.parsers.expat import ExpatError
 from xmlrpc import client
@@ -21,6 +21,7 @@ from elitescript.errors import (
     ScriptStateError,
 )
 from elitescript.messages.timing import seconds
+from elitescript.records import NamedTuple
 from elitescript.runtime.connections.connection import Receiver, ScriptConnection
 from elitescript.runtime.connections.http_answers import HttpAnswer, HttpReader
 from elitescript.runtime.connections.rpc_texts import values_and_method

@@ -10,12 +10,13 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from types import FrameType
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 from greenlet import GreenletExit, getcurrent, greenlet  # type: ignore[import-untyped]
 
 from elitescript.language.modules import COPIED
 from elitescript.messages.timing import seconds
+from elitescript.records import NamedTuple
 
 READY: Final = "ready"
 WAITING: Final = "waiting"

@@ -23,8 +23,9 @@ import os
 import struct
 import sys
 from collections.abc import Callable, Iterable
-from typing import Final, NamedTuple
+from typing import Final
 
+from elitescript.records import NamedTuple
 from elitescript.services.child import syscalls
 
 MEMORY_MAX: Final = 1 << 30

@@ -20,7 +20,7 @@ import re
 import struct
 from functools import cache
 from operator import attrgetter
-from typing import Any, Final, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Any, Final, get_args, get_origin, get_type_hints
 
 from elitescript.codec.json_text import from_text, to_text
 from elitescript.codec.messages import field_shapes, shape_of
@@ -30,7 +30,7 @@ from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.messages.state import RobotState
-from elitescript.records import fields_of
+from elitescript.records import NamedTuple, fields_of
 from elitescript.services.child import frames
 from elitescript.services.output_text import output_text, without_points
 

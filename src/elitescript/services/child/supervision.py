@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.language.options import SECONDARY
 from elitescript.messages.enums import TaskState
@@ -20,6 +20,7 @@ from elitescript.messages.events import Alarm, Event, TaskStateChanged
 from elitescript.messages.inputs import Input, PlayTask, RunUnit
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.timing import TICKS_PER_S
+from elitescript.records import NamedTuple
 from elitescript.services.child.transport import ChildTransport, SentTick
 
 HANG_LIMIT_S: Final = 0.7

@@ -11,7 +11,9 @@ from __future__ import annotations
 
 import errno
 import struct
-from typing import Final, NamedTuple
+from typing import Final
+
+from elitescript.records import NamedTuple
 
 
 class Check(NamedTuple):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.controller.signals.by_name import signal_write
 from elitescript.errors import UsageError
@@ -34,7 +34,7 @@ from elitescript.messages.snapshot_parts import JOINTS, POSES, TIME
 from elitescript.protocol.dashboard.answers import Answer, Asked
 from elitescript.protocol.dashboard.connection import find_row
 from elitescript.protocol.outcomes import refusal_of, value_text
-from elitescript.records import replace
+from elitescript.records import NamedTuple, replace
 
 if TYPE_CHECKING:
     from elitescript.services.served_devices import ServedDevices

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.errors import UsageError
@@ -13,7 +13,7 @@ from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output, TickResult
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.snapshot_parts import ALL_PARTS
-from elitescript.records import replace
+from elitescript.records import NamedTuple, replace
 from elitescript.runtime.environment import Files
 from elitescript.services.child.remote_files import FileDesk, RemoteFiles
 from elitescript.services.journal.records import RecordError, check_answer

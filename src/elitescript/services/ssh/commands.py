@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from typing import Final, NamedTuple
+from typing import Final
+
+from elitescript.records import NamedTuple
 
 COMMAND_MAX: Final = 1000
 """Characters of a command."""

@@ -23,10 +23,11 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable, Mapping
-from typing import Final, NamedTuple
+from typing import Final
 
 from elitescript.messages.timing import PERIOD_S
 from elitescript.protocol.rtsi.connection import RtsiConnection
+from elitescript.records import NamedTuple
 from elitescript.services.clients.direct import DirectReading
 from elitescript.services.clients.tcp import Client
 from elitescript.services.log import ServerLog
