@@ -262,6 +262,7 @@ class VirtualRobot:
         trace: bool | Trace = False,
         trace_step_s: float | None = None,
         trace_signals: str | Iterable[str] | None = None,
+        trace_window_s: tuple[float, float] | None = None,
         pace: Pace | None = None,
         watch: Watch | None = None,
     ) -> Run:
@@ -279,13 +280,21 @@ class VirtualRobot:
             trace: keep a row for each tick in `Run.trace`, or send them to your own `Trace`.
             trace_step_s: time between rows.
             trace_signals: signals that the rows of `Run.trace` hold, or `all`; those not at their default if None.
+            trace_window_s: begin and end of the rows of `Run.trace`, in the time of the robot; all if None.
             pace: called with the tick before it is run.
             watch: called after every tick that was run; may call `interrupt`.
 
         Raises:
             ProgramError: the text does not compile.
         """
-        run = self.start(program, presets=presets, trace=trace, trace_step_s=trace_step_s, trace_signals=trace_signals)
+        run = self.start(
+            program,
+            presets=presets,
+            trace=trace,
+            trace_step_s=trace_step_s,
+            trace_signals=trace_signals,
+            trace_window_s=trace_window_s,
+        )
         limit = None if until_s is None else self.tick + ticks_for(until_s)
         try:
             with interrupts_passed_to(self.interrupt):
@@ -316,6 +325,7 @@ class VirtualRobot:
         trace: bool | Trace = False,
         trace_step_s: float | None = None,
         trace_signals: str | Iterable[str] | None = None,
+        trace_window_s: tuple[float, float] | None = None,
     ) -> Run:
         """Start a program; `advance` runs it. Its record says where it is.
 
@@ -340,7 +350,7 @@ class VirtualRobot:
             self.controller.power_up()
         self._trace = trace if isinstance(trace, Trace) else None
         if trace and self._trace is None:
-            self._trace = TraceRecorder(trace_step_s, TraceSignals(trace_signals), run.trace)
+            self._trace = TraceRecorder(trace_step_s, TraceSignals(trace_signals), trace_window_s, run.trace)
         if unit.kind == SECONDARY and self._run is run:
             self._host.start_secondary(unit, world=world)
         else:

@@ -277,16 +277,21 @@ class TraceRecorder(Trace):
     Args:
         step_s: as for `Trace`.
         signals: as for `Trace`.
+        window_s: as for `Trace`.
         rows: where they are kept.
     """
 
     __slots__ = ("rows",)
 
     def __init__(
-        self, step_s: float | None = None, signals: TraceSignals | None = None, rows: TraceRows | None = None
+        self,
+        step_s: float | None = None,
+        signals: TraceSignals | None = None,
+        window_s: tuple[float, float] | None = None,
+        rows: TraceRows | None = None,
     ) -> None:
         self.rows = TraceRows() if rows is None else rows
-        super().__init__(self.rows.append, step_s, signals)
+        super().__init__(self.rows.append, step_s, signals, window_s)
 
     def _take(self, span: TraceSpan) -> None:
         self.rows.add(span)
