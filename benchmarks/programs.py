@@ -85,16 +85,18 @@ def _trace_memory_rows() -> list[tuple[str, str, str, str]]:
     """What the rows of pick and place take, with those of the resting arm."""
     from elitescript import VirtualRobot
 
+    def kept_by_a_run(*, has_trace: bool) -> tuple[int, int]:
+        """Bytes and rows."""
+        tracemalloc.start()
+        run = VirtualRobot("CS66").run(PICK_AND_PLACE, trace=has_trace)
+        gc.collect()
+        kept = tracemalloc.get_traced_memory()[0]
+        tracemalloc.stop()
+        return kept, len(run.trace)
+
     VirtualRobot("CS66").run(PICK_AND_PLACE, trace=True)
-    tracemalloc.start()
-    run = VirtualRobot("CS66").run(PICK_AND_PLACE, trace=True)
-    count = len(run.trace)
-    gc.collect()
-    kept = tracemalloc.get_traced_memory()[0]
-    del run.trace
-    gc.collect()
-    row = (kept - tracemalloc.get_traced_memory()[0]) / count
-    tracemalloc.stop()
+    (with_rows, count), (without, _) = kept_by_a_run(has_trace=True), kept_by_a_run(has_trace=False)
+    row = (with_rows - without) / count
     numbers = 8 * 19
     return [("memory of a trace row", f"{row:.0f} B", f"{numbers} B (its nineteen numbers)", f"{row / numbers:.2f}")]
 

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 from elitescript.controller.signals.by_name import signal_write
 from elitescript.controller.views.signals import Signals
 from elitescript.controller.views.trace import Trace
-from elitescript.controller.views.trace_rows import TraceRecorder
 from elitescript.controller.views.trace_signals import SignalRecord, TraceSignals
 from elitescript.controller.views.warning_limit import WarningLimit
 from elitescript.devices.drain import DRAIN_S, Drain
@@ -350,6 +349,9 @@ class VirtualRobot:
             self.controller.power_up()
         self._trace = trace if isinstance(trace, Trace) else None
         if trace and self._trace is None:
+            # Imported late: few runs keep rows.
+            from elitescript.controller.views.trace_rows import TraceRecorder
+
             self._trace = TraceRecorder(trace_step_s, TraceSignals(trace_signals), trace_window_s, run.trace)
         if unit.kind == SECONDARY and self._run is run:
             self._host.start_secondary(unit, world=world)

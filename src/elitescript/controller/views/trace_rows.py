@@ -174,7 +174,7 @@ class TraceRows(Sequence[TraceRow]):
 
     @property
     def times(self) -> Sequence[float]:
-        """Times of the rows, s."""
+        """Times of the rows, s; they grow with the rows."""
         return self._times
 
     @property
@@ -221,8 +221,13 @@ class TraceRows(Sequence[TraceRow]):
         Args:
             begin_s: time of the first row at the earliest, s.
             end_s: time of the last row at the latest, s.
-            every: from one row to the next.
+            every: from one row to the next, at least 1.
+
+        Raises:
+            UsageError: `every` is less.
         """
+        if every < 1:
+            raise UsageError(f"every must be at least 1 row, got {every}")
         return self[bisect_left(self._times, begin_s) : bisect_right(self._times, end_s) : every]
 
     def __len__(self) -> int:
