@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import subprocess
 import sys
 import tempfile
+import tracemalloc
 from pathlib import Path
 
 from benchmarks.measure import ROOT, environment, middle, process_times, time_of
@@ -59,6 +61,26 @@ def _free_run_rows() -> list[Row]:
     return rows
 
 
+def _trace_memory_rows() -> list[Row]:
+    """What the rows of pick and place take, with those of the resting arm."""
+    from elitescript import VirtualRobot
+
+    def kept_by_a_run(*, has_trace: bool) -> tuple[int, int]:
+        """Bytes and rows."""
+        tracemalloc.start()
+        run = VirtualRobot("CS66").run(PICK_AND_PLACE, trace=has_trace)
+        gc.collect()
+        kept = tracemalloc.get_traced_memory()[0]
+        tracemalloc.stop()
+        return kept, len(run.trace)
+
+    VirtualRobot("CS66").run(PICK_AND_PLACE, trace=True)
+    (with_rows, count), (without, _) = kept_by_a_run(has_trace=True), kept_by_a_run(has_trace=False)
+    row = (with_rows - without) / count
+    numbers = 8 * 19
+    return [Row("memory of a trace row", words=f"{row:.0f} B", beside=f"{numbers} B (its nineteen numbers)")]
+
+
 def _day_rows() -> list[Row]:
     """Twenty-four hours of pick and place: the memory after the first hour and at the end, each in its own process."""
     rows = []
@@ -75,4 +97,4 @@ def _day_rows() -> list[Row]:
 
 def rows() -> list[Row]:
     """Starts, programs and days."""
-    return _start_rows() + _free_run_rows() + _day_rows()
+    return _start_rows() + _free_run_rows() + _trace_memory_rows() + _day_rows()

@@ -13,6 +13,7 @@ from tools.markdown import NOTICE, anchor
 PUBLIC: Final[dict[str, tuple[str, ...]]] = {
     "elitescript": (),
     "elitescript.testing.world": (),
+    "elitescript.controller.views.trace_rows": ("TraceRows",),
     "elitescript.controller.force.contact": ("ContactConfig", "Plane"),
     "elitescript.controller.safety.limits": ("SafetyLimits", "SafetyBounds", "SafetyPlane", "ToolDirection"),
 }
@@ -21,7 +22,8 @@ PUBLIC: Final[dict[str, tuple[str, ...]]] = {
 MEMBERS: Final[dict[str, str]] = {
     "VirtualRobot": "run start advance pause resume stop interrupt compile submit_secondary at set_start "
     "set_speed fault protective_stop unlock_protective_stop restart_safety tick time_s state current threads",
-    "Run": "check time_s globals joints tcp_pose signals is_over is_reproducible",
+    "Run": "check time_s globals joints tcp_pose signals trace is_over is_reproducible",
+    "TraceRows": "between column times has_actual",
     "PlantConfig": "from_table",
     "Device": "started signal_changed after every log warn random title check",
     "ModbusClient": "read_registers read_coils write_register write_coil",
@@ -44,6 +46,7 @@ INTRODUCTIONS: Final[dict[str, str]] = {
     "elitescript": "`from elitescript import VirtualRobot`: run programs and look at what they did.",
     "elitescript.testing.world": "What is around the robot in a test: devices, wires, schedules, faults. "
     "[Devices beside the robot](../how-to/devices.md) shows them at work.",
+    "elitescript.controller.views.trace_rows": "What `Run.trace` is: a sequence of rows.",
     "elitescript.controller.force.contact": "What the TCP can touch; `VirtualRobot(contact=...)`.",
     "elitescript.controller.safety.limits": "What the safety system watches; `VirtualRobot(safety=...)`.",
 }

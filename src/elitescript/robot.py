@@ -15,7 +15,6 @@ from weakref import WeakMethod
 from elitescript.controller.signals.by_name import signal_write
 from elitescript.controller.views.signals import Signals
 from elitescript.controller.views.trace import Trace
-from elitescript.controller.views.trace_rows import TraceRecorder
 from elitescript.controller.views.trace_signals import SignalRecord, TraceSignals
 from elitescript.controller.views.warning_limit import LIMITED, WarningLimit
 from elitescript.devices.drain import DRAIN_S, Drain
@@ -269,6 +268,7 @@ class VirtualRobot:
         trace: bool | Trace = False,
         trace_step_s: float | None = None,
         trace_signals: str | Iterable[str] | None = None,
+        trace_window_s: tuple[float, float] | None = None,
         pace: Pace | None = None,
         watch: Watch | None = None,
     ) -> Run:
@@ -286,13 +286,21 @@ class VirtualRobot:
             trace: keep a row for each tick in `Run.trace`, or send them to your own `Trace`.
             trace_step_s: time between rows.
             trace_signals: signals that the rows of `Run.trace` hold, or `all`; those not at their default if None.
+            trace_window_s: begin and end of the rows of `Run.trace`, in the time of the robot; all if None.
             pace: called with the tick before it is run.
             watch: called after every tick that was run; may call `interrupt`.
 
         Raises:
             ProgramError: the text does not compile.
         """
-        run = self.start(program, presets=presets, trace=trace, trace_step_s=trace_step_s, trace_signals=trace_signals)
+        run = self.start(
+            program,
+            presets=presets,
+            trace=trace,
+            trace_step_s=trace_step_s,
+            trace_signals=trace_signals,
+            trace_window_s=trace_window_s,
+        )
         limit = None if until_s is None else self.tick + ticks_for(until_s)
         try:
             with interrupts_passed_to(self.interrupt):
@@ -323,6 +331,7 @@ class VirtualRobot:
         trace: bool | Trace = False,
         trace_step_s: float | None = None,
         trace_signals: str | Iterable[str] | None = None,
+        trace_window_s: tuple[float, float] | None = None,
     ) -> Run:
         """Start a program; `advance` runs it. Its record says where it is.
 
@@ -348,7 +357,10 @@ class VirtualRobot:
             self.controller.power_up()
         self._trace = trace if isinstance(trace, Trace) else None
         if trace and self._trace is None:
-            self._trace = TraceRecorder(trace_step_s, TraceSignals(trace_signals), run.trace)
+            # Imported late: few runs keep rows.
+            from elitescript.controller.views.trace_rows import TraceRecorder
+
+            self._trace = TraceRecorder(trace_step_s, TraceSignals(trace_signals), trace_window_s, run.trace)
         if unit.kind == SECONDARY and self._run is run:
             self._host.start_secondary(unit, world=world)
         else:

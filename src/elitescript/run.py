@@ -5,15 +5,17 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable
-from typing import Any, Final, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
 
-from elitescript.controller.views.trace_rows import TraceRows
 from elitescript.controller.views.trace_signals import SignalRecord
 from elitescript.errors import AlarmError
 from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.events import UNDELIVERED, Alarm, DeviceNoted, Event, Printed, TextMessage, Warned
 from elitescript.messages.motion import Six
 from elitescript.records import NamedTuple
+
+if TYPE_CHECKING:
+    from elitescript.controller.views.trace_rows import TraceRows
 
 RECORDS_MAX: Final = 50_000
 """Events, and texts of each kind, that a run keeps at least."""
@@ -52,7 +54,6 @@ class Run:
             last `RECORDS_MAX`. So it is with the texts.
         events_dropped: how many events have gone, so that a run of days does not fill the memory.
         undelivered: data that the program sent and that did not arrive, as text; each is a warning too.
-        trace: rows, if a trace was requested; `trace[i].signals` has the signals by name.
         look: returns the present values of the properties; None before the start and after the end.
         threads: script threads at the end of a program that did not end by itself: where each was.
         is_paced: whether a connection to the outside held virtual time back to the wall clock.
@@ -61,6 +62,7 @@ class Run:
     __slots__ = (
         "_end",
         "_signals",
+        "_trace",
         "alarms",
         "events",
         "events_dropped",
@@ -72,7 +74,6 @@ class Run:
         "start_tick",
         "state",
         "threads",
-        "trace",
         "undelivered",
         "unit",
         "warnings",
@@ -88,7 +89,7 @@ class Run:
         self.alarms: list[Alarm] = []
         self.events: list[Event] = []
         self.events_dropped = 0
-        self.trace = TraceRows()
+        self._trace: TraceRows | None = None
         self.undelivered: list[str] = []
         self.look: Callable[[], Look] | None = None
         self._end: Look | None = None
@@ -127,6 +128,16 @@ class Run:
         if self._signals is not None:
             return self._signals
         return self._now.signals if self.look is None else self.look().signals
+
+    @property
+    def trace(self) -> TraceRows:
+        """Rows, if a trace was requested; `trace[i].signals` has the signals by name."""
+        if self._trace is None:
+            # Imported late: few runs have rows.
+            from elitescript.controller.views.trace_rows import TraceRows
+
+            self._trace = TraceRows()
+        return self._trace
 
     @property
     def _now(self) -> Look:

@@ -5,6 +5,7 @@ import pytest
 from elitescript import VirtualRobot
 from elitescript.controller.controller import Controller
 from elitescript.controller.views.trace import SPAN_ROWS_MAX, Trace, TraceSpan
+from elitescript.errors import UsageError
 from elitescript.motion.segment import Segment
 
 PROGRAM = """def main():
@@ -76,3 +77,32 @@ def test_another_tcp_gives_a_resting_arm_another_pose():
     assert max(heights) - min(heights) == pytest.approx(0.1)
     assert run.trace[-1].tcp_pose == run.tcp_pose
     assert len({row.q for row in run.trace}) == 1
+
+
+@pytest.mark.parametrize(
+    "window_s", [(0.0, 0.0), (0.1, 0.2), (0.0995, 0.2021), (1.0, 3.1), (2.5, 1e9), (2.5, float("inf")), (0.0, 99.0)]
+)
+def test_a_window_has_the_rows_of_its_time(window_s):
+    begin_s, end_s = window_s
+    whole = VirtualRobot("CS66").run(PROGRAM, trace=True).trace
+    part = VirtualRobot("CS66").run(PROGRAM, trace=True, trace_window_s=window_s).trace
+    assert part == [row for row in whole if begin_s <= row.t <= end_s]
+    assert len(part) > 0
+
+
+def test_a_window_may_have_a_step_of_its_own():
+    whole = VirtualRobot("CS66").run(PROGRAM, trace=True).trace
+    part = VirtualRobot("CS66").run(PROGRAM, trace=True, trace_window_s=(1.0, 2.0), trace_step_s=0.02).trace
+    assert part == whole.between(1.0, 2.0, 5)
+
+
+def test_outside_its_window_nothing_is_sampled(spans):
+    run = VirtualRobot("CS66").run(PROGRAM, trace=True, trace_window_s=(0.4, 0.5))
+    assert sum(len(span.ticks) for span in spans) == len(run.trace) == 26
+    assert VirtualRobot("CS66").run(PROGRAM, trace=True, trace_window_s=(1e4, 1e5)).trace == []
+
+
+@pytest.mark.parametrize("window_s", [(-0.1, 1.0), (2.0, 1.0), (float("nan"), 1.0), (0.0, float("nan"))])
+def test_a_window_that_makes_no_sense_is_refused(window_s):
+    with pytest.raises(UsageError, match="the window of a trace must begin"):
+        VirtualRobot("CS66").run(PROGRAM, trace=True, trace_window_s=window_s)

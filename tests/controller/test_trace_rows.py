@@ -113,6 +113,8 @@ def test_rows_between_two_times_or_every_third_of_them():
     assert kept.between(0.1, 0.2, 3) == [row for row in rows if 0.1 <= row.t <= 0.2][::3]
     assert kept.between(0.1001, 0.1002) == []
     assert kept.between(-1.0, 99.0) == rows
+    with pytest.raises(UsageError, match="every must be at least 1 row, got 0"):
+        kept.between(0.0, 1.0, 0)
 
 
 def test_only_the_rows_that_are_asked_for_are_made(monkeypatch):

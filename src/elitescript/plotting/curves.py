@@ -34,7 +34,7 @@ def joint_curves(rows: Sequence[TraceRow], model: RobotModel) -> list[dict[str, 
     The acceleration of a row is the change of `qd` since the row before, divided by the time between them.
     """
     trace = TraceRows.of(rows)
-    times = trace.times
+    times = list(trace.times)
     joints = []
     for number, limit in enumerate(model.joints, 1):
         q, qd = list(trace.column(f"q{number}")), list(trace.column(f"qd{number}"))
@@ -62,7 +62,7 @@ def error_curves(rows: Sequence[TraceRow], model: RobotModel) -> list[dict[str, 
         [target - actual for target, actual in zip(trace.column(f"q{joint}"), trace.column(f"qa{joint}"), strict=True)]
         for joint in range(1, 7)
     ]
-    return [_limited(trace.times, error, -limit, limit) for error in errors]
+    return [_limited(list(trace.times), error, -limit, limit) for error in errors]
 
 
 def accelerations(times: Sequence[float], qd: Sequence[float]) -> list[float]:
@@ -91,13 +91,13 @@ def joint_changes(rows: Sequence[TraceRow]) -> list[bool]:
 
 def speed_curve(rows: Sequence[TraceRow], speeds: Sequence[float], speed_max: float) -> dict[str, Any]:
     """Return the curve of the TCP speed with its limit, m/s."""
-    return _limited(TraceRows.of(rows).times, speeds, 0.0, speed_max)
+    return _limited(list(TraceRows.of(rows).times), speeds, 0.0, speed_max)
 
 
 def tcp_path(rows: Sequence[TraceRow], speeds: Sequence[float]) -> dict[str, Any]:
     """Return the TCP path: times, positions and speeds of its corners, and where the TCP was replaced."""
     trace = TraceRows.of(rows)
-    times = trace.times
+    times = list(trace.times)
     columns = [list(trace.column(name)) for name in "xyz"]
     steps = zip(joint_changes(trace), pairwise(zip(*columns, strict=True)), strict=True)
     jumps = [index for index, (moves, (place, later)) in enumerate(steps, 1) if not moves and place != later]

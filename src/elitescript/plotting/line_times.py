@@ -94,12 +94,13 @@ def line_times(rows: Sequence[TraceRow]) -> list[LineTime]:
         visits[stretch.line] = visits.get(stretch.line, 0) + 1
     # A row shows the state at the end of its tick. So where rows are one tick apart, the change since the row before is
     # the motion of this one; where they are further apart, most of it lies in the change to the next.
+    times_s, far_s = trace.times, 1.5 * seconds(1)
     changes = [any(trace[0].qd), *joint_changes(trace)]
     for part in trace.stretches():
         line = part.line
         for index in range(part.begin, min(part.end, len(trace) - 1)):
-            t_s, later_s = trace.times[index], trace.times[index + 1]
-            times = moving if changes[index + (later_s - t_s > 1.5 * seconds(1))] else standing
+            t_s, later_s = times_s[index], times_s[index + 1]
+            times = moving if changes[index + (later_s - t_s > far_s)] else standing
             times[line] = times.get(line, 0.0) + later_s - t_s
     table = [LineTime(line, moving.get(line, 0.0), standing.get(line, 0.0), visits[line]) for line in visits]
     return sorted(table, key=lambda entry: (-entry.moving_s - entry.standing_s, entry.line))

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Final
 
 from elitescript.controller.controller import Controller
-from elitescript.controller.views.trace import TraceSpan
+from elitescript.controller.views.trace import SPAN_ROWS_MAX, TraceSpan
 from elitescript.controller.views.trace_rows import TraceRecorder
 from elitescript.messages.timing import PERIOD_S
 
@@ -31,6 +31,7 @@ class Sampling(TraceRecorder):
         super().__init__()
         self._full = rows_max
         self._line = -1
+        self._rows_max = min(SPAN_ROWS_MAX, rows_max + 1)
 
     @property
     def step_s(self) -> float:
@@ -46,13 +47,10 @@ class Sampling(TraceRecorder):
             self._next_tick = controller.tick + is_known
         super().record(controller, until_tick)
 
-    @property
-    def _rows_max(self) -> int:
-        return min(super()._rows_max, self._full + 1 - len(self.rows))
-
     def _take(self, span: TraceSpan) -> None:
         super()._take(span)
         if len(self.rows) > self._full:
             self.rows.thin()
             self._step_ticks *= 2
             self._full = max(self._full, 2 * len(self.rows))
+        self._rows_max = min(SPAN_ROWS_MAX, self._full + 1 - len(self.rows))

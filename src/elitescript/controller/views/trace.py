@@ -21,7 +21,7 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value
 from elitescript.messages.state import ZERO_SIX
-from elitescript.messages.timing import PERIOD_S, seconds, ticks_for
+from elitescript.messages.timing import LONGEST_S, PERIOD_S, TICKS_PER_S, seconds, ticks_for
 from elitescript.records import NamedTuple
 
 
@@ -80,7 +80,25 @@ def step_ticks(step_s: float | None) -> int:
     return ticks
 
 
+def window_ticks(window_s: tuple[float, float] | None) -> tuple[int, int]:
+    """Return the first tick of a window of time and the one after its last.
+
+    Args:
+        window_s: begin and end, s, both included; all time if None.
+
+    Raises:
+        UsageError: not a begin of at least 0 s and an end that is not before it.
+    """
+    begin_s, end_s = (0.0, inf) if window_s is None else window_s
+    if not 0.0 <= begin_s <= end_s or begin_s == inf:
+        raise UsageError(f"the window of a trace must begin at >= 0 s and not end before, got {begin_s:g} to {end_s:g}")
+    return ticks_for(begin_s), int(min(end_s, LONGEST_S) * TICKS_PER_S + _ROUNDING_TICKS) + 1
+
+
 _SAME_STEP: Final = 1e-9
+
+_ROUNDING_TICKS: Final = 1e-6
+"""A tick that is this little after the end of a window is at its end: the rest is rounding."""
 
 
 class TraceSpan(NamedTuple):
@@ -119,45 +137,57 @@ class Trace:
         sink: receives the rows in order.
         step_s: time from one row to the next, a whole number of ticks; one tick if None.
         signals: signals of the rows; none if None.
+        window_s: begin and end of the rows, s, in the time of the robot; only rows in it are sampled. All if None.
 
     Raises:
-        UsageError: an invalid `step_s`.
+        UsageError: an invalid `step_s` or `window_s`.
     """
 
-    __slots__ = ("_T_flange_tcp", "_next_tick", "_pose_at_rest", "_q_at_rest", "_signals", "_sink", "_step_ticks")
+    __slots__ = (
+        "_T_flange_tcp",
+        "_begin_tick",
+        "_end_tick",
+        "_next_tick",
+        "_posed",
+        "_q_posed",
+        "_rows_max",
+        "_signals",
+        "_sink",
+        "_step_ticks",
+    )
 
     def __init__(
         self,
         sink: Callable[[TraceRow], None],
         step_s: float | None = None,
         signals: TraceSignals | None = None,
+        window_s: tuple[float, float] | None = None,
     ) -> None:
         self._sink = sink
         self._signals = signals
         self._step_ticks = step_ticks(step_s)
-        self._next_tick = 0
-        self._q_at_rest: Six | None = None
+        self._begin_tick, self._end_tick = window_ticks(window_s)
+        self._next_tick = self._begin_tick
+        self._rows_max = SPAN_ROWS_MAX
+        """Rows of the next span at most."""
+        self._q_posed: Six | None = None
         self._T_flange_tcp: Transform = IDENTITY
-        self._pose_at_rest = ZERO_SIX
+        self._posed = ZERO_SIX
 
     def record(self, controller: Controller, until_tick: int) -> None:
         """Record the ticks from the controller's present one up to, not including, `until_tick`."""
-        tick = max(self._next_tick, controller.tick)
+        tick, until_tick = max(self._next_tick, controller.tick), min(until_tick, self._end_tick)
         while tick < until_tick:
-            span = self._span(controller, range(tick, until_tick, self._step_ticks)[: self._rows_max])
-            self._take(span)
-            tick = span.ticks[-1] + self._step_ticks
+            end_tick = min(until_tick, tick + self._rows_max * self._step_ticks)
+            ticks = range(tick, end_tick, self._step_ticks)
+            self._take(self._span(controller, ticks))
+            tick = ticks[-1] + self._step_ticks
         self._next_tick = tick
 
     def finish(self, controller: Controller) -> None:
         """Record the row of the present tick, the last one."""
-        self._next_tick = controller.tick
+        self._next_tick = max(controller.tick, self._begin_tick)
         self.record(controller, controller.tick + 1)
-
-    @property
-    def _rows_max(self) -> int:
-        """Rows of the next span at most."""
-        return SPAN_ROWS_MAX
 
     def _take(self, span: TraceSpan) -> None:
         for row in span.rows():
@@ -166,18 +196,21 @@ class Trace:
     def _span(self, controller: Controller, ticks: range) -> TraceSpan:
         """Sample the rows of ticks from the present one up to the next that is due."""
         is_at_rest, is_ideal = controller.is_resting, controller.is_plant_ideal
-        after = range(ticks[0] + 1, ticks[-1] + 2, ticks.step)
-        q_actual: list[Six] | None = None
-        if is_ideal and not is_at_rest and len(after) > 1:
-            targets = controller.arm_state.targets(after)
+        q_actual: Sequence[Six] | None = None
+        targets: Sequence[tuple[Six, Six]]
+        poses: Sequence[Six]
+        if is_at_rest or len(ticks) == 1:
+            joints = controller.joints_at(ticks[0] + 1)
+            targets = ((joints.q_target, joints.qd_target),)
+            poses = (self._pose(controller, joints.q_target),)
+            q_actual = None if is_ideal else (joints.q_actual,)
         else:
-            states = [controller.joints_at(tick) for tick in (after[:1] if is_at_rest else after)]
-            targets = [(joints.q_target, joints.qd_target) for joints in states]
-            if not is_ideal:
+            if is_ideal:
+                targets = controller.arm_state.targets(range(ticks[0] + 1, ticks[-1] + 2, ticks.step))
+            else:
+                states = [controller.joints_at(tick + 1) for tick in ticks]
+                targets = [(joints.q_target, joints.qd_target) for joints in states]
                 q_actual = [joints.q_actual for joints in states]
-        if is_at_rest:
-            poses = [self._pose(controller, targets[0][0])]
-        else:
             poses = tcp_poses(controller.arm, [q for q, _ in targets], controller.setup.T_flange_tcp)
         return TraceSpan(
             ticks,
@@ -191,12 +224,12 @@ class Trace:
         )
 
     def _pose(self, controller: Controller, q: Six) -> Six:
-        """Return the pose of a resting arm, computed anew only for other joints or another TCP."""
+        """Return the pose of the TCP, computed anew only for other joints or another TCP: an arm may rest for long."""
         T_flange_tcp = controller.setup.T_flange_tcp
-        if q is not self._q_at_rest or T_flange_tcp is not self._T_flange_tcp:
-            self._q_at_rest, self._T_flange_tcp = q, T_flange_tcp
-            self._pose_at_rest = controller.tcp_pose(q)
-        return self._pose_at_rest
+        if q is not self._q_posed or T_flange_tcp is not self._T_flange_tcp:
+            self._q_posed, self._T_flange_tcp = q, T_flange_tcp
+            self._posed = controller.tcp_pose(q)
+        return self._posed
 
 
 _STATES: Final = {state: state.name.lower() for state in TaskState}

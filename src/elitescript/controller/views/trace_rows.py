@@ -175,7 +175,7 @@ class TraceRows(Sequence[TraceRow]):
 
     @property
     def times(self) -> Sequence[float]:
-        """Times of the rows, s."""
+        """Times of the rows, s; they grow with the rows."""
         return self._times
 
     @property
@@ -222,8 +222,13 @@ class TraceRows(Sequence[TraceRow]):
         Args:
             begin_s: time of the first row at the earliest, s.
             end_s: time of the last row at the latest, s.
-            every: from one row to the next.
+            every: from one row to the next, at least 1.
+
+        Raises:
+            UsageError: `every` is less.
         """
+        if every < 1:
+            raise UsageError(f"every must be at least 1 row, got {every}")
         return self[bisect_left(self._times, begin_s) : bisect_right(self._times, end_s) : every]
 
     def __len__(self) -> int:
@@ -278,16 +283,21 @@ class TraceRecorder(Trace):
     Args:
         step_s: as for `Trace`.
         signals: as for `Trace`.
+        window_s: as for `Trace`.
         rows: where they are kept.
     """
 
     __slots__ = ("rows",)
 
     def __init__(
-        self, step_s: float | None = None, signals: TraceSignals | None = None, rows: TraceRows | None = None
+        self,
+        step_s: float | None = None,
+        signals: TraceSignals | None = None,
+        window_s: tuple[float, float] | None = None,
+        rows: TraceRows | None = None,
     ) -> None:
         self.rows = TraceRows() if rows is None else rows
-        super().__init__(self.rows.append, step_s, signals)
+        super().__init__(self.rows.append, step_s, signals, window_s)
 
     def _take(self, span: TraceSpan) -> None:
         self.rows.add(span)
