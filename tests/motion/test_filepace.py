@@ -10,6 +10,7 @@ import pytest
 
 from elitescript.motion.limits import MotionLimits
 from elitescript.motion.paths.spline import JointSpline
+from elitescript.motion.timing import point_timing
 from elitescript.motion.timing.point_timing import PointTiming, paced
 from tests.motion.moves import limits_of
 
@@ -125,3 +126,21 @@ def test_limits_hold_for_smooth_and_for_rough_points(seed: int) -> None:
     assert pace.profile.duration_s >= spline.duration_s
     assert pace.profile.at(pace.profile.duration_s) == (spline.duration_s, 0.0)
     check_limits(spline, pace)
+
+
+@pytest.mark.parametrize("count", [401, 4001])
+def test_even_intervals_are_one_piece_made_at_once(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    added: list[tuple[float, ...]] = []
+    add = point_timing._Pieces.add
+
+    def counted(pieces: point_timing._Pieces, *piece: float) -> None:
+        added.append(piece)
+        add(pieces, *piece)
+
+    monkeypatch.setattr(point_timing._Pieces, "add", counted)
+    profile = paced(spline_of(lambda t: 1.5 * t, count), LIMITS).profile
+    (even,) = [piece for piece in added if piece[1] - piece[0] > 2.0 * H]
+    assert even[2:] == (1.0, 1.0, 0.0)
+    # What is left are the ramps.
+    assert 1 < len(added) <= 3 * 2 * round(1.5 / 20.0 / H)
+    assert profile.at(0.5 * profile.duration_s) == (pytest.approx(0.5 * (count - 1) * H), 1.0)

@@ -11,11 +11,14 @@ import pytest
 
 from elitescript.errors import MotionError
 from elitescript.kinematics.arm import Arm
+from elitescript.kinematics.inverse import solve_branch
+from elitescript.kinematics.jacobian import singularity
 from elitescript.kinematics.transforms import compose, inverse, pose_from_transform, transform_from_pose
 from elitescript.messages.motion import MicroLine, MoveML, Six
-from elitescript.motion.microline import START_TOLERANCE_RAD, plan_moveml
+from elitescript.motion.microline import START_TOLERANCE_RAD, _solved, plan_moveml
 from elitescript.motion.planner import Plan
 from elitescript.motion.segment import Setpoint
+from tests.invariants.cases import CASES
 from tests.motion.moves import (
     ARM,
     FULL_TURN,
@@ -327,3 +330,36 @@ def test_limits_and_continuity_of_whole_moves(shape: str, interval_s: float, see
         before = now
     assert largest_difference(before.q, rows[-1]) < 1e-9
     assert segment.setpoint(segment.duration_s) == Setpoint(rows[-1], (0.0,) * 6)
+
+
+@pytest.mark.invariants
+@pytest.mark.parametrize("frame", [(0.0,) * 6, (-0.0,) * 6, (0.1, -0.2, 0.05, 0.3, -0.1, 0.2)])
+@pytest.mark.parametrize("tilt", [0.0, 0.3])
+def test_poses_are_solved_to_the_last_bit_as_one_by_one(frame: Six, tilt: float) -> None:
+    chance = Random(f"{frame} {tilt}")
+    T_base_part = transform_from_pose(frame)
+    solved = 0
+    for _ in range(3 * CASES):
+        # The tool straight down: many elements of its rotation are nearly or exactly 0 then.
+        T_flange_tcp = chance.choice((T_FLANGE_TCP, transform_from_pose((0.0, 0.0, 0.15, 0.0, 0.0, 0.0))))
+        place = [chance.gauss(mean, 0.1) for mean in (-0.1, -0.6, 0.1)]
+        start = six((*place, chance.choice((pi, 0.0)), 0.0, chance.choice((0.0, 0.5 * pi, 1.0))))
+        amounts = [chance.uniform(-0.02, 0.02) * (1.0 if axis < 3 else tilt) for axis in range(6)]
+        rows = [six(a + d * k for a, d in zip(start, amounts, strict=True)) for k in range(6)]
+        wanted: list[Six] = []
+        for row in rows:
+            T_base_flange = compose(compose(T_base_part, transform_from_pose(row)), inverse(T_flange_tcp))
+            near = wanted[-1] if wanted else six([0.0] * 6)
+            q = solve_branch(ARM, T_base_flange, 0, near[5])
+            if q is None or singularity(ARM, q).blocked:
+                break
+            wanted.append(six(a + FULL_TURN * round((n - a) / FULL_TURN) for a, n in zip(q, near, strict=True)))
+        if len(wanted) < len(rows):
+            continue
+        solved += 1
+        request = MoveML(file_of(rows, is_cartesian=True, frame=frame), 1, len(rows), 1.4, 1.05)
+        found = _solved(ARM, LIMITS, wanted[0], T_flange_tcp, request)
+        assert [[angle.hex() for angle in column] for column in found] == [
+            [q[joint].hex() for q in wanted] for joint in range(6)
+        ]
+    assert solved > CASES // 2

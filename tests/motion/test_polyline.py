@@ -7,14 +7,17 @@ from math import cos, dist, hypot, pi, radians, sin
 
 import pytest
 
-from elitescript.kinematics.jacobian import tcp_twist
-from elitescript.kinematics.transforms import position_of
+from elitescript.kinematics.arm import Arm
+from elitescript.kinematics.jacobian import Singularity, tcp_twist
+from elitescript.kinematics.transforms import Transform, position_of
 from elitescript.messages.motion import MoveL, Six
 from elitescript.messages.timing import PERIOD_S
+from elitescript.motion.blending import blended
+from elitescript.motion.paths import track
 from elitescript.motion.paths.polyline import DEVIATION_M, LINKS_MAX, Chained, ChainLine, begun, extended
 from elitescript.motion.paths.track import JointTrack
 from elitescript.motion.planner import plan_movel
-from tests.motion.moves import ARM, LIMITS, Q_WORK, T_FLANGE_TCP, largest_difference, tcp_pose
+from tests.motion.moves import ARM, LIMITS, Q_NEAR_WRIST, Q_WORK, T_FLANGE_TCP, largest_difference, line_by, tcp_pose
 
 A = 1.2
 
@@ -192,3 +195,77 @@ def test_random_chains_keep_the_limits() -> None:
             rx, rz = rx + rng.choice((0.0, 0.02)) * rng.random(), rz + rng.choice((0.0, 0.03)) * rng.random()
             poses.append((x, y, z, rx, ry, rz))
         Ride(poses, 10 ** rng.uniform(-2.5, 0), rng.choice((0.0, 0.0005, 0.01))).check()
+
+
+class Calls:
+    """Counts calls of functions, and keeps the arguments that are compared."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.poses: list[Transform] = []
+        self.speeds: list[Six] = []
+        self.distances = 0
+        solve_branch, joint_speeds, singularity = track.solve_branch, track.joint_speeds, track.singularity
+
+        def solve(arm: Arm, T_base_flange: Transform, branch: int, q6_near: float = 0.0) -> Six | None:
+            self.poses.append(T_base_flange)
+            return solve_branch(arm, T_base_flange, branch, q6_near)
+
+        def speeds(arm: Arm, q: Six, twist: Six, **options: bool) -> Six | None:
+            self.speeds.append(twist)
+            return joint_speeds(arm, q, twist, **options)
+
+        def distance(arm: Arm, q: Six) -> Singularity:
+            self.distances += 1
+            return singularity(arm, q)
+
+        monkeypatch.setattr(track, "solve_branch", solve)
+        monkeypatch.setattr(track, "joint_speeds", speeds)
+        monkeypatch.setattr(track, "singularity", distance)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.002], ids=["fixed", "turning"])
+def test_a_line_of_a_chain_takes_five_inverse_solutions_and_none_twice(
+    turn: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its middle and end; begin, middle and end of its corner."""
+    lines = 50
+    calls = Calls(monkeypatch)
+    poses = curve(lines, 0.0015, 0.01, turn)
+    chain = begun(link(Q_WORK, poses[0], 0.05))
+    for pose in poses[1:]:
+        new = link(chain.path.q_end, pose, 0.05)
+        position, speed = chain.segment.profile.at(max(0.0, chain.feed_s))
+        chain = extended(ARM, LIMITS, chain.path, position, speed, new, T_FLANGE_TCP)
+    assert len(calls.poses) == 2 + 5 * (lines - 1)
+    assert len(set(calls.poses)) == len(calls.poses)
+    # The same, and the begin of line and corner, whose joints are known.
+    assert len(calls.speeds) == 3 + 6 * (lines - 1)
+    assert calls.distances == 0
+
+
+def test_a_blended_line_takes_five_inverse_solutions_and_none_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls = Calls(monkeypatch)
+    place, pose = curve(2, 0.0015, 0.01)
+    first = plan_movel(ARM, LIMITS, Q_WORK, T_FLANGE_TCP, MoveL(place, A, 0.02, 0.0, 0.0005), is_entered=True)
+    calls.poses.clear()
+    calls.speeds.clear()
+    assert first.zone is not None
+    request = MoveL(pose, A, 0.02, 0.0, 0.0005)
+    second = plan_movel(ARM, LIMITS, first.segment.q_end, T_FLANGE_TCP, request, is_entered=True)
+    assert blended(ARM, LIMITS, first, first.segment.time_at(first.zone.begin), second, T_FLANGE_TCP) is not None
+    assert len(set(calls.poses)) == len(calls.poses) == 5
+    assert len(calls.speeds) == 6
+    assert calls.distances == 0
+
+
+def test_a_move_near_a_singularity_takes_an_inverse_solution_for_each_grid_point(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    calls = Calls(monkeypatch)
+    plan = plan_movel(ARM, LIMITS, Q_NEAR_WRIST, T_FLANGE_TCP, line_by(Q_NEAR_WRIST, 0.05, 0.2, -0.05, v=0.5))
+    path = plan.segment.path
+    assert isinstance(path, JointTrack)
+    assert plan.notes
+    # The start is known; the place that the note names is solved.
+    assert len(calls.poses) == len(path.grid_s) - 1 + len(plan.notes)
+    assert len(calls.speeds) == len(path.grid_s)

@@ -144,3 +144,32 @@ def test_excess_finds_exactly_the_intervals_beyond_the_limits(seed: int) -> None
     assert wanted
     for interval, expected in wanted.items():
         assert found[interval] == pytest.approx(expected)
+
+
+def plain_seconds(q: list[float], h: float, speed_start: float, speed_end: float) -> list[float]:
+    """The elimination point by point, with its factors made anew for each joint."""
+    factor, c = 6.0 / h, 0.5
+    g = 0.5 * factor * ((q[1] - q[0]) / h - speed_start)
+    rows = [(c, g)]
+    for k in range(2, len(q)):
+        c = 1.0 / (4.0 - c)
+        g = (factor * ((q[k] - q[k - 1]) / h - (q[k - 1] - q[k - 2]) / h) - g) * c
+        rows.append((c, g))
+    m = [(factor * (speed_end - (q[-1] - q[-2]) / h) - g) / (2.0 - c)]
+    for c, g in reversed(rows):
+        m.append(g - c * m[-1])
+    return m[::-1]
+
+
+@pytest.mark.parametrize("count", [2, 3, 6, 19, 24, 25, 26, 60])
+def test_accelerations_are_to_the_last_bit_those_of_the_plain_elimination(count: int) -> None:
+    columns = random_columns(count, count)
+    for column in columns:
+        # At rest at both ends.
+        column[:3] = column[:1] * len(column[:3])
+        column[-3:] = column[-1:] * len(column[-3:])
+    spline = JointSpline(columns, H)
+    assert spline.is_start_at_rest and spline.is_end_at_rest
+    for column, m, largest in zip(columns, spline.seconds, spline.largest_accelerations, strict=True):
+        assert m.tolist() == plain_seconds(column, H, 0.0, 0.0)
+        assert largest == max(map(abs, m))

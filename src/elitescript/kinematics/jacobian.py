@@ -68,6 +68,17 @@ def singularity(arm: Arm, q: Sequence[float]) -> Singularity:
     return Singularity(abs(sin(q5)), abs(sin(q3)), abs(X))
 
 
+def is_blocked(arm: Arm, q: Sequence[float]) -> bool:
+    """Return whether joint angles (rad) are too near to a singularity for a Cartesian move; see `Singularity`."""
+    _, q2, q3, q4, q5, _ = q
+    q23 = q2 + q3
+    return (
+        -WRIST_GIVE_UP_SINE < sin(q5) < WRIST_GIVE_UP_SINE
+        or -ELBOW_GIVE_UP_SINE < sin(q3) < ELBOW_GIVE_UP_SINE
+        or -SHOULDER_GIVE_UP_M < arm.a2 * cos(q2) + arm.a3 * cos(q23) + arm.d5 * sin(q23 + q4) < SHOULDER_GIVE_UP_M
+    )
+
+
 def jacobian(arm: Arm, q: Sequence[float], T_flange_tcp: Transform = IDENTITY) -> Matrix6:
     """Return the geometric Jacobian of the TCP in the base frame; twist = J qd."""
     if arm.calibration is not None:
@@ -170,7 +181,7 @@ def joint_speeds(
     if arm.calibration is not None:
         from elitescript.kinematics.chain import solve_linear
 
-        if keeps_clear and singularity(arm, q).blocked:
+        if keeps_clear and is_blocked(arm, q):
             return None
         solved = solve_linear(jacobian(arm, q, T_flange_tcp), twist)
         if solved is None:

@@ -22,9 +22,10 @@ from typing import Final
 from elitescript.errors import MotionError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.inverse import branch_of, reason_unreachable, solve_branch
-from elitescript.kinematics.jacobian import singularity, tcp_twist
+from elitescript.kinematics.jacobian import is_blocked, singularity, tcp_twist
 from elitescript.kinematics.transforms import Transform, compose, inverse, position_of, transform_from_pose
 from elitescript.messages.motion import MicroLine, MoveJ, MoveML, Six
+from elitescript.messages.state import ZERO_SIX
 from elitescript.motion.limits import JOINT_NAMES, RANGE_TOLERANCE_RAD, MotionLimits, joint_range_error, unwrapped
 from elitescript.motion.paths.spline import JointSpline
 from elitescript.motion.planner import SURELY_DEGREES, MoveNote, MoveNoteKind, Plan, plan_movej
@@ -143,19 +144,24 @@ def _solved(
     branch = branch_of(arm, q_start)
     T_tcp_flange = inverse(T_flange_tcp)
     T_base_part = transform_from_pose(points.frame)
+    has_frame = points.frame != ZERO_SIX
+    numbers = iter(array("d", points.numbers[48 * request.first - 48 : 48 * request.last]))
     rows = array("d")
     q = q_start
-    for number in range(request.first, request.last + 1):
-        T_base_tcp = compose(T_base_part, transform_from_pose(points.point(number)))
+    for number, pose in enumerate(zip(*[numbers] * 6, strict=True), request.first):
+        T_base_tcp = transform_from_pose(pose)
+        # Without a frame only zeros change, by their sign.
+        if has_frame or 0.0 in T_base_tcp:
+            T_base_tcp = compose(T_base_part, T_base_tcp)
         T_base_flange = compose(T_base_tcp, T_tcp_flange)
         solution = solve_branch(arm, T_base_flange, branch, q[5])
         if solution is None:
             raise _out_of_reach(arm, T_base_flange, points, number)
         q = unwrapped(solution, q)
-        blocked = singularity(arm, q).blocked
-        if blocked is not None:
+        if is_blocked(arm, q):
             raise MotionError(
-                f"{points.place(number)} meets the {blocked} singularity, where joints would turn without limit",
+                f"{points.place(number)} meets the {singularity(arm, q).blocked} singularity, where joints would turn "
+                "without limit",
                 code="R112",
                 value=number,
                 hint=SINGULAR_HINT,
@@ -213,8 +219,7 @@ def _check_ranges(limits: MotionLimits, columns: Sequence[Sequence[float]], requ
 def _check_excursions(limits: MotionLimits, spline: JointSpline, request: MoveML) -> None:
     """Refuse a curve that leaves a joint's range between two points that lie inside."""
     for joint, column in enumerate(spline.columns):
-        m = spline.seconds[joint]
-        room = 0.125 * spline.interval_s * spline.interval_s * max(max(m), -min(m))
+        room = 0.125 * spline.interval_s * spline.interval_s * spline.largest_accelerations[joint]
         low, high = limits.q_min[joint] - RANGE_TOLERANCE_RAD, limits.q_max[joint] + RANGE_TOLERANCE_RAD
         if min(column) - room >= low and max(column) + room <= high:
             continue

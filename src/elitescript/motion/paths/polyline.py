@@ -361,12 +361,19 @@ def _profile(path: ChainPath, position: float, x_start: float, *, is_checked: bo
         gone = position - ahead[0].start
         ahead[0] = ahead[0]._replace(start=position, length=max(0.0, ahead[0].length - gone), x_start_max=inf)
     x = [0.0] * (len(ahead) + 1)
+    reachable = 0.0
     for k in range(len(ahead) - 1, -1, -1):
         _, length, x_max, a, x_start_max, bend = ahead[k]
-        reachable = x[k + 1] + 2.0 * length * a
+        reachable += 2.0 * length * a
         if bend:
             reachable /= 1.0 + 2.0 * length * bend
-        x[k] = min(reachable, x_max, x_start_max, ahead[k - 1].x_max if k else inf)
+        if x_max < reachable:
+            reachable = x_max
+        if x_start_max < reachable:
+            reachable = x_start_max
+        if k and ahead[k - 1].x_max < reachable:
+            reachable = ahead[k - 1].x_max
+        x[k] = reachable
     if is_checked and x_start > x[0] * (1.0 + 1e-9) + 1e-15:
         return None
     x[0] = x_start

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Sequence
+from operator import sub
 from typing import Final
 
 from elitescript.messages.motion import Six
@@ -38,7 +39,16 @@ class JointSpline:
         duration_s: time of the last point.
     """
 
-    __slots__ = ("columns", "duration_s", "interval_s", "is_end_at_rest", "is_start_at_rest", "seconds")
+    __slots__ = (
+        "_largest_steps",
+        "columns",
+        "duration_s",
+        "interval_s",
+        "is_end_at_rest",
+        "is_start_at_rest",
+        "largest_accelerations",
+        "seconds",
+    )
 
     def __init__(self, columns: Sequence[Sequence[float]], interval_s: float) -> None:
         self.interval_s = interval_s
@@ -47,10 +57,18 @@ class JointSpline:
         speeds_end, self.is_end_at_rest = _end_speeds([column[:-4:-1] for column in columns], interval_s)
         self.columns = tuple([array("d", column) for column in columns])
         """Positions of each joint at the points, rad."""
-        self.seconds = tuple(
-            array("d", _second_derivatives(column, interval_s, start, -end))
-            for column, start, end in zip(columns, speeds_start, speeds_end, strict=True)
-        )
+        shares = _shares(self.intervals)
+        seconds: list[array[float]] = []
+        self._largest_steps: list[float] = []
+        self.largest_accelerations: list[float] = []
+        """The largest acceleration of each joint at a point, by size, rad/s^2."""
+        for column, start, end in zip(columns, speeds_start, speeds_end, strict=True):
+            steps = list(map(sub, column[1:], column))
+            m = _second_derivatives(steps, interval_s, start, -end, shares)
+            self._largest_steps.append(max(max(steps), -min(steps)))
+            self.largest_accelerations.append(max(max(m), -min(m)))
+            seconds.append(array("d", m))
+        self.seconds = tuple(seconds)
         """Accelerations of each joint at the points, rad/s^2."""
 
     @property
@@ -102,9 +120,11 @@ class JointSpline:
         for joint in range(6):
             column, m = self.columns[joint], self.seconds[joint]
             top, a_top = speed_max[joint], acceleration_max[joint]
-            # The cheap test first: it is enough for most files.
-            largest = max(max(m), -min(m))
+            # The cheap tests first: they are enough for most files.
+            largest = self.largest_accelerations[joint]
             room = h * (top - 0.75 * h * largest)
+            if largest <= a_top and self._largest_steps[joint] < room:
+                continue
             q_a, m_a = column[0], m[0]
             interval = -1
             for q_b, m_b in zip(column[1:], m[1:], strict=True):
@@ -162,26 +182,30 @@ def _end_speeds(ends: Sequence[Sequence[float]], h: float) -> tuple[list[float],
     return ([0.0] * 6 if is_at_rest else speeds), is_at_rest
 
 
-def _second_derivatives(q: Sequence[float], h: float, speed_start: float, speed_end: float) -> list[float]:
-    """Return M, from one elimination forwards and one substitution backwards."""
+def _shares(intervals: int) -> list[float]:
+    """Return the factors of the elimination, which depend on the number of intervals alone."""
+    shares = [0.5]
+    while len(shares) < intervals:
+        share = 1.0 / (4.0 - shares[-1])
+        # They converge within some twenty points.
+        shares += [share] * (intervals - len(shares) if share == shares[-1] else 1)
+    return shares
+
+
+def _second_derivatives(
+    steps: Sequence[float], h: float, speed_start: float, speed_end: float, shares: Sequence[float]
+) -> list[float]:
+    """Return M for the steps from point to point: one elimination forwards, one substitution backwards."""
     factor = 6.0 / h
-    slope = (q[1] - q[0]) / h
-    c = 0.5
-    g = 0.5 * factor * (slope - speed_start)
-    shares = [c]
+    slopes = [step / h for step in steps]
+    g = 0.5 * factor * (slopes[0] - speed_start)
     parts = [g]
-    previous = q[1]
-    for value in q[2:]:
-        slope_next = (value - previous) / h
-        c = 1.0 / (4.0 - c)
-        g = (factor * (slope_next - slope) - g) * c
-        shares.append(c)
-        parts.append(g)
-        slope, previous = slope_next, value
-    m = (factor * (speed_end - slope) - g) / (2.0 - c)
+    parts += [
+        g := (factor * change - g) * share
+        for change, share in zip(map(sub, slopes[1:], slopes), shares[1:], strict=True)
+    ]
+    m = (factor * (speed_end - slopes[-1]) - g) / (2.0 - shares[-1])
     result = [m]
-    for c, g in zip(reversed(shares), reversed(parts), strict=True):
-        m = g - c * m
-        result.append(m)
+    result += [m := part - share * m for share, part in zip(reversed(shares), reversed(parts), strict=True)]
     result.reverse()
     return result

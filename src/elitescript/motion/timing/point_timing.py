@@ -88,12 +88,15 @@ def paced(spline: JointSpline, limits: MotionLimits) -> PointTiming:
         if x[interval + 1] > x[interval]:
             x[interval + 1] = min(x[interval + 1], x[interval] + way * change(interval))
     pieces = _Pieces()
-    for interval, top in enumerate(ceiling):
-        s_a, s_b = interval * spline.interval_s, (interval + 1) * spline.interval_s
-        x_a, x_b = x[interval], x[interval + 1]
+    even = 0
+    for interval, (x_a, top, x_b) in enumerate(zip(x, ceiling, x[1:], strict=False)):
         if x_a == top == x_b:
-            pieces.add(s_a, s_b, top, top, 0.0)
+            even += 1
             continue
+        s_a, s_b = interval * spline.interval_s, (interval + 1) * spline.interval_s
+        if even:
+            pieces.add((interval - even) * spline.interval_s, s_a, x_a, x_a, 0.0)
+            even = 0
         u = change(interval)
         peak = min(top, 0.5 * (x_a + x_b) + u * spline.interval_s)
         rise, fall = 0.5 * (peak - x_a) / u, 0.5 * (peak - x_b) / u
@@ -104,6 +107,8 @@ def paced(spline: JointSpline, limits: MotionLimits) -> PointTiming:
             pieces.add(s_a + rise, s_b - fall, peak, peak, 0.0)
         if fall > least:
             pieces.add(s_b - fall, s_b, peak, x_b, -u)
+    if even:
+        pieces.add((count - even) * spline.interval_s, count * spline.interval_s, x[count], x[count], 0.0)
     return PointTiming(pieces.profile(spline.duration_s), _too_fast(excess, ceiling))
 
 
