@@ -1,5 +1,6 @@
 """`python -m benchmarks [NAME ...]`: one table of measured times, ours beside what a user would otherwise have.
 
+`--quoted` prints every measured figure that README and docs quote, beside what is measured now.
 `--against CHECKOUT` measures the package of another working copy with the same benchmarks, in turn, and prints both.
 """
 
@@ -26,9 +27,14 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"one of {', '.join(KNOWN)}; all but growth if none")
     parser.add_argument("--against", type=Path, metavar="CHECKOUT", help="measure the package of this working copy too")
     parser.add_argument("--rounds", type=int, default=5, help="how often each of the two is measured (default: 5)")
+    parser.add_argument(
+        "--quoted", action="store_true", help="print what README and docs quote beside what is measured"
+    )
     parser.add_argument("--json", action="store_true", help="print the rows as JSON")
     chosen = parser.parse_args(arguments)
     names = chosen.names or list(MODULES)
+    if chosen.quoted and chosen.names:
+        parser.error("--quoted measures all that is quoted; name nothing")
     for name in names:
         if name not in KNOWN:
             parser.error(f"no benchmark is called {name!r}; there are {', '.join(KNOWN)}")
@@ -44,6 +50,10 @@ def main(arguments: list[str]) -> int:
     for name in names:
         print(f"measuring {name} ...", file=sys.stderr)
         rows += import_module(f"benchmarks.{name}").rows()
+    if chosen.quoted:
+        from benchmarks.quoted import print_quotes
+
+        return print_quotes(rows)
     if chosen.json:
         print(json.dumps([as_data(row) for row in rows]))
         return 0
