@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint types coverage flips invariants peers bench figures picture reference docs golden dist lock clean
+.PHONY: help demo test lint types coverage flips invariants peers bench quoted figures picture reference docs golden dist lock clean
 
 help:
 	@echo "make demo        install, then run an example program"
@@ -19,6 +19,7 @@ help:
 	@echo "make invariants  the long random sweeps; writes their result into docs/explanation/motion.md"
 	@echo "make peers       install other people's packages and compare with them; writes the result there too"
 	@echo "make bench       the table of measured times; python -m benchmarks --against CHECKOUT compares two working copies"
+	@echo "make quoted      every measured figure that README and docs quote, beside what is measured now"
 	@echo "make figures     write the figures and measured tables of docs/explanation"
 	@echo "make picture     take the picture of a plot page in the README again (needs Chromium)"
 	@echo "make reference   write docs/reference from the code"
@@ -111,6 +112,9 @@ picture: $(READY)
 
 bench: $(READY)
 	$(BIN)/python -m benchmarks
+
+quoted: $(READY)
+	$(BIN)/python -m benchmarks --quoted
 
 reference: $(READY)
 	$(BIN)/python tools/write_reference.py

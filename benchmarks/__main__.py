@@ -1,5 +1,6 @@
 """`python -m benchmarks [NAME ...]`: one table of measured times, ours beside what a user would otherwise have.
 
+`--quoted` prints every measured figure that README and docs quote, beside what is measured now.
 `--against CHECKOUT` measures the package of another working copy with the same benchmarks, in turn, and prints both.
 """
 
@@ -15,20 +16,28 @@ from pathlib import Path
 from benchmarks.table import Row, as_data, print_rows
 
 MODULES = ("programs", "streams", "language_loop", "kinematics", "motion", "ticks", "serving", "devices", "choices")
+LONG = ("growth",)
+"""Measured only by name: it takes ten minutes."""
+KNOWN = MODULES + LONG
 
 
 def main(arguments: list[str]) -> int:
     """Print the table of the named modules, or of all."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description="Print a table of measured times.")
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"one of {', '.join(MODULES)}; all without a name")
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"one of {', '.join(KNOWN)}; all but growth if none")
     parser.add_argument("--against", type=Path, metavar="CHECKOUT", help="measure the package of this working copy too")
     parser.add_argument("--rounds", type=int, default=5, help="how often each of the two is measured (default: 5)")
+    parser.add_argument(
+        "--quoted", action="store_true", help="print what README and docs quote beside what is measured"
+    )
     parser.add_argument("--json", action="store_true", help="print the rows as JSON")
     chosen = parser.parse_args(arguments)
     names = chosen.names or list(MODULES)
+    if chosen.quoted and chosen.names:
+        parser.error("--quoted measures all that is quoted; name nothing")
     for name in names:
-        if name not in MODULES:
-            parser.error(f"no benchmark is called {name!r}; there are {', '.join(MODULES)}")
+        if name not in KNOWN:
+            parser.error(f"no benchmark is called {name!r}; there are {', '.join(KNOWN)}")
     if chosen.rounds < 1:
         parser.error(f"--rounds is {chosen.rounds}; it has to be 1 or more")
     if chosen.against is not None:
@@ -41,6 +50,10 @@ def main(arguments: list[str]) -> int:
     for name in names:
         print(f"measuring {name} ...", file=sys.stderr)
         rows += import_module(f"benchmarks.{name}").rows()
+    if chosen.quoted:
+        from benchmarks.quoted import print_quotes
+
+        return print_quotes(rows)
     if chosen.json:
         print(json.dumps([as_data(row) for row in rows]))
         return 0

@@ -19,7 +19,9 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from re import findall
 from time import CLOCK_REALTIME, clock_gettime, perf_counter
+from typing import IO
 
 from benchmarks.measure import environment
 from benchmarks.table import Row, Time, print_rows, timed_row
@@ -52,20 +54,21 @@ OUTPUTS = (
 
 
 @contextmanager
-def served(*options: str) -> Iterator[tuple[dict[str, int], int]]:
-    """A controller on free ports; their numbers, and the number of its process."""
+def served(*options: str, stderr: IO[bytes] | None = None) -> Iterator[tuple[dict[str, int], int]]:
+    """A controller on free ports; their numbers, of several robots those of the last, and the number of its process."""
     with tempfile.TemporaryDirectory(prefix="es") as folder:
         process = subprocess.Popen(
             [sys.executable, "-m", "elitescript", "serve", "--port", "all=0", "--power-on", *options],
             stdout=subprocess.PIPE,
+            stderr=stderr,
             env={**environment(), "XDG_RUNTIME_DIR": folder},
             text=True,
         )
         assert process.stdout is not None
         try:
             line = next(line for line in process.stdout if line.startswith("ready"))
-            words = line.split(": ", 2)[2].split(", ")
-            yield {name: int(number) for name, number in (word.split() for word in words)}, process.pid
+            words = findall(r"(\w+) (\d+)\b", line.partition(": ")[2])
+            yield {name: int(number) for name, number in words}, process.pid
         finally:
             process.terminate()
             process.wait()

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from random import Random
 from textwrap import dedent
@@ -8,9 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from elitescript.language.options import Options
+from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
+from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import all_rules
+from elitescript.lint.rules.blend_too_long import blend_too_long
 from elitescript.messages.profile import profile
 from tests.invariants.random_programs import random_program
 from tests.lint.checking import body, found, problems
@@ -201,3 +206,68 @@ def test_the_docstring_example_of_each_rule_gives_its_code():
         seen = {problem.line for problem in problems(example, firmware=firmware) if problem.code == rule.code}
         assert seen, rule.code
         assert seen >= set(expected), rule.code
+
+
+class TestGrowth:
+    """Work grows with the length of a text, whatever stands in it."""
+
+    @staticmethod
+    def calls(lines: list[str]) -> int:
+        """Return how many functions are called while a text is checked."""
+        source, firmware = SourceFile("long", "\n".join(["def job():", *lines, "end", ""])), profile()
+        count = 0
+
+        def note(_frame: object, event: str, _argument: object) -> None:
+            nonlocal count
+            count += event in ("call", "c_call")
+
+        outer = sys.getprofile()
+        sys.setprofile(note)
+        try:
+            check_source(source, firmware)
+        finally:
+            sys.setprofile(outer)
+        return count
+
+    @pytest.mark.parametrize(
+        "line",
+        [
+            "  movej([{n}, -1.4, -1.7, -1.6, 1.57, 0])",
+            "  movel([0.4, -0.2, 0.{n}, 3.14, 0, 0], r=0.001)",
+            "  name{n} = {n}",
+            "  if x == {n}:\n    x = 1\n  end",
+            "  elif x == {n}:\n    x = 1",
+            "  def place{n}(x):\n    return x\n  end\n  place{n}(1)",
+            "  unknown{n}(unknown)",
+            "  movej([0, 0, 0, 0, 0, 0], vv={n})",
+        ],
+    )
+    def test_ten_times_the_lines_take_ten_times_the_calls(self, line: str) -> None:
+        def text(count: int) -> list[str]:
+            lines = [line.format(n=number) for number in range(count)]
+            return ["  x = 1", "  if x == 0:", "    x = 2", *lines, "  end"] if "elif" in line else lines
+
+        _, few, many, more = (self.calls(text(count)) for count in (20, 20, 60, 200))
+        assert more - many < 1.3 * (many - few) * (200 - 60) / (60 - 20)
+
+    def test_the_statements_of_a_block_are_gone_through_once_for_its_moves(self) -> None:
+        class Noted(list):
+            """A list that notes how many of its elements are looked at."""
+
+            looked_at = 0
+
+            def __iter__(self):
+                for element in super().__iter__():
+                    Noted.looked_at += 1
+                    yield element
+
+            def __contains__(self, element):
+                return any(other is element for other in self)
+
+        lines = [f"  movel([0.4, -0.2, 0.{number}, 3.14, 0, 0])" for number in range(100)]
+        parsed = parse(SourceFile("long", "\n".join(["def job():", *lines, "end", ""])), Options())
+        program = AnalysedProgram(parsed, profile())
+        job = program.command_calls[0].scope.node
+        job.body = Noted(job.body)
+        assert list(blend_too_long(program)) == []
+        assert Noted.looked_at <= 3 * len(lines)

@@ -33,9 +33,8 @@ def blend_too_long(program: AnalysedProgram) -> Iterator[Finding]:
     """Report radii that reach back further than the middle of their move."""
     places = TargetPlaces(program)
     calls = {called.call: place for place, called in enumerate(program.command_calls)}
-    moving = [place for place, called in enumerate(program.command_calls) if _name(program, place) in _MOVES]
-    blocks = {id(block): block for place in moving if (block := _block(program, program.command_calls[place].call))}
-    for block in blocks.values():
+    moving = [called.call for place, called in enumerate(program.command_calls) if _name(program, place) in _MOVES]
+    for block in _blocks_of(program, moving):
         yield from _block_findings(program, places, calls, block)
 
 
@@ -44,15 +43,23 @@ def _name(program: AnalysedProgram, place: int) -> str:
     return command.alias_of or command.name
 
 
-def _block(program: AnalysedProgram, call: ast.Call) -> list[ast.stmt] | None:
-    """Return the statements of which a call is one."""
-    statement = program.symbols.parent(call)
-    above = program.symbols.parent(statement) if isinstance(statement, ast.Expr) else None
-    for field in ("body", "orelse", "finalbody"):
-        block = getattr(above, field, None)
-        if isinstance(block, list) and statement in block:
-            return block
-    return None
+def _blocks_of(program: AnalysedProgram, calls: list[ast.Call]) -> list[list[ast.stmt]]:
+    """Return each list of statements of which some of the calls are one, once."""
+    by_statement: dict[ast.stmt, list[ast.stmt]] = {}
+    found: dict[int, list[ast.stmt]] = {}
+    for call in calls:
+        statement = program.symbols.parent(call)
+        if not isinstance(statement, ast.Expr):
+            continue
+        if statement not in by_statement:
+            above = program.symbols.parent(statement)
+            for field in ("body", "orelse", "finalbody"):
+                block = getattr(above, field, None)
+                if isinstance(block, list):
+                    by_statement.update(dict.fromkeys(block, block))
+        block = by_statement[statement]
+        found[id(block)] = block
+    return list(found.values())
 
 
 def _block_findings(

@@ -72,6 +72,9 @@ def _blocks(statements: list[ast.stmt]) -> Iterator[list[ast.stmt]]:
 
 def _forget_used(latest: dict[str, ast.FunctionDef], statement: ast.stmt) -> None:
     """Remove from `latest` the functions that a statement may use, itself or through what it calls."""
+    if not latest:
+        # Each statement of a chain of `elif` holds all that follow: none is gone through for nothing.
+        return
     for node in ast.walk(statement):
         if isinstance(node, ast.Call):
             latest.clear()

@@ -1,0 +1,110 @@
+"""`python -m benchmarks --quoted`: every measured figure that README and docs quote, beside what is measured now.
+
+A place is a line of a page, found by words in it that no measurement changes. A test asks for every line that names a
+benchmark.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from benchmarks.measure import ROOT
+from benchmarks.table import HEAD, Row, print_table
+
+SPEED = "docs/explanation/speed.md"
+RECORDS = "docs/explanation/decisions/"
+MODBUS = RECORDS + "0004-own-modbus.md"
+KINEMATICS = RECORDS + "0007-own-kinematics.md"
+ARGPARSE = RECORDS + "0008-argparse.md"
+DEPENDENCIES = RECORDS + "0012-dependencies.md"
+NO_FIGURE = (
+    (SPEED, "`make bench` prints these rows"),
+    (SPEED, "`python -m benchmarks --against CHECKOUT NAME`"),
+    (SPEED, "`SERVING_SECONDS=600 python -m benchmarks.serving`"),
+    (SPEED, "`python -m benchmarks growth`"),
+    (SPEED, "- **Serving.**"),
+    (RECORDS + "0005-the-jail.md", "- A tick costs a way to the child and back"),
+    (RECORDS + "0006-no-pickle.md", "- Text costs time."),
+    (DEPENDENCIES, "Sizes are those of the package alone"),
+    (RECORDS + "0013-msgspec.md", "`python -m benchmarks ticks` prints what writing"),
+)
+"""Lines that name a benchmark without quoting a figure of it."""
+
+
+class Quote(NamedTuple):
+    """A line with measured figures."""
+
+    page: str
+    words: str
+    """In that line alone."""
+    module: str
+    row: str
+    """What the name of the row begins with; several may."""
+
+    @property
+    def line(self) -> str:
+        """Return the line as it stands in the page."""
+        lines = (ROOT / self.page).read_text(encoding="utf-8").splitlines()
+        (found,) = [line for line in lines if self.words in line]
+        return found
+
+
+QUOTES = (
+    Quote("README.md", "robot time in ", "programs", "pick and place, free run"),
+    Quote("README.zh.md", "机器人时间 119 s", "programs", "pick and place, free run"),
+    Quote(SPEED, "| start to exit, one-line program |", "programs", "start to exit, one-line program"),
+    Quote(SPEED, "| pick and place, 119 s of robot time |", "programs", "pick and place, free run"),
+    Quote(SPEED, "| the same with a trace row every 4 ms |", "programs", "the same with a trace row"),
+    Quote(SPEED, "| picking from a moving belt |", "programs", "picking from a moving belt"),
+    Quote(SPEED, "| a day of pick and place |", "programs", "24 h of pick and place"),
+    Quote(SPEED, "| an hour of it with a tracking error,", "programs", "1 h of it with a lag"),
+    Quote(SPEED, "| a minute of `servoj`,", "streams", "60 s of servoj"),
+    Quote(SPEED, "| a minute of `speedl`,", "streams", "60 s of speedl"),
+    Quote(SPEED, "| language loops, mean of eight |", "language_loop", "language loops"),
+    Quote(SPEED, "| forward kinematics |", "kinematics", "forward kinematics"),
+    Quote(SPEED, "| inverse kinematics, all eight solutions |", "kinematics", "inverse kinematics, all eight"),
+    Quote(SPEED, "| plan `movel` over 0.2 m and sample", "motion", "movel 0.2 m: plan and 50 samples"),
+    Quote(SPEED, "| ten RTSI clients at 250 Hz,", "serving", "10 RTSI clients, 250 Hz, idle"),
+    Quote(SPEED, "| the same while a program runs", "serving", "10 RTSI clients, 250 Hz, a program burns CPU:"),
+    Quote(SPEED, "| a served robot in lockstep", "serving", "lockstep with one client"),
+    Quote(SPEED, "| 200 MODBUS signals at 250 Hz,", "devices", "200 MODBUS signals at 250 Hz, 4 connections"),
+    Quote(SPEED, "- **Starting.**", "programs", "start to exit, one-line program"),
+    Quote(RECORDS + "0001-greenlets.md", "| there and back", "choices", "a thread of a program: there and back"),
+    Quote(RECORDS + "0001-greenlets.md", "| slowdown of the language", "language_loop", "language loops"),
+    Quote(RECORDS + "0002-leaping-in-time.md", "- A day of pick and place takes", "programs", "24 h of pick and place"),
+    Quote(RECORDS + "0002-leaping-in-time.md", "- A day of pick and place takes", "programs", "1 h of it with a lag"),
+    Quote(RECORDS + "0003-trapezoid-profiles.md", "`python -m benchmarks motion`", "motion", "movej: plan"),
+    Quote(MODBUS, "| 200 signals at 250 Hz", "devices", "200 MODBUS signals"),
+    Quote(MODBUS, "| requests a second,", "devices", "200 MODBUS signals at 250 Hz, 4 connections"),
+    Quote(RECORDS + "0005-the-jail.md", "| jail through `ctypes`", "choices", "enter the jail"),
+    Quote(KINEMATICS, "| forward |", "kinematics", "forward kinematics"),
+    Quote(KINEMATICS, "| inverse, all eight |", "kinematics", "inverse kinematics, all eight"),
+    Quote(KINEMATICS, "| Jacobian |", "kinematics", "Jacobian"),
+    Quote(KINEMATICS, "| forward kinematics in floats,", "choices", "forward kinematics of one"),
+    Quote(KINEMATICS, "| import |", "choices", "import numpy"),
+    Quote(ARGPARSE, "`elitescript run` of a one-line", "programs", "start to exit, one-line program"),
+    Quote(ARGPARSE, "| | import", "choices", "import "),
+    Quote(ARGPARSE, "| argparse |", "choices", "import argparse"),
+    Quote(ARGPARSE, "| click 8 |", "choices", "import click"),
+    Quote(RECORDS + "0009-tuples-of-floats.md", "- Small: no attribute", "choices", "forward kinematics of one"),
+    Quote(RECORDS + "0010-asyncio.md", "`python -m benchmarks serving`", "serving", "10 RTSI clients, 250 Hz, idle"),
+    Quote(RECORDS + "0010-asyncio.md", "- asyncio is imported by", "choices", "import asyncio"),
+    Quote(DEPENDENCIES, "| greenlet 3 |", "choices", "import greenlet"),
+    Quote(DEPENDENCIES, "| pyserial 3.5,", "choices", "import serial"),
+    Quote(DEPENDENCIES, "| asyncssh 2,", "choices", "import asyncssh"),
+    Quote(DEPENDENCIES, "| numpy | floats", "choices", "import numpy"),
+)
+
+
+def print_quotes(rows: Iterable[Row]) -> int:
+    """Print each line that quotes figures, and below it what is measured now; return 1 if a row is missing."""
+    rows = list(rows)
+    missing = 0
+    for page, words in dict.fromkeys((quote.page, quote.words) for quote in QUOTES):
+        quotes = [quote for quote in QUOTES if (quote.page, quote.words) == (page, words)]
+        found = [row for quote in quotes for row in rows if row.what.startswith(quote.row)]
+        missing += not found
+        print(f"\n{page}: {quotes[0].line.strip()}")
+        print_table(HEAD, (row.cells for row in found))
+    return int(missing > 0)
