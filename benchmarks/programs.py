@@ -8,7 +8,7 @@ import sys
 import tempfile
 from pathlib import Path
 from statistics import median
-from time import perf_counter
+from time import perf_counter, process_time
 
 ROOT = Path(__file__).resolve().parent.parent
 RUNS = 10
@@ -24,6 +24,30 @@ def tracking():
 end
 """
 """One minute of nothing but going along with a belt that creeps."""
+POLLING_S = 20.0
+POLLING = """
+def polling():
+  global n
+  n = 0
+  def poll():
+    global n
+    while True:
+      n = n + 1
+{body}
+      sync()
+    end
+  end
+  start_thread(poll, ())
+{main}
+end
+"""
+"""A thread that does something in every tick, beside a main thread that waits or moves."""
+_SLEEPING = f"  sleep({POLLING_S})"
+_MOVING = """
+  for i in range(5):
+    movej([0.4, -1.4, -1.7, -1.6, 1.57, 0], a=1.4, v=1.05)
+    movej([-0.4, -1.4, -1.7, -1.6, 1.57, 0], a=1.4, v=1.05)
+  end"""
 
 
 def process_s(command: list[str], runs: int = RUNS) -> float:
@@ -79,6 +103,43 @@ def _free_run_rows() -> list[tuple[str, str, str, str]]:
     return rows
 
 
+def _polling_rows() -> list[tuple[str, str, str, str]]:
+    """Programs with a thread that polls: processor time for each tick."""
+    from elitescript import VirtualRobot
+
+    same, changed = (
+        "\n".join(
+            f"      write_output_float_register({index}, {value} * 0.5)\n"
+            f"      write_output_integer_register({index}, {value})"
+            for index in range(7)
+        )
+        for value in ("3", "n")
+    )
+    rows = []
+    for what, body, main in (
+        ("a thread that only waits for the next tick", "", _SLEEPING),
+        ("a thread that reads an input in every tick", "      x = get_standard_digital_in(0)", _SLEEPING),
+        ("the same beside moves", "      x = get_standard_digital_in(0)", _MOVING),
+        ("a thread with 14 unchanged writes in every tick", same, _SLEEPING),
+        ("the same beside moves", same, _MOVING),
+        ("a thread with 14 changes in every tick", changed, _SLEEPING),
+    ):
+        used = []
+        simulated = 0.0
+        for _ in range(RUNS):
+            robot = VirtualRobot("CS66")
+            program = robot.compile(POLLING.format(body=body, main=main))
+            began = process_time()
+            run = robot.run(program).check()
+            used.append(process_time() - began)
+            simulated = run.time_s
+        tick_us = median(used) / (simulated * 250) * 1e6
+        rows.append(
+            (what, f"{tick_us:.1f} us of CPU a tick", "4000 us (the robot)", f"{4000 / tick_us:.0f} x real time")
+        )
+    return rows
+
+
 def _day_rows() -> list[tuple[str, str, str, str]]:
     """Twenty-four hours of pick and place: the memory after the first hour and at the end, each in its own process."""
     rows = []
@@ -101,4 +162,4 @@ def _day_rows() -> list[tuple[str, str, str, str]]:
 
 def rows() -> list[tuple[str, str, str, str]]:
     """What, ours, the other, ratio."""
-    return _start_rows() + _free_run_rows() + _day_rows()
+    return _start_rows() + _free_run_rows() + _polling_rows() + _day_rows()
