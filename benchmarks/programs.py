@@ -26,6 +26,30 @@ def tracking():
 end
 """
 """One minute of nothing but going along with a belt that creeps."""
+POLLING_S = 20.0
+POLLING = """
+def polling():
+  global n
+  n = 0
+  def poll():
+    global n
+    while True:
+      n = n + 1
+{body}
+      sync()
+    end
+  end
+  start_thread(poll, ())
+{main}
+end
+"""
+"""A thread that does something in every tick, beside a main thread that waits or moves."""
+_SLEEPING = f"  sleep({POLLING_S})"
+_MOVING = """
+  for i in range(5):
+    movej([0.4, -1.4, -1.7, -1.6, 1.57, 0], a=1.4, v=1.05)
+    movej([-0.4, -1.4, -1.7, -1.6, 1.57, 0], a=1.4, v=1.05)
+  end"""
 
 
 def _start_rows() -> list[Row]:
@@ -56,6 +80,38 @@ def _free_run_rows() -> list[Row]:
             robot = VirtualRobot("CS66")
             robot.signals["encoder_speed[0]"] = BELT_COUNTS_PER_S
             times.append(time_of(lambda: robot.run(program, trace=has_trace).check()))  # noqa: B023
+            simulated_s = robot.time_s
+        rows.append(timed_row(what, middle(times), simulated_s=simulated_s))
+    return rows
+
+
+def _polling_rows() -> list[Row]:
+    """Programs with a thread that polls: time of each run, by the time of the robot."""
+    from elitescript import VirtualRobot
+
+    same, changed = (
+        "\n".join(
+            f"      write_output_float_register({index}, {value} * 0.5)\n"
+            f"      write_output_integer_register({index}, {value})"
+            for index in range(7)
+        )
+        for value in ("3", "n")
+    )
+    rows = []
+    for what, body, main in (
+        ("a thread that only waits for the next tick", "", _SLEEPING),
+        ("a thread that reads an input in every tick", "      x = get_standard_digital_in(0)", _SLEEPING),
+        ("an input read in every tick, beside moves", "      x = get_standard_digital_in(0)", _MOVING),
+        ("a thread with 14 unchanged writes in every tick", same, _SLEEPING),
+        ("14 unchanged writes in every tick, beside moves", same, _MOVING),
+        ("a thread with 14 changes in every tick", changed, _SLEEPING),
+    ):
+        times = []
+        simulated_s = 0.0
+        for _ in range(RUNS):
+            robot = VirtualRobot("CS66")
+            program = robot.compile(POLLING.format(body=body, main=main))
+            times.append(time_of(lambda: robot.run(program).check()))  # noqa: B023
             simulated_s = robot.time_s
         rows.append(timed_row(what, middle(times), simulated_s=simulated_s))
     return rows
@@ -97,4 +153,4 @@ def _day_rows() -> list[Row]:
 
 def rows() -> list[Row]:
     """Starts, programs and days."""
-    return _start_rows() + _free_run_rows() + _trace_memory_rows() + _day_rows()
+    return _start_rows() + _free_run_rows() + _trace_memory_rows() + _polling_rows() + _day_rows()

@@ -526,7 +526,8 @@ class VirtualRobot:
         if run.is_over:
             return
         for event in self._limit.rest(self.tick):
-            self._pass_on(event)
+            run.add(event)
+            self._tell(event)
         if self._trace is not None:
             self._trace.finish(self.controller)
             self._trace = None
@@ -621,13 +622,16 @@ class VirtualRobot:
     def _event(self, event: Event) -> None:
         if self._outside.surroundings is not None and isinstance(event, SignalChanged):
             self._outside.surroundings.signal_changed(event.name, event.value)
-        if type(event) not in LIMITED or self._run is None or self._run.is_closed or self._limit.takes(event):
-            self._pass_on(event)
-
-    def _pass_on(self, event: Event) -> None:
         run = self._run
-        if run is not None and not run.is_closed:
+        if run is None or run.is_closed:
+            self._tell(event)
+        elif type(event) not in LIMITED or self._limit.takes(event):
             run.add(event)
+            if self._clients is not None or self._on_event is not None:
+                self._tell(event)
+
+    def _tell(self, event: Event) -> None:
+        """Pass an event on to clients and listener."""
         if self._clients is not None:
             self._kernel.publish_event(event)
         if self._on_event is None or self._listener_error is not None:

@@ -446,8 +446,7 @@ class TestInterrupt:
     def test_control_comes_back_from_an_endless_loop(self):
         bench = Bench(work_per_tick=10**9)
         bench.start("def a():\n  n = 0\n  while True:\n    n += 1\n    if n == 1000:\n      set_flag(1, True)\nend\n")
-        request = bench.machine.request
-        bench.machine.request = lambda item: (request(item), bench.host.interrupt())
+        bench.machine.write = lambda *point: bench.host.interrupt()
         bench.host.run_tick(0)
         assert bench.host.is_running
         bench.host.stop("interrupted")

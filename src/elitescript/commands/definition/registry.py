@@ -238,10 +238,10 @@ class Command:
             raise ScriptStateError(text, code="R120", command=self.name)
         values = self.bind(args, kwargs)
         details = self._details or self.details
-        doubts = self._doubts(robot, values) if details.judged and robot is not None else None
+        doubts = None
+        if details.judged and robot is not None and (doubts := self._doubts(robot, values)):
+            robot.hold_doubts(doubts)
         try:
-            if doubts:
-                robot.hold_doubts(doubts)
             result = self.function(robot, *values) if self.takes_robot else self.function(*values)
         except ScriptError as error:
             if error.command is None:

@@ -9,6 +9,7 @@ manual says of the ES series).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from math import inf
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import ArgumentRangeError, ScriptStateError
@@ -38,13 +39,17 @@ _START: Final[Mapping[str, tuple[Value, ...]]] = {row.name: (row.default,) * row
 TOOL_PIN_OUT: Final = "tool_digital_out"
 TOOL_PIN_IN: Final = "tool_digital_in"
 _ANALOG: Final = tuple(name for name, row in SIGNALS.items() if row.has_domain)
-_BOUNDED: Final = frozenset((TOOL_PIN_OUT, *_ANALOG, *(name for name, row in SIGNALS.items() if row.low is not None)))
-"""Families that do not take every value, or not at any time."""
+_RANGE: Final = {
+    name: (row.low, row.high) for name, row in SIGNALS.items() if row.low is not None and row.high is not None
+}
+_RANGE_NOW: Final = frozenset((TOOL_PIN_OUT, *_ANALOG))
+"""Families for which it depends on a setting what they take."""
 _FLOATS: Final = frozenset(name for name, row in SIGNALS.items() if row.kind == "float")
 _DEFAULT_TOOL_PINS: Final = tuple(
     SetToolPin(index, ToolPinMode.PNP, is_enabled=True, is_output=index < 2) for index in range(4)
 )
 _DEFAULT_TOOL_ANALOG_MODE: Final = 3
+_ENDLESS: Final = (-inf, inf)
 _RANGES: Final = {AnalogDomain.CURRENT: ANALOG_CURRENT_A, AnalogDomain.VOLTAGE: ANALOG_VOLTAGE_V}
 _UNITS: Final = {AnalogDomain.CURRENT: "A", AnalogDomain.VOLTAGE: "V"}
 _PULLED_LOW: Final = (RunstateChoice.LOW_WHEN_STOPPED, RunstateChoice.FOLLOW)
@@ -168,7 +173,8 @@ class SignalImage:
         Raises:
             ScriptError: out of range, or a tool pin that is no output; nothing has changed.
         """
-        if name in _BOUNDED:
+        low, high = _RANGE.get(name, _ENDLESS)
+        if not low <= value <= high or name in _RANGE_NOW:
             self.check(name, index, value)
         if name in _FLOATS:
             value = float(value)
@@ -192,12 +198,12 @@ class SignalImage:
         row = SIGNALS[name]
         if name in _ANALOG:
             _check_analog(name, index, float(value), self.domain(name, index) if domain is None else domain)
-        elif row.low is not None and row.high is not None and not row.low <= value <= row.high:
+        elif name in _RANGE and not _RANGE[name][0] <= value <= _RANGE[name][1]:
+            low, high = _RANGE[name]
             raise ArgumentRangeError(
-                f"{signal_name(row, index)} must be in [{row.low:g}, {row.high:g}] {row.unit}".rstrip()
-                + f", got {value}",
+                f"{signal_name(row, index)} must be in [{low:g}, {high:g}] {row.unit}".rstrip() + f", got {value}",
                 value=value,
-                limit=f"[{row.low:g}, {row.high:g}]",
+                limit=f"[{low:g}, {high:g}]",
                 unit=row.unit,
             )
         if name == TOOL_PIN_OUT:

@@ -335,7 +335,8 @@ class Scheduler:
         """Charge the running strand for an event, as far as it has fuel."""
         if self.current is not None:
             fuel = self.fuel
-            del fuel[max(FLOOR, len(fuel) - WORK_PER_EVENT) :]
+            left = len(fuel) - WORK_PER_EVENT
+            del fuel[left if left > FLOOR else FLOOR :]
 
     def wait(self, reason: str, until: int | None = None) -> bool:
         """Suspend the running strand until it is woken, or until a tick; return whether it was woken.

@@ -219,7 +219,10 @@ class Strand:
         Args:
             frames: of the caller of this function and of its callers, that are known to be no script text.
         """
-        frame = self._script_frame(sys._getframe(frames + 1))
+        caller = sys._getframe(frames + 1)
+        if caller.f_builtins is self._builtins and not caller.f_code.co_filename.startswith(INNER_TEXTS):
+            return caller.f_lineno or 0
+        frame = self._script_frame(caller)
         return frame.f_lineno or 0 if frame is not None else 0
 
     def script_frame(self) -> FrameType | None:
