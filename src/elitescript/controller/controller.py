@@ -112,6 +112,7 @@ class Controller:
         "motion",
         "path_offset",
         "power",
+        "requests",
         "safety",
         "setup",
         "signals",
@@ -144,6 +145,8 @@ class Controller:
         self._epoch_s = epoch_s
         self._on_event = on_event
         self._tick = 0
+        self.requests = 0
+        """Requests that were carried out, or refused, since the start."""
         self._inbox = RequestQueue()
         self.signals = SignalImage(self._signal_changed, self._write_overridden)
         mode = RobotMode.RUNNING if is_powered else RobotMode.POWER_OFF
@@ -499,6 +502,7 @@ class Controller:
 
     def request(self, request: MachineRequest) -> None:
         """Carry out a request."""
+        self.requests += 1
         HANDLERS[type(request)](self, request)
 
     def request_from(self, request: MachineRequest, by: str) -> None:
