@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
-from elitescript.controller.arm.cartesian_state import CartesianStateFinder, Poses, TcpSpeeds
+from elitescript.controller.arm.cartesian_state import CartesianStateFinder
 from elitescript.controller.arm.joint_encoders import JointEncoders
 from elitescript.controller.arm.joint_loads import JointLoads
 from elitescript.controller.arm.plant import LaggingJoints
@@ -58,7 +58,7 @@ from elitescript.messages.motion import MotionRequest, Six, StopJ, StopL, StopTr
 from elitescript.messages.path_offset import OffsetFrame, PathOffsetRequest
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.signals import SIGNALS, Value, signal_name
-from elitescript.messages.state import JointState, Payload, RobotState
+from elitescript.messages.state import JointState, Payload, Poses, RobotState, TcpSpeeds
 from elitescript.messages.timing import seconds
 from elitescript.messages.yielding import EndForceMode, EndFreedrive, YieldRequest
 from elitescript.models.model import RobotModel
@@ -366,13 +366,21 @@ class Controller:
     def state_at(self, tick: int) -> RobotState:
         """Return the state of the machine at a tick, as `joints_at`."""
         joints = self.joints_at(tick)
-        return self.state_of(tick, joints, self.poses(joints), self.tcp_speeds(joints))
+        return self.state_of(tick, joints, self.poses_of(joints), self.tcp_speeds_of(joints))
 
-    def poses(self, joints: JointState) -> Poses:
+    def poses(self) -> Poses:
+        """Return the poses of TCP and flange in the present tick."""
+        return self.poses_of(self.joints())
+
+    def tcp_speeds(self) -> TcpSpeeds:
+        """Return the velocities of the TCP in the present tick."""
+        return self.tcp_speeds_of(self.joints())
+
+    def poses_of(self, joints: JointState) -> Poses:
         """Return the poses of TCP and flange for joints."""
         return self._cartesian.poses(joints, self.setup.T_flange_tcp)
 
-    def tcp_speeds(self, joints: JointState) -> TcpSpeeds:
+    def tcp_speeds_of(self, joints: JointState) -> TcpSpeeds:
         """Return the velocities of the TCP for joints."""
         return self._cartesian.speeds(joints, self.setup.T_flange_tcp)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.motion import Six
@@ -18,6 +19,21 @@ class JointState:
     qd_target: Six
     q_actual: Six
     qd_actual: Six
+
+
+class Poses(NamedTuple):
+    """Poses of TCP and flange, base frame: m, rad."""
+
+    target: Six
+    actual: Six
+    flange: Six
+
+
+class TcpSpeeds(NamedTuple):
+    """Velocities of the TCP, base frame: m/s, rad/s."""
+
+    target: Six
+    actual: Six
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final, NamedTuple
 
-from elitescript.controller.arm.cartesian_state import Poses, TcpSpeeds
 from elitescript.controller.controller import Controller
 from elitescript.kinematics.arm import Arm
 from elitescript.messages.enums import POWERED, RobotMode, TaskState
@@ -25,7 +24,7 @@ from elitescript.messages.snapshot_parts import (
     TEMPERATURES,
     WRENCHES,
 )
-from elitescript.messages.state import ZERO_SIX, JointState, Payload
+from elitescript.messages.state import ZERO_SIX, JointState, Payload, Poses, TcpSpeeds
 
 BUS_V: Final = 48.0
 """Voltage of joints and robot with power (*assumed*: nominal)."""
@@ -118,9 +117,9 @@ class SnapshotBuilder:
         if parts & _OF_JOINTS or joints is None:
             joints = self._joints = controller.joints()
             if parts & POSES:
-                self._poses = controller.poses(joints)
+                self._poses = controller.poses_of(joints)
             if parts & TCP_SPEEDS:
-                self._tcp_speeds = controller.tcp_speeds(joints)
+                self._tcp_speeds = controller.tcp_speeds_of(joints)
             self._make_loads(parts & _OF_LOADS, mode, joints)
         if parts & TEMPERATURES:
             self._temperatures = controller.loads.temperatures(tick)
