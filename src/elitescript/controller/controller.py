@@ -387,28 +387,29 @@ class Controller:
     def state_of(self, tick: int, joints: JointState, poses: Poses, speeds: TcpSpeeds) -> RobotState:
         """Return the state of the machine at a tick with these joints, poses and velocities."""
         setup = self.setup
+        # By position, in the order of the fields: so many keywords take a microsecond.
         return RobotState(
-            tick=tick,
-            time_s=seconds(tick),
-            robot_mode=self.power.mode,
-            safety_mode=self.safety.mode,
-            task_state=self.task.state,
-            q_target=joints.q_target,
-            qd_target=joints.qd_target,
-            q_actual=joints.q_actual,
-            qd_actual=joints.qd_actual,
-            tcp_offset=setup.tcp_offset,
-            tcp_pose_target=poses.target,
-            tcp_pose_actual=poses.actual,
-            tcp_speed_target=speeds.target,
-            tcp_speed_actual=speeds.actual,
-            flange_pose_actual=poses.flange,
-            payload=setup.payload,
-            gravity=setup.gravity,
-            speed_scale=self.safety.speed_scale,
-            is_moving=self.arm_state.is_moving,
-            line=self.task.program.line,
-            node=self._node,
+            tick,
+            seconds(tick),  # time_s
+            self.power.mode,  # robot_mode
+            self.safety.mode,  # safety_mode
+            self.task.state,  # task_state
+            joints.q_target,
+            joints.qd_target,
+            joints.q_actual,
+            joints.qd_actual,
+            setup.tcp_offset,
+            poses.target,  # tcp_pose_target
+            poses.actual,  # tcp_pose_actual
+            speeds.target,  # tcp_speed_target
+            speeds.actual,  # tcp_speed_actual
+            poses.flange,  # flange_pose_actual
+            setup.payload,
+            setup.gravity,
+            self.safety.speed_scale,
+            self.arm_state.is_moving,
+            self.task.program.line,
+            self._node,
         )
 
     def state(self) -> RobotState:
