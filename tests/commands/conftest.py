@@ -15,13 +15,12 @@ from elitescript.commands.definition.plausibility import mistaken
 from elitescript.errors import InvalidValueError, ScriptError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import compose, pose_from_transform, transform_from_pose
-from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.machine import WriteSignal
 from elitescript.messages.motion import MicroLine, Six
 from elitescript.messages.path_offset import OffsetFrame
 from elitescript.messages.profile import Profile, profile
 from elitescript.messages.signals import SIGNALS, Value
-from elitescript.messages.state import ZERO_SIX, JointState, Payload, RobotState
+from elitescript.messages.state import ZERO_SIX, JointState, Payload, Poses, TcpSpeeds
 
 CS66 = Arm(0.1625, -0.427, -0.3905, 0.1475, 0.0965, 0.092)
 Q_ACTUAL: Six = (0.1, -1.2, 1.3, -1.6, -1.5, 0.2)
@@ -66,32 +65,17 @@ class FakeMachine:
     def tcp_pose_along_path(self) -> Six:
         return (0.4, 0.1, 0.2, 3.0, 0.0, 0.0)
 
-    def state(self) -> RobotState:
+    def poses(self) -> Poses:
         flange = self.arm.forward(Q_ACTUAL)
         offset = transform_from_pose(self.tcp_offset)
-        return RobotState(
-            tick=self.tick,
-            time_s=0.0,
-            robot_mode=RobotMode.RUNNING,
-            safety_mode=SafetyMode.NORMAL,
-            task_state=TaskState.PLAYING,
-            q_target=Q_TARGET,
-            qd_target=(0.2,) * 6,
-            q_actual=Q_ACTUAL,
-            qd_actual=(0.1,) * 6,
-            tcp_offset=self.tcp_offset,
-            tcp_pose_target=pose_from_transform(compose(self.arm.forward(Q_TARGET), offset)),
-            tcp_pose_actual=pose_from_transform(compose(flange, offset)),
-            tcp_speed_target=(0.01, 0.02, 0.03, 0.04, 0.05, 0.06),
-            tcp_speed_actual=(0.1, 0.2, 0.3, 0.4, 0.5, 0.6),
-            flange_pose_actual=pose_from_transform(flange),
-            payload=self.payload,
-            gravity=(0.0, 0.0, 9.82),
-            speed_scale=1.0,
-            is_moving=False,
-            line=0,
-            node=(0, ""),
+        return Poses(
+            pose_from_transform(compose(self.arm.forward(Q_TARGET), offset)),
+            pose_from_transform(compose(flange, offset)),
+            pose_from_transform(flange),
         )
+
+    def tcp_speeds(self) -> TcpSpeeds:
+        return TcpSpeeds((0.01, 0.02, 0.03, 0.04, 0.05, 0.06), (0.1, 0.2, 0.3, 0.4, 0.5, 0.6))
 
     def read(self, name: str, index: int = 0) -> Value:
         return self.image.get((name, index), SIGNALS[name].default)

@@ -6,24 +6,25 @@ import pytest
 
 
 @pytest.mark.parametrize(
-    ("name", "field"),
+    ("name", "source"),
     [
-        ("get_actual_joint_positions", "q_actual"),
-        ("get_actual_joint_speeds", "qd_actual"),
-        ("get_target_joint_positions", "q_target"),
-        ("get_target_joint_speeds", "qd_target"),
-        ("get_actual_tcp_pose", "tcp_pose_actual"),
-        ("get_actual_tcp_speed", "tcp_speed_actual"),
-        ("get_target_tcp_pose", "tcp_pose_target"),
-        ("get_target_tcp_speed", "tcp_speed_target"),
-        ("get_actual_tool_flange_pose", "flange_pose_actual"),
+        ("get_actual_joint_positions", ("joints", "q_actual")),
+        ("get_actual_joint_speeds", ("joints", "qd_actual")),
+        ("get_target_joint_positions", ("joints", "q_target")),
+        ("get_target_joint_speeds", ("joints", "qd_target")),
+        ("get_actual_tcp_pose", ("poses", "actual")),
+        ("get_actual_tcp_speed", ("tcp_speeds", "actual")),
+        ("get_target_tcp_pose", ("poses", "target")),
+        ("get_target_tcp_speed", ("tcp_speeds", "target")),
+        ("get_actual_tool_flange_pose", ("poses", "flange")),
     ],
 )
-def test_reading_is_a_list_of_the_state(call: Any, robot: Any, name: str, field: str) -> None:
+def test_reading_is_a_list_of_what_the_machine_gives(call: Any, robot: Any, name: str, source: tuple[str, str]) -> None:
     robot.machine.tcp_offset = (0.0, 0.0, 0.1, 0.0, 0.0, 0.0)
     reading = call(name)
     assert type(reading) is list
-    assert reading == list(getattr(robot.machine.state(), field))
+    method, field = source
+    assert reading == list(getattr(getattr(robot.machine, method)(), field))
 
 
 def test_every_reading_is_a_new_list(call: Any) -> None:

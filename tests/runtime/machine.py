@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
 from typing import Any
 
 from elitescript.language.compiler import CompiledUnit, compile_unit
@@ -61,9 +60,6 @@ class FakeMachine:
 
     def timestamp_s(self) -> float:
         return EPOCH_S + self.tick / 250
-
-    def state(self) -> Any:
-        return SimpleNamespace(line=self.host.line)
 
     def emit(self, event: Any) -> None:
         self.events.append(event)

@@ -38,7 +38,7 @@ def get_actual_tcp_pose(robot: Robot) -> Pose:
     Returns:
         [x, y, z, Rx, Ry, Rz], roll-pitch-yaw.
     """
-    return robot.machine.state().tcp_pose_actual
+    return robot.machine.poses().actual
 
 
 @command(family="motion", manual="2.1.7")
@@ -49,7 +49,7 @@ def get_actual_tcp_speed(robot: Robot) -> TcpSpeed:
         [Vx, Vy, Vz, RVx, RVy, RVz]: linear velocity, then the angular velocity vector, both in the base frame
         (*assumed* for the linear part). The angular part is not the rate of Rx, Ry, Rz.
     """
-    return robot.machine.state().tcp_speed_actual
+    return robot.machine.tcp_speeds().actual
 
 
 @command(family="motion", manual="2.1.8")
@@ -106,7 +106,7 @@ def get_target_tcp_pose(robot: Robot) -> Pose:
     Returns:
         [x, y, z, Rx, Ry, Rz], roll-pitch-yaw.
     """
-    return robot.machine.state().tcp_pose_target
+    return robot.machine.poses().target
 
 
 @command(family="motion", manual="2.1.14")
@@ -116,7 +116,7 @@ def get_target_tcp_speed(robot: Robot) -> TcpSpeed:
     Returns:
         [Vx, Vy, Vz, RVx, RVy, RVz], as `get_actual_tcp_speed`.
     """
-    return robot.machine.state().tcp_speed_target
+    return robot.machine.tcp_speeds().target
 
 
 @command(family="motion", manual="2.1.31")
@@ -126,7 +126,7 @@ def get_actual_tool_flange_pose(robot: Robot) -> Pose:
     Returns:
         [x, y, z, Rx, Ry, Rz], roll-pitch-yaw.
     """
-    return robot.machine.state().flange_pose_actual
+    return robot.machine.poses().flange
 
 
 @command(family="motion", manual="2.1.32")

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
-from elitescript.controller.arm.cartesian_state import CartesianStateFinder, Poses, TcpSpeeds
+from elitescript.controller.arm.cartesian_state import CartesianStateFinder
 from elitescript.controller.arm.joint_encoders import JointEncoders
 from elitescript.controller.arm.joint_loads import JointLoads
 from elitescript.controller.arm.plant import LaggingJoints
@@ -59,7 +59,7 @@ from elitescript.messages.motion import MotionRequest, Six, StopJ, StopL, StopTr
 from elitescript.messages.path_offset import OffsetFrame, PathOffsetRequest
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.signals import SIGNALS, Value, signal_name
-from elitescript.messages.state import JointState, Payload, RobotState
+from elitescript.messages.state import JointState, Payload, Poses, RobotState, TcpSpeeds
 from elitescript.messages.timing import seconds
 from elitescript.messages.yielding import EndForceMode, EndFreedrive, YieldRequest
 from elitescript.models.model import RobotModel
@@ -113,6 +113,7 @@ class Controller:
         "motion",
         "path_offset",
         "power",
+        "requests",
         "safety",
         "setup",
         "signals",
@@ -145,6 +146,8 @@ class Controller:
         self._epoch_s = epoch_s
         self._on_event = on_event
         self._tick = 0
+        self.requests = 0
+        """Requests that were carried out, or refused, since the start."""
         self._inbox = RequestQueue()
         self.signals = SignalImage(self._signal_changed, self._write_overridden)
         mode = RobotMode.RUNNING if is_powered else RobotMode.POWER_OFF
@@ -369,41 +372,50 @@ class Controller:
     def state_at(self, tick: int) -> RobotState:
         """Return the state of the machine at a tick, as `joints_at`."""
         joints = self.joints_at(tick)
-        return self.state_of(tick, joints, self.poses(joints), self.tcp_speeds(joints))
+        return self.state_of(tick, joints, self.poses_of(joints), self.tcp_speeds_of(joints))
 
-    def poses(self, joints: JointState) -> Poses:
+    def poses(self) -> Poses:
+        """Return the poses of TCP and flange in the present tick."""
+        return self.poses_of(self.joints())
+
+    def tcp_speeds(self) -> TcpSpeeds:
+        """Return the velocities of the TCP in the present tick."""
+        return self.tcp_speeds_of(self.joints())
+
+    def poses_of(self, joints: JointState) -> Poses:
         """Return the poses of TCP and flange for joints."""
         return self._cartesian.poses(joints, self.setup.T_flange_tcp)
 
-    def tcp_speeds(self, joints: JointState) -> TcpSpeeds:
+    def tcp_speeds_of(self, joints: JointState) -> TcpSpeeds:
         """Return the velocities of the TCP for joints."""
         return self._cartesian.speeds(joints, self.setup.T_flange_tcp)
 
     def state_of(self, tick: int, joints: JointState, poses: Poses, speeds: TcpSpeeds) -> RobotState:
         """Return the state of the machine at a tick with these joints, poses and velocities."""
         setup = self.setup
+        # By position, in the order of the fields: so many keywords take a microsecond.
         return RobotState(
-            tick=tick,
-            time_s=seconds(tick),
-            robot_mode=self.power.mode,
-            safety_mode=self.safety.mode,
-            task_state=self.task.state,
-            q_target=joints.q_target,
-            qd_target=joints.qd_target,
-            q_actual=joints.q_actual,
-            qd_actual=joints.qd_actual,
-            tcp_offset=setup.tcp_offset,
-            tcp_pose_target=poses.target,
-            tcp_pose_actual=poses.actual,
-            tcp_speed_target=speeds.target,
-            tcp_speed_actual=speeds.actual,
-            flange_pose_actual=poses.flange,
-            payload=setup.payload,
-            gravity=setup.gravity,
-            speed_scale=self.safety.speed_scale,
-            is_moving=self.arm_state.is_moving,
-            line=self.task.program.line,
-            node=self._node,
+            tick,
+            seconds(tick),  # time_s
+            self.power.mode,  # robot_mode
+            self.safety.mode,  # safety_mode
+            self.task.state,  # task_state
+            joints.q_target,
+            joints.qd_target,
+            joints.q_actual,
+            joints.qd_actual,
+            setup.tcp_offset,
+            poses.target,  # tcp_pose_target
+            poses.actual,  # tcp_pose_actual
+            speeds.target,  # tcp_speed_target
+            speeds.actual,  # tcp_speed_actual
+            poses.flange,  # flange_pose_actual
+            setup.payload,
+            setup.gravity,
+            self.safety.speed_scale,
+            self.arm_state.is_moving,
+            self.task.program.line,
+            self._node,
         )
 
     def state(self) -> RobotState:
@@ -505,6 +517,7 @@ class Controller:
 
     def request(self, request: MachineRequest) -> None:
         """Carry out a request."""
+        self.requests += 1
         HANDLERS[type(request)](self, request)
 
     def request_from(self, request: MachineRequest, by: str) -> None:

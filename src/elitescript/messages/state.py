@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.motion import Six
-from elitescript.records import record
+from elitescript.records import NamedTuple, record
 
 ZERO_SIX: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
@@ -17,6 +17,21 @@ class JointState:
     qd_target: Six
     q_actual: Six
     qd_actual: Six
+
+
+class Poses(NamedTuple):
+    """Poses of TCP and flange, base frame: m, rad."""
+
+    target: Six
+    actual: Six
+    flange: Six
+
+
+class TcpSpeeds(NamedTuple):
+    """Velocities of the TCP, base frame: m/s, rad/s."""
+
+    target: Six
+    actual: Six
 
 
 @record

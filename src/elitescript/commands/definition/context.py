@@ -18,7 +18,7 @@ from elitescript.messages.motion import DriveRequest, MicroLine, MotionRequest, 
 from elitescript.messages.path_offset import OffsetFrame, PathOffsetRequest
 from elitescript.messages.profile import Profile
 from elitescript.messages.signals import Value
-from elitescript.messages.state import JointState, Payload, RobotState
+from elitescript.messages.state import JointState, Payload, Poses, TcpSpeeds
 from elitescript.messages.yielding import YieldRequest
 
 if TYPE_CHECKING:
@@ -82,8 +82,11 @@ class Machine(Protocol):
     def tcp_pose_along_path(self) -> Six:
         """Return the target pose of the TCP in this tick without the path offset."""
 
-    def state(self) -> RobotState:
-        """Return the whole machine at this tick."""
+    def poses(self) -> Poses:
+        """Return the poses of TCP and flange in this tick."""
+
+    def tcp_speeds(self) -> TcpSpeeds:
+        """Return the velocities of the TCP in this tick."""
 
     def is_within_safety_limits(self, q: Six, pairs: Sequence[bool] | None = None) -> bool:
         """Return whether joints (rad) respect the joint ranges and the safety limits of position.

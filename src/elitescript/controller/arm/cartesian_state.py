@@ -5,24 +5,7 @@ from __future__ import annotations
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.transforms import Transform, compose, pose_from_transform
-from elitescript.messages.motion import Six
-from elitescript.messages.state import ZERO_SIX, JointState
-from elitescript.records import NamedTuple
-
-
-class Poses(NamedTuple):
-    """Poses of TCP and flange, base frame: m, rad."""
-
-    target: Six
-    actual: Six
-    flange: Six
-
-
-class TcpSpeeds(NamedTuple):
-    """Velocities of the TCP, base frame: m/s, rad/s."""
-
-    target: Six
-    actual: Six
+from elitescript.messages.state import ZERO_SIX, JointState, Poses, TcpSpeeds
 
 
 class CartesianStateFinder:

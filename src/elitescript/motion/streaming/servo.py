@@ -98,6 +98,7 @@ def followed(state: ServoState, q_target: Six, window: int, gain: float, limits:
         before = (before[0],) * (window - len(before)) + before
     stream = (*before[len(before) - window + 1 :], newest)
     rate = (1.0 - exp(-gain / GAIN_PER_S * PERIOD_S)) / PERIOD_S
+    square = rate * rate
     speeds = []
     is_limited = False
     # Half of the acceleration in the first period after another motion.
@@ -108,11 +109,13 @@ def followed(state: ServoState, q_target: Six, window: int, gain: float, limits:
         zip(*stream, strict=True), state.q, state.qd, limits.qd_max, limits.qdd_max, strict=True
     ):
         first = column[0]
-        # Of a joint that stands the sum is zero.
-        away = 0.0 if column.count(first) == window else sum(map(sub, column, repeat(first))) / window
-        way = first + away - q
+        if first == column[-1] and column.count(first) == window:
+            # Of a joint that stands the sum is zero.
+            way = first + 0.0 - q
+        else:
+            way = first + sum(map(sub, column, repeat(first))) / window - q
         deceleration = APPROACH_SHARE * a_top
-        near = deceleration / (rate * rate)
+        near = deceleration / square
         if -near <= way <= near:
             wanted = rate * way
         elif way > 0.0:
