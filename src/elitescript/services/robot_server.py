@@ -324,10 +324,9 @@ class RobotServer:
             inputs = self._begin_tick()
             if lag:
                 inputs = [*lag, *inputs]
-            output = await self.link.tick(inputs, self._reads(), self._from_tick + 1, asks_due=self._asks_due)
-            if self._has_readers:
-                await time.outlet()
-            self._end_tick(output)
+            outlet = time.outlet if self._has_readers else None
+            number, parts = self._from_tick + 1, self._reads()
+            self._end_tick(await self.link.tick(inputs, parts, number, asks_due=self._asks_due, outlet=outlet))
 
     def _ticks_on(self) -> int | None:
         """Return how many ticks on the next one is that is due; None if there is none."""
