@@ -324,7 +324,8 @@ class RobotServer:
             inputs = self._begin_tick()
             if lag:
                 inputs = [*lag, *inputs]
-            outlet = time.outlet if self._has_readers else None
+            # In lockstep an output leaves as soon as it is there.
+            outlet = time.outlet if self._has_readers and not self._is_lockstep else None
             number, parts = self._from_tick + 1, self._reads()
             self._end_tick(await self.link.tick(inputs, parts, number, asks_due=self._asks_due, outlet=outlet))
 

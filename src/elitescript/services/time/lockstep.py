@@ -265,9 +265,6 @@ class LockstepTime(PacedTime):
                 await asyncio.sleep(0)
             return 1
 
-    async def outlet(self) -> None:
-        """Return at once: an output leaves as soon as it is there."""
-
     def wake(self) -> None:
         """Look again whether time may go on: a client has sent something, has read, or goes."""
         if not self.is_standing or self._failure is not None:
