@@ -320,7 +320,7 @@ class RobotServer:
         """Let time pass; never returns."""
         while True:
             has_readers = self._has_readers
-            if (ticks := await time.next(self._ticks_on(), has_outlet=has_readers)) > 1:
+            if (ticks := await time.next(self._ticks_on, has_outlet=has_readers)) > 1:
                 self._pass_over(ticks - 1)
             lag = self._lag(time.lag_ticks)
             inputs = self._begin_tick()
@@ -451,7 +451,7 @@ class RobotServer:
         """Return the parts of the snapshot of the tick that begins now that anything reads, as bits."""
         if self._answered:
             return ALL_PARTS
-        tick = self.output.tick + 1
+        tick = self._from_tick + 1
         parts = 0 if self.devices is None else self.devices.reads(tick)
         for listener in self._by_urgency:
             if listener.clients:

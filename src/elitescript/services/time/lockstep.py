@@ -205,7 +205,7 @@ class LockstepTime(PacedTime):
         "_complete",
         "_direct",
         "_gate",
-        "_leap",
+        "_is_due",
         "_news",
         "_passed",
         "_relief",
@@ -237,8 +237,8 @@ class LockstepTime(PacedTime):
         self._direct = DirectReading()
         self._turn_s = 0.0
         """When it has had a turn last."""
-        self._leap = 1
-        """How many ticks on the next one is that is due, if time goes by the clients."""
+        self._is_due = False
+        """Whether the next tick is to run, whatever is due in it."""
         self._passed = 0
         """Ticks that went by on the wall since the last one, before a client took part."""
         self._waits_for = ""
@@ -259,49 +259,49 @@ class LockstepTime(PacedTime):
     def passed(self) -> int:
         return self._passed + self._cycle.passed
 
-    async def next(self, ticks: int | None = 1, *, has_outlet: bool = False) -> int:
+    async def next(self, ticks_on: Callable[[], int | None], *, has_outlet: bool) -> int:
         """Return when the next tick begins.
 
         While time goes by the clients, ticks are leapt over as soon as it may go on.
 
         Args:
-            ticks: how many ticks on the next one is that is due; None if there is none.
+            ticks_on: see `PacedTime.next`.
             has_outlet: not used: what a tick gives leaves at once.
-
-        Returns:
-            How many ticks on the one is that begins; see `Cycle.next`.
         """
-        self._leap = LEAP_MAX_TICKS if ticks is None else min(ticks, LEAP_MAX_TICKS)
+        self._is_due = False
         had_turn = False
         while True:
             found = self._gate.gate()
             self._waits_for = found.waits_for
             if not found.has_participants:
                 self._direct.release()
-                gone_on = await self._cycle.next(self._leap)
-                self._passed, self._leap = self._passed + gone_on - 1, 1
+                gone_on = await self._cycle.next(1 if self._passed else ticks_on())
                 if not self._gate.gate().has_participants:
-                    return self._go_on()
+                    return self._go_on(gone_on)
+                # Time waits for the client that takes part now; what came before it has passed.
+                self._passed += gone_on - 1
                 continue
             self._cycle.restart()
             if not had_turn and (self._direct.is_loop_due or time.monotonic() - self._turn_s >= TURN_S):
                 await self._turn()
                 had_turn = True
-                continue
-            if found.is_open:
-                return self._go_on()
-            had_turn = False
-            if not self._direct.read(self._clients[found.waits_for], DIRECT_MS):
-                await self._stand()
+            elif found.is_open:
+                return self._go_on(
+                    1 if self._is_due or self._passed else min(ticks_on() or LEAP_MAX_TICKS, LEAP_MAX_TICKS)
+                )
+            else:
+                had_turn = False
+                if not self._direct.read(self._clients[found.waits_for], DIRECT_MS):
+                    await self._stand()
 
     def make_due(self) -> int:
-        self._leap = 1
+        self._is_due = True
         return self._passed + self._cycle.make_due()
 
-    def _go_on(self) -> int:
-        """Return how many ticks on the next one is."""
+    def _go_on(self, ticks: int) -> int:
+        """Return how many ticks on the next one is from the last that has run."""
         passed, self._passed = self._passed, 0
-        return passed + self._leap
+        return passed + ticks
 
     async def outlet(self) -> None:
         """Return at once: an output leaves as soon as it is there."""
