@@ -344,7 +344,9 @@ async def session(
             await asyncio.sleep(0)
         await permits.ticks(scene, 5)
         assert scene.server.output.snapshot.robot.task_state is TaskState.PLAYING
-        await primary.close()
+        primary.reset()
+        while scene.server.listeners["primary"].clients:
+            await asyncio.sleep(0)
         partner = await Partner.connect(scene, frequency_hz=frequency_hz, outputs=NAMES)
         first = asyncio.ensure_future(partner.peer.rtsi("U"))
         await permits.ticks(scene, 2)

@@ -32,6 +32,7 @@ from elitescript.services.clients.tcp import Client
 from elitescript.services.log import ServerLog
 from elitescript.services.time.cycle import LEAP_MAX_TICKS
 from elitescript.services.time.paced import PacedTime
+from elitescript.services.time.prompt import PromptFuture
 
 TIMEOUT_S: Final = 0.5
 """How long time waits for a client by default (*assumed*). The vendor's C++ client gives up its connection when it has
@@ -195,9 +196,6 @@ class LockstepTime(PacedTime):
         relieve: called once in a period while time may stand still, with the origin of the client that it waits for:
             reads clients on.
         timeout_s: see `Lockstep`.
-
-    Attributes:
-        is_standing: whether time waits for a client.
     """
 
     __slots__ = (
@@ -213,7 +211,6 @@ class LockstepTime(PacedTime):
         "_relieved_s",
         "_turn_s",
         "_waits_for",
-        "is_standing",
     )
 
     def __init__(
@@ -232,7 +229,8 @@ class LockstepTime(PacedTime):
         self._clients = clients
         self._complete = complete
         self._relieve_clients = relieve
-        self._news = asyncio.Event()
+        self._news: PromptFuture | None = None
+        """Waits for a reason to look at the clients again."""
         loop = asyncio.get_running_loop()
         self._direct = DirectReading()
         self._turn_s = 0.0
@@ -242,7 +240,6 @@ class LockstepTime(PacedTime):
         self._passed = 0
         """Ticks that went by on the wall since the last one, before a client took part."""
         self._waits_for = ""
-        self.is_standing = False
         self._relieved_s = loop.time()
         self._relief = loop.call_soon(self._relieve)
 
@@ -294,6 +291,15 @@ class LockstepTime(PacedTime):
                 if not self._direct.read(self._clients[found.waits_for], DIRECT_MS):
                     await self._stand()
 
+    @property
+    def is_standing(self) -> bool:
+        """Whether time waits for a client, and the event loop goes on."""
+        return self._news is not None
+
+    def _look_again(self) -> None:
+        if self._news is not None and not self._news.done():
+            self._news.set_result(None)
+
     def make_due(self) -> int:
         self._is_due = True
         return self._passed + self._cycle.make_due()
@@ -309,7 +315,7 @@ class LockstepTime(PacedTime):
     def wake(self) -> None:
         """Look again whether time may go on: a client has sent something, has read, or goes."""
         self.make_due()
-        self._news.set()
+        self._look_again()
 
     def close(self) -> None:
         self._relief.cancel()
@@ -330,12 +336,11 @@ class LockstepTime(PacedTime):
     async def _stand(self) -> None:
         """Return when there is a reason to look at the clients again."""
         self._leave_direct()
-        self._news.clear()
-        self.is_standing = True
+        self._news = PromptFuture()
         try:
-            await self._news.wait()
+            await self._news
         finally:
-            self.is_standing = False
+            self._news = None
         self._turn_s = time.monotonic()
 
     def _relieve(self) -> None:
@@ -343,5 +348,5 @@ class LockstepTime(PacedTime):
         loop = asyncio.get_running_loop()
         before_s, self._relieved_s = self._relieved_s, loop.time()
         if self._gate.watch(self._log.tick, self._relieved_s - before_s):
-            self._news.set()
+            self._look_again()
         self._relief = loop.call_later(PERIOD_S, self._relieve)
