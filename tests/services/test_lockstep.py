@@ -242,7 +242,7 @@ def test_a_client_that_falls_silent_is_let_go_and_takes_part_again_with_its_next
 
 def test_a_client_that_does_not_read_is_let_go() -> None:
     async def test() -> None:
-        async with serving(is_lockstep=True, lockstep_timeout_s=0.05) as scene:
+        async with serving(is_lockstep=True, lockstep_timeout_s=0.3) as scene:
             listener = await scene.connect("rtsi")
             names = ["actual_joint_positions"] * 100
             listener.send(rtsi_client.output_recipe(250.0, names) + rtsi_client.message("S"))
@@ -252,7 +252,7 @@ def test_a_client_that_does_not_read_is_let_go() -> None:
             while not scene.notes("let_go"):
                 partner.answer()
                 await partner.take()
-            assert scene.notes("let_go")[0].text.startswith("rtsi#1 has not read its packages for 0.05 s")
+            assert scene.notes("let_go")[0].text.startswith("rtsi#1 has not read its packages for 0.3 s")
             for _ in range(100):
                 partner.answer()
                 await partner.take()

@@ -15,7 +15,8 @@ does time pass.
 - Everything else (dashboard, primary port, sockets of programs) goes on, measured in robot time.
 
 From a client's answer to its next package there is no turn of the event loop, unless the loop has something to do: the
-client that time waits for is read directly (`services.clients.direct`) while it answers within `DIRECT_MS`.
+client that time waits for is read directly (`services.clients.direct`) while it answers within `DIRECT_MS`. Ticks in
+which nothing is due are leapt over, which gives the same as if they ran.
 """
 
 from __future__ import annotations
