@@ -150,6 +150,20 @@ def test_tuples_become_lists_at_every_depth() -> None:
     assert entry(nested).call(None, (1,), {}) == [1.0, [1.0, [1.0]], [(1.0,)]]
 
 
+def test_calls_of_one_form_are_matched_with_the_parameters_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    command = entry(shift)
+    calls = []
+    place = Command.place
+    monkeypatch.setattr(Command, "place", lambda self, *args: calls.append(args) or place(self, *args))
+    for number in range(5):
+        assert command.bind((number,), {"label": "z", "t": 1}) == [number, 1.0, "z", None]
+        assert command.bind((number,), {"t": 1, "label": "z"}) == [number, 1.0, "z", None]
+        with pytest.raises(ArgumentCountError):
+            command.bind((number,), {"speed": 1})
+    assert len(calls) == 2 + 5
+    assert len(command.details.forms) == 2
+
+
 def test_more_arguments_than_the_signature_has_are_passed_on_when_the_function_takes_them() -> None:
     command = entry(everything)
     assert command.takes_more

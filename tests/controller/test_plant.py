@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import exp
+from math import copysign, exp
+from random import Random
 
 import pytest
 
-from elitescript.controller.arm.plant import LaggingJoints, friction_torques
+from elitescript.controller.arm.plant import SETTLED_RAD, SETTLED_RAD_PER_S, LaggingJoints, friction_torques
 from elitescript.messages.motion import Six
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.state import JointState
@@ -124,3 +125,51 @@ def test_friction_torque_goes_with_the_motion() -> None:
     effort = (100.0,) * 6
     torques = friction_torques(config, (2.0, -2.0, 1.0, 0.0, -0.0, -0.5), QD_MAX, effort)
     assert torques == pytest.approx((30.0, -30.0, 20.0, 0.0, 0.0, -15.0))
+
+
+def one_joint(
+    config: PlantConfig, r_now: float, r_next: float, rd_next: float, x: float, xd: float
+) -> tuple[float, float]:
+    """One period of one joint, as the formulas of the module read."""
+    omega = 2.0 / config.lag_s
+    decay = exp(-omega * PERIOD_S)
+    per_qd = PERIOD_S * decay
+    per_q = (1.0 - (1.0 + omega * PERIOD_S) * decay) / (omega * omega)
+    coulomb = config.coulomb_friction * config.rated_acceleration
+    viscous = config.viscous_friction * config.rated_acceleration / QD_MAX[0]
+    slope = (r_next - r_now) / PERIOD_S
+    stands = slope == 0.0 and rd_next == 0.0
+    start = r_now - x - 2.0 * slope / omega
+    rate = slope - xd + omega * start
+    left = start + rate * PERIOD_S
+    x_next = r_next - 2.0 * slope / omega - left * decay
+    xd_next = slope - (rate - omega * left) * decay
+    if coulomb > 0.0 and not stands:
+        stopping = xd_next / per_qd
+        if abs(stopping) <= coulomb:
+            return (x if xd == 0.0 else x_next - stopping * per_q), 0.0
+        x_next -= copysign(coulomb, stopping) * per_q
+        xd_next -= copysign(coulomb, stopping) * per_qd
+    if viscous > 0.0:
+        xd_next /= 1.0 + viscous * per_qd
+        x_next -= viscous * xd_next * per_q
+    if stands and abs(r_next - x_next) < SETTLED_RAD and abs(xd_next) < SETTLED_RAD_PER_S:
+        return r_next, 0.0
+    return x_next, xd_next
+
+
+@pytest.mark.parametrize("coulomb", [0.0, 0.1])
+@pytest.mark.parametrize("viscous", [0.0, 0.1])
+def test_every_bit_of_six_joints_is_that_of_one_by_one(coulomb: float, viscous: float) -> None:
+    chance = Random(7)
+    for _ in range(500):
+        config = PlantConfig(lag_s=chance.choice(LAGS), coulomb_friction=coulomb, viscous_friction=viscous)
+        r_now = [chance.uniform(-2, 2) for _ in range(6)]
+        r_next = [r + chance.choice((0.0, 0.0, chance.uniform(-0.01, 0.01))) for r in r_now]
+        rd_next = [chance.choice((0.0, -0.0, chance.uniform(-2, 2))) for _ in range(6)]
+        x = [r + chance.choice((0.0, 1e-9, chance.uniform(-0.1, 0.1))) for r in r_now]
+        xd = [chance.choice((0.0, 1e-7, chance.uniform(-2, 2))) for _ in range(6)]
+        now = JointState(tuple(r_now), six(0.0), tuple(x), tuple(xd))  # type: ignore[arg-type]
+        found = LaggingJoints(config, QD_MAX).peek(1, Setpoint(tuple(r_next), tuple(rd_next)), now)  # type: ignore[arg-type]
+        expected = [one_joint(config, *joint) for joint in zip(r_now, r_next, rd_next, x, xd, strict=True)]
+        assert repr(list(zip(*found, strict=True))) == repr(expected)

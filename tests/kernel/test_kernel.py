@@ -493,6 +493,10 @@ class TestSnapshot:
             program("set_payload(1, [0, 0, 0.1])", "sleep(0.1)", "set_gravity([0, 0, -9.7])", "sleep(0.1)"),
             program("set_tool_voltage(24)", "sleep(0.1)", "set_tool_digital_mode(1)", "sleep(0.1)"),
             program("freedrive_mode()", "sleep(0.2)", "end_freedrive_mode()"),
+            Do("x", WriteSignal("external_wrench", 0, 30.0)),
+            # The arm comes to rest later, without an event.
+            program("freedrive_mode()", "sleep(0.1)", "end_freedrive_mode()", "sleep(0.1)"),
+            Do("x", WriteSignal("external_wrench", 0, 0.0)),
             Do("x", SetSpeedScale(0.3)),
             SetRemote("x", False),
             Do("x", WriteSignal("standard_analog_in", 0, 3.5)),
@@ -503,13 +507,16 @@ class TestSnapshot:
             Reboot("x"),
         ]
         kernel = Kernel(READY)
-        steps = 0
+        steps = kept = 0
         state: tuple[object, ...] = ()
         shown: dict[str, object] = {}
         for tick in range(100 * (len(changes) + 1)):
             number, rest = divmod(tick, 100)
             kernel.tick([changes[number - 1]] if number and not rest else ())
             snapshot, now = kernel.snapshot(), kernel.discrete_state()
+            made_anew = kernel._snapshot_builder().discrete_state()
+            assert now[: len(made_anew)] == made_anew
+            kept += now is state
             before = shown
             shown = {
                 name: getattr(snapshot, name, None) if hasattr(snapshot, name) else getattr(snapshot.robot, name)
@@ -520,3 +527,5 @@ class TestSnapshot:
             steps += now != state
             state = now
         assert steps > len(changes)
+        # While nothing happens it is not made anew.
+        assert kept > 0.9 * 100 * len(changes)

@@ -6,13 +6,13 @@ from random import Random
 
 import pytest
 
-from elitescript.kinematics.jacobian import tcp_twist
+from elitescript.kinematics.jacobian import joint_speeds, singularity, tcp_twist
 from elitescript.kinematics.transforms import IDENTITY, position_of, transform_from_pose
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
 from elitescript.motion.segment import Setpoint
-from elitescript.motion.streaming.speed import Obstacle
-from elitescript.motion.streaming.twist import ToolMotion
+from elitescript.motion.streaming.speed import Obstacle, obstacle_at
+from elitescript.motion.streaming.twist import ToolMotion, TwistState, _towards
 from tests.motion.moves import limits_of
 
 MODEL = load_model("CS66")
@@ -84,3 +84,66 @@ def test_a_velocity_that_a_joint_cannot_follow_is_lowered_in_its_direction():
     vx, vy, vz, wx, wy, wz = tcp_twist(MODEL.arm, state.q, state.qd)
     assert (vx, vy, vz, wx, wy) == pytest.approx((0.0,) * 5, abs=2e-3)
     assert wz > 1.0
+
+
+def scaled(six, factor):
+    return tuple(value * factor for value in six)
+
+
+def moved(q, qd, time_s):
+    return tuple(angle + w * time_s for angle, w in zip(q, qd, strict=True))
+
+
+def next_by_the_book(tool, state, target, a, a_rot):
+    """The law of `ToolMotion.next`, as its module says it; None in front of an obstacle."""
+    arm, limits = tool.arm, tool.limits
+    twist = _towards(state.twist, target, a * PERIOD_S, a_rot * PERIOD_S)
+    q_ahead = moved(state.q, state.qd, PERIOD_S)
+    wanted = None if singularity(arm, q_ahead).blocked else joint_speeds(arm, q_ahead, twist, tool.T_flange_tcp)
+    if wanted is None:
+        return None
+    least, most = 0.0, 1.0
+    for w, w_wanted, top, a_top in zip(state.qd, wanted, limits.qd_max, limits.qdd_max, strict=True):
+        if w_wanted:
+            sign, change = (1.0 if w_wanted > 0.0 else -1.0), a_top * PERIOD_S
+            most = min(most, top / abs(w_wanted), (sign * w + change) / abs(w_wanted))
+            least = max(least, (sign * w - change) / abs(w_wanted))
+    is_slowed = most < 1.0
+    if most >= 0.0 and least <= most:
+        qd = wanted if most == 1.0 else scaled(wanted, most)
+        twist = twist if most == 1.0 else scaled(twist, most)
+    else:
+        qd = scaled(wanted, min([1.0] + [top / abs(w) for w, top in zip(wanted, limits.qd_max, strict=True) if w]))
+    share = tool._share_of_change(state.qd, qd)
+    if share < 1.0:
+        qd = tuple(w + share * (w_new - w) for w, w_new in zip(state.qd, qd, strict=True))
+        is_slowed = True
+    q = moved(state.q, [0.5 * (w + w_new) for w, w_new in zip(state.qd, qd, strict=True)], PERIOD_S)
+    if obstacle_at(q, qd, tool.deceleration, limits) is not None:
+        return None
+    q_stop = moved(q, qd, 0.5 * max(map(abs, qd)) / tool.deceleration)
+    for distance, distance_stop in zip(tool._distances(q), tool._distances(q_stop), strict=True):
+        if distance * distance_stop <= 0.0 and distance != distance_stop:
+            return None
+    if singularity(arm, q_stop).blocked:
+        return None
+    return TwistState(q, qd, tcp_twist(arm, q, qd, tool.T_flange_tcp) if share < 1.0 else twist, is_slowed)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_every_bit_is_that_of_the_law(seed):
+    chance = Random(seed)
+    tool = motion(TOOL)
+    q = tuple(angle + chance.uniform(-0.5, 0.5) for angle in MODEL.home)
+    state = tool.begin(Setpoint(q, tuple(chance.uniform(-0.3, 0.3) for _ in range(6))))
+    for tick in range(400):
+        if tick % 20 == 0:
+            target = tuple(chance.uniform(-0.6, 0.6) for _ in range(3)) + tuple(chance.uniform(-3, 3) for _ in range(3))
+            a, a_rot = chance.uniform(0.2, 20), chance.uniform(0.2, 20)
+        expected, after = next_by_the_book(tool, state, target, a, a_rot), tool.next(state, target, a, a_rot)
+        assert isinstance(after, Obstacle) == (expected is None)
+        if isinstance(after, Obstacle):
+            break
+        assert repr(after) == repr(expected)
+        state = after
+    assert tick > 20

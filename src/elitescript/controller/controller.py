@@ -112,6 +112,7 @@ class Controller:
         "motion",
         "path_offset",
         "power",
+        "requests",
         "safety",
         "setup",
         "signals",
@@ -144,6 +145,8 @@ class Controller:
         self._epoch_s = epoch_s
         self._on_event = on_event
         self._tick = 0
+        self.requests = 0
+        """Requests that were carried out, or refused, since the start."""
         self._inbox = RequestQueue()
         self.signals = SignalImage(self._signal_changed, self._write_overridden)
         mode = RobotMode.RUNNING if is_powered else RobotMode.POWER_OFF
@@ -223,11 +226,12 @@ class Controller:
     @property
     def is_idle(self) -> bool:
         """Whether nothing but an arm at standstill can be due; see `ArmState.is_standing`."""
+        # The arm first: while it moves, the others need not be asked.
         return (
-            self._inbox.next_tick is None
+            self.arm_state.is_standing
+            and self._inbox.next_tick is None
             and self._fault_tick is None
             and self.task.program.next_tick(self._tick) is None
-            and self.arm_state.is_standing
         )
 
     @property
@@ -337,6 +341,10 @@ class Controller:
     def tcp_wrench(self, is_compensated: bool) -> Six:
         """Return the wrench on the TCP in this tick, TCP frame; see `wrench_sensor`."""
         return self.yielding.wrench(self.arm_state, self._tick, is_compensated)
+
+    def tcp_wrenches(self) -> tuple[Six, Six]:
+        """Return both wrenches of `tcp_wrench`: the compensated one, and the one as the sensor measures it."""
+        return self.yielding.wrenches(self.arm_state, self._tick)
 
     def joints_at(self, tick: int) -> JointState:
         """Return the target and measured joints at a tick, from the present one to the next that is due."""
@@ -494,6 +502,7 @@ class Controller:
 
     def request(self, request: MachineRequest) -> None:
         """Carry out a request."""
+        self.requests += 1
         HANDLERS[type(request)](self, request)
 
     def request_from(self, request: MachineRequest, by: str) -> None:

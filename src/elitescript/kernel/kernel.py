@@ -76,10 +76,12 @@ class Kernel:
 
     __slots__ = (
         "_description",
+        "_discrete_state",
         "_environment",
         "_events",
         "_faulty",
         "_handlers",
+        "_has_happened",
         "_has_run",
         "_left",
         "_limit",
@@ -89,6 +91,7 @@ class Kernel:
         "_ports",
         "_posted",
         "_requests",
+        "_seen",
         "_snapshots",
         "controller",
         "host",
@@ -121,6 +124,10 @@ class Kernel:
         self._posted: list[Input] = []
         self._output: Output | None = None
         self._has_run = False
+        self._has_happened = True
+        """Whether the discrete state may be another one than `_discrete_state`; see there."""
+        self._seen = 0, False
+        self._discrete_state: tuple[object, ...] = ()
         self._left = 0
         """Events that came after the clients had got the tick before: they get them with the next one."""
         self._description: RobotDescription | None = None
@@ -240,6 +247,8 @@ class Kernel:
         """
         if self._posted:
             inputs, self._posted = [*self._posted, *inputs], []
+        if inputs:
+            self._has_happened = True
         self._output = None
         self._has_run = True
         if self._handlers is None and not inputs:
@@ -339,10 +348,18 @@ class Kernel:
         )
 
     def discrete_state(self) -> tuple[object, ...]:
-        """Return all that a snapshot shows and that does not change with time alone; see `SnapshotBuilder`."""
-        handlers = self.handlers
-        state = self._snapshot_builder().discrete_state()
-        return (*state, handlers.tasks.shown, self.popup.text, handlers.is_remote)
+        """Return all that a snapshot shows and that does not change with time alone; see `SnapshotBuilder`.
+
+        It is the same object while nothing happens: no event, request or input, and no end of hand guiding.
+        """
+        controller = self.controller
+        seen = controller.requests, controller.yielding.is_guiding
+        if self._has_happened or seen != self._seen:
+            self._has_happened, self._seen = False, seen
+            handlers = self.handlers
+            state = self._snapshot_builder().discrete_state()
+            self._discrete_state = (*state, handlers.tasks.shown, self.popup.text, handlers.is_remote)
+        return self._discrete_state
 
     def _snapshot_builder(self) -> SnapshotBuilder:
         if self._snapshots is None:
@@ -390,6 +407,7 @@ class Kernel:
             self._events.append(event)
 
     def _event(self, event: Event) -> None:
+        self._has_happened = True
         if isinstance(event, Popup | TaskStateChanged):
             self.popup.take(event)
         self.host.spend_event()

@@ -22,7 +22,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import cos, isfinite, sin
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from elitescript.errors import UsageError
 from elitescript.kinematics.arm import Arm
@@ -31,6 +31,14 @@ from elitescript.kinematics.rotations import Vector3
 
 MassRow: TypeAlias = tuple[float, float, float, float, float, float, float, float, float, float]
 """Mass, kg; first moment x, y, z, kg m; inertia Jxx, Jyy, Jzz, Jxy, Jxz, Jyz about the frame's origin, kg m^2."""
+
+
+class MassChain(NamedTuple):
+    """Frames and masses of an arm with its payload."""
+
+    frames: tuple[tuple[float, float, float, float, float], ...]
+    """Of each link: length, and offset along y and z of the frame before, m; cosine and sine of the twist."""
+    rows: tuple[MassRow, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +109,11 @@ def joint_torques(
             vector of `set_gravity` does (manual 2.10 chapter 2.1.15).
         payload: load on the flange, in the flange frame.
     """
+    return torques_of(mass_chain(arm, bodies, payload), q, qd, qdd, gravity)
+
+
+def mass_chain(arm: Arm, bodies: Sequence[RigidBody], payload: RigidBody | None = None) -> MassChain:
+    """Return what `torques_of` needs of an arm, its links and its payload; see `joint_torques`."""
     rows = [body.about_origin for body in bodies]
     if payload is not None:
         own, carried = rows[5], payload.about_origin
@@ -117,16 +130,24 @@ def joint_torques(
             own[9] + carried[9],
         )
     links = _nominal_links(arm) if arm.calibration is None else arm.calibration.links
+    return MassChain(
+        tuple([(length, -sa * offset, ca * offset, ca, sa) for length, offset, ca, sa in links]), tuple(rows)
+    )
 
+
+def torques_of(
+    chain: MassChain, q: Sequence[float], qd: Sequence[float], qdd: Sequence[float], gravity: Sequence[float]
+) -> SixFloats:
+    """Return the torques that the joints apply, N m; see `joint_torques`."""
     # Outwards. w, wd: angular velocity and acceleration of the frame; a: acceleration of its origin, all in the frame.
     wx = wy = wz = ex = ey = ez = 0.0
     ax, ay, az = gravity
     loads = []
-    for (length, offset, ca, sa), angle, speed, acceleration, row in zip(links, q, qd, qdd, rows, strict=True):
+    for (length, py, pz, ca, sa), angle, speed, acceleration, row in zip(
+        chain.frames, q, qd, qdd, chain.rows, strict=True
+    ):
         c = cos(angle)
         s = sin(angle)
-        py = -sa * offset
-        pz = ca * offset
         # The origin of this frame, still in the axes of the one before: a + wd x p + w x (w x p).
         ux = wy * pz - wz * py
         uy = wz * length - wx * pz
@@ -151,11 +172,6 @@ def joint_torques(
         lz = jxz * wx + jyz * wy + jzz * wz
         loads.append(
             (
-                length,
-                py,
-                pz,
-                ca,
-                sa,
                 c,
                 s,
                 m * ax + ey * hz - ez * hy + wy * uz - wz * uy,
@@ -170,7 +186,8 @@ def joint_torques(
     # Inwards. f, n: force and moment that the link before applies at the origin of this frame.
     fx = fy = fz = nx = ny = nz = 0.0
     torques = []
-    for length, py, pz, ca, sa, c, s, load_fx, load_fy, load_fz, load_nx, load_ny, load_nz in reversed(loads):
+    for (length, py, pz, ca, sa), load in zip(reversed(chain.frames), reversed(loads), strict=True):
+        c, s, load_fx, load_fy, load_fz, load_nx, load_ny, load_nz = load
         fx += load_fx
         fy += load_fy
         fz += load_fz

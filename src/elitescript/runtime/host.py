@@ -290,12 +290,15 @@ class ScriptHost:
         due = self._scheduler.next_tick(tick)
         if due == tick + 1:
             return due
-        due_secondary = self._secondaries.next_tick(tick)
-        due_query = self._queries.next_tick(tick)
-        due_watch = None if self.is_paused else self.watchdogs.next_tick()
-        due_outside = self.background.next_tick(tick, is_running=self.is_running)
-        dues = due, due_secondary, due_query, due_watch, due_outside
-        return min((at for at in dues if at is not None), default=None)
+        for at in (
+            self._secondaries.next_tick(tick),
+            self._queries.next_tick(tick),
+            None if self.is_paused else self.watchdogs.next_tick(),
+            self.background.next_tick(tick, is_running=self.is_running),
+        ):
+            if at is not None and (due is None or at < due):
+                due = at
+        return due
 
     def motion_ended(self, move: int, is_complete: bool) -> None:
         """Let the threads that wait for a move go on at the next `run_tick`: it is over."""

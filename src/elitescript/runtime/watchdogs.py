@@ -71,7 +71,9 @@ class Watchdogs:
 
     def next_tick(self) -> int | None:
         """Return the tick of the next expiry if no input arrives; None without a watchdog."""
-        return min((self._last[name] + watch.period_ticks for name, watch in self._watches.items()), default=None)
+        if not self._watches:
+            return None
+        return min(self._last[name] + watch.period_ticks for name, watch in self._watches.items())
 
     def look(self, tick: int) -> None:
         """Pause or stop the program if an input is late, and restart the watchdogs."""

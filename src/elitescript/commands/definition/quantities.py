@@ -221,13 +221,14 @@ class Anything(Quantity):
         super().__init__(type_name, unit)
 
 
+_FLOAT: Final = frozenset({float})
 _PLURALS: Final = {"float": "numbers", "int": "ints", "bool": "bools"}
 
 
 class Vector(Quantity):
     """A list or tuple of a fixed number of values of one kind (any number when `count` is None)."""
 
-    __slots__ = ("count", "element", "names")
+    __slots__ = ("_takes_any_finite", "count", "element", "names")
 
     def __init__(
         self, element: Quantity, count: int | None, unit: str = "", names: str = "", *, meaning: str = ""
@@ -235,6 +236,7 @@ class Vector(Quantity):
         size = f" of {count}" if count else ""
         super().__init__(f"list[{element.type_name}]{size}", unit or element.unit, meaning)
         self.element = element
+        self._takes_any_finite = isinstance(element, Number) and not element.limit and not element.allows_non_finite
         self.count = count
         self.names = names
 
@@ -256,9 +258,12 @@ class Vector(Quantity):
                 limit=f"{self.count} elements",
                 unit=self.unit,
             )
+        items = tuple(value)
+        if self._takes_any_finite and _FLOAT.issuperset(map(type, items)) and all(map(isfinite, items)):
+            return items
         coerce = self.element.coerce
         result = []
-        for index, item in enumerate(value):
+        for index, item in enumerate(items):
             try:
                 result.append(coerce(item))
             except ScriptError as error:

@@ -32,6 +32,8 @@ _TARGET_DOUBTS: Final = ("W230", "W231", "W233", "W237")
 NO_ARGUMENTS: Final[Mapping[str, str]] = {}
 
 _OMITTED: Final = object()
+FORMS_MAX: Final = 64
+"""Forms of calls of a command that are kept; a program writes few."""
 _VARIADIC: Final = 0x04
 """Flag of a code object whose function takes `*more` (`inspect.CO_VARARGS`, without importing it)."""
 
@@ -299,9 +301,15 @@ class Command:
 
     def _arrange(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[Any]:
         """Return the arguments in the order of the parameters, `_OMITTED` where one is left out."""
-        slots, misfits = self.place(len(args), tuple(kwargs))
-        if misfits:
-            raise ArgumentCountError(misfits[0].text, command=self.name, hint=self.call_hint)
+        form: tuple[int | str, ...] = (len(args), *kwargs)
+        forms = self.details.forms
+        slots = forms.get(form)
+        if slots is None:
+            slots, misfits = self.place(len(args), tuple(kwargs))
+            if misfits:
+                raise ArgumentCountError(misfits[0].text, command=self.name, hint=self.call_hint)
+            if len(forms) < FORMS_MAX:
+                forms[form] = slots
         values = [_OMITTED if slot is None else kwargs[slot] if isinstance(slot, str) else args[slot] for slot in slots]
         return [*values, *args[len(values) :]]
 
@@ -318,6 +326,7 @@ class _Details:
 
     __slots__ = (
         "behaviour",
+        "forms",
         "indices",
         "judged",
         "kind",
@@ -357,6 +366,8 @@ class _Details:
         """How many parameters every call must pass; they are the first ones."""
         self.indices = {name: index for index, param in enumerate(params) for name in (param.name, *param.spellings)}
         """Index of the parameter that a keyword means."""
+        self.forms: dict[tuple[int | str, ...], tuple[int | str | None, ...]] = {}
+        """Slots of calls that were right, by their number of arguments and their keywords; see `Command.place`."""
         self.returns = _quantity(function, "return") or Anything("None")
         elements = self.returns.names if isinstance(self.returns, Vector) else ""
         self.returns_text = doc.returns or (f"{elements}." if elements else "")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from elitescript.controller.arm.plant import friction_torques
 from elitescript.messages.motion import Six
@@ -11,7 +11,10 @@ from elitescript.messages.state import Payload
 from elitescript.models.model import RobotModel
 
 if TYPE_CHECKING:
-    from elitescript.kinematics.dynamics import RigidBody
+    from elitescript.kinematics.dynamics import MassChain
+
+
+_NO_PAYLOAD: Final = Payload()
 
 
 class ArmDynamics:
@@ -24,7 +27,7 @@ class ArmDynamics:
         plant: friction of the joints.
     """
 
-    __slots__ = ("_carried", "_carried_of", "_effort_max", "_has_friction", "_links", "_model", "_plant", "_qd_max")
+    __slots__ = ("_chains", "_effort_max", "_has_friction", "_model", "_plant", "_qd_max")
 
     def __init__(self, model: RobotModel, plant: PlantConfig | None = None) -> None:
         self._model = model
@@ -32,9 +35,8 @@ class ArmDynamics:
         self._has_friction = self._plant.coulomb_friction > 0.0 or self._plant.viscous_friction > 0.0
         self._qd_max = tuple([joint.qd_max for joint in model.joints])
         self._effort_max = tuple([joint.effort_max for joint in model.joints])
-        self._links: tuple[RigidBody, ...] = ()
-        self._carried_of: Payload | None = None
-        self._carried: RigidBody | None = None
+        self._chains: tuple[tuple[Payload, MassChain], ...] = ()
+        """For the payloads that were used last."""
 
     def measured_torques(self, q: Six, qd: Six, qdd: Six, gravity: tuple[float, float, float], payload: Payload) -> Six:
         """Return the torques of all joints, friction included.
@@ -48,7 +50,7 @@ class ArmDynamics:
     ) -> Six:
         """Return the torques less those that the arm alone needs; exactly zero without a payload."""
         m1, m2, m3, m4, m5, m6 = self.rigid_torques(q, qd, qdd, gravity, payload)
-        o1, o2, o3, o4, o5, o6 = self.rigid_torques(q, qd, qdd, gravity, Payload())
+        o1, o2, o3, o4, o5, o6 = self.rigid_torques(q, qd, qdd, gravity, _NO_PAYLOAD)
         return m1 - o1, m2 - o2, m3 - o3, m4 - o4, m5 - o5, m6 - o6
 
     def currents(self, torques: Six) -> Six:
@@ -67,10 +69,14 @@ class ArmDynamics:
 
     def rigid_torques(self, q: Six, qd: Six, qdd: Six, gravity: tuple[float, float, float], payload: Payload) -> Six:
         """Return the torques of masses and inertias, without friction."""
-        from elitescript.kinematics.dynamics import RigidBody, joint_torques
+        from elitescript.kinematics.dynamics import RigidBody, mass_chain, torques_of
 
-        if not self._links:
-            self._links = tuple([RigidBody(link.mass, link.com, link.inertia) for link in self._model.links])
-        if payload is not self._carried_of:
-            self._carried_of, self._carried = payload, RigidBody(payload.mass_kg, payload.cog, payload.inertia)
-        return joint_torques(self._model.arm, self._links, q, qd, qdd, gravity, self._carried)
+        for of, chain in self._chains:
+            if of is payload:
+                return torques_of(chain, q, qd, qdd, gravity)
+        links = [RigidBody(link.mass, link.com, link.inertia) for link in self._model.links]
+        carried = RigidBody(payload.mass_kg, payload.cog, payload.inertia)
+        chain = mass_chain(self._model.arm, links, carried)
+        # The payload that is set, and none.
+        self._chains = ((payload, chain), *self._chains[:1])
+        return torques_of(chain, q, qd, qdd, gravity)

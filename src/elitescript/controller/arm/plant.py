@@ -53,41 +53,42 @@ class LaggingJoints:
 
     def peek(self, tick: int, target: Setpoint, now: JointState) -> Setpoint:
         """Return actual positions and speeds of a tick, one after the present one: rad, rad/s."""
-        a, b, c, d, e, f = [
-            self._joint(*joint)
-            for joint in zip(now.q_target, target.q, target.qd, now.q_actual, now.qd_actual, self._viscous, strict=True)
-        ]
-        return Setpoint((a[0], b[0], c[0], d[0], e[0], f[0]), (a[1], b[1], c[1], d[1], e[1], f[1]))
+        omega, decay, coulomb, per_q, per_qd = self._omega, self._decay, self._coulomb, self._per_q, self._per_qd
+        places, speeds = [], []
+        for r_now, r_next, rd_next, x, xd, viscous in zip(
+            now.q_target, target.q, target.qd, now.q_actual, now.qd_actual, self._viscous, strict=True
+        ):
+            slope = (r_next - r_now) / PERIOD_S
+            stands = slope == 0.0 and rd_next == 0.0
+            behind = 2.0 * slope / omega
+            start = r_now - x - behind
+            rate = slope - xd + omega * start
+            left = start + rate * PERIOD_S
+            x_next = r_next - behind - left * decay
+            xd_next = slope - (rate - omega * left) * decay
+            if coulomb > 0.0 and not stands:
+                stopping = xd_next / per_qd
+                if abs(stopping) <= coulomb:
+                    places.append(x if xd == 0.0 else x_next - stopping * per_q)
+                    speeds.append(0.0)
+                    continue
+                friction = copysign(coulomb, stopping)
+                x_next -= friction * per_q
+                xd_next -= friction * per_qd
+            if viscous > 0.0:
+                xd_next /= 1.0 + viscous * per_qd
+                x_next -= viscous * xd_next * per_q
+            if stands and abs(r_next - x_next) < SETTLED_RAD and abs(xd_next) < SETTLED_RAD_PER_S:
+                x_next, xd_next = r_next, 0.0
+            places.append(x_next)
+            speeds.append(xd_next)
+        q1, q2, q3, q4, q5, q6 = places
+        w1, w2, w3, w4, w5, w6 = speeds
+        return Setpoint((q1, q2, q3, q4, q5, q6), (w1, w2, w3, w4, w5, w6))
 
     def commit(self, tick: int, target: Setpoint, now: JointState) -> None:
         """Advance to that tick."""
         self.is_settled = target.q == now.q_target and not any(target.qd) and self.peek(tick, target, now) == target
-
-    def _joint(
-        self, r_now: float, r_next: float, rd_next: float, x: float, xd: float, viscous: float
-    ) -> tuple[float, float]:
-        omega, decay = self._omega, self._decay
-        slope = (r_next - r_now) / PERIOD_S
-        stands = slope == 0.0 and rd_next == 0.0
-        behind = 2.0 * slope / omega
-        start = r_now - x - behind
-        rate = slope - xd + omega * start
-        left = start + rate * PERIOD_S
-        x_next = r_next - behind - left * decay
-        xd_next = slope - (rate - omega * left) * decay
-        if self._coulomb > 0.0 and not stands:
-            stopping = xd_next / self._per_qd
-            if abs(stopping) <= self._coulomb:
-                return (x if xd == 0.0 else x_next - stopping * self._per_q), 0.0
-            friction = copysign(self._coulomb, stopping)
-            x_next -= friction * self._per_q
-            xd_next -= friction * self._per_qd
-        if viscous > 0.0:
-            xd_next /= 1.0 + viscous * self._per_qd
-            x_next -= viscous * xd_next * self._per_q
-        if stands and abs(r_next - x_next) < SETTLED_RAD and abs(xd_next) < SETTLED_RAD_PER_S:
-            return r_next, 0.0
-        return x_next, xd_next
 
 
 def friction_torques(config: PlantConfig, qd: Six, qd_max: Sequence[float], effort_max: Sequence[float]) -> Six:

@@ -137,6 +137,11 @@ class ComplianceControl:
             return self.sensor.compensated(joints.q_actual, joints.qd_actual)
         return self.sensor.raw(joints.q_actual, joints.qd_actual, arm.actual_acceleration)
 
+    def wrenches(self, arm: ArmState, tick: int) -> tuple[Six, Six]:
+        """Return the wrench on the TCP at the present tick, compensated and raw, TCP frame."""
+        joints = arm.joints(tick)
+        return self.sensor.readings(joints.q_actual, joints.qd_actual, arm.actual_acceleration)
+
     def is_done(self, call: int) -> bool:
         """Return whether the call of that number is over."""
         if call == FORCE_CALL:

@@ -92,7 +92,7 @@ class WrenchSensor:
 
     def compensated(self, q: Six, qd: Six) -> Six:
         """Return the wrench without the payload and less the zero, in the TCP frame."""
-        return _difference(self._untared(q, qd), self.zero)
+        return self._tared(self._untared(q, qd))
 
     def compensated_in_base(self, q: Six, qd: Six) -> Six:
         """Return the compensated wrench along the axes of the base frame, moments about the TCP."""
@@ -108,15 +108,26 @@ class WrenchSensor:
             qd: their speeds, rad/s.
             qdd: computes their accelerations, rad/s^2; called only with a payload.
         """
-        if self.client_offset is not None or self._setup.payload.mass_kg == 0.0:
-            return self._untared(q, qd)
-        load = self._payload_wrench(q, qd, qdd())
-        a, b, c, d, e, f = [x + y for x, y in zip(self._untared(q, qd), load, strict=True)]
-        return (a, b, c, d, e, f)
+        return self._loaded(self._untared(q, qd), q, qd, qdd)
+
+    def readings(self, q: Six, qd: Six, qdd: Callable[[], Six]) -> tuple[Six, Six]:
+        """Return `compensated` and `raw`; what they share is computed once."""
+        untared = self._untared(q, qd)
+        return self._tared(untared), self._loaded(untared, q, qd, qdd)
 
     def tare(self, q: Six, qd: Six) -> None:
         """Take the present wrench as zero."""
         self.zero = self._untared(q, qd)
+
+    def _tared(self, untared: Six) -> Six:
+        return untared if self.zero is ZERO_SIX else _difference(untared, self.zero)
+
+    def _loaded(self, untared: Six, q: Six, qd: Six, qdd: Callable[[], Six]) -> Six:
+        if self.client_offset is not None or self._setup.payload.mass_kg == 0.0:
+            return untared
+        load = self._payload_wrench(q, qd, qdd())
+        a, b, c, d, e, f = [x + y for x, y in zip(untared, load, strict=True)]
+        return (a, b, c, d, e, f)
 
     def _untared(self, q: Six, qd: Six) -> Six:
         external = self.external(q, qd)

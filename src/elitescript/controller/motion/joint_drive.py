@@ -44,14 +44,17 @@ class Drive:
         self.is_stopping = False
         self._begin_call(call, request, t_s)
 
-    def _begin_call(self, call: MotionCall, request: DriveRequest, t_s: float | None) -> None:
+    def _begin_call(self, call: MotionCall, request: DriveRequest, t_s: float | None) -> int:
+        """Begin a call; return its ticks, 0 if it has no time."""
         self.number = call.number
         self.thread = call.thread
         self.line = call.line
         self.request = request
         self.is_returned = False
-        self._timeout_tick = None if t_s is None else call.tick + max(1, ticks_for(t_s))
+        ticks = 0 if t_s is None else max(1, ticks_for(t_s))
+        self._timeout_tick = None if t_s is None else call.tick + ticks
         self._held_ticks = -1
+        return ticks
 
     def is_awaited(self, number: int) -> bool:
         """Return whether the call of that number is not over."""

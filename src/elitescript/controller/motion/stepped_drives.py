@@ -226,7 +226,7 @@ class ToolDrive(Stepped):
 class ServoDrive(Stepped):
     """Runs `servoj`: the arm follows a stream of targets; the speed percentage does not count (*assumed*)."""
 
-    __slots__ = ("_deceleration", "_gain", "_limits", "_q_target", "_window", "state")
+    __slots__ = ("_deceleration", "_gain", "_is_near_range", "_limits", "_q_target", "_window", "state")
 
     _ahead: ServoState | Obstacle | None
 
@@ -237,18 +237,21 @@ class ServoDrive(Stepped):
         self._limits = limits
         self._deceleration = deceleration
         self.state = begun(start)
+        self._is_near_range = may_meet_obstacle(self.state, limits)
+        """Whether the next state may be an obstacle, whatever the target."""
         self.take(call, request)
 
     def take(self, call: MotionCall, request: ServoJ) -> None:
         """Take the next target of the stream."""
         was_paused = self.is_paused
-        self._begin_call(call, request, request.t_s)
+        ticks = self._begin_call(call, request, request.t_s)
         if was_paused:
             self._hold(call.tick)
         self._q_target = request.q_target
         self._gain = request.gain
         self._window = min(max(1, ticks_for(request.lookahead_s)), LOOKAHEAD_TICKS_MAX)
-        self.state = self.state._replace(left=max(1, ticks_for(request.t_s)))
+        q, qd, stream, _, is_limited, ease, is_taken_over = self.state
+        self.state = ServoState(q, qd, stream, ticks, is_limited, ease, is_taken_over)
         self._ahead = None
 
     @property
@@ -276,7 +279,7 @@ class ServoDrive(Stepped):
     @property
     def _may_meet_obstacle(self) -> bool:
         # The next target often comes before the next state is needed, so that state is not computed to look at it.
-        return may_meet_obstacle(self.state, self._limits)
+        return self._is_near_range
 
     def leads_into(self, obstacle: Obstacle, q: Six) -> bool:
         """Return False: a target is inside the range, so the arm only brakes in front of it."""
@@ -308,4 +311,5 @@ class ServoDrive(Stepped):
         ahead = self._next()
         if not isinstance(ahead, Obstacle):
             self.state = ahead
+            self._is_near_range = may_meet_obstacle(ahead, self._limits)
         self._ahead = None

@@ -199,8 +199,7 @@ class SnapshotBuilder:
                 self._torques, self._currents = controller.loads.measured(controller.tick)
             self._joint_current = sum(map(abs, self._currents))
         if parts & WRENCHES:
-            self._tcp_force = controller.tcp_wrench(True)
-            self._raw_wrench = controller.tcp_wrench(False)
+            self._tcp_force, self._raw_wrench = controller.tcp_wrenches()
         if parts & ELBOW:
             self._elbow_position = controller.arm.elbow(joints.q_actual)
             self._elbow_velocity = elbow_velocity(controller.arm, joints.q_actual, joints.qd_actual)
@@ -226,6 +225,20 @@ def elbow_velocity(arm: Arm, q: Six, qd: Six) -> Three:
     """Return the velocity of the elbow (m/s, base frame) for joints in rad and rad/s, as a central difference."""
     if qd == ZERO_SIX:
         return (0.0, 0.0, 0.0)
-    before, after = [arm.elbow([a + h * w for a, w in zip(q, qd, strict=True)]) for h in (-_INSTANT_S, _INSTANT_S)]
-    x, y, z = [(later - now) / (2.0 * _INSTANT_S) for now, later in zip(before, after, strict=True)]
-    return (x, y, z)
+    x0, y0, z0 = arm.elbow(_moved(q, qd, -_INSTANT_S))
+    x1, y1, z1 = arm.elbow(_moved(q, qd, _INSTANT_S))
+    span_s = 2.0 * _INSTANT_S
+    return (x1 - x0) / span_s, (y1 - y0) / span_s, (z1 - z0) / span_s
+
+
+def _moved(q: Six, qd: Six, time_s: float) -> Six:
+    q1, q2, q3, q4, q5, q6 = q
+    w1, w2, w3, w4, w5, w6 = qd
+    return (
+        q1 + time_s * w1,
+        q2 + time_s * w2,
+        q3 + time_s * w3,
+        q4 + time_s * w4,
+        q5 + time_s * w5,
+        q6 + time_s * w6,
+    )

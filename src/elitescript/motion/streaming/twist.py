@@ -82,9 +82,16 @@ class ToolMotion(NamedTuple):
         for w, w_wanted, top, a_top in zip(state.qd, wanted, limits.qd_max, limits.qdd_max, strict=True):
             if w_wanted:
                 change = a_top * PERIOD_S
-                sign = 1.0 if w_wanted > 0.0 else -1.0
-                most = min(most, top / abs(w_wanted), (sign * w + change) / abs(w_wanted))
-                least = max(least, (sign * w - change) / abs(w_wanted))
+                if w_wanted > 0.0:
+                    along, size = w, w_wanted
+                else:
+                    along, size = -w, -w_wanted
+                if top / size < most:
+                    most = top / size
+                if (along + change) / size < most:
+                    most = (along + change) / size
+                if (along - change) / size > least:
+                    least = (along - change) / size
         is_slowed = most < 1.0
         if most >= 0.0 and least <= most:
             qd = wanted if most == 1.0 else _scaled(wanted, most)
@@ -97,8 +104,10 @@ class ToolMotion(NamedTuple):
             w1, w2, w3, w4, w5, w6 = [w + share * (w_new - w) for w, w_new in zip(state.qd, qd, strict=True)]
             qd = (w1, w2, w3, w4, w5, w6)
             is_slowed = True
-        a1, a2, a3, a4, a5, a6 = [0.5 * (w + w_new) for w, w_new in zip(state.qd, qd, strict=True)]
-        q = _moved(state.q, (a1, a2, a3, a4, a5, a6), PERIOD_S)
+        w1, w2, w3, w4, w5, w6 = state.qd
+        v1, v2, v3, v4, v5, v6 = qd
+        mean = (0.5 * (w1 + v1), 0.5 * (w2 + v2), 0.5 * (w3 + v3), 0.5 * (w4 + v4), 0.5 * (w5 + v5), 0.5 * (w6 + v6))
+        q = _moved(state.q, mean, PERIOD_S)
         joint = obstacle_at(q, qd, self.deceleration, limits)
         if joint is not None:
             return range_obstacle(limits, joint, state.q, "speedl")
@@ -125,7 +134,7 @@ class ToolMotion(NamedTuple):
         for name, distance, distance_stop in zip(Singularity._fields, here, there, strict=True):
             if distance * distance_stop <= 0.0 and distance != distance_stop:
                 return name
-        return singularity(self.arm, q_stop).blocked
+        return Singularity(*map(abs, there)).blocked
 
     def _distances(self, q: Six) -> tuple[float, float, float]:
         """Return signed measures that are zero at wrist, elbow and shoulder singularity."""

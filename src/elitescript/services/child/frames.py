@@ -35,8 +35,8 @@ LOCK_IN: Final = "L"
 BEGIN: Final = "B"
 """Options: the child makes its robot and answers `DESCRIBED`."""
 TICK: Final = "T"
-"""Number of a tick to leap to and run (i64), parts of its snapshot that are read (a byte), whether the next tick that is
-due is asked for (a byte), then the inputs if there are any. The child answers with `OUTPUT`, later `OUTPUT_CHANGES`; if
+"""Number of a tick to leap to and run (i64), parts of its snapshot that are read (a byte), whether the next due tick is
+asked for (a byte), then the inputs if there are any. The child answers with `OUTPUT`, later `OUTPUT_CHANGES`; if
 nothing is read and the discrete state has not changed, with `RESULT`."""
 ANSWER: Final = "A"
 """Answer to a `QUESTION`."""
