@@ -355,9 +355,11 @@ async def session(
         while not scene.server._time._gate.gate().has_participants:
             await asyncio.sleep(0)
         permits.one()
+        packages.append((await partner.peer.rtsi("U"))[1])
         for number in range(count):
-            packages.append((await partner.peer.rtsi("U"))[1])
             partner.answer(min(number, 9))
+            packages.append((await partner.peer.rtsi("U"))[1])
+        await scene.stands()
         return packages
 
 
