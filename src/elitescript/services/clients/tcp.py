@@ -208,8 +208,8 @@ class Client(asyncio.BufferedProtocol):
             return None
         if inputs:
             connection.posted(hub.post(inputs))
-            if self.owes_input and any(isinstance(item, VariablesArrived) for item in inputs):
-                self.owes_input = False
+            if self.owes_input:
+                self.owes_input = VariablesArrived not in map(type, inputs)
         self._write()
         return len(inputs)
 
