@@ -194,8 +194,8 @@ class LockstepTime(PacedTime):
         on_left_out: see `PacedTime`.
         clients: of the RTSI port, by origin; read at every call.
         complete: called before the event loop gets a turn: makes the snapshot of the last tick whole.
-        relieve: called once in a period while time may stand still, with the origin of the client that it waits for:
-            reads clients on.
+        relieve: called once in a period of the wall clock, with the origin of the client that time waits for: reads
+            clients on.
         timeout_s: see `Lockstep`.
     """
 
@@ -257,6 +257,11 @@ class LockstepTime(PacedTime):
     def passed(self) -> int:
         return self._passed + self._cycle.passed
 
+    @property
+    def is_standing(self) -> bool:
+        """Whether time waits for a client, and the event loop goes on."""
+        return self._news is not None
+
     async def next(self, ticks_on: Callable[[], int | None], *, has_outlet: bool) -> int:
         """Return when the next tick begins.
 
@@ -284,31 +289,11 @@ class LockstepTime(PacedTime):
                 await self._turn()
                 had_turn = True
             elif found.is_open:
-                return self._go_on(
-                    1 if self._is_due or self._passed else min(ticks_on() or LEAP_MAX_TICKS, LEAP_MAX_TICKS)
-                )
+                return self._go_on(1 if self._is_due or self._passed else ticks_on())
             else:
                 had_turn = False
                 if not self._direct.read(self._clients[found.waits_for], DIRECT_MS):
                     await self._stand()
-
-    @property
-    def is_standing(self) -> bool:
-        """Whether time waits for a client, and the event loop goes on."""
-        return self._news is not None
-
-    def _look_again(self) -> None:
-        if self._news is not None and not self._news.done():
-            self._news.set_result(None)
-
-    def make_due(self) -> int:
-        self._is_due = True
-        return self._passed + self._cycle.make_due()
-
-    def _go_on(self, ticks: int) -> int:
-        """Return how many ticks on the next one is from the last that has run."""
-        passed, self._passed = self._passed, 0
-        return passed + ticks
 
     async def outlet(self) -> None:
         """Return at once: an output leaves as soon as it is there."""
@@ -318,9 +303,23 @@ class LockstepTime(PacedTime):
         self.make_due()
         self._look_again()
 
+    def make_due(self) -> int:
+        self._is_due = True
+        return self._passed + self._cycle.make_due()
+
     def close(self) -> None:
         self._relief.cancel()
         super().close()
+
+    def _go_on(self, ticks: int | None) -> int:
+        """Return how many ticks on the next one is from the last that has run."""
+        passed, self._passed = self._passed, 0
+        return passed + min(ticks or LEAP_MAX_TICKS, LEAP_MAX_TICKS)
+
+    def _look_again(self) -> None:
+        """Look at the clients again, if that is waited for."""
+        if self._news is not None and not self._news.done():
+            self._news.set_result(None)
 
     async def _turn(self) -> None:
         """Let the event loop look for what has come, which is the first of its rounds, and hand it on."""
