@@ -29,6 +29,14 @@ SO_TIMESTAMPNS = 35
 STEADY_S = 50e-6
 """Between two reads the two clocks drift less than this, unless somebody sets one."""
 BUSY = b"def busy():\n  while True:\n    pass\n  end\nend\n"
+MOVING = b"""def move():
+  while True:
+    movej([0.3, -1.5, 1.2, -1.0, 1.5, 0.2], a=1.4, v=1.05)
+    movej([-0.5, -1.0, 0.8, -1.4, 1.2, 0.7], a=1.4, v=1.05)
+  end
+end
+"""
+TWO = "timestamp,actual_joint_positions"
 OUTPUTS = (
     "timestamp,payload_mass,payload_cog,script_control_line,target_joint_positions,target_joint_speeds,"
     "actual_joint_torques,actual_joint_positions,actual_joint_speeds,actual_joint_current,actual_TCP_pose,"
@@ -72,7 +80,7 @@ def message(letter: str, payload: bytes = b"") -> bytes:
 class Stream:
     """One client that notes when its packages come."""
 
-    def __init__(self, port: int, names: str) -> None:
+    def __init__(self, port: int, names: str, frequency_hz: float = 250.0) -> None:
         self.socket = socket.create_connection(("127.0.0.1", port))
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         if sys.platform == "linux":
@@ -82,7 +90,7 @@ class Stream:
         """What the clock of the stamps showed more than that of this process when data was read last."""
         self.times: list[tuple[float, float, float]] = []
         """Robot time of each package, when it was at the socket, when it was read."""
-        self.socket.sendall(message("O", struct.pack(">d", 250.0) + names.encode()))
+        self.socket.sendall(message("O", struct.pack(">d", frequency_hz) + names.encode()))
 
     def read(self) -> int:
         """Read what has come; return how many packages."""
@@ -148,9 +156,12 @@ def _late(delays: list[float]) -> str:
     return f"p50 {p50:.2f}, p99 {p99:.2f}, max {late_ms[-1]:.1f} ms"
 
 
-def _lockstep(what: str, names: str) -> Row:
+def _lockstep(what: str, names: str, program: bytes = b"", frequency_hz: float = 250.0) -> Row:
     with served("--lockstep", "rtsi") as (ports, _):
-        client = Stream(ports["rtsi"], names)
+        if program:
+            with socket.create_connection(("127.0.0.1", ports["primary"])) as peer:
+                peer.sendall(program)
+        client = Stream(ports["rtsi"], names, frequency_hz)
         client.socket.sendall(message("I", b"input_int_register0") + message("S"))
         answer = message("U", bytes([1]) + struct.pack(">i", 7))
         end = perf_counter() + min(SECONDS, 5.0)
@@ -177,7 +188,10 @@ def rows() -> list[Row]:
     return [
         *paced_rows(),
         _paced("a program burns CPU, in process", BUSY, "--in-process"),
-        _lockstep("two variables", "timestamp,actual_joint_positions"),
+        _lockstep("two variables", TWO),
+        _lockstep("two variables, the arm moves", TWO, MOVING),
+        _lockstep("two variables at 25 Hz", TWO, frequency_hz=25.0),
+        _lockstep("two variables at 25 Hz, the arm moves", TWO, MOVING, 25.0),
         _lockstep("36 variables", OUTPUTS),
     ]
 

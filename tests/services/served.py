@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import AsyncIterator, Coroutine
+from collections.abc import AsyncIterator, Callable, Coroutine
 from typing import Any
 
 from elitescript.messages.events import Event
@@ -16,6 +16,8 @@ from tests.services.fake_robot import FakeRobot
 
 LIMIT_S = 10.0
 """Nothing takes so long; a test that would hang fails."""
+loop_factory: Callable[[], asyncio.AbstractEventLoop] = asyncio.new_event_loop
+"""Makes the event loops of tests."""
 
 
 class Scene:
@@ -114,4 +116,5 @@ async def serving(robot: Any = None, **options: Any) -> AsyncIterator[Scene]:
 
 def run(test: Coroutine[Any, Any, None]) -> None:
     """Run a test in an event loop of its own, for a limited time."""
-    asyncio.run(asyncio.wait_for(test, LIMIT_S))
+    with asyncio.Runner(loop_factory=loop_factory) as runner:
+        runner.run(asyncio.wait_for(test, LIMIT_S))

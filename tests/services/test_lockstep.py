@@ -3,19 +3,38 @@
 from __future__ import annotations
 
 import asyncio
-from typing import cast
+from collections.abc import Coroutine, Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, cast
 
 import pytest
 
+from elitescript.environment.memory import MemoryFiles
 from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.enums import TaskState
+from elitescript.messages.inputs import Input
 from elitescript.protocol.rtsi.connection import RtsiConnection
 from elitescript.protocol.rtsi.recipes import RtsiPort
+from elitescript.services.clients.direct import watchable_loop
 from elitescript.services.clients.tcp import Client
+from elitescript.services.journal.replay import RecordedRobot
+from elitescript.services.journal.writer import Journal
+from elitescript.services.output_text import output_text
+from elitescript.services.time import lockstep
+from elitescript.services.time.cycle import Cycle
 from elitescript.services.time.lockstep import Lockstep
 from tests.protocol import rtsi_client
-from tests.services import fake_robot
+from tests.services import fake_robot, served
 from tests.services.served import Peer, Scene, run, serving
+
+
+@pytest.fixture(autouse=True, params=["plain", "watchable"])
+def loops(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both kinds of event loops. The clients of these tests are in the loop themselves: a wait for one is in vain."""
+    if request.param == "watchable":
+        monkeypatch.setattr(served, "loop_factory", watchable_loop)
+        monkeypatch.setattr(lockstep, "DIRECT_MS", 0)
 
 
 class Partner:
@@ -223,7 +242,7 @@ def test_a_client_that_falls_silent_is_let_go_and_takes_part_again_with_its_next
 
 def test_a_client_that_does_not_read_is_let_go() -> None:
     async def test() -> None:
-        async with serving(is_lockstep=True, lockstep_timeout_s=0.05) as scene:
+        async with serving(is_lockstep=True, lockstep_timeout_s=0.3) as scene:
             listener = await scene.connect("rtsi")
             names = ["actual_joint_positions"] * 100
             listener.send(rtsi_client.output_recipe(250.0, names) + rtsi_client.message("S"))
@@ -233,7 +252,7 @@ def test_a_client_that_does_not_read_is_let_go() -> None:
             while not scene.notes("let_go"):
                 partner.answer()
                 await partner.take()
-            assert scene.notes("let_go")[0].text.startswith("rtsi#1 has not read its packages for 0.05 s")
+            assert scene.notes("let_go")[0].text.startswith("rtsi#1 has not read its packages for 0.3 s")
             for _ in range(100):
                 partner.answer()
                 await partner.take()
@@ -241,39 +260,202 @@ def test_a_client_that_does_not_read_is_let_go() -> None:
     run(test())
 
 
-PROGRAM = b"""def follow():
-  while read_input_integer_register(0) == 0:
+class Permits:
+    """In the place of the wall clock: time passes as many ticks as the test permits."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self._permits = asyncio.Semaphore(0)
+
+        async def next_tick(cycle: Cycle, ticks: int | None = 1, *, has_outlet: bool = False) -> int:
+            await self._permits.acquire()
+            return 1
+
+        monkeypatch.setattr(Cycle, "next", next_tick)
+
+    async def ticks(self, scene: Scene, count: int) -> None:
+        for _ in range(count):
+            output = asyncio.ensure_future(scene.server.next_output())
+            await asyncio.sleep(0)
+            self._permits.release()
+            await output
+
+    def one(self) -> None:
+        self._permits.release()
+
+
+class CountedKernel(Kernel):
+    """A robot that notes the ticks that run, and what they are given."""
+
+    def __init__(self, options: RobotOptions) -> None:
+        super().__init__(options)
+        self.ran: list[int] = []
+        self.heard: list[tuple[int, Input]] = []
+
+    def run_tick(self, inputs: Sequence[Input] = ()) -> None:
+        self.ran.append(self.controller.tick)
+        self.heard += [(self.controller.tick, item) for item in inputs]
+        super().run_tick(inputs)
+
+
+class EveryTick(CountedKernel):
+    """A robot of which no tick is leapt over."""
+
+    def due_tick(self) -> int:
+        return self.controller.tick + 1
+
+
+MOVING = b"""def follow():
+  while read_input_integer_register(0) < 2:
     sync()
   end
+  movej(get_target_joint_positions()[:5] + [0.4], a=1.4, v=1.05)
+  sleep(0.05)
+  write_output_integer_register(1, read_input_integer_register(0))
   i = 0
-  while i < 60:
-    servoj(get_target_joint_positions()[:5] + [0.001 * read_input_integer_register(0) * i], t=0.02)
+  while i < 5:
+    servoj(get_target_joint_positions()[:5] + [0.4 + 0.001 * read_input_integer_register(0) * i], t=0.02)
     i = i + 1
   end
+  movej(get_target_joint_positions()[:5] + [0.0], a=1.4, v=1.05)
 end
 """
+NAMES = (
+    "runtime_state",
+    "script_control_line",
+    "target_joint_positions",
+    "actual_joint_positions",
+    "actual_joint_current",
+    "actual_TCP_pose",
+    "actual_TCP_force",
+    "joint_temperatures",
+    "output_int_register1",
+)
 
 
-def test_what_the_client_gets_is_the_same_to_the_byte_in_every_run() -> None:
-    async def session() -> list[bytes]:
-        async with serving(Kernel(RobotOptions(power_on=True, remote=True)), is_lockstep=True) as scene:
-            primary = await scene.connect("primary")
-            primary.send(PROGRAM)
-            names = ("runtime_state", "target_joint_positions", "actual_joint_positions", "actual_joint_current")
-            partner = await Partner.connect(scene, outputs=names)
-            await scene.until(lambda: scene.server.output.snapshot.robot.task_state is TaskState.PLAYING)
-            await partner.begin()
-            packages = []
-            for step in range(400):
-                partner.answer(step % 3)
-                await partner.take()
-                packages.append(partner.values)
-            return packages
+async def session(
+    robot: Kernel, monkeypatch: pytest.MonkeyPatch, frequency_hz: float, count: int, **options: Any
+) -> list[bytes]:
+    """Packages of a client whose session begins at the same tick each time, with their timestamps."""
+    async with serving(robot, is_lockstep=True, **options) as scene:
+        permits = Permits(monkeypatch)
+        primary = await scene.connect("primary")
+        primary.send(MOVING)
+        while scene.server._inputs.is_settled:
+            await asyncio.sleep(0)
+        await permits.ticks(scene, 5)
+        assert scene.server.output.snapshot.robot.task_state is TaskState.PLAYING
+        primary.reset()
+        while scene.server.listeners["primary"].clients:
+            await asyncio.sleep(0)
+        partner = await Partner.connect(scene, frequency_hz=frequency_hz, outputs=NAMES)
+        first = asyncio.ensure_future(partner.peer.rtsi("U"))
+        await permits.ticks(scene, 2)
+        packages = [(await first)[1]]
+        partner.answer()
+        while not scene.server._time._gate.gate().has_participants:
+            await asyncio.sleep(0)
+        permits.one()
+        packages.append((await partner.peer.rtsi("U"))[1])
+        for number in range(count):
+            partner.answer(min(number, 9))
+            packages.append((await partner.peer.rtsi("U"))[1])
+        await scene.stands()
+        return packages
+
+
+@pytest.mark.parametrize("loops", ["plain"], indirect=True)
+@pytest.mark.parametrize("frequency_hz", [250.0, 25.0, 7.3])
+def test_what_the_client_gets_is_the_same_to_the_byte_in_every_run_and_whether_ticks_run_or_not(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, frequency_hz: float
+) -> None:
+    options = RobotOptions(power_on=True, remote=True)
+    count = round(1.3 * frequency_hz)
+    robots = [CountedKernel(options), CountedKernel(options), EveryTick(options)]
+    found, digests = list[list[bytes]](), list[str]()
 
     async def test() -> None:
-        first, second = await session(), await session()
-        assert len(set(first)) > 200
-        assert first == second
+        for robot in robots:
+            found.append(await session(robot, monkeypatch, frequency_hz, count))
+
+    run(test())
+    for name in ("a", "b"):
+        journal = Journal(tmp_path / name, options)
+        recorded = RecordedRobot(options, MemoryFiles({}), journal)
+        run(collected(session(recorded, monkeypatch, frequency_hz, count), found))
+        journal.close()
+        digests.append((tmp_path / name).read_text())
+    assert digests[0] == digests[1] and '"digest"' in digests[0]
+    assert len(set(found[0])) > count / 2
+    assert found[1:] == found[:1] * 4
+    leaping, _, every = robots
+    assert every.next_tick == leaping.next_tick
+    last = [output_text(robot.tick_and_snapshot()) for robot in robots]
+    assert last[1:] == last[:1] * 2
+    assert every.ran == list(range(every.next_tick))
+    assert every.heard == leaping.heard
+    # In a planned move two ticks run for a package; while the program polls, and in `servoj`, all of them.
+    assert frequency_hz > 100.0 or len(leaping.ran) < 0.75 * len(every.ran)
+
+
+async def collected(packages: Coroutine[Any, Any, list[bytes]], found: list[list[bytes]]) -> None:
+    found.append(await packages)
+
+
+def test_between_an_answer_and_the_next_package_at_rest_two_ticks_run() -> None:
+    async def test() -> None:
+        robot = CountedKernel(RobotOptions(power_on=True, remote=True))
+        async with serving(robot, is_lockstep=True) as scene:
+            partner, begin = await Partner.join(scene, frequency_hz=25.0)
+            await wall_time()
+            robot.ran.clear()
+            for number in range(1, 51):
+                partner.answer()
+                assert await partner.take() == begin + 10 * number
+            assert robot.ran == [begin + 10 * number + more for number in range(50) for more in (1, 10)]
+
+    run(test())
+
+
+def test_what_another_client_asks_while_time_stands_is_done_in_the_next_tick() -> None:
+    async def test() -> None:
+        robot = CountedKernel(RobotOptions(power_on=True, remote=True))
+        async with serving(robot, is_lockstep=True) as scene:
+            partner, begin = await Partner.join(scene, frequency_hz=5.0)
+            dashboard = await scene.connect("dashboard")
+            await dashboard.reader.readuntil(b"NAME.\r\n")
+            dashboard.send(b"speed -v 50\n")
+            while scene.server._inputs.is_settled:
+                await asyncio.sleep(0)
+            partner.answer()
+            assert await partner.take() == begin + 50
+            asked = {tick for tick, item in robot.heard if item.origin.startswith("dashboard")}
+            assert asked == {begin + 1}
+
+    run(test())
+
+
+@pytest.mark.parametrize("rates", [(25.0, 250.0), (25.0, 50.0), (10.0, 25.0)])
+def test_time_leaps_to_the_next_package_of_any_client(rates: tuple[float, float]) -> None:
+    async def test() -> None:
+        async with serving(CountedKernel(RobotOptions(power_on=True)), is_lockstep=True) as scene:
+            slow, _ = await Partner.join(scene, frequency_hz=rates[0])
+            quick = await Partner.connect(scene, "input_int_register1", rates[1])
+            ticks: dict[str, list[int]] = {slow.origin: [], quick.origin: []}
+            ends = asyncio.get_running_loop().time() + 5.0
+
+            async def answer(partner: Partner) -> None:
+                while len(ticks[slow.origin]) < 8:
+                    assert asyncio.get_running_loop().time() < ends
+                    ticks[partner.origin].append(await partner.take())
+                    partner.answer()
+
+            slow.answer()
+            tasks = [asyncio.ensure_future(answer(partner)) for partner in (slow, quick)]
+            await tasks[0]
+            tasks[1].cancel()
+            for partner, rate in ((slow, rates[0]), (quick, rates[1])):
+                steps = {later - tick for tick, later in pairwise(ticks[partner.origin])}
+                assert steps == {round(250 / rate)}
 
     run(test())
 

@@ -36,6 +36,7 @@ from elitescript.messages.timing import seconds
 from elitescript.protocol.ports import SERVICES, services_of
 from elitescript.services.channels.connect_policy import NONE, ConnectPolicy
 from elitescript.services.child.jail import is_complete
+from elitescript.services.clients.direct import watchable_loop
 from elitescript.services.log import DEVICE, LogLine
 from elitescript.services.port_numbers import NAMES, SSH, port_numbers, spare_numbers
 from elitescript.services.robot_link import RobotLink
@@ -92,7 +93,8 @@ def _run(
         with contextlib.ExitStack() as held:
             keepers = _keepers(options.state, len(configs), held)
             configs = list(map(_remembering, configs, keepers))
-            asyncio.run(_serve(options, configs, worlds, keepers, numbers, spares, login, log, on_signals))
+            with asyncio.Runner(loop_factory=watchable_loop) as runner:
+                runner.run(_serve(options, configs, worlds, keepers, numbers, spares, login, log, on_signals))
     finally:
         out.close()
         err.close()

@@ -111,20 +111,23 @@ class InProcessLink:
         asks_due: bool = True,
         outlet: Callable[[], Awaitable[None]] | None = None,
     ) -> Output:
-        output = self.tick_now(inputs, parts, number)
-        if outlet is not None:
-            await outlet()
-        return output
-
-    def tick_now(self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None) -> Output:
-        """Run one tick as `tick` does, without waiting."""
         robot = self.robot
         result, discrete_state = robot.tick(inputs, number), robot.discrete_state()
         if parts or discrete_state != self._discrete_state:
             self._discrete_state = discrete_state
             self._parts = parts | TIME
             self._snapshot = robot.snapshot(self._parts)
-        return result.with_snapshot(self._snapshot, self._parts)
+        output = result.with_snapshot(self._snapshot, self._parts)
+        if outlet is not None:
+            await outlet()
+        return output
+
+    def completed(self, output: Output) -> Output:
+        """Return the output of the last tick with all parts of its snapshot."""
+        if output.has(ALL_PARTS):
+            return output
+        self._snapshot, self._parts = self.robot.snapshot(), ALL_PARTS
+        return output.with_snapshot(self._snapshot)
 
     async def close(self) -> None:
         """Do nothing: there is nothing to end."""

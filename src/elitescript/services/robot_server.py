@@ -279,7 +279,9 @@ class RobotServer:
         self._write_events(self.output)
         if self._is_lockstep:
             clients, timeout_s = self.listeners[RTSI].clients, self._lockstep_timeout_s
-            self._time = LockstepTime(self._log, self._note_left_out, clients, self._step_now, self._relieve, timeout_s)
+            self._time = LockstepTime(
+                self._log, self._note_left_out, clients, self._complete_output, self._relieve, timeout_s
+            )
         else:
             self._time = PacedTime(self._log, self._note_left_out)
         self._task = asyncio.get_running_loop().create_task(self._run(self._time))
@@ -318,7 +320,7 @@ class RobotServer:
         """Let time pass; never returns."""
         while True:
             has_readers = self._has_readers
-            if (ticks := await time.next(self._ticks_on(), has_outlet=has_readers)) > 1:
+            if (ticks := await time.next(self._ticks_on, has_outlet=has_readers)) > 1:
                 self._pass_over(ticks - 1)
             lag = self._lag(time.lag_ticks)
             inputs = self._begin_tick()
@@ -343,9 +345,10 @@ class RobotServer:
 
     def _next_outside(self, tick: int) -> int | None:
         """Return the next tick after `tick` that must run for devices, clients or this server; None if none must."""
-        if self._is_lockstep or self._lag_ticks or self._stepped or self._followers or self._next_followers:
+        if self._lag_ticks or self._stepped or self._followers or self._next_followers or not self._inputs.is_settled:
             return tick + 1
-        if not self._inputs.is_settled or not self.shares.is_settled:
+        # In lockstep shares are counted by the wall clock; the peers of programs have to be looked at in between.
+        if self.broker.count if self._is_lockstep else not self.shares.is_settled:
             return tick + 1
         if self._ssh is not None and self._ssh.taps.is_active:
             return tick + 1
@@ -368,13 +371,6 @@ class RobotServer:
         """Run one tick, whose output leaves as soon as it is there."""
         self._end_tick(await self.link.tick(self._begin_tick(), self._reads()))
 
-    def _step_now(self) -> bool:
-        """Run one tick without waiting, if the robot is in this process; return whether it is."""
-        if not isinstance(self.link, InProcessLink):
-            return False
-        self._end_tick(self.link.tick_now(self._begin_tick(), self._reads()))
-        return True
-
     def _lag(self, ticks: int) -> tuple[Lag, ...]:
         """Return the input for how far robot time is behind, if that is new and programs may wait for peers."""
         if ticks == self._lag_ticks or (ticks and not self.broker.count):
@@ -390,7 +386,7 @@ class RobotServer:
         self.note("left_out", text, is_problem=True, ticks=ticks, is_playing=is_playing)
 
     def _relieve(self, waits_for: str) -> None:
-        """While no tick comes, read clients on; if too much waits for a tick, only the one that time waits for."""
+        """Read clients on, once in a period in lockstep; if too much waits for a tick, only whom time waits for."""
         for listener in self.listeners.values():
             for client in list(listener.clients.values()):
                 if len(self._inputs) < PENDING_MAX or client.origin == waits_for:
@@ -435,14 +431,15 @@ class RobotServer:
             self._keeper.take(output.snapshot.signals)
         if self._followers:
             self._followers = [take for take in self._followers if take(output)]
-        self._begin_reading()
+        if not self._is_lockstep:
+            self._begin_reading()
         for waiter in self._answered:
             if not waiter.done():
                 waiter.set_result(output)
         self._answered.clear()
 
     def _begin_reading(self) -> None:
-        """Let clients be read on: the output of the tick has left."""
+        """Let clients be read on: the output of a tick has left; in lockstep, a period of the wall clock has passed."""
         for listener in self._by_urgency:
             if listener.is_restless:
                 listener.begin_tick()
@@ -451,18 +448,20 @@ class RobotServer:
         self._overruns_before = overruns
 
     def _reads(self) -> int:
-        """Return the parts of the snapshot of the tick that begins now that anything reads, as bits.
-
-        Time that stands still leaves no later tick to read, so in lockstep every snapshot is whole.
-        """
-        if self._is_lockstep or self._answered:
+        """Return the parts of the snapshot of the tick that begins now that anything reads, as bits."""
+        if self._answered:
             return ALL_PARTS
-        tick = self.output.tick + 1
+        tick = self._from_tick + 1
         parts = 0 if self.devices is None else self.devices.reads(tick)
         for listener in self._by_urgency:
             if listener.clients:
                 parts |= listener.reads(tick)
         return parts
+
+    def _complete_output(self) -> None:
+        """Make the snapshot of the last tick whole: while time stands still, no later tick shows it to newcomers."""
+        if isinstance(self.link, InProcessLink):
+            self._output = self.link.completed(self.output)
 
     def _note_refused(self) -> None:
         count, self._inputs.refused = self._inputs.refused, 0

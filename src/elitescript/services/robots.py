@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -145,9 +145,17 @@ class _RecordedLink(InProcessLink):
         super().__init__(robot)
         self._journal = journal
 
-    def tick_now(self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None) -> Output:
+    async def tick(
+        self,
+        inputs: Sequence[Input],
+        parts: int = ALL_PARTS,
+        number: int | None = None,
+        *,
+        asks_due: bool = True,
+        outlet: Callable[[], Awaitable[None]] | None = None,
+    ) -> Output:
         # The digests of the journal cover the snapshot of every tick, so it is there already.
-        output = super().tick_now(inputs, ALL_PARTS, number)
+        output = await super().tick(inputs, ALL_PARTS, number, asks_due=asks_due, outlet=outlet)
         warning = self._journal.take_warning(output.tick)
         return replace(output, events=(*output.events, *warning)) if warning else output
 

@@ -16,6 +16,7 @@ What arrives is decoded at once, what a tick gives leaves at once; each message 
 from __future__ import annotations
 
 import asyncio
+import os
 import socket
 import time
 import traceback
@@ -91,6 +92,7 @@ class Client(asyncio.BufferedProtocol):
     __slots__ = (
         "_buffer",
         "_deadline",
+        "_descriptor",
         "_first_bytes",
         "_forget",
         "_hub",
@@ -131,6 +133,8 @@ class Client(asyncio.BufferedProtocol):
         self._size = READ_MAX
         self._ns_per_byte = NS_PER_BYTE
         self._transport: asyncio.Transport | None = None
+        self._descriptor = -1
+        """Of the socket, while it is held."""
         self._left: socket.socket | None = None
         """What is to be read of a connection that broke."""
         self._is_light = True
@@ -176,30 +180,38 @@ class Client(asyncio.BufferedProtocol):
             self._hub.wake()
 
     def _read(self, nbytes: int) -> None:
+        """Take what has come, at the expense of the client's share."""
+        start_ns = time.thread_time_ns()
+        count = self._take_in(nbytes)
+        if count is None:
+            return
+        self._account(nbytes, time.thread_time_ns() - start_ns + HANDING_NS * count)
+        if self.connection.is_over:
+            self._finish()
+        elif self.connection.is_busy or self._has_taken_enough(nbytes):
+            self._pause()
+
+    def _take_in(self, nbytes: int) -> int | None:
+        """Hand on what has come; return the number of inputs, or None if the client was closed for what it sent."""
         connection, hub = self.connection, self._hub
         hub.make_due()
-        start_ns = time.thread_time_ns()
         data = bytes(self._buffer[:nbytes])
         if self._first_bytes is not None and self._is_browser(self._first_bytes, data):
-            return
+            return None
         try:
             inputs = connection.receive(data, hub.output)
         except ProtocolError as error:
             self._offend(str(error))
-            return
+            return None
         except Exception:
             self._fail()
-            return
+            return None
         if inputs:
             connection.posted(hub.post(inputs))
-            if self.owes_input and any(isinstance(item, VariablesArrived) for item in inputs):
-                self.owes_input = False
+            if self.owes_input:
+                self.owes_input = VariablesArrived not in map(type, inputs)
         self._write()
-        self._account(nbytes, time.thread_time_ns() - start_ns + HANDING_NS * len(inputs))
-        if connection.is_over:
-            self._finish()
-        elif connection.is_busy or self._has_taken_enough(nbytes):
-            self._pause()
+        return len(inputs)
 
     def _is_browser(self, first_bytes: FirstBytes, data: bytes) -> bool:
         """Return whether the client is a web browser; then its connection ends, and nothing of it counts."""
@@ -262,6 +274,45 @@ class Client(asyncio.BufferedProtocol):
     def resume_writing(self) -> None:
         self._stalled_since = None
         self._hub.wake()
+
+    # ---------------------------------------------------------------- read past the event loop, see `direct`
+
+    def hold(self) -> int:
+        """Take the socket from the event loop; return its descriptor, or -1 if the client is not to be read now."""
+        transport = self._transport
+        if transport is None or self._deadline is not None or not transport.is_reading():
+            return -1
+        transport.pause_reading()
+        self._descriptor = transport.get_extra_info("socket").fileno()
+        return self._descriptor
+
+    def read_held(self) -> bool:
+        """Read the socket once; return False if that is a matter of the event loop: an end, an error, a closed client.
+
+        The time that it takes is not charged: nobody else waits for the robot meanwhile.
+        """
+        transport = self._transport
+        if transport is None or transport.is_closing() or self._is_paused:
+            return False
+        try:
+            size = os.readv(self._descriptor, [self._buffer])
+        except OSError:
+            # Nothing that had arrived is lost by that.
+            self.abort()
+            return False
+        if not size:
+            return False
+        if self._take_in(size) is not None:
+            if self.connection.is_over:
+                self._finish()
+            elif self.connection.is_busy:
+                self._pause()
+        return True
+
+    def give_back(self) -> None:
+        """Leave the socket to the event loop again."""
+        if self._transport is not None and not self._transport.is_closing() and not self._is_paused:
+            self._transport.resume_reading()
 
     # ---------------------------------------------------------------- called in a tick
 
@@ -385,8 +436,11 @@ class Client(asyncio.BufferedProtocol):
                 # There is no peer any more. Before the connection is made, what is queued is still to be sent.
                 connection.take()
             return
+        messages = connection.take()
+        if not messages:
+            return
         is_sample = self._service.is_sample
-        for message in connection.take():
+        for message in messages:
             if transport.is_closing():
                 return
             # Up to `SAMPLE_BACKLOG` the transport does not pause writing.

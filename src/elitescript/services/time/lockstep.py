@@ -13,19 +13,27 @@ does time pass.
   `RtsiIOInterface` sends nothing unless a value was set) would stop time for ever.
 - While no client takes part, time passes as on the wall: power can be switched and programs loaded.
 - Everything else (dashboard, primary port, sockets of programs) goes on, measured in robot time.
+
+From a client's answer to its next package there is no turn of the event loop, unless the loop has something to do: the
+client that time waits for is read directly (`services.clients.direct`) while it answers within `DIRECT_MS`. Ticks in
+which nothing is due are leapt over, which gives the same as if they ran.
 """
 
 from __future__ import annotations
 
 import asyncio
+import time
 from collections.abc import Callable, Mapping
 from typing import Final, NamedTuple
 
 from elitescript.messages.timing import PERIOD_S
 from elitescript.protocol.rtsi.connection import RtsiConnection
+from elitescript.services.clients.direct import DirectReading
 from elitescript.services.clients.tcp import Client
 from elitescript.services.log import ServerLog
+from elitescript.services.time.cycle import LEAP_MAX_TICKS
 from elitescript.services.time.paced import PacedTime
+from elitescript.services.time.prompt import PromptFuture
 
 TIMEOUT_S: Final = 0.5
 """How long time waits for a client by default (*assumed*). The vendor's C++ client gives up its connection when it has
@@ -36,8 +44,10 @@ STEP_MAX_S: Final = 5 * PERIOD_S
 """What counts of the time between two looks at the clients: while this process was stopped no client could answer."""
 REPORT_S: Final = 10.0
 """Wall time within which the log names the same client once."""
-BUSY_STEPS: Final = 64
-"""Ticks after which the event loop serves all others."""
+DIRECT_MS: Final = 1
+"""How long the answer of a client is waited for with nothing else served but sockets."""
+TURN_S: Final = PERIOD_S / 2
+"""Wall time after which the event loop gets a turn in any case."""
 
 
 class Gate(NamedTuple):
@@ -96,16 +106,16 @@ class Lockstep:
         """Return whether time may go on now."""
         has_participants = False
         behind = ""
-        for client in self._clients.values():
+        for origin, client in self._clients.items():
             connection = client.connection
-            if not isinstance(connection, RtsiConnection) or not connection.is_streaming or client.is_leaving:
+            if client.is_leaving or not isinstance(connection, RtsiConnection):
                 continue
             if connection.answers:
                 has_participants = True
                 if client.owes_input:
-                    return Gate(False, True, client.origin)
-            if client.is_behind and client.origin not in self._passed:
-                behind = client.origin
+                    return Gate(False, True, origin)
+            if client.is_behind and connection.is_streaming and origin not in self._passed:
+                behind = origin
         if not has_participants:
             return _UNASKED
         return Gate(False, True, behind) if behind else _OPEN
@@ -183,26 +193,25 @@ class LockstepTime(PacedTime):
         log: takes the names of clients that are let go.
         on_left_out: see `PacedTime`.
         clients: of the RTSI port, by origin; read at every call.
-        step: runs a tick at once, if the robot is in this process; returns whether it is.
-        relieve: called once in a period while time may stand still, with the origin of the client that it waits for:
-            reads clients on.
+        complete: called before the event loop gets a turn: makes the snapshot of the last tick whole.
+        relieve: called once in a period of the wall clock, with the origin of the client that time waits for: reads
+            clients on.
         timeout_s: see `Lockstep`.
-
-    Attributes:
-        is_standing: whether time waits for a client.
     """
 
     __slots__ = (
-        "_failure",
+        "_clients",
+        "_complete",
+        "_direct",
         "_gate",
+        "_is_due",
         "_news",
+        "_passed",
         "_relief",
         "_relieve_clients",
         "_relieved_s",
-        "_step",
-        "_steps",
+        "_turn_s",
         "_waits_for",
-        "is_standing",
     )
 
     def __init__(
@@ -210,7 +219,7 @@ class LockstepTime(PacedTime):
         log: ServerLog,
         on_left_out: Callable[[int], None],
         clients: Mapping[str, Client],
-        step: Callable[[], bool],
+        complete: Callable[[], None],
         relieve: Callable[[str], None],
         timeout_s: float = TIMEOUT_S,
     ) -> None:
@@ -218,14 +227,20 @@ class LockstepTime(PacedTime):
         self._gate = Lockstep(
             clients, lambda text, origin: log.note("let_go", text, is_problem=True, origin=origin), timeout_s
         )
-        self._step = step
+        self._clients = clients
+        self._complete = complete
         self._relieve_clients = relieve
-        self._news = asyncio.Event()
-        self._failure: Exception | None = None
-        self._steps = 0
-        self._waits_for = ""
-        self.is_standing = False
+        self._news: PromptFuture | None = None
+        """Waits for a reason to look at the clients again."""
         loop = asyncio.get_running_loop()
+        self._direct = DirectReading()
+        self._turn_s = 0.0
+        """When it has had a turn last."""
+        self._is_due = False
+        """Whether the next tick is to run, whatever is due in it."""
+        self._passed = 0
+        """Ticks that went by on the wall since the last one, before a client took part."""
+        self._waits_for = ""
         self._relieved_s = loop.time()
         self._relief = loop.call_soon(self._relieve)
 
@@ -238,73 +253,97 @@ class LockstepTime(PacedTime):
     def waits_for(self) -> str:
         return self._waits_for
 
-    async def next(self, ticks: int | None = 1, *, has_outlet: bool = False) -> int:
+    @property
+    def passed(self) -> int:
+        return self._passed + self._cycle.passed
+
+    @property
+    def is_standing(self) -> bool:
+        """Whether time waits for a client, and the event loop goes on."""
+        return self._news is not None
+
+    async def next(self, ticks_on: Callable[[], int | None], *, has_outlet: bool) -> int:
         """Return when the next tick begins.
 
-        Args:
-            ticks: not used: no tick is leapt over.
-            has_outlet: not used: what a tick gives leaves at once.
+        While time goes by the clients, ticks are leapt over as soon as it may go on.
 
-        Raises:
-            Exception: what has ended the robot.
+        Args:
+            ticks_on: see `PacedTime.next`.
+            has_outlet: not used: what a tick gives leaves at once.
         """
+        self._is_due = False
+        had_turn = False
         while True:
             found = self._gate.gate()
             self._waits_for = found.waits_for
             if not found.has_participants:
-                await self._cycle.next()
+                self._direct.release()
+                gone_on = await self._cycle.next(1 if self._passed else ticks_on())
                 if not self._gate.gate().has_participants:
-                    return 1
+                    return self._go_on(gone_on)
+                # Time waits for the client that takes part now; what came before it has passed.
+                self._passed += gone_on - 1
                 continue
             self._cycle.restart()
-            if not found.is_open:
-                await self._stand()
-                continue
-            self._steps += 1
-            if self._steps % BUSY_STEPS == 0:
-                await asyncio.sleep(0)
-            return 1
+            if not had_turn and (self._direct.is_loop_due or time.monotonic() - self._turn_s >= TURN_S):
+                await self._turn()
+                had_turn = True
+            elif found.is_open:
+                return self._go_on(1 if self._is_due or self._passed else ticks_on())
+            else:
+                had_turn = False
+                if not self._direct.read(self._clients[found.waits_for], DIRECT_MS):
+                    await self._stand()
 
     def wake(self) -> None:
         """Look again whether time may go on: a client has sent something, has read, or goes."""
-        if not self.is_standing or self._failure is not None:
-            return
-        found = self._gate.gate()
-        if not found.is_open or not found.has_participants:
-            self._news.set()
-            return
-        # The shortest way from a client's answer to its next package: no turn of the event loop in between.
-        try:
-            is_done = self._step()
-        except Exception as error:
-            # Not a failure of the client that has called: what passes time ends with it.
-            self._failure = error
-            is_done = False
-        if is_done:
-            found = self._gate.gate()
-            self._waits_for = found.waits_for
-        if not is_done or found.is_open:
-            self._news.set()
+        self.make_due()
+        self._look_again()
+
+    def make_due(self) -> int:
+        self._is_due = True
+        return self._passed + self._cycle.make_due()
 
     def close(self) -> None:
         self._relief.cancel()
         super().close()
 
+    def _go_on(self, ticks: int | None) -> int:
+        """Return how many ticks on the next one is from the last that has run."""
+        passed, self._passed = self._passed, 0
+        return passed + min(ticks or LEAP_MAX_TICKS, LEAP_MAX_TICKS)
+
+    def _look_again(self) -> None:
+        """Look at the clients again, if that is waited for."""
+        if self._news is not None and not self._news.done():
+            self._news.set_result(None)
+
+    async def _turn(self) -> None:
+        """Let the event loop look for what has come, which is the first of its rounds, and hand it on."""
+        self._leave_direct()
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        self._turn_s = time.monotonic()
+
+    def _leave_direct(self) -> None:
+        """Prepare a turn of the event loop."""
+        self._complete()
+        self._direct.release()
+
     async def _stand(self) -> None:
         """Return when there is a reason to look at the clients again."""
-        self._news.clear()
-        self.is_standing = True
+        self._leave_direct()
+        self._news = PromptFuture()
         try:
-            await self._news.wait()
+            await self._news
         finally:
-            self.is_standing = False
-        if self._failure is not None:
-            raise self._failure
+            self._news = None
+        self._turn_s = time.monotonic()
 
     def _relieve(self) -> None:
         self._relieve_clients(self._waits_for)
         loop = asyncio.get_running_loop()
         before_s, self._relieved_s = self._relieved_s, loop.time()
         if self._gate.watch(self._log.tick, self._relieved_s - before_s):
-            self._news.set()
+            self._look_again()
         self._relief = loop.call_later(PERIOD_S, self._relieve)
