@@ -51,7 +51,10 @@ class FakeChild:
     made: list["FakeChild"]
 
     def __init__(self, on_message: Callable[[str, bytes], None], on_end: Callable[[str], None]) -> None:
-        self.say, self.end = on_message, on_end
+        self._on_message, self.end = on_message, on_end
+        self.is_watched = True
+        """Whether the event loop reads what it says."""
+        self.unread: list[tuple[str, bytes]] = []
         self.told: list[tuple[str, Any]] = []
         self.asked: list[int] = []
         """Parts of the snapshot that are read, tick by tick."""
@@ -66,6 +69,18 @@ class FakeChild:
         self.due = frames.NEVER
         self.processor_s: float | None = None
         type(self).made.append(self)
+
+    def watch(self, is_watched: bool) -> None:
+        self.is_watched = is_watched
+
+    def say(self, letter: str, text: bytes) -> None:
+        self.unread.append((letter, text))
+        if self.is_watched:
+            self.read()
+
+    def read(self) -> None:
+        while self.unread:
+            self._on_message(*self.unread.pop(0))
 
     def send(self, letter: str, text: str | bytes) -> None:
         parts = 0
@@ -198,6 +213,47 @@ class TestLink:
             await link.tick((), 0)
             assert (await link.tick((), 0)).tick == tick + 2
             assert link.due_tick is None
+
+        with_link(body, grace_s=IMPATIENT_S)
+
+    def test_reads_answers_when_outputs_leave_while_every_tick_runs(self, children):
+        async def body(link):
+            child = children[0]
+            await link.tick(())
+            seen = []
+
+            async def outlet() -> None:
+                seen.append((child.is_watched, len(child.unread)))
+
+            for _ in range(3):
+                assert (await link.tick((), 0, asks_due=False, outlet=outlet)).tick == link._next - 1
+            assert seen == [(False, 1)] * 3
+            # The end of a child that is leapt over ticks is seen at once.
+            await link.tick((), 0, outlet=outlet)
+            assert seen.pop() == (True, 0)
+            await link.tick((), 0, asks_due=False, outlet=outlet)
+            await link.tick((), 0)
+            assert child.is_watched
+
+        with_link(body, grace_s=IMPATIENT_S)
+
+    def test_a_child_whose_answer_was_late_is_watched_for_a_second(self, children):
+        async def body(link):
+            child = children[0]
+            await link.tick(())
+            watched = []
+
+            async def outlet() -> None:
+                watched.append(child.is_watched)
+
+            child.is_mute = True
+            await link.tick((), 0, asks_due=False, outlet=outlet)
+            assert child.is_watched
+            child.answer()
+            child.is_mute = False
+            for _ in range(252):
+                await link.tick((), 0, asks_due=False, outlet=outlet)
+            assert watched == [False] + [True] * 249 + [False] * 3
 
         with_link(body, grace_s=IMPATIENT_S)
 

@@ -11,7 +11,7 @@ output; joints, poses and forces in it may be older, if nothing was to read them
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from typing import Protocol
 
 from elitescript.kernel import Kernel
@@ -46,7 +46,13 @@ class RobotLink(Protocol):
         """Have a call made when a tick becomes due that `due_tick` has not announced."""
 
     async def tick(
-        self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None, *, asks_due: bool = True
+        self,
+        inputs: Sequence[Input],
+        parts: int = ALL_PARTS,
+        number: int | None = None,
+        *,
+        asks_due: bool = True,
+        outlet: Callable[[], Awaitable[None]] | None = None,
     ) -> Output:
         """Run one tick.
 
@@ -55,6 +61,7 @@ class RobotLink(Protocol):
             parts: of its snapshot that something reads, as bits of `messages.snapshot_parts`.
             number: of the tick, not later than `due_tick`; the one after the last if None.
             asks_due: whether `due_tick` is to be found out; if not, every tick is due.
+            outlet: awaited before the output is returned; it returns when the output is to leave.
         """
 
     async def close(self) -> None:
@@ -96,7 +103,13 @@ class InProcessLink:
         """Do nothing: a robot in this process does nothing by itself but what `due_tick` announces."""
 
     async def tick(
-        self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None, *, asks_due: bool = True
+        self,
+        inputs: Sequence[Input],
+        parts: int = ALL_PARTS,
+        number: int | None = None,
+        *,
+        asks_due: bool = True,
+        outlet: Callable[[], Awaitable[None]] | None = None,
     ) -> Output:
         robot = self.robot
         result, discrete_state = robot.tick(inputs, number), robot.discrete_state()
@@ -104,7 +117,10 @@ class InProcessLink:
             self._discrete_state = discrete_state
             self._parts = parts | TIME
             self._snapshot = robot.snapshot(self._parts)
-        return result.with_snapshot(self._snapshot, self._parts)
+        output = result.with_snapshot(self._snapshot, self._parts)
+        if outlet is not None:
+            await outlet()
+        return output
 
     def completed(self, output: Output) -> Output:
         """Return the output of the last tick with all parts of its snapshot."""

@@ -320,16 +320,16 @@ class RobotServer:
         """Let time pass; never returns."""
         while True:
             has_readers = self._has_readers
-            if (ticks := await time.next(self._ticks_on(), has_outlet=has_readers)) > 1:
+            if (ticks := await time.next(self._ticks_on, has_outlet=has_readers)) > 1:
                 self._pass_over(ticks - 1)
             lag = self._lag(time.lag_ticks)
             inputs = self._begin_tick()
             if lag:
                 inputs = [*lag, *inputs]
-            output = await self.link.tick(inputs, self._reads(), self._from_tick + 1, asks_due=self._asks_due)
-            if self._has_readers:
-                await time.outlet()
-            self._end_tick(output)
+            # In lockstep an output leaves as soon as it is there.
+            outlet = time.outlet if self._has_readers and not self._is_lockstep else None
+            number, parts = self._from_tick + 1, self._reads()
+            self._end_tick(await self.link.tick(inputs, parts, number, asks_due=self._asks_due, outlet=outlet))
 
     def _ticks_on(self) -> int | None:
         """Return how many ticks on the next one is that is due; None if there is none."""
@@ -451,7 +451,7 @@ class RobotServer:
         """Return the parts of the snapshot of the tick that begins now that anything reads, as bits."""
         if self._answered:
             return ALL_PARTS
-        tick = self.output.tick + 1
+        tick = self._from_tick + 1
         parts = 0 if self.devices is None else self.devices.reads(tick)
         for listener in self._by_urgency:
             if listener.clients:

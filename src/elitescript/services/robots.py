@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -146,10 +146,16 @@ class _RecordedLink(InProcessLink):
         self._journal = journal
 
     async def tick(
-        self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None, *, asks_due: bool = True
+        self,
+        inputs: Sequence[Input],
+        parts: int = ALL_PARTS,
+        number: int | None = None,
+        *,
+        asks_due: bool = True,
+        outlet: Callable[[], Awaitable[None]] | None = None,
     ) -> Output:
         # The digests of the journal cover the snapshot of every tick, so it is there already.
-        output = await super().tick(inputs, ALL_PARTS, number)
+        output = await super().tick(inputs, ALL_PARTS, number, asks_due=asks_due, outlet=outlet)
         warning = self._journal.take_warning(output.tick)
         return replace(output, events=(*output.events, *warning)) if warning else output
 

@@ -92,6 +92,7 @@ class RtsiConnection(Connection):
 
     __slots__ = (
         "_answers",
+        "_arrived",
         "_buffer",
         "_failure",
         "_first_tick",
@@ -112,6 +113,8 @@ class RtsiConnection(Connection):
         self._failure: ProtocolError | None = None
         self._outputs: list[OutputRecipe] = []
         self._inputs: list[InputRecipe] = []
+        self._arrived: list[VariablesArrived] = []
+        """The report of a package, by input recipe."""
         self._values: dict[str, WireValue] = {}
         self._is_started = False
         self._answers = 0
@@ -297,6 +300,7 @@ class RtsiConnection(Connection):
             return []
         recipe = InputRecipe(len(self._inputs) + 1, names)
         self._inputs.append(recipe)
+        self._arrived.append(VariablesArrived(self.origin, recipe.names))
         claims.claim(self.origin, names)
         self._reply("I", bytes([recipe.ident]) + ",".join(words).encode())
         return []
@@ -361,7 +365,7 @@ class RtsiConnection(Connection):
             self._report(name, text, output)
         if not self._is_started:
             self._first_tick = output.tick + 1
-        inputs.append(VariablesArrived(self.origin, recipe.names))
+        inputs.append(self._arrived[ident - 1])
         return inputs
 
 

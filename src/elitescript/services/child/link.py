@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from typing import Final
 
 from elitescript.errors import ElitescriptError, UsageError
@@ -21,6 +21,7 @@ from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output, TickResult
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.snapshot_parts import ALL_PARTS
+from elitescript.messages.timing import TICKS_PER_S
 from elitescript.records import replace
 from elitescript.runtime.environment import Files, FilesRefused
 from elitescript.services.child.buffers import BEHIND_TICKS, WAITING_MAX, OutputBuffer, PendingInputs, room_for
@@ -96,6 +97,7 @@ class ChildLink:
         "_supervision",
         "_transport",
         "_until_s",
+        "_watched_until",
         "layers",
     )
 
@@ -131,6 +133,8 @@ class ChildLink:
         self._is_over: Callable[[], bool] = lambda: True
         """Whether it has come."""
         self._until_s = 0.0
+        self._watched_until = 0
+        """Up to this tick the event loop looks for each answer: some came later than outputs leave."""
         self._alarm: asyncio.TimerHandle | None = None
         self._is_catching_up = False
         self._lost: Sequence[Input] = ()
@@ -205,7 +209,13 @@ class ChildLink:
         self._on_due = on_due
 
     async def tick(
-        self, inputs: Sequence[Input], parts: int = ALL_PARTS, number: int | None = None, *, asks_due: bool = True
+        self,
+        inputs: Sequence[Input],
+        parts: int = ALL_PARTS,
+        number: int | None = None,
+        *,
+        asks_due: bool = True,
+        outlet: Callable[[], Awaitable[None]] | None = None,
     ) -> Output:
         """Give the robot its inputs and return what it has given by now; see `RobotLink.tick`.
 
@@ -219,6 +229,9 @@ class ChildLink:
         if self._transport is None and self._supervision.may_start(tick):
             self._start_again(tick)
         if (transport := self._transport) is not None:
+            # Where every tick runs, nearly all answers have come when outputs leave: the loop need not wake for them.
+            is_prompt = not transport.unanswered and tick >= self._watched_until
+            transport.process.watch(outlet is None or asks_due or not is_prompt)
             if len(transport.unanswered) >= LAG_MAX:
                 await self._let_catch_up(transport)
             else:
@@ -227,6 +240,13 @@ class ChildLink:
                 if not transport.is_begun:
                     self._go_on(transport, tick)
                 self._send_tick(transport, tick, parts, asks_due=asks_due)
+        if outlet is not None:
+            await outlet()
+            if transport is not None:
+                transport.process.read()
+                if transport.unanswered:
+                    self._watched_until = tick + TICKS_PER_S
+                    transport.process.watch(True)
         await self._wait_for_output(tick)
         self._watch(tick)
         if self._outputs.newest is None:

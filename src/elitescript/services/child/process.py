@@ -55,6 +55,7 @@ class ChildProcess:
     __slots__ = (
         "_backlog",
         "_is_over",
+        "_is_watched",
         "_log",
         "_log_fd",
         "_loop",
@@ -94,7 +95,8 @@ class ChildProcess:
         assert self._process.stdout is not None
         self._log_fd = self._process.stdout.fileno()
         os.set_blocking(self._log_fd, False)
-        self._loop.add_reader(self._socket, self._readable)
+        self._is_watched = False
+        self.watch(True)
         self._loop.add_reader(self._log_fd, self._log_readable)
 
     @property
@@ -106,6 +108,15 @@ class ChildProcess:
     def log(self) -> str:
         """The end of what it has written to its output."""
         return self._log.decode("utf-8", "replace")
+
+    def watch(self, is_watched: bool) -> None:
+        """Have the event loop read what it sends, or leave that to `read`."""
+        if is_watched != self._is_watched and not self._is_over:
+            self._is_watched = is_watched
+            if is_watched:
+                self._loop.add_reader(self._socket, self.read)
+            else:
+                self._loop.remove_reader(self._socket)
 
     def send(self, letter: str, content: str | bytes) -> None:
         """Send a message; never waits."""
@@ -169,7 +180,10 @@ class ChildProcess:
 
     # ---------------------------------------------------------------- inner
 
-    def _readable(self) -> None:
+    def read(self) -> None:
+        """Read what it has sent; never waits."""
+        if self._is_over:
+            return
         try:
             data = self._socket.recv(READ_BYTES)
         except BlockingIOError:

@@ -92,6 +92,7 @@ class Client(asyncio.BufferedProtocol):
     __slots__ = (
         "_buffer",
         "_deadline",
+        "_descriptor",
         "_first_bytes",
         "_forget",
         "_hub",
@@ -132,6 +133,8 @@ class Client(asyncio.BufferedProtocol):
         self._size = READ_MAX
         self._ns_per_byte = NS_PER_BYTE
         self._transport: asyncio.Transport | None = None
+        self._descriptor = -1
+        """Of the socket, while it is held."""
         self._left: socket.socket | None = None
         """What is to be read of a connection that broke."""
         self._is_light = True
@@ -205,8 +208,8 @@ class Client(asyncio.BufferedProtocol):
             return None
         if inputs:
             connection.posted(hub.post(inputs))
-            if self.owes_input and any(isinstance(item, VariablesArrived) for item in inputs):
-                self.owes_input = False
+            if self.owes_input:
+                self.owes_input = VariablesArrived not in map(type, inputs)
         self._write()
         return len(inputs)
 
@@ -280,8 +283,8 @@ class Client(asyncio.BufferedProtocol):
         if transport is None or self._deadline is not None or not transport.is_reading():
             return -1
         transport.pause_reading()
-        descriptor: int = transport.get_extra_info("socket").fileno()
-        return descriptor
+        self._descriptor = transport.get_extra_info("socket").fileno()
+        return self._descriptor
 
     def read_held(self) -> bool:
         """Read the socket once; return False if that is a matter of the event loop: an end, an error, a closed client.
@@ -292,7 +295,7 @@ class Client(asyncio.BufferedProtocol):
         if transport is None or transport.is_closing() or self._is_paused:
             return False
         try:
-            size = os.readv(transport.get_extra_info("socket").fileno(), [self.get_buffer(-1)])
+            size = os.readv(self._descriptor, [self._buffer])
         except OSError:
             # Nothing that had arrived is lost by that.
             self.abort()
@@ -433,8 +436,11 @@ class Client(asyncio.BufferedProtocol):
                 # There is no peer any more. Before the connection is made, what is queued is still to be sent.
                 connection.take()
             return
+        messages = connection.take()
+        if not messages:
+            return
         is_sample = self._service.is_sample
-        for message in connection.take():
+        for message in messages:
             if transport.is_closing():
                 return
             # Up to `SAMPLE_BACKLOG` the transport does not pause writing.

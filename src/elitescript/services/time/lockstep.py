@@ -15,7 +15,8 @@ does time pass.
 - Everything else (dashboard, primary port, sockets of programs) goes on, measured in robot time.
 
 From a client's answer to its next package there is no turn of the event loop, unless the loop has something to do: the
-client that time waits for is read directly (`services.clients.direct`) while it answers within `DIRECT_MS`.
+client that time waits for is read directly (`services.clients.direct`) while it answers within `DIRECT_MS`. Ticks in
+which nothing is due are leapt over, which gives the same as if they ran.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ from elitescript.services.clients.tcp import Client
 from elitescript.services.log import ServerLog
 from elitescript.services.time.cycle import LEAP_MAX_TICKS
 from elitescript.services.time.paced import PacedTime
+from elitescript.services.time.prompt import PromptFuture
 
 TIMEOUT_S: Final = 0.5
 """How long time waits for a client by default (*assumed*). The vendor's C++ client gives up its connection when it has
@@ -193,12 +195,9 @@ class LockstepTime(PacedTime):
         on_left_out: see `PacedTime`.
         clients: of the RTSI port, by origin; read at every call.
         complete: called before the event loop gets a turn: makes the snapshot of the last tick whole.
-        relieve: called once in a period while time may stand still, with the origin of the client that it waits for:
-            reads clients on.
+        relieve: called once in a period of the wall clock, with the origin of the client that time waits for: reads
+            clients on.
         timeout_s: see `Lockstep`.
-
-    Attributes:
-        is_standing: whether time waits for a client.
     """
 
     __slots__ = (
@@ -206,7 +205,7 @@ class LockstepTime(PacedTime):
         "_complete",
         "_direct",
         "_gate",
-        "_leap",
+        "_is_due",
         "_news",
         "_passed",
         "_relief",
@@ -214,7 +213,6 @@ class LockstepTime(PacedTime):
         "_relieved_s",
         "_turn_s",
         "_waits_for",
-        "is_standing",
     )
 
     def __init__(
@@ -233,17 +231,17 @@ class LockstepTime(PacedTime):
         self._clients = clients
         self._complete = complete
         self._relieve_clients = relieve
-        self._news = asyncio.Event()
+        self._news: PromptFuture | None = None
+        """Waits for a reason to look at the clients again."""
         loop = asyncio.get_running_loop()
         self._direct = DirectReading()
         self._turn_s = 0.0
         """When it has had a turn last."""
-        self._leap = 1
-        """How many ticks on the next one is that is due, if time goes by the clients."""
+        self._is_due = False
+        """Whether the next tick is to run, whatever is due in it."""
         self._passed = 0
         """Ticks that went by on the wall since the last one, before a client took part."""
         self._waits_for = ""
-        self.is_standing = False
         self._relieved_s = loop.time()
         self._relief = loop.call_soon(self._relieve)
 
@@ -260,61 +258,66 @@ class LockstepTime(PacedTime):
     def passed(self) -> int:
         return self._passed + self._cycle.passed
 
-    async def next(self, ticks: int | None = 1, *, has_outlet: bool = False) -> int:
+    @property
+    def is_standing(self) -> bool:
+        """Whether time waits for a client, and the event loop goes on."""
+        return self._news is not None
+
+    async def next(self, ticks_on: Callable[[], int | None], *, has_outlet: bool) -> int:
         """Return when the next tick begins.
 
         While time goes by the clients, ticks are leapt over as soon as it may go on.
 
         Args:
-            ticks: how many ticks on the next one is that is due; None if there is none.
+            ticks_on: see `PacedTime.next`.
             has_outlet: not used: what a tick gives leaves at once.
-
-        Returns:
-            How many ticks on the one is that begins; see `Cycle.next`.
         """
-        self._leap = LEAP_MAX_TICKS if ticks is None else min(ticks, LEAP_MAX_TICKS)
+        self._is_due = False
         had_turn = False
         while True:
             found = self._gate.gate()
             self._waits_for = found.waits_for
             if not found.has_participants:
                 self._direct.release()
-                gone_on = await self._cycle.next(self._leap)
-                self._passed, self._leap = self._passed + gone_on - 1, 1
+                gone_on = await self._cycle.next(1 if self._passed else ticks_on())
                 if not self._gate.gate().has_participants:
-                    return self._go_on()
+                    return self._go_on(gone_on)
+                # Time waits for the client that takes part now; what came before it has passed.
+                self._passed += gone_on - 1
                 continue
             self._cycle.restart()
             if not had_turn and (self._direct.is_loop_due or time.monotonic() - self._turn_s >= TURN_S):
                 await self._turn()
                 had_turn = True
-                continue
-            if found.is_open:
-                return self._go_on()
-            had_turn = False
-            if not self._direct.read(self._clients[found.waits_for], DIRECT_MS):
-                await self._stand()
-
-    def make_due(self) -> int:
-        self._leap = 1
-        return self._passed + self._cycle.make_due()
-
-    def _go_on(self) -> int:
-        """Return how many ticks on the next one is."""
-        passed, self._passed = self._passed, 0
-        return passed + self._leap
-
-    async def outlet(self) -> None:
-        """Return at once: an output leaves as soon as it is there."""
+            elif found.is_open:
+                return self._go_on(1 if self._is_due or self._passed else ticks_on())
+            else:
+                had_turn = False
+                if not self._direct.read(self._clients[found.waits_for], DIRECT_MS):
+                    await self._stand()
 
     def wake(self) -> None:
         """Look again whether time may go on: a client has sent something, has read, or goes."""
         self.make_due()
-        self._news.set()
+        self._look_again()
+
+    def make_due(self) -> int:
+        self._is_due = True
+        return self._passed + self._cycle.make_due()
 
     def close(self) -> None:
         self._relief.cancel()
         super().close()
+
+    def _go_on(self, ticks: int | None) -> int:
+        """Return how many ticks on the next one is from the last that has run."""
+        passed, self._passed = self._passed, 0
+        return passed + min(ticks or LEAP_MAX_TICKS, LEAP_MAX_TICKS)
+
+    def _look_again(self) -> None:
+        """Look at the clients again, if that is waited for."""
+        if self._news is not None and not self._news.done():
+            self._news.set_result(None)
 
     async def _turn(self) -> None:
         """Let the event loop look for what has come, which is the first of its rounds, and hand it on."""
@@ -331,12 +334,11 @@ class LockstepTime(PacedTime):
     async def _stand(self) -> None:
         """Return when there is a reason to look at the clients again."""
         self._leave_direct()
-        self._news.clear()
-        self.is_standing = True
+        self._news = PromptFuture()
         try:
-            await self._news.wait()
+            await self._news
         finally:
-            self.is_standing = False
+            self._news = None
         self._turn_s = time.monotonic()
 
     def _relieve(self) -> None:
@@ -344,5 +346,5 @@ class LockstepTime(PacedTime):
         loop = asyncio.get_running_loop()
         before_s, self._relieved_s = self._relieved_s, loop.time()
         if self._gate.watch(self._log.tick, self._relieved_s - before_s):
-            self._news.set()
+            self._look_again()
         self._relief = loop.call_later(PERIOD_S, self._relieve)

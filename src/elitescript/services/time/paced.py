@@ -56,12 +56,17 @@ class PacedTime:
         """How many of the ticks that are being leapt over have gone by; see `Cycle.passed`."""
         return self._cycle.passed
 
-    async def next(self, ticks: int | None = 1, *, has_outlet: bool = False) -> int:
-        """Return when the next tick begins; see `Cycle.next`."""
+    async def next(self, ticks_on: Callable[[], int | None], *, has_outlet: bool) -> int:
+        """Return when the next tick begins; see `Cycle.next`.
+
+        Args:
+            ticks_on: returns how many ticks on the next one is that is due; None if there is none.
+            has_outlet: whether what ticks give leaves at `outlet`.
+        """
         if self._ticks >= REPORT_TICKS:
             self._report(self._cycle.overruns - self._overruns_before)
             self._ticks, self._overruns_before = 0, self._cycle.overruns
-        gone_on = await self._cycle.next(ticks, has_outlet=has_outlet)
+        gone_on = await self._cycle.next(ticks_on(), has_outlet=has_outlet)
         self._ticks += gone_on
         return gone_on
 
