@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import struct
 from collections.abc import Coroutine, Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any, cast
 import pytest
 
 from elitescript.environment.memory import MemoryFiles
+from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.enums import TaskState
 from elitescript.messages.inputs import Input
@@ -287,7 +289,7 @@ class CountedKernel(Kernel):
     """A robot that notes the ticks that run, and what they are given."""
 
     def __init__(self, options: RobotOptions) -> None:
-        super().__init__(options)
+        super().__init__(options, RequestEnvironment(MemoryFiles({})))
         self.ran: list[int] = []
         self.heard: list[tuple[int, Input]] = []
 
@@ -430,6 +432,48 @@ def test_what_another_client_asks_while_time_stands_is_done_in_the_next_tick() -
             assert await partner.take() == begin + 50
             asked = {tick for tick, item in robot.heard if item.origin.startswith("dashboard")}
             assert asked == {begin + 1}
+
+    run(test())
+
+
+def test_who_comes_while_time_stands_gets_all_of_the_last_tick_at_once() -> None:
+    async def test() -> None:
+        async with serving(CountedKernel(RobotOptions(power_on=True)), is_lockstep=True) as scene:
+            _, begin = await Partner.join(scene)
+            assert not scene.server.listeners["primary"].clients
+            newcomer = await Partner.connect(scene, "input_int_register1", outputs=("actual_TCP_pose", "timestamp"))
+            assert await newcomer.take() == begin
+            assert newcomer.values[-8:] == struct.pack(">d", begin * 0.004)
+            assert scene.server.output.tick == begin
+
+    run(test())
+
+
+def test_no_tick_is_leapt_over_while_a_program_has_a_connection() -> None:
+    async def test() -> None:
+        has_ended = asyncio.Event()
+
+        async def keep(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+            await reader.read()
+            writer.close()
+            has_ended.set()
+
+        peer = await asyncio.start_server(keep, "127.0.0.1", 0)
+        port = peer.sockets[0].getsockname()[1]
+        robot = CountedKernel(RobotOptions(power_on=True, remote=True))
+        async with serving(robot, is_lockstep=True) as scene:
+            primary = await scene.connect("primary")
+            primary.send(f'def talk():\n  socket_open("127.0.0.1", {port})\n  sleep(1000)\nend\n'.encode())
+            await scene.until(lambda: scene.server.broker.count)
+            primary.reset()
+            partner, begin = await Partner.join(scene, frequency_hz=25.0)
+            robot.ran.clear()
+            for _ in range(5):
+                partner.answer()
+                await partner.take()
+            assert robot.ran == list(range(begin + 1, begin + 51))
+        await has_ended.wait()
+        peer.close()
 
     run(test())
 

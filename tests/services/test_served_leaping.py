@@ -137,7 +137,7 @@ def test_each_output_is_given_to_followers(monkeypatch: pytest.MonkeyPatch) -> N
     play(monkeypatch, body)
 
 
-def test_lockstep_without_clients_leaps_too(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_in_lockstep_time_that_goes_by_the_wall_leaps_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
     async def body(moment: Moment) -> None:
         await moment.at(20.5)
         assert moment.ran() == [0]

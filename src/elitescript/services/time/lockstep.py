@@ -205,7 +205,6 @@ class LockstepTime(PacedTime):
         "_complete",
         "_direct",
         "_gate",
-        "_is_due",
         "_news",
         "_passed",
         "_relief",
@@ -237,8 +236,6 @@ class LockstepTime(PacedTime):
         self._direct = DirectReading()
         self._turn_s = 0.0
         """When it has had a turn last."""
-        self._is_due = False
-        """Whether the next tick is to run, whatever is due in it."""
         self._passed = 0
         """Ticks that went by on the wall since the last one, before a client took part."""
         self._waits_for = ""
@@ -272,7 +269,6 @@ class LockstepTime(PacedTime):
             ticks_on: see `PacedTime.next`.
             has_outlet: not used: what a tick gives leaves at once.
         """
-        self._is_due = False
         had_turn = False
         while True:
             found = self._gate.gate()
@@ -290,7 +286,7 @@ class LockstepTime(PacedTime):
                 await self._turn()
                 had_turn = True
             elif found.is_open:
-                return self._go_on(1 if self._is_due or self._passed else ticks_on())
+                return self._go_on(1 if self._passed else ticks_on())
             else:
                 had_turn = False
                 if not self._direct.read(self._clients[found.waits_for], DIRECT_MS):
@@ -302,7 +298,7 @@ class LockstepTime(PacedTime):
         self._look_again()
 
     def make_due(self) -> int:
-        self._is_due = True
+        # While time goes by the clients, what is due is found when it goes on.
         return self._passed + self._cycle.make_due()
 
     def close(self) -> None:
