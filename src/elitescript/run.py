@@ -169,8 +169,8 @@ class Run:
         """Whether another process gives the same bytes.
 
         Always if the program cannot show the order of a set, gets none as a preset, and nothing in Python is beside the
-        robot. Else that needs a fixed seed of Python's string hashing: without it, what depends on the order of a set of
-        strings can differ.
+        robot. Else that needs a fixed seed of Python's string hashing: without it, what depends on the order of a set
+        of strings can differ.
         """
         if self.is_alone and not self.unit.shows_hash_order:
             return True

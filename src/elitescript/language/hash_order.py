@@ -20,7 +20,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterable
-from typing import Final
+from typing import Any, Final
 
 from elitescript.language.nodes import Census
 
@@ -61,17 +61,18 @@ def shows_hash_order(census: Census) -> bool:
 
 
 def may_hold_set(values: Iterable[object]) -> bool:
-    """Return whether one of these values is not certainly free of sets: plain ones, and lists, tuples, dicts of them."""
-    pending, seen = list(values), set()
+    """Return whether there may be a set in these values: in all but plain ones and lists, tuples and dicts of them."""
+    pending: list[Any] = list(values)
+    seen = set()
     while pending:
         value = pending.pop()
         kind = type(value)
         if kind in _PLAIN or id(value) in seen:
             continue
         if kind is dict:
-            pending += [*value, *value.values()]  # type: ignore[attr-defined]
+            pending += [*value, *value.values()]
         elif kind is list or kind is tuple:
-            pending += value  # type: ignore[call-overload]
+            pending += value
         else:
             return True
         seen.add(id(value))
