@@ -350,7 +350,7 @@ class VirtualRobot:
         self._leave_published_tick()
         self._globals = None
         run = Run(unit, self.tick)
-        run.is_alone = self._outside.is_alone and not may_hold_set(values.values())
+        run.is_alone = self._outside.is_alone and self._clients is None and not may_hold_set(values.values())
         run.look = lambda: self._look(run)
         if self.controller.task_state is TaskState.STOPPED:
             self._run = run
@@ -376,6 +376,8 @@ class VirtualRobot:
             ProgramError: the text does not compile.
         """
         unit = compile_unit(SourceFile("<secondary>", program), Options(strict=self.options.strict, kind="secondary"))
+        if self._run is not None and unit.shows_hash_order:
+            self._run.is_alone = False
         self._host.start_secondary(unit)
 
     def advance(self, duration_s: float, *, pace: Pace | None = None) -> None:
@@ -415,6 +417,8 @@ class VirtualRobot:
             from elitescript.kernel.clients import Clients
 
             self._clients = Clients(self._kernel)
+            if self._run is not None:
+                self._run.is_alone = False
         return self._clients.connect(port, self._step)
 
     def _step(self) -> None:

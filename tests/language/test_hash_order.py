@@ -108,6 +108,26 @@ def test_a_run_that_begins_with_a_set_is_reproducible_with_a_fixed_seed_alone(mo
     assert VirtualRobot().run(text, presets={"x": [{"a"}]}).is_reproducible is is_fixed
 
 
+def test_a_run_beside_clients_or_secondary_programs_with_sets_needs_a_fixed_seed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from elitescript import VirtualRobot
+
+    monkeypatch.setenv("PYTHONHASHSEED", "random")
+    is_fixed = not sys.flags.hash_randomization
+    for text, expected in (("textmsg(1)", True), ("textmsg({'a', 'b'})", is_fixed)):
+        robot = VirtualRobot()
+        run = robot.start("def p():\n  sleep(1)\nend\n")
+        robot.submit_secondary(f"sec s():\n  {text}\nend\n")
+        robot.advance(2.0)
+        assert run.log != [] and run.is_reproducible is expected
+    robot = VirtualRobot()
+    before = robot.start("def p():\n  sleep(1)\nend\n")
+    robot.connect("interpreter")
+    robot.advance(2.0)
+    assert before.is_reproducible is robot.run("textmsg(1)\n").is_reproducible is is_fixed
+
+
 def test_syntax_that_is_not_known_may() -> None:
     assert shows_hash_order(Census(ast.parse("async def f(): pass")))
 
