@@ -183,6 +183,41 @@ def test_methods_of_the_class_itself_stay():
     assert (repr(Own(12)), Own(12) == Own(2), hash(Own(12))) == ("<12>", True, 2)
 
 
+def test_a_record_with_its_own_equality_has_a_hash_as_a_dataclass_has():
+    @record
+    class Ours:
+        x: int
+
+        def __eq__(self, other: object) -> bool:
+            return True
+
+    @record
+    class Unhashable:
+        x: int
+        __hash__ = None
+
+    assert hash(Ours(1)) == hash((1,))
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(Unhashable(1))
+
+
+def test_a_field_that_no_constructor_takes_has_its_default():
+    @record
+    class Ours:
+        x: int
+        y: int = field(default=3, init=False)
+
+    assert (Ours(1).y, repr(Ours(1)).partition("(")[2]) == (3, "x=1, y=3)")
+
+
+def test_methods_are_written_although_the_module_is_gone(monkeypatch):
+    module = type(sys)("gone")
+    module.__dict__["record"] = record
+    exec("from __future__ import annotations\n@record\nclass Ours:\n  x: int\n", module.__dict__)
+    monkeypatch.delitem(sys.modules, "gone", raising=False)
+    assert module.Ours(1) == module.Ours(1) != module.Ours(2)
+
+
 def test_a_record_without_fields_is_equal_to_another_one():
     assert Nothing() == Nothing() and hash(Nothing()) == hash(()) and repr(Nothing()) == "Nothing()"
 
@@ -300,6 +335,30 @@ class TestNamedTuples:
         match Row("a", 7):
             case Row(name, size):
                 assert (name, size) == ("a", 7)
+
+    def test_what_would_lose_bases_or_fields_is_refused(self):
+        with pytest.raises(TypeError, match="Kind: a named tuple has annotated fields and no other base"):
+
+            class Kind(NamedTuple, Own):
+                x: int
+
+        with pytest.raises(TypeError, match="Real: a named tuple has annotated fields"):
+            exec(compile("class Real(NamedTuple):\n  x: int", "m", "exec", dont_inherit=True), dict(globals()))
+
+    def test_fields_can_be_read_without_the_getter_of_cpython(self):
+        program = """
+from __future__ import annotations
+import collections, sys
+sys.modules["_collections"] = None
+from elitescript.records import NamedTuple
+class Row(NamedTuple):
+    x: int
+    y: int = 2
+print(Row(1).x, Row(1).y, Row.x.__get__(Row(5)))
+"""
+        command, environment = [sys.executable, "-c", program], {"PYTHONPATH": str(ROOT / "src")}
+        done = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
+        assert done.stdout == "1 2 5\n", done.stderr
 
     def test_the_constructor_is_written_at_the_first_call(self, monkeypatch):
         made = []

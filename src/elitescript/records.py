@@ -10,8 +10,17 @@ in the same way. Why: decision record 0014.
 from __future__ import annotations
 
 import sys
-from _collections import _tuplegetter  # type: ignore[import-not-found]
 from reprlib import recursive_repr
+
+try:
+    from _collections import _tuplegetter  # type: ignore[import-not-found]
+except ImportError:
+    # As in `collections`: only CPython has it.
+    from operator import itemgetter
+
+    def _tuplegetter(index: int, doc: str) -> property:
+        return property(itemgetter(index), doc=doc)
+
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -39,10 +48,12 @@ else:
         return type(original)(**changes)
 
     class _Rows(type):
-        """Makes the class of a `class Row(NamedTuple)`."""
+        """Makes the class of a `class Row(NamedTuple)`, in a module with `from __future__ import annotations`."""
 
         def __new__(cls, name, bases, namespace):
             fields = namespace.get("__annotations__", {})
+            if len(bases) != 1 or not fields or not all(isinstance(text, str) for text in fields.values()):
+                raise TypeError(f"{name}: a named tuple has annotated fields and no other base")
             names = tuple(fields)
             defaults = {field: namespace.pop(field) for field in names if field in namespace}
             late = _Late("__new__", _new)
@@ -136,6 +147,9 @@ def record(kind: Kind) -> Kind:
         inherited.update(base.__dict__.get("__record_fields__", ()))
     fields = inherited | own
     left_out = {*own, *_OF_CLASSES_WITHOUT_SLOTS}
+    if kind.__dict__.get("__hash__", MISSING) is None and "__eq__" in kind.__dict__:
+        # It was taken away by Python, since the class has an `__eq__` of its own.
+        left_out.add("__hash__")
     namespace = {name: value for name, value in kind.__dict__.items() if name not in left_out}
     late = [_Late(name, make) for name, make in _LATE.items() if name not in namespace]
     namespace = {**_COMMON, **{method.name: method for method in late}, **namespace}
@@ -191,16 +205,19 @@ def _init(kind: type) -> Any:
         # Slots are set past `__setattr__`, which refuses; through their descriptors, which takes least time.
         values[f"set_{name}"] = getattr(kind, name).__set__
         given = name
+        if field.default is not MISSING:
+            values[f"default_{name}"] = field.default
         if field.default_factory is not MISSING:
             values[f"make_{name}"], values["FACTORY"] = field.default_factory, _FACTORY
             given = f"make_{name}() if {name} is FACTORY else {name}" if field.init else f"make_{name}()"
         if field.init:
             annotations[name] = field.type
             if field.default is not MISSING:
-                values[f"default_{name}"] = field.default
                 parameters.append(f"{name}=default_{name}")
             else:
                 parameters.append(name if field.default_factory is MISSING else f"{name}=FACTORY")
+        elif field.default is not MISSING:
+            given = f"default_{name}"
         elif field.default_factory is MISSING:
             # `__post_init__` sets it.
             continue
@@ -232,7 +249,8 @@ def _written(kind: type, name: str, parameters: str, lines: list[str], values: d
     body = "".join(f"\n  {line}" for line in lines)
     text = f"def written({', '.join(values)}):\n def {name}({parameters}):{body}\n return {name}"
     namespace: dict[str, Any] = {}
-    exec(text, sys.modules[kind.__module__].__dict__, namespace)
+    # A method may be needed when the module is gone: at the end of the process, or after a test that loads it anew.
+    exec(text, getattr(sys.modules.get(kind.__module__), "__dict__", {}), namespace)
     function = namespace["written"](**values)
     function.__qualname__ = f"{kind.__qualname__}.{name}"
     return function

@@ -29,6 +29,7 @@ from elitescript.kernel.kernel import Kernel
 from elitescript.kernel.option_signature import takes_options
 from elitescript.kernel.options import DEFAULTS, IN_VIRTUAL_TIME, check_keywords, robot_options
 from elitescript.language.compiler import CompiledUnit, compile_task, compile_unit
+from elitescript.language.hash_order import may_hold_set
 from elitescript.language.options import SECONDARY, Options
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.enums import TaskState
@@ -349,7 +350,7 @@ class VirtualRobot:
         self._leave_published_tick()
         self._globals = None
         run = Run(unit, self.tick)
-        run.is_alone = self._outside.is_alone
+        run.is_alone = self._outside.is_alone and not may_hold_set(values.values())
         run.look = lambda: self._look(run)
         if self.controller.task_state is TaskState.STOPPED:
             self._run = run

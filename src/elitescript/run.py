@@ -97,7 +97,7 @@ class Run:
         self.threads: tuple[Any, ...] = ()
         self.is_paced = False
         self.is_alone = False
-        """Whether nothing that is written in Python is beside the robot."""
+        """Whether nothing that is written in Python is beside the robot, nor a set in its globals at the start."""
 
     @property
     def time_s(self) -> float:
@@ -168,12 +168,14 @@ class Run:
     def is_reproducible(self) -> bool:
         """Whether another process gives the same bytes.
 
-        Always if the program cannot show the order of a set, and nothing in Python is beside the robot. Else that needs
-        a fixed seed of Python's string hashing: without it, what depends on the order of a set of strings can differ.
+        Always if the program cannot show the order of a set, gets none as a preset, and nothing in Python is beside the
+        robot. Else that needs a fixed seed of Python's string hashing: without it, what depends on the order of a set of
+        strings can differ.
         """
         if self.is_alone and not self.unit.shows_hash_order:
             return True
-        return not sys.flags.hash_randomization or os.environ.get("PYTHONHASHSEED", "random") != "random"
+        seed = "" if sys.flags.ignore_environment else os.environ.get("PYTHONHASHSEED", "")
+        return not sys.flags.hash_randomization or seed not in ("", "random")
 
     def check(self) -> Run:
         """Return the run itself.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import subprocess
 import sys
@@ -72,6 +73,21 @@ class Silent(ModbusDevice):
 """
 
 
+@pytest.mark.parametrize("is_on", [True, False])
+def test_a_call_in_the_process_of_somebody_else_leaves_its_garbage_collection_alone(
+    is_on: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "p.script").write_text("x = 1\n")
+    before = gc.isenabled()
+    try:
+        (gc.enable if is_on else gc.disable)()
+        frozen = gc.get_freeze_count()
+        assert main(["check", str(tmp_path / "p.script")]) == 0
+        assert (gc.isenabled(), gc.get_freeze_count()) == (is_on, frozen)
+    finally:
+        (gc.enable if before else gc.disable)()
+
+
 class TestTheEndOfTheProcess:
     """It ends without taking the interpreter apart, and nothing is lost."""
 
@@ -96,6 +112,30 @@ class TestTheEndOfTheProcess:
     def test_threads_are_waited_for(self, tmp_path: Path) -> None:
         before = "import threading, time; threading.Timer(0.3, print, ['late']).start()"
         assert self.ended(tmp_path, before, "check", "p.script").stdout == "late\n"
+
+    @pytest.mark.parametrize(
+        ("options", "expected"),
+        [
+            (["-m", "cProfile", "-m", "elitescript"], "function calls"),
+            (["-m", "profile", "-m", "elitescript"], "function calls"),
+            (["-m", "trace", "--count", "--summary", "-C", ".", "--module", "elitescript"], "lines"),
+            (["-i", "-m", "elitescript"], "prompt"),
+        ],
+    )
+    def test_what_python_does_afterwards_is_done(self, options: list[str], expected: str, tmp_path: Path) -> None:
+        (tmp_path / "p.script").write_text("x = 1\n")
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+        command = [sys.executable, *options, "check", "p.script"]
+        done = subprocess.run(
+            command,
+            cwd=tmp_path,
+            env=environment,
+            input="print('prompt')\n",
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert expected in done.stdout
 
     def test_files_of_a_device_are_flushed(self, tmp_path: Path) -> None:
         (tmp_path / "device.py").write_text(DEVICE)

@@ -275,8 +275,10 @@ def test_the_process_gives_the_same_bytes_for_every_hash_seed(program):
         ("def a():\n  textmsg({'a'})\nend\n", "0", (), 1),
         ("def a():\n  textmsg('a')\nend\n", "1", ("--world", "cell.toml"), 2),
         ("def a():\n  textmsg('a'\nend\n", "1", (), 1),
+        ("def a():\n  global x\nend\n", "1", ("--set", "x={'a': 1}"), 1),
+        ("def a():\n  global x\nend\n", "1", ("--set", "x=[{'a'}]"), 2),
     ],
-    ids=["no set", "a set", "a set and a fixed seed", "a world", "a mistake"],
+    ids=["no set", "a set", "a set and a fixed seed", "a world", "a mistake", "a dict outside", "a set outside"],
 )
 def test_python_starts_again_only_if_the_order_of_a_set_can_show(text, seed, words, starts, program, tmp_path):
     (tmp_path / "cell.toml").write_text("[robot]\nseed = 1\n")
@@ -287,6 +289,40 @@ def test_python_starts_again_only_if_the_order_of_a_set_can_show(text, seed, wor
     done = subprocess.run(command, env=environment, capture_output=True, check=False, cwd=tmp_path)
     assert b"reproducible" not in done.stdout
     assert len((tmp_path / "starts").read_text()) == starts
+
+
+def test_a_seed_that_python_was_told_to_ignore_is_none(program):
+    text = program("textmsg({'a', 'b', 'c', 'd', 'e'})\n")
+    environment = {**os.environ, "PYTHONHASHSEED": "0"}
+    call = "import sys; sys.path[:0] = {!r}; from elitescript.cli.main import main; sys.exit(main())".format(sys.path)
+    outputs = set()
+    for options in ((), ("-E",), ("-E",)):
+        command = [sys.executable, *options, "-c", call, "run", text, "--json"]
+        outputs.add(subprocess.run(command, env=environment, capture_output=True, check=True).stdout)
+    assert len(outputs) == 1
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links need rights there")
+def test_what_is_installed_beside_the_package_is_found(program, tmp_path):
+    """As by `pip install --target`, in whose folder Python is started then."""
+    import greenlet
+
+    folder = tmp_path / "target"
+    folder.mkdir()
+    (folder / "elitescript").symlink_to(SOURCE / "elitescript")
+    (folder / "greenlet").symlink_to(Path(greenlet.__file__).parent)
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    command = [sys._base_executable, "-S", "-m", "elitescript", "run", program("textmsg('hello')\n")]
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, "hello" in done.stdout) == (0, True), done.stderr
+
+
+def test_a_path_that_cannot_be_looked_at_is_named(tmp_path):
+    path = str(tmp_path / ("a" * 5000))
+    command = [sys.executable, "-m", "elitescript", "run", path]
+    environment = {**os.environ, "PYTHONPATH": str(SOURCE)}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr.startswith(f"elitescript run: cannot read {path}")) == (2, True)
 
 
 CELL = """[safety]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import ast
+import sys
 
 import pytest
 
 from elitescript.language.compiler import compile_unit
-from elitescript.language.hash_order import SAFE_MODULES, UNSAFE_NAMES, shows_hash_order
+from elitescript.language.hash_order import SAFE_MODULES, UNSAFE_NAMES, may_hold_set, shows_hash_order
 from elitescript.language.modules import AVAILABLE
 from elitescript.language.nodes import Census
 from elitescript.language.text.source import SourceFile
@@ -25,6 +26,7 @@ CANNOT = [
     "settings = 1\nreset = 2\nx.hashes = 3",
     "textmsg('set() {1, 2} hash')",
     "# {1, 2}",
+    "match x:\n  case dict(values=v):\n    pass\n  end\nend",
 ]
 
 CAN = [
@@ -55,6 +57,9 @@ CAN = [
     "def f(x=set()):\n  pass\nend",
     "textmsg(f'{set(x)}')",
     "x = [k for k in 'ab' if k in {'a'}]",
+    "match x:\n  case dict(keys=k):\n    pass\n  end\nend",
+    "match x:\n  case dict(items=k):\n    pass\n  end\nend",
+    "match x:\n  case [str(__hash__=h)]:\n    pass\n  end\nend",
 ]
 
 
@@ -70,6 +75,37 @@ def test_programs_that_cannot(text: str) -> None:
 @pytest.mark.parametrize("text", CAN)
 def test_programs_that_may(text: str) -> None:
     assert shows(text)
+
+
+LOOP: list[object] = [1]
+LOOP.append(LOOP)
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        (1, False),
+        ([None, True, 1.5, ("a", {"b": [b"c"]})], False),
+        (LOOP, False),
+        ({1}, True),
+        ([1, {"a": ({"b": {2}},)}], True),
+        ({frozenset("ab"): 1}, True),
+        ({"a": 1}.keys(), True),
+        (len, True),
+    ],
+)
+def test_values_that_may_hold_sets(value: object, expected: bool) -> None:
+    assert may_hold_set([value]) is expected
+
+
+def test_a_run_that_begins_with_a_set_is_reproducible_with_a_fixed_seed_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    from elitescript import VirtualRobot
+
+    monkeypatch.setenv("PYTHONHASHSEED", "random")
+    text = "def p():\n  global x\n  textmsg(x)\nend\n"
+    assert VirtualRobot().run(text, presets={"x": ["a"]}).is_reproducible
+    is_fixed = not sys.flags.hash_randomization
+    assert VirtualRobot().run(text, presets={"x": [{"a"}]}).is_reproducible is is_fixed
 
 
 def test_syntax_that_is_not_known_may() -> None:

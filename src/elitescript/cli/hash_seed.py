@@ -8,9 +8,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
+from elitescript.cli.settings import parse_settings
 from elitescript.environment.program_file import source_of
 from elitescript.errors import ProgramError, UsageError
-from elitescript.language.hash_order import shows_hash_order
+from elitescript.language.hash_order import may_hold_set, shows_hash_order
 from elitescript.language.nodes import Census
 from elitescript.language.options import Options
 from elitescript.language.parser import Parsed, parse
@@ -30,10 +31,13 @@ def program_of_any_seed(options: argparse.Namespace) -> Parsed | None:
     None also if it is long, or cannot be read, or only once.
     """
     path = Path(options.file)
-    if options.world is not None or not path.is_file() or path.stat().st_size > BYTES_MAX:
-        return None
     try:
+        if options.world is not None or not path.is_file() or path.stat().st_size > BYTES_MAX:
+            return None
+        if may_hold_set(parse_settings(options.set)[1].values()):
+            return None
         parsed = parse(source_of(path), Options(strict=getattr(options, "strict", False)))
-    except (ProgramError, UsageError):
+    except (OSError, ProgramError, UsageError):
+        # The run reports it.
         return None
     return None if not parsed.is_complete or shows_hash_order(Census(parsed.tree)) else parsed

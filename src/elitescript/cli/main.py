@@ -27,6 +27,9 @@ INTERRUPTED = 130
 HASH_SEED = "0"
 """The order of a set of strings depends on it, so every process has the same."""
 
+_AT_WORK = frozenset(("elitescript.world_file", "_lsprof", "bdb"))
+"""Modules that have something to do when a call is over."""
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit code."""
@@ -47,7 +50,7 @@ def _run(arguments: list[str], *, is_process: bool = False) -> int:
             and _needs_another_process(arguments)
         ):
             return _run_again(arguments)
-        return _run_here(arguments)
+        return _run_here(arguments, is_process=is_process)
     except KeyboardInterrupt:
         return INTERRUPTED
 
@@ -55,13 +58,15 @@ def _run(arguments: list[str], *, is_process: bool = False) -> int:
 def _leave(code: int) -> None:
     """End the process at once, if nothing is left to do: taking the interpreter apart takes a tenth of a short run.
 
-    Something is left if there are threads, functions to be called at the exit, or files of other people's Python, which
-    a world file names.
+    Something is left if there are threads, functions to be called at the exit, files of other people's Python, which a
+    world file names, or what Python itself was told to do afterwards: a profile, a debugger, a prompt (`-i`).
     """
     import _thread
     import atexit
 
-    if _thread._count() or atexit._ncallbacks() or "elitescript.world_file" in sys.modules:
+    if _thread._count() or atexit._ncallbacks() or not _AT_WORK.isdisjoint(sys.modules):
+        return
+    if sys.flags.inspect or sys.gettrace() or sys.getprofile():
         return
     try:
         sys.stdout.flush()
@@ -72,12 +77,13 @@ def _leave(code: int) -> None:
     os._exit(code)
 
 
-def _run_here(arguments: list[str], start_again: Callable[[], Never] | None = None) -> int:
+def _run_here(arguments: list[str], start_again: Callable[[], Never] | None = None, *, is_process: bool) -> int:
     """Run a call in this process; return the exit code.
 
     Args:
         arguments: of the call.
         start_again: runs it in place of this process in one with a fixed hash seed; None if this is one.
+        is_process: whether this process has nothing else to do.
     """
     from elitescript.errors import ElitescriptError, ProgramError, UsageError
 
@@ -98,8 +104,8 @@ def _run_here(arguments: list[str], start_again: Callable[[], Never] | None = No
             from elitescript.cli.output.screen import on_screen
 
             with on_screen(options.color):
-                return _dispatch(options)
-        return _dispatch(options)
+                return _dispatch(options, is_process=is_process)
+        return _dispatch(options, is_process=is_process)
     except UsageError as error:
         print(f"elitescript {options.command}: {error}", file=sys.stderr)
         return USAGE
@@ -122,12 +128,12 @@ def _has_screen(options: argparse.Namespace) -> bool:
     return color == "always" or (color is not None and (sys.stdout.isatty() or sys.stderr.isatty()))
 
 
-def _dispatch(options: argparse.Namespace) -> int:
+def _dispatch(options: argparse.Namespace, *, is_process: bool) -> int:
     from importlib import import_module
 
     command: Callable[[argparse.Namespace], int]
     command = getattr(import_module(f"elitescript.cli.{options.command}"), options.command)
-    if not gc.isenabled():
+    if is_process:
         # What is loaded stays, and need not be looked at again.
         gc.freeze()
         gc.enable()
@@ -137,7 +143,12 @@ def _dispatch(options: argparse.Namespace) -> int:
 def _needs_another_process(arguments: list[str]) -> bool:
     if os.environ.get(MARK):
         return False
-    return os.environ.get("PYTHONHASHSEED") != HASH_SEED or _is_watched(arguments)
+    return not _has_hash_seed() or _is_watched(arguments)
+
+
+def _has_hash_seed() -> bool:
+    """Return whether this process has the fixed seed of string hashing."""
+    return os.environ.get("PYTHONHASHSEED") == HASH_SEED and not sys.flags.ignore_environment
 
 
 def _is_watched(arguments: list[str]) -> bool:
@@ -167,10 +178,10 @@ def _run_again(arguments: list[str]) -> int:
             # No other option begins like that; parsing all arguments would take longer.
             is_json = arguments[0] == "run" and any(word.startswith("--js") for word in arguments)
             # A run starts Python once more only if its program can show the order of a set.
-            start_again = None
-            if os.environ.get("PYTHONHASHSEED") != HASH_SEED:
-                start_again = partial(os.execve, command[0], command, environment)
-            here = partial(_run_here, arguments, start_again) if arguments[0] == "run" else None
+            here = None
+            if arguments[0] == "run":
+                start_again = None if _has_hash_seed() else partial(os.execve, command[0], command, environment)
+                here = partial(_run_here, arguments, start_again, is_process=True)
             return run_watched(command, environment, max_wall_s, is_json=is_json, run_here=here)
     if os.name == "posix":
         os.execve(sys.executable, command, environment)

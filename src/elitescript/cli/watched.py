@@ -180,7 +180,10 @@ def _started(command: list[str], environment: dict[str, str], *, can_run_here: b
         os.environ[MARK] = str(crash)
         if not sys.flags.safe_path:
             # As with -P: a file called queue.py beside the program must not stand in for the standard library's.
-            del sys.path[0]
+            folder = sys.path.pop(0)
+            if os.path.abspath(folder) in environment.get("PYTHONPATH", "").split(os.pathsep):  # noqa: PTH100
+                # A working copy is found through this path alone, and so may be what it needs.
+                sys.path.insert(0, folder)
         return None
     os.close(parted)
     os.close(crash)

@@ -7,17 +7,19 @@ results shall be the same everywhere needs an interpreter that was started for i
 - has a set display or a set comprehension,
 - names `set`, `frozenset` or `hash`, or what reaches them by names made at run time: `eval`, `exec`, `getattr`,
 - has the attribute `__hash__`, or `keys` or `items` other than as what a loop goes over (`for k in d.keys()`), for the
-  views that they return make sets: `d.keys() & e.keys()`,
+  views that they return make sets: `d.keys() & e.keys()`; a class pattern has attributes too: `case dict(keys=k)`,
 - imports a module that is not in `SAFE_MODULES`,
 - or has syntax that is not known.
 
-Any other program cannot make a set, nor get the hash of a text. The rule looks at what is written alone, so it takes
+Any other program cannot make a set, nor get the hash of a text, unless it begins with a global that holds one
+(`may_hold_set`). The rule looks at what is written alone, so it takes
 some programs for one that can although they cannot; that costs them a second start.
 """
 
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterable
 from typing import Final
 
 from elitescript.language.nodes import Census
@@ -35,6 +37,8 @@ SAFE_MODULES: Final = frozenset(
 
 _VIEWS: Final = ("items", "keys")
 
+_PLAIN: Final = (type(None), bool, int, float, complex, str, bytes)
+
 
 def shows_hash_order(census: Census) -> bool:
     """Return whether a program may show the order of a set or the hash of a text, from the nodes of its tree."""
@@ -48,7 +52,27 @@ def shows_hash_order(census: Census) -> bool:
         return True
     iterated = [*[loop.iter for loop in census.of(ast.For)], *[loop.iter for loop in census.of(ast.comprehension)]]
     gone_over = {id(call.func) for call in iterated if isinstance(call, ast.Call)}
+    if any(name == "__hash__" or name in _VIEWS for node in census.of(ast.MatchClass) for name in node.kwd_attrs):
+        return True
     return any(
         node.attr == "__hash__" or (node.attr in _VIEWS and id(node) not in gone_over)
         for node in census.of(ast.Attribute)
     )
+
+
+def may_hold_set(values: Iterable[object]) -> bool:
+    """Return whether one of these values is not certainly free of sets: plain ones, and lists, tuples, dicts of them."""
+    pending, seen = list(values), set()
+    while pending:
+        value = pending.pop()
+        kind = type(value)
+        if kind in _PLAIN or id(value) in seen:
+            continue
+        if kind is dict:
+            pending += [*value, *value.values()]  # type: ignore[attr-defined]
+        elif kind is list or kind is tuple:
+            pending += value  # type: ignore[call-overload]
+        else:
+            return True
+        seen.add(id(value))
+    return False
