@@ -294,7 +294,7 @@ def test_python_starts_again_only_if_the_order_of_a_set_can_show(text, seed, wor
 def test_a_seed_that_python_was_told_to_ignore_is_none(program):
     text = program("textmsg({'a', 'b', 'c', 'd', 'e'})\n")
     environment = {**os.environ, "PYTHONHASHSEED": "0"}
-    call = "import sys; sys.path[:0] = {!r}; from elitescript.cli.main import main; sys.exit(main())".format(sys.path)
+    call = f"import sys; sys.path[:0] = {sys.path!r}; from elitescript.cli.main import main; sys.exit(main())"
     outputs = set()
     for options in ((), ("-E",), ("-E",)):
         command = [sys.executable, *options, "-c", call, "run", text, "--json"]
