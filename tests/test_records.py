@@ -148,12 +148,15 @@ class TestAgainstDataclasses:
                 assert plain(result(replace, ours, **change), kind) == expected
 
     def test_equality_and_hash_are_the_same(self, kind, reference):
-        nan = float("nan")
-        values = [(1.0, 2.0, "a", ()), (1.0, 2.0, "b", ()), (1.0, 2, "a", ()), (nan, 0.0), (1.0, 3.0, "a", ())]
+        values = [(1.0, 2.0, "a", ()), (1.0, 2.0, "b", ()), (1.0, 2, "a", ()), (1.0, 3.0, "a", ())]
         for one in values:
             assert hash(kind(*one[:3], tags=())) == hash(reference(*one[:3], tags=()))
             for other in values:
                 assert (kind(*one) == kind(*other)) is (reference(*one) == reference(*other))
+        # From Python 3.13 on dataclasses compare field by field, so that one NaN does not equal itself. Records compare
+        # tuples on every version: the same value is equal.
+        nan = float("nan")
+        assert kind(nan, 0.0) == kind(nan, 0.0) != kind(float("nan"), 0.0)
         assert kind(1.0) != reference(1.0)
         assert "__eq__" in vars(kind) and kind.__eq__(kind(1.0), 1) is NotImplemented
 
