@@ -27,6 +27,8 @@ NO_FIGURE = (
     (RECORDS + "0005-the-jail.md", "- A tick costs a way to the child and back"),
     (RECORDS + "0006-no-pickle.md", "- Text costs time."),
     (DEPENDENCIES, "Sizes are those of the package alone"),
+    ("docs/explanation/inside.md", "cost (`python -m benchmarks language_loop`)"),
+    (RECORDS + "0014-start.md", "Both processes of a run together"),
     (RECORDS + "0013-msgspec.md", "`python -m benchmarks ticks` prints what writing"),
 )
 """Lines that name a benchmark without quoting a figure of it."""

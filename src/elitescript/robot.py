@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from keyword import iskeyword
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
-from weakref import WeakMethod
+from weakref import ref
 
 from elitescript.controller.signals.by_name import signal_write
 from elitescript.controller.views.signals import Signals
@@ -649,14 +649,14 @@ class VirtualRobot:
             self._host.interrupt()
 
 
-def _weakly(method: Callable[[Any], None]) -> Callable[[Any], None]:
+def _weakly(method: Any) -> Callable[[Any], None]:
     """Return a function that calls a method while its object lives, so that the machine does not keep its robot."""
-    reference = WeakMethod(method)
+    reference, function = ref(method.__self__), method.__func__
 
     def call(argument: Any) -> None:
-        bound = reference()
-        if bound is not None:
-            bound(argument)
+        robot = reference()
+        if robot is not None:
+            function(robot, argument)
 
     return call
 

@@ -232,12 +232,13 @@ class Controller:
     @property
     def is_idle(self) -> bool:
         """Whether nothing but an arm at standstill can be due; see `ArmState.is_standing`."""
-        # The arm first: while it moves, the others need not be asked.
+        # What costs least comes first: the joints are computed only if all else is idle.
         return (
-            self.arm_state.is_standing
+            self.motion.next_tick is None
             and self._inbox.next_tick is None
             and self._fault_tick is None
             and self.task.program.next_tick(self._tick) is None
+            and self.arm_state.is_standing
         )
 
     @property
