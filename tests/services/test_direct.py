@@ -308,3 +308,33 @@ def test_what_is_no_answer_is_read_at_the_expense_of_its_sender(monkeypatch: pyt
                     await asyncio.sleep(0)
 
     run_watchable(test(), CountingSelector())
+
+
+def test_a_tick_may_end_the_client_that_reads_on() -> None:
+    mistakes: list[Any] = []
+
+    async def test() -> None:
+        asyncio.get_running_loop().set_exception_handler(lambda loop, context: mistakes.append(context))
+        async with serving(is_lockstep=True, lockstep_timeout_s=1e9) as scene:
+            client = Quick(scene)
+            with client.socket:
+                await client.exchanges(5, lambda number: None)
+                await scene.stands()
+                (served,) = scene.server.listeners["rtsi"].clients.values()
+                transport = served._transport
+                assert transport is not None
+                while transport.get_write_buffer_size() < 500_000:
+                    transport.write(bytes(100_000))
+                client.answer()
+                while not served.is_behind or served.owes_input:
+                    await asyncio.sleep(0)
+                await scene.stands()
+                # Time goes on as soon as the client reads.
+                scene.robot.on_tick = lambda tick: served.close()
+                while scene.server.listeners["rtsi"].clients:
+                    client.taken()
+                    await asyncio.sleep(0)
+                await asyncio.sleep(0)
+
+    run_watchable(test(), CountingSelector())
+    assert not mistakes

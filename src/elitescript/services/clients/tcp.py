@@ -276,7 +276,8 @@ class Client(asyncio.BufferedProtocol):
 
     def resume_writing(self) -> None:
         self._stalled_since = None
-        self._hub.wake()
+        # The transport is in the middle of writing, and ticks that run at once could close it.
+        asyncio.get_running_loop().call_soon(self._hub.wake)
 
     # ---------------------------------------------------------------- read past the event loop, see `direct`
 
