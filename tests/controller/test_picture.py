@@ -29,7 +29,7 @@ class Cell:
             self.robot.start(program)
 
     def look(self):
-        return self.pictures.picture(TASK, "", is_remote=True, overruns=0)
+        return self.pictures.picture(TASK, "", is_remote=True)
 
     def wait(self, duration_s):
         self.robot.advance(duration_s)

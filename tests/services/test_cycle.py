@@ -144,6 +144,44 @@ def test_what_comes_in_belongs_to_the_tick_that_is_next_then(
     asyncio.run(test())
 
 
+def test_no_tick_begins_within_a_call_that_makes_it_due(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = HeldClock()
+
+    def monotonic_ns() -> int:
+        # Time goes on between any two looks at the clock.
+        clock.now_ns += 2
+        return clock.now_ns
+
+    monkeypatch.setattr(cycle.time, "monotonic_ns", monotonic_ns)
+
+    async def test() -> None:
+        ticks = Cycle(clock, outlet_timer=clock)
+        begin_ns = clock.now_ns + 2
+        ran: list[int] = []
+        due: list[tuple[int, list[int]]] = []
+
+        async def go_on() -> None:
+            while True:
+                ran.append(await ticks.next(20))
+
+        task = asyncio.create_task(go_on())
+        await asyncio.sleep(0)
+        clock.now_ns = begin_ns + 7 * PERIOD_NS - 3
+        # What clients send comes from the event loop, not from a task.
+        asyncio.get_running_loop().call_soon(lambda: due.append((ticks.make_due(), list(ran))))
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        assert due == [(7, [])]
+        assert clock.due_ns == begin_ns + 7 * PERIOD_NS
+        clock.waiter.set_result(None)
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        assert ran == [7]
+        task.cancel()
+
+    asyncio.run(test())
+
+
 def test_a_late_tick_is_counted_and_those_after_it_make_up_for_it(clock: Clock) -> None:
     async def test() -> None:
         ticks = Cycle(clock)

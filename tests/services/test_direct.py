@@ -16,6 +16,7 @@ import pytest
 
 from elitescript.messages.inputs import Do, VariablesArrived
 from elitescript.services.clients.direct import DirectReading, WatchableLoop
+from elitescript.services.clients.tcp import Client
 from elitescript.services.time import lockstep
 from tests.protocol import rtsi_client
 from tests.services.served import LIMIT_S, Scene, serving
@@ -266,3 +267,74 @@ def test_a_client_that_ends_in_the_middle_lets_time_go(farewell: str) -> None:
                 await scene.ticks()
 
     run_watchable(test(), CountingSelector())
+
+
+def test_what_is_no_answer_is_read_at_the_expense_of_its_sender(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(lockstep, "TURN_S", 1e9)
+    held: list[str] = []
+    ask: list[Callable[[], None]] = []
+
+    def read_held(client: Client) -> bool:
+        held.append(client.origin)
+        is_read = read(client)
+        if len(held) < 9:
+            ask[0]()
+        return is_read
+
+    read = Client.read_held
+
+    async def test() -> None:
+        async with serving(is_lockstep=True, lockstep_timeout_s=1e9) as scene:
+            client = Quick(scene)
+            ask.append(lambda: client.send(rtsi_client.message("v")))
+            with client.socket:
+                await client.exchanges(5, lambda number: None)
+                monkeypatch.setattr(Client, "read_held", read_held)
+                # After the next answer the client only asks.
+                scene.robot.on_tick = lambda tick: ask[0]()
+                await scene.stands()
+                client.taken()
+                client.answer()
+                while not (answers := client.taken()):
+                    await asyncio.sleep(0)
+                await scene.stands()
+                assert rtsi_client.messages(answers)[0][0] == "U"
+                assert scene.server.waits_for and len(held) == 1
+                # Each package is a new chance.
+                ask[0] = lambda: None
+                scene.robot.on_tick = lambda tick: client.answer() if len(held) < 5 else None
+                client.answer()
+                while len(held) < 5:
+                    await asyncio.sleep(0)
+
+    run_watchable(test(), CountingSelector())
+
+
+def test_a_tick_may_end_the_client_that_reads_on() -> None:
+    mistakes: list[Any] = []
+
+    async def test() -> None:
+        asyncio.get_running_loop().set_exception_handler(lambda loop, context: mistakes.append(context))
+        async with serving(is_lockstep=True, lockstep_timeout_s=1e9) as scene:
+            client = Quick(scene)
+            with client.socket:
+                await client.exchanges(5, lambda number: None)
+                await scene.stands()
+                (served,) = scene.server.listeners["rtsi"].clients.values()
+                transport = served._transport
+                assert transport is not None
+                while transport.get_write_buffer_size() < 500_000:
+                    transport.write(bytes(100_000))
+                client.answer()
+                while not served.is_behind or served.owes_input:
+                    await asyncio.sleep(0)
+                await scene.stands()
+                # Time goes on as soon as the client reads.
+                scene.robot.on_tick = lambda tick: served.close()
+                while scene.server.listeners["rtsi"].clients:
+                    client.taken()
+                    await asyncio.sleep(0)
+                await asyncio.sleep(0)
+
+    run_watchable(test(), CountingSelector())
+    assert not mistakes

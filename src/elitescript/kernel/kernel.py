@@ -68,7 +68,6 @@ class Kernel:
         controller: the machine.
         host: runs programs.
         popup: the message window.
-        overruns: ticks that began late, for the snapshots; counted by the owner of the clock.
 
     Raises:
         UsageError: an option that makes no sense.
@@ -97,7 +96,6 @@ class Kernel:
         "host",
         "model",
         "options",
-        "overruns",
         "popup",
         "profile",
     )
@@ -116,7 +114,6 @@ class Kernel:
         self.model = model_of(options) if model is None else model
         self.profile = profile(options.firmware)
         self.popup = PopupWindow(options.confirms_popups)
-        self.overruns = 0
         self._on_event = self._record if on_event is None else on_event
         self._on_end = on_end
         self._limit = WarningLimit()
@@ -344,7 +341,7 @@ class Kernel:
         """
         handlers = self.handlers
         return self._snapshot_builder().picture(
-            handlers.tasks.shown, self.popup.text, is_remote=handlers.is_remote, overruns=self.overruns, parts=parts
+            handlers.tasks.shown, self.popup.text, is_remote=handlers.is_remote, parts=parts
         )
 
     def discrete_state(self) -> tuple[object, ...]:

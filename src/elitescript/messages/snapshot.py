@@ -82,7 +82,7 @@ class Snapshot:
     """Text of the message window that is open; empty if none is."""
     task: TaskPicture
     overruns: int
-    """Ticks that began late, since the start."""
+    """Always 0: the robot server counts ticks that began late. The digests of journals cover the field."""
     is_guided_by_input: bool = False
     """Whether a person guides the arm because an input asks for it."""
 

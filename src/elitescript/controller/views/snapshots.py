@@ -98,16 +98,13 @@ class SnapshotBuilder:
         self._elbow_velocity: Three = (0.0, 0.0, 0.0)
         self._temperatures: tuple[Six, float]
 
-    def picture(
-        self, task: TaskPicture, popup: str, *, is_remote: bool, overruns: int, parts: int = ALL_PARTS
-    ) -> Snapshot:
+    def picture(self, task: TaskPicture, popup: str, *, is_remote: bool, parts: int = ALL_PARTS) -> Snapshot:
         """Return the snapshot of the present tick.
 
         Args:
             task: state of the task for the dashboard.
             popup: text of the open message window.
             is_remote: whether clients may change the robot.
-            overruns: ticks that began late.
             parts: that are computed; the others stay as in the last snapshot that had them. The first one has all.
         """
         controller = self._controller
@@ -156,7 +153,7 @@ class SnapshotBuilder:
             controller.yielding.is_guiding,  # is_freedrive
             popup,
             task,
-            overruns,
+            0,  # overruns
             controller.yielding.is_guided_by_input,
         )
 

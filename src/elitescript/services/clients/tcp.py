@@ -98,6 +98,7 @@ class Client(asyncio.BufferedProtocol):
         "_hub",
         "_is_light",
         "_is_paused",
+        "_is_prompt",
         "_is_silent",
         "_is_waiting",
         "_late_ns",
@@ -135,6 +136,8 @@ class Client(asyncio.BufferedProtocol):
         self._transport: asyncio.Transport | None = None
         self._descriptor = -1
         """Of the socket, while it is held."""
+        self._is_prompt = True
+        """Whether all that was read directly since the last sample was the answer to it."""
         self._left: socket.socket | None = None
         """What is to be read of a connection that broke."""
         self._is_light = True
@@ -273,14 +276,15 @@ class Client(asyncio.BufferedProtocol):
 
     def resume_writing(self) -> None:
         self._stalled_since = None
-        self._hub.wake()
+        # The transport is in the middle of writing, and ticks that run at once could close it.
+        asyncio.get_running_loop().call_soon(self._hub.wake)
 
     # ---------------------------------------------------------------- read past the event loop, see `direct`
 
     def hold(self) -> int:
         """Take the socket from the event loop; return its descriptor, or -1 if the client is not to be read now."""
         transport = self._transport
-        if transport is None or self._deadline is not None or not transport.is_reading():
+        if transport is None or self._deadline is not None or not (self._is_prompt and transport.is_reading()):
             return -1
         transport.pause_reading()
         self._descriptor = transport.get_extra_info("socket").fileno()
@@ -289,11 +293,13 @@ class Client(asyncio.BufferedProtocol):
     def read_held(self) -> bool:
         """Read the socket once; return False if that is a matter of the event loop: an end, an error, a closed client.
 
-        The time that it takes is not charged: nobody else waits for the robot meanwhile.
+        The time that it takes is not charged: nobody else waits for the robot meanwhile. That holds for an answer; a
+        client that sends anything else instead is read at the expense of its share up to the next sample.
         """
         transport = self._transport
         if transport is None or transport.is_closing() or self._is_paused:
             return False
+        is_asked = self.owes_input
         try:
             size = os.readv(self._descriptor, [self._buffer])
         except OSError:
@@ -307,7 +313,8 @@ class Client(asyncio.BufferedProtocol):
                 self._finish()
             elif self.connection.is_busy:
                 self._pause()
-        return True
+        self._is_prompt = is_asked and not self.owes_input
+        return self._is_prompt
 
     def give_back(self) -> None:
         """Leave the socket to the event loop again."""
@@ -449,7 +456,7 @@ class Client(asyncio.BufferedProtocol):
                 if backlog > SAMPLE_BACKLOG:
                     self._miss()
                     continue
-                self.owes_input = True
+                self.owes_input = self._is_prompt = True
             elif backlog > BACKLOG_MAX:
                 self._cut_off(f"does not read: {backlog} bytes wait for it")
                 return

@@ -152,7 +152,8 @@ class Cycle:
                 self._due_ns -= left * PERIOD_NS
                 self._leap -= left
                 if self._waiter is not None:
-                    _wake(self._waiter)
+                    # It is the timer that lets time go on: no tick begins within this call.
+                    self._timer.wake_at(self._due_ns, self._waiter)
         return self._leap
 
     def _begun(self, now_ns: int) -> int:
