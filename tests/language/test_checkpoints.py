@@ -353,6 +353,6 @@ def test_a_loop_that_ends_with_an_exception_uses_up_the_passes_that_it_made(text
     ],
 )
 def test_a_function_of_the_program_in_a_loop_finds_the_work_of_the_passes_before_it(text):
-    for work in range(0, 40):
+    for work in range(40):
         assert Counted(text, True).result(work) == Counted(text, False).result(work)
     assert "@pay" not in instrumented(text)

@@ -8,9 +8,9 @@ A short loop (`for`, or a list that one makes) over `range` of a small number, w
 twice: `if range is @range and @pay(n)` it runs without checkpoints, having used up its n units of work at once; else
 with one in each pass. Nothing in such a body uses up work, so every other checkpoint finds the same count either way.
 No loop of a text that has `try`, `with` or a class is taken for short: a program could go on after a loop that has paid
-for passes that it did not make, and operators of its own have checkpoints, which would come behind the payment. So it is
-with the names of known functions that a text binds. What a later text brings (a class, another `max`), or a generator that
-such a body runs through, can shift the count by less than what was paid, never without end.
+for passes that it did not make, and operators of its own have checkpoints, which would come behind the payment. So it
+is with names of known functions that a text binds. What a later text brings (a class, another `max`), or a generator
+that such a body runs through, can shift the count by less than what was paid, never without end.
 
 A function that calls nothing keeps its checkpoint. Its operators may run methods of the program, also of a class that
 comes with a later text, so that a recursion may lead through it; and the unit of work of a call has to be counted.
