@@ -35,6 +35,8 @@ def main(arguments: list[str]) -> int:
     names = chosen.names or list(MODULES)
     if chosen.quoted and chosen.names:
         parser.error("--quoted measures all that is quoted; name nothing")
+    if chosen.against is not None and (chosen.quoted or chosen.json):
+        parser.error("--against prints its own table; it goes with neither --quoted nor --json")
     for name in names:
         if name not in KNOWN:
             parser.error(f"no benchmark is called {name!r}; there are {', '.join(KNOWN)}")

@@ -265,6 +265,9 @@ def table(name: str) -> list[Row]:
             share = figure.collector_s / figure.time.cpu_s
             words = f"of it {share:.0%} garbage collector" if share >= 0.01 else ""
             lines.append(timed_row(title, time, _unit(time.cpu_s), words=words))
+        if len(sizes) == 1:
+            # `GROWTH_HOURS=1` leaves one.
+            continue
         words = f"from {sizes[-2]} to {sizes[-1]}"
         if column[0].amount is None:
             with_collector = _exponent(sizes, [figure.time.cpu_s for figure in column])

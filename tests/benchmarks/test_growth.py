@@ -30,3 +30,12 @@ def test_rows_are_shares_of_one_and_the_exponent_is_that_of_the_whole(monkeypatc
     assert rows["things: growth of sort"].value == pytest.approx(2.0)
     assert rows["things, 100: memory, of one thing"].value == 3.0
     assert rows["things: growth of memory"].value == pytest.approx(1.0)
+
+
+def test_one_size_alone_has_no_growth(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(growth, "_measured", lambda *_: [Figure("run", Time(2.0, 1.0)), Figure("kept", amount=3.0)])
+    monkeypatch.setitem(growth.TABLES, "things", (growth.robots, (1,), "thing"))
+    assert [row.what for row in growth.table("things")] == [
+        "things, 1: run, of one thing",
+        "things, 1: kept, of one thing",
+    ]

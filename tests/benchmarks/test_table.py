@@ -11,7 +11,7 @@ import pytest
 
 from benchmarks.__main__ import main
 from benchmarks.against import comparison
-from benchmarks.measure import best_in_turn, environment, least, middle, process_times
+from benchmarks.measure import ROOT, best_in_turn, environment, least, middle, process_times
 from benchmarks.table import Row, Time, as_data, not_installed, timed_row, words
 
 
@@ -95,6 +95,8 @@ def test_processes_are_measured_with_their_cpu_time() -> None:
         (["nothing"], "no benchmark is called 'nothing'"),
         (["--against", "/nowhere"], "/nowhere has no src/elitescript"),
         (["--rounds", "0"], "--rounds is 0"),
+        (["--against", str(ROOT), "--quoted"], "--against prints its own table"),
+        (["--against", str(ROOT), "--json"], "--against prints its own table"),
     ],
 )
 def test_wrong_arguments_are_refused(arguments: list[str], reason: str, capsys: pytest.CaptureFixture[str]) -> None:

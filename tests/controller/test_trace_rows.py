@@ -74,6 +74,32 @@ def test_rows_that_differ_in_anything_are_not_equal():
     assert not TraceRows()
 
 
+def test_rows_are_joined_with_others_to_a_list():
+    rows, others = made(3), made(2)
+    kept = TraceRows(rows)
+    assert kept + TraceRows(others) == kept + others == rows + others
+    assert others + kept == others + rows
+    for wrong in (others[0], 3, "text"):
+        with pytest.raises(TypeError):
+            kept + wrong
+        with pytest.raises(TypeError):
+            wrong + kept
+
+
+@pytest.mark.parametrize(
+    ("index", "error", "text"),
+    [
+        (3, IndexError, "there is no row 3 of a trace of 3"),
+        (-4, IndexError, "there is no row -4 of a trace of 3"),
+        (1.0, TypeError, "'float'"),
+        ("q", TypeError, "'str'"),
+    ],
+)
+def test_a_wrong_index_is_an_error_of_the_trace(index, error, text):
+    with pytest.raises(error, match=text):
+        TraceRows(made(3))[index]
+
+
 def test_rows_can_be_copied_between_processes():
     kept, rows = traced()
     copy = pickle.loads(pickle.dumps(kept))

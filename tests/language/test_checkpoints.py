@@ -323,6 +323,36 @@ def test_a_range_of_the_program_is_asked_each_time():
     assert Counted(text, True).result() == Counted(text.replace("(9)", "(7)"), True).result() == (["5", "[5]"], 4)
 
 
-def test_a_loop_that_ends_with_an_exception_has_paid_for_all_passes():
-    text = "try:\n  for i in range(9): 1 / (i - 2)\nexcept ZeroDivisionError: pass"
-    assert (Counted(text, True).result()[1], Counted(text, False).result()[1]) == (9, 3)
+SHORT_LOOP = "for i in range(9): 1 / (i - 2)"
+
+
+@pytest.mark.parametrize(
+    ("text", "work"),
+    [
+        (f"try:\n  {SHORT_LOOP}\nexcept ZeroDivisionError: pass", 3),
+        ("try:\n  [1 / (i - 2) for i in range(9)]\nexcept ZeroDivisionError: pass", 3),
+        (f"def f():\n  {SHORT_LOOP}\ntry:\n  f()\nexcept ZeroDivisionError: pass", 4),
+        (f"from contextlib import suppress\nwith suppress(ZeroDivisionError):\n  {SHORT_LOOP}", 3),
+    ],
+)
+def test_a_loop_that_ends_with_an_exception_uses_up_the_passes_that_it_made(text, work):
+    assert Counted(text, True).result()[1] == work
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "class A:\n  def __add__(self, o):\n    textmsg(o)\n    return 1\na = A()\nfor i in range(9): a + i",
+        "class A:\n  def append(self, o): textmsg(o)\na = A()\nfor i in range(9): a.append(i)",
+        "class A:\n  @property\n  def x(self): textmsg(1)\na = A()\n[a.x for i in range(9)]",
+        "def max(a, b):\n  textmsg(a)\n  return b\nfor i in range(9): max(i, 1)",
+        "def biggest(a, b):\n  textmsg(a)\n  return b\nmax = biggest\n[max(i, 1) for i in range(9)]",
+        "def twice(len):\n  for i in range(9): len(i)\ndef show(a): textmsg(a)\ntwice(show)",
+        "import operator as abs\nfor i in range(9): a = 1",
+        "def key(a):\n  textmsg(a)\n  return a\nfor i in range(9): max([i, 1], key=key)",
+    ],
+)
+def test_a_function_of_the_program_in_a_loop_finds_the_work_of_the_passes_before_it(text):
+    for work in range(40):
+        assert Counted(text, True).result(work) == Counted(text, False).result(work)
+    assert "@pay" not in instrumented(text)

@@ -7,8 +7,10 @@ for long without one. Each costs one call of a built-in function.
 A short loop (`for`, or a list that one makes) over `range` of a small number, with a body that only computes, is there
 twice: `if range is @range and @pay(n)` it runs without checkpoints, having used up its n units of work at once; else
 with one in each pass. Nothing in such a body uses up work, so every other checkpoint finds the same count either way.
-Two cases differ by some units, never without end: a loop that ends with an exception has paid for the passes that it
-did not make, and operators or functions of the program in its body have checkpoints of their own, behind the payment.
+No loop of a text that has `try`, `with` or a class is taken for short: a program could go on after a loop that has paid
+for passes that it did not make, and operators of its own have checkpoints, which would come behind the payment. So it
+is with names of known functions that a text binds. What a later text brings (a class, another `max`), or a generator
+that such a body runs through, can shift the count by less than what was paid, never without end.
 
 A function that calls nothing keeps its checkpoint. Its operators may run methods of the program, also of a class that
 comes with a later text, so that a recursion may lead through it; and the unit of work of a call has to be counted.
@@ -32,6 +34,8 @@ _PAID_MIN: Final = 8
 """Fewer cost no more than paying them at once."""
 _COMPUTING: Final = frozenset(["abs", "float", "int", "len", "max", "min", "round", "str"])
 """Functions that the body of a short loop may call: they take no time and use up no work."""
+_COUNTING_EACH: Final = (ast.Try, ast.With, ast.ClassDef)
+"""A text with one of these may go on after an exception, or have operators of its own."""
 _OPEN: Final = (
     *(ast.Lambda, ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp, ast.Yield, ast.YieldFrom),
     *(ast.Await, ast.Starred),
@@ -115,6 +119,8 @@ def _stop_handler(statement: ast.Try) -> ast.ExceptHandler:
 
 def _prepaid(census: Census) -> dict[ast.AST, ast.If | ast.IfExp]:
     """Return what stands for short loops and lists; called before these have checkpoints."""
+    if any(map(census.of, _COUNTING_EACH)):
+        return {}
     units = {loop: count for loop in census.of(ast.For) if (count := _units(loop))}
     inner = {statement for loop in units for statement in loop.body}
     found: dict[ast.AST, ast.If | ast.IfExp] = {}
@@ -128,7 +134,17 @@ def _prepaid(census: Census) -> dict[ast.AST, ast.If | ast.IfExp]:
             alike = ast.comprehension(generator.target, generator.iter, list(generator.ifs), 0)
             bare = ast.copy_location(ast.ListComp(made.elt, [alike]), made)
             found[made] = ast.copy_location(ast.IfExp(_payment(generator.iter, count), bare, made), made)
-    return found
+    return {} if found and _binds_a_known_function(census) else found
+
+
+def _binds_a_known_function(census: Census) -> bool:
+    """Return whether a text gives something else the name of a function that short loops call."""
+    return (
+        any(function.name in _COMPUTING for function in census.of(ast.FunctionDef))
+        or any(name.id in _COMPUTING for name in census.of(ast.Name) if isinstance(name.ctx, ast.Store))
+        or any(parameter.arg in _COMPUTING for parameter in census.of(ast.arg))
+        or any((alias.asname or alias.name) in _COMPUTING for alias in census.of(ast.alias))
+    )
 
 
 def _passes(target: ast.expr, values: ast.expr) -> int:
@@ -177,6 +193,9 @@ def _is_closed(node: ast.AST) -> bool:
 
 def _calls_a_known_function(call: ast.Call) -> bool:
     function = call.func
+    if call.keywords:
+        # Such as `key`, a function of the program.
+        return False
     if isinstance(function, ast.Attribute):
         return function.attr == "append"
     return isinstance(function, ast.Name) and function.id in _COMPUTING

@@ -9,6 +9,7 @@ from __future__ import annotations
 from array import array
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from operator import index as as_integer
 from struct import Struct
 from typing import Final, overload
 
@@ -243,7 +244,10 @@ class TraceRows(Sequence[TraceRow]):
     def __getitem__(self, index: int | slice) -> TraceRow | list[TraceRow]:
         if isinstance(index, slice):
             return [self._row(number) for number in range(*index.indices(len(self._times)))]
-        return self._row(range(len(self._times))[index])
+        number, count = as_integer(index), len(self._times)
+        if not -count <= number < count:
+            raise IndexError(f"there is no row {number} of a trace of {count}")
+        return self._row(number % count)
 
     def _row(self, index: int) -> TraceRow:
         stretch = self._stretches[bisect_right(self._begins, index) - 1]
@@ -271,6 +275,12 @@ class TraceRows(Sequence[TraceRow]):
         if not isinstance(other, TraceRows | list | tuple):
             return NotImplemented
         return len(self) == len(other) and all(row == its for row, its in zip(self, other, strict=True))
+
+    def __add__(self, other: object) -> list[TraceRow]:
+        return [*self, *other] if isinstance(other, TraceRows | list) else NotImplemented
+
+    def __radd__(self, other: object) -> list[TraceRow]:
+        return [*other, *self] if isinstance(other, list) else NotImplemented
 
     def __repr__(self) -> str:
         ends = f" from {self._times[0]:g} to {self._times[-1]:g} s" if self._times else ""
