@@ -8,7 +8,7 @@ from elitescript.kernel.options import DEFAULTS, IN_VIRTUAL_TIME, KEYWORDS, OPTI
 
 T = TypeVar("T")
 
-_ENTRY = "        **options: "
+_ENTRY = "**options: "
 
 
 def takes_options(cls: type[T]) -> type[T]:
@@ -52,10 +52,13 @@ class _Docstring:
         from textwrap import fill
 
         head, _, rest = self._text.partition(_ENTRY)
+        # From Python 3.13 on docstrings are less indented than their source.
+        before = head.rpartition("\n")[2]
         lines = rest.splitlines(keepends=True)
-        more = next((number for number, line in enumerate(lines[1:], 1) if not line.startswith(" " * 9)), len(lines))
+        deeper = before + " "
+        more = next((number for number, line in enumerate(lines[1:], 1) if not line.startswith(deeper)), len(lines))
         entries = [
-            fill(f"{name}: {described(name)}.", 120, initial_indent=" " * 8, subsequent_indent=" " * 12)
+            fill(f"{name}: {described(name)}.", 120, initial_indent=before, subsequent_indent=before + " " * 4)
             for name in KEYWORDS
         ]
-        return head + "".join(f"{entry}\n" for entry in entries) + "".join(lines[more:])
+        return head.removesuffix(before) + "".join(f"{entry}\n" for entry in entries) + "".join(lines[more:])
