@@ -116,6 +116,8 @@ class VirtualRobot:
         self.model, named = (arm, {"model": arm.name}) if isinstance(arm, RobotModel) else named_model(arm)
         self.options = robot_options({**options, **named}, settings.options, **IN_VIRTUAL_TIME)
         self._on_event = on_event
+        self.reports_signals = True
+        """Whether `on_event` has a use for changes of signals; else a run need not make their events for it."""
         self._outside = Outside(world, task_dir, lines, task_dir_limit)
         self._kernel = Kernel(
             self.options,
@@ -354,6 +356,7 @@ class VirtualRobot:
         run.look = lambda: self._look(run)
         if self.controller.task_state is TaskState.STOPPED:
             self._run = run
+            self._choose_record()
         if self.options.power_on and not self.controller.safety.refusal("power_on"):
             self.controller.power_up()
         self._trace = trace if isinstance(trace, Trace) else None
@@ -419,6 +422,7 @@ class VirtualRobot:
             self._clients = Clients(self._kernel)
             if self._run is not None:
                 self._run.is_alone = False
+            self._choose_record()
         return self._clients.connect(port, self._step)
 
     def _step(self) -> None:
@@ -557,6 +561,7 @@ class VirtualRobot:
         if self._outside.surroundings is not None:
             self._outside.surroundings.run_ended()
         run.close(SignalRecord(self.controller.non_default_signals()))
+        self._choose_record()
 
     def _drain_last(self) -> None:
         """Let what the last program gave away arrive, if it was stepped and its caller has not."""
@@ -623,6 +628,13 @@ class VirtualRobot:
             if self._clients is not None:
                 # A client may start another program before this one has come to rest.
                 self._globals = self._host.monitor()
+
+    def _choose_record(self) -> None:
+        """Let changes of signals go to the record of the run at once, unless anything else needs their events."""
+        run = self._run
+        is_heard = self._on_event is not None and self.reports_signals
+        is_needed = is_heard or self._clients is not None or self._outside.surroundings is not None
+        self._kernel.on_change = None if is_needed or run is None or run.is_closed else run.record.add
 
     def _event(self, event: Event) -> None:
         if self._outside.surroundings is not None and isinstance(event, SignalChanged):

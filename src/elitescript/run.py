@@ -10,7 +10,17 @@ from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
 from elitescript.controller.views.trace_signals import SignalRecord
 from elitescript.errors import AlarmError
 from elitescript.language.compiler import CompiledUnit
-from elitescript.messages.events import UNDELIVERED, Alarm, DeviceNoted, Event, Printed, TextMessage, Warned
+from elitescript.messages.events import (
+    UNDELIVERED,
+    Alarm,
+    Change,
+    DeviceNoted,
+    Event,
+    Printed,
+    TextMessage,
+    Warned,
+    event_of,
+)
 from elitescript.messages.motion import Six
 from elitescript.records import NamedTuple
 
@@ -38,6 +48,38 @@ class Look(NamedTuple):
     globals: dict[str, Any] = {}  # noqa: RUF012
 
 
+class EventRecord:
+    """The last events of a run. Those of signals are made when the events are read for the first time.
+
+    Attributes:
+        dropped: how many events have gone.
+    """
+
+    __slots__ = ("_events", "_is_read", "dropped")
+
+    def __init__(self) -> None:
+        self._events: list[Any] = []
+        self._is_read = False
+        self.dropped = 0
+
+    def add(self, event: Event | Change) -> None:
+        """Record an event."""
+        self._events.append(event_of(event) if self._is_read else event)
+        if len(self._events) > _SURPLUS_FROM:
+            self.dropped += _trim(self._events)
+
+    def read(self) -> list[Event]:
+        """Return the events, always in the same list, which grows with the run."""
+        if not self._is_read:
+            self._is_read = True
+            self._events[:] = map(event_of, self._events)
+        return self._events
+
+    def replace(self, events: list[Event]) -> None:
+        """Go on with another list, which grows instead of the one before."""
+        self._is_read, self._events = True, events
+
+
 class Run:
     """The record of a run, which grows while the program runs.
 
@@ -50,9 +92,6 @@ class Run:
         warnings: texts of warnings, those of the compiler and of virtual devices included. Of one kind there are at
             most ten, and then their number, here and in `events`.
         alarms: what stopped the program.
-        events: everything that happened, in order, each kind as `docs/reference/events.md` says; of a very long run the
-            last `RECORDS_MAX`. So it is with the texts.
-        events_dropped: how many events have gone, so that a run of days does not fill the memory.
         undelivered: data that the program sent and that did not arrive, as text; each is a warning too.
         look: returns the present values of the properties; None before the start and after the end.
         threads: script threads at the end of a program that did not end by itself: where each was.
@@ -64,13 +103,12 @@ class Run:
         "_signals",
         "_trace",
         "alarms",
-        "events",
-        "events_dropped",
         "is_alone",
         "is_paced",
         "log",
         "look",
         "printed",
+        "record",
         "start_tick",
         "state",
         "threads",
@@ -87,8 +125,8 @@ class Run:
         self.printed: list[str] = []
         self.warnings: list[str] = [str(problem) for problem in unit.diagnostics]
         self.alarms: list[Alarm] = []
-        self.events: list[Event] = []
-        self.events_dropped = 0
+        self.record = EventRecord()
+        """What `events` are read from."""
         self._trace: TraceRows | None = None
         self.undelivered: list[str] = []
         self.look: Callable[[], Look] | None = None
@@ -98,6 +136,23 @@ class Run:
         self.is_paced = False
         self.is_alone = False
         """Whether no preset holds a set, and nothing is beside it: devices, clients, secondary programs with sets."""
+
+    @property
+    def events(self) -> list[Event]:
+        """Everything that happened, in order, each kind as `docs/reference/events.md` says.
+
+        Of a very long run these are the last `RECORDS_MAX`. So it is with the texts.
+        """
+        return self.record.read()
+
+    @events.setter
+    def events(self, events: list[Event]) -> None:
+        self.record.replace(events)
+
+    @property
+    def events_dropped(self) -> int:
+        """How many events have gone, so that a run of days does not fill the memory."""
+        return self.record.dropped
 
     @property
     def time_s(self) -> float:
@@ -189,9 +244,7 @@ class Run:
 
     def add(self, event: Event) -> None:
         """Record an event of this run."""
-        self.events.append(event)
-        if len(self.events) > _SURPLUS_FROM:
-            self.events_dropped += _trim(self.events)
+        self.record.add(event)
         if type(event) not in _WITH_TEXT:
             return
         if isinstance(event, TextMessage):

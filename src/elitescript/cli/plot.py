@@ -89,6 +89,7 @@ def _played(path: Path, options: argparse.Namespace) -> tuple[Recording, int]:
         on_event=report.event,
         **options_from(options),
     )
+    robot.reports_signals = False
     robot.set_start(signals)
     source = source_of(path)
     sampling, threads = Sampling(), ThreadLines()

@@ -59,6 +59,7 @@ def run(options: argparse.Namespace) -> int:
         on_event=report.event,
         **options_from(options),
     )
+    robot.reports_signals = options.json or "signals" in logs
     robot.set_start(levels)
     for name, value in (("--until", options.until), ("--max-wall", options.max_wall)):
         if value is not None and not value >= 0.0:

@@ -36,7 +36,15 @@ from elitescript.errors import MotionError, ScriptStateError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.tcp import tcp_pose
 from elitescript.messages.enums import RobotMode, TaskState
-from elitescript.messages.events import Event, LineMarked, RobotModeChanged, SignalChanged, TaskStateChanged, Warned
+from elitescript.messages.events import (
+    Change,
+    Event,
+    LineMarked,
+    RobotModeChanged,
+    TaskStateChanged,
+    Warned,
+    event_of,
+)
 from elitescript.messages.machine import (
     AskSafety,
     DisturbInput,
@@ -86,6 +94,7 @@ class Controller:
         model: the arm.
         epoch_s: the controller's clock at tick 0, seconds since 1970.
         on_event: receives every event in order.
+        on_change: receives the changes of signals instead of `on_event`; that gets their events if None.
         home: joint positions at the start, rad; the model's home if None.
         speed_scale: speed percentage at the start, as a fraction.
         contact: what the TCP can touch; nothing if None.
@@ -104,6 +113,7 @@ class Controller:
         "_joint_encoders",
         "_model",
         "_node",
+        "_on_change",
         "_on_event",
         "_tick",
         "arm",
@@ -128,6 +138,7 @@ class Controller:
         *,
         epoch_s: float,
         on_event: Callable[[Event], None],
+        on_change: Callable[[Change], None] | None = None,
         home: Six | None = None,
         speed_scale: float = 1.0,
         contact: ContactConfig | None = None,
@@ -145,6 +156,7 @@ class Controller:
         self.joint_ranges: tuple[tuple[float, float], ...] = model.joint_ranges
         self._epoch_s = epoch_s
         self._on_event = on_event
+        self._on_change = on_change or (lambda change: on_event(event_of(change)))
         self._tick = 0
         self.requests = 0
         """Requests that were carried out, or refused, since the start."""
@@ -607,10 +619,10 @@ class Controller:
         self.emit(event)
 
     def _signal_changed(self, name: str, index: int, value: Value) -> None:
-        by, row = self._by, SIGNALS[name]
+        by = self._by
         line = self.task.program.caller_line if by == PROGRAM else 0
-        self._on_event(SignalChanged(self._tick, signal_name(row, index), value, by, line))
-        if row.is_input:
+        self._on_change((self._tick, name, index, value, by, line))
+        if SIGNALS[name].is_input:
             if name == SPEED_SIGNAL:
                 self.tracking.encoders[index].turn(float(value), self._tick)
             self.safety.signal_changed(name, value, self._tick)

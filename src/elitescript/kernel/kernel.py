@@ -23,7 +23,7 @@ from elitescript.kernel.arm import model_of
 from elitescript.kernel.options import RobotOptions
 from elitescript.kernel.parts import PopupWindow, RobotParts
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import DeviceNoted, Event, Popup, TaskStateChanged, Warned
+from elitescript.messages.events import Change, DeviceNoted, Event, Popup, TaskStateChanged, Warned, event_of
 from elitescript.messages.machine import DisturbInput
 from elitescript.messages.motion import Six
 from elitescript.messages.profile import profile
@@ -67,6 +67,7 @@ class Kernel:
         profile: the firmware.
         controller: the machine.
         host: runs programs.
+        on_change: receives the changes of signals instead of `on_event`, while that needs none of their events.
         popup: the message window.
 
     Raises:
@@ -95,6 +96,7 @@ class Kernel:
         "controller",
         "host",
         "model",
+        "on_change",
         "options",
         "popup",
         "profile",
@@ -115,6 +117,7 @@ class Kernel:
         self.profile = profile(options.firmware)
         self.popup = PopupWindow(options.confirms_popups)
         self._on_event = self._record if on_event is None else on_event
+        self.on_change: Callable[[Change], None] | None = None
         self._on_end = on_end
         self._limit = WarningLimit()
         self._events: list[Event] = []
@@ -137,6 +140,7 @@ class Kernel:
             self.model,
             epoch_s=options.epoch_s,
             on_event=self._event,
+            on_change=self._change,
             home=None if options.joints is None else _checked_joints(self.model, options.joints),
             speed_scale=options.speed,
             contact=options.contact,
@@ -409,6 +413,14 @@ class Kernel:
             self.popup.take(event)
         self.host.spend_event()
         self._on_event(event)
+
+    def _change(self, change: Change) -> None:
+        self._has_happened = True
+        self.host.spend_event()
+        if self.on_change is not None:
+            self.on_change(change)
+        else:
+            self._on_event(event_of(change))
 
     def _record(self, event: Event) -> None:
         """Have the clients get an event, unless it is a warning of which the program has made many."""

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.motion import MotionRequest, TrackCircular, TrackLinear
-from elitescript.messages.signals import Value
+from elitescript.messages.signals import Value, point_names
 from elitescript.messages.yielding import YieldRequest
 from elitescript.records import field, record
 
@@ -294,3 +294,15 @@ Event = (
     | LineMarked
     | YieldingChanged
 )
+
+Change = tuple[int, str, int, Value, str, int]
+"""A `SignalChanged` before it is made: tick, family, index, value, `by`, line. A program that writes registers in every
+tick makes thousands, of which nothing may ever be read."""
+
+
+def event_of(change: Event | Change) -> Event:
+    """Return the event of a change of a signal; any other event as it is."""
+    if not isinstance(change, tuple):
+        return change
+    tick, family, index, value, by, line = change
+    return SignalChanged(tick, point_names(family)[index], value, by, line)

@@ -11,7 +11,7 @@ last rows are set by tests and devices; no program reads them as signals.
 
 from __future__ import annotations
 
-from functools import partial
+from functools import cache, partial
 from typing import Final
 
 from elitescript.errors import UsageError, did_you_mean
@@ -117,3 +117,10 @@ def parse_signal_name(text: str) -> tuple[Signal, int]:
 def signal_name(signal: Signal, index: int) -> str:
     """Return the name under which one point of a family is addressed."""
     return signal.name if signal.size == 1 else f"{signal.name}[{index}]"
+
+
+@cache
+def point_names(family: str) -> tuple[str, ...]:
+    """Return the names under which the points of a family are addressed."""
+    signal = SIGNALS[family]
+    return tuple(signal_name(signal, index) for index in range(signal.size))

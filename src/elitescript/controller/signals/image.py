@@ -180,8 +180,8 @@ class SignalImage:
             value = float(value)
         if self._runstate or self.faults is not None:
             self._command(name, index, value)
-        else:
-            self.show(name, index, value)
+        elif self._values[name][index] != value:
+            self._change(name, index, value)
 
     def check(self, name: str, index: int, value: Value, domain: AnalogDomain | None = None) -> None:
         """Check that a point can take a value.
@@ -320,11 +320,13 @@ class SignalImage:
 
     def show(self, name: str, index: int, value: Value) -> None:
         """Set the level that a point reads, whatever is applied to it."""
-        values = self._values[name]
-        if values[index] != value:
-            values[index] = value
-            self._stale.add(name)
-            self._on_change(name, index, value)
+        if self._values[name][index] != value:
+            self._change(name, index, value)
+
+    def _change(self, name: str, index: int, value: Value) -> None:
+        self._values[name][index] = value
+        self._stale.add(name)
+        self._on_change(name, index, value)
 
 
 def _check_analog(name: str, index: int, value: float, domain: AnalogDomain) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from types import FrameType
+from types import CodeType, FrameType
 from typing import Any, Final
 
 from greenlet import GreenletExit, getcurrent, greenlet  # type: ignore[import-untyped]
@@ -30,6 +30,9 @@ SCRIPT_DEPTH: Final = 1000
 
 REFUSALS_MAX: Final = 10_000
 """How often a thread may swallow its stop before it is given up; a deep recursion swallows it once per level."""
+
+SITES_MAX: Final = 1000
+"""Most places of a thread whose lines are kept."""
 
 _CONTEXTS_MAX: Final = 64
 """Most chained exceptions that are searched for a stop."""
@@ -83,6 +86,7 @@ class Strand:
         "_greenlet",
         "_line",
         "_line_activation",
+        "_sites",
         "activations",
         "at_end",
         "cancel",
@@ -145,6 +149,9 @@ class Strand:
         self.recursion_limit = 0
         self._line = 0
         self._line_activation = -1
+        self._sites: dict[tuple[int, int], tuple[CodeType, int]] = {}
+        """Line of each place from which `line_behind` was called: by code, as its `id`, and instruction. Python finds
+        the line of a frame by a search from the begin of its code."""
 
     def _begin(self) -> None:
         # A stack begins to count its depth where it is begun from, and that differs from process to process.
@@ -220,10 +227,17 @@ class Strand:
             frames: of the caller of this function and of its callers, that are known to be no script text.
         """
         caller = sys._getframe(frames + 1)
-        if caller.f_builtins is self._builtins and not caller.f_code.co_filename.startswith(INNER_TEXTS):
-            return caller.f_lineno or 0
+        site = self._sites.get((id(caller.f_code), caller.f_lasti))
+        if site is not None and caller.f_builtins is self._builtins:
+            return site[1]
         frame = self._script_frame(caller)
-        return frame.f_lineno or 0 if frame is not None else 0
+        line = frame.f_lineno or 0 if frame is not None else 0
+        if frame is caller and not caller.f_code.co_filename.startswith(INNER_TEXTS):
+            if len(self._sites) >= SITES_MAX:
+                self._sites.clear()
+            # With its code, so that no other code can have its `id`.
+            self._sites[id(caller.f_code), caller.f_lasti] = caller.f_code, line
+        return line
 
     def script_frame(self) -> FrameType | None:
         """Return the innermost frame of the program's own text, or else of a text of `eval`."""
