@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from random import Random
 from typing import Any
 
 import pytest
 
 from elitescript.controller.arm.dynamics import ArmDynamics
 from elitescript.controller.controller import Controller
+from elitescript.kinematics.dynamics import RigidBody, joint_torques
 from elitescript.messages.machine import SetPayload
 from elitescript.messages.motion import MoveJ, Six, SpeedJ
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.state import ZERO_SIX, Payload
+from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model, model_names
 
 MODEL = load_model("CS66")
@@ -49,6 +52,40 @@ def test_the_rated_torque_takes_a_current_that_drives_have(name: str) -> None:
     model = load_model(name)
     a, b, c, d, e, f = (joint.effort_max for joint in model.joints)
     assert all(1.0 < current < 35.0 for current in ArmDynamics(model).currents((a, b, c, d, e, f)))
+
+
+def test_currents_and_torques_are_to_the_bit_those_of_each_joint_by_itself() -> None:
+    numbers = Random(12)
+    dynamics = ArmDynamics(MODEL)
+    payloads = [Payload(), Payload(2.0, (0.03, -0.02, 0.08)), Payload(4.5, (0.0, 0.1, 0.05))]
+    links = [RigidBody(link.mass, link.com, link.inertia) for link in MODEL.links]
+    for _ in range(200):
+        q, qd, qdd = (six_numbers(numbers) for _ in range(3))
+        payload = numbers.choice(payloads)
+        carried = RigidBody(payload.mass_kg, payload.cog, payload.inertia)
+        torques = dynamics.measured_torques(q, qd, qdd, (0.0, 0.0, 9.82), payload)
+        assert repr(torques) == repr(joint_torques(MODEL.arm, links, q, qd, qdd, (0.0, 0.0, 9.82), carried))
+        alone = [torque / joint.torque_constant for torque, joint in zip(torques, MODEL.joints, strict=True)]
+        assert repr(list(dynamics.currents(torques))) == repr(alone)
+
+
+def test_accelerations_of_a_lagging_arm_are_to_the_bit_the_differences_of_its_speeds() -> None:
+    controller = machine(PlantConfig(lag_s=0.02), PART)
+    arm = controller.arm_state
+    controller.request_motion(MoveJ(TARGET, 1.4, 1.05), 1, "main")
+    for _ in range(200):
+        run(controller, 1)
+        now, later = arm.joints(controller.tick), arm.joints(controller.tick + 1)
+        for found, before, after in (
+            (arm.target_acceleration(), now.qd_target, later.qd_target),
+            (arm.actual_acceleration(), now.qd_actual, later.qd_actual),
+        ):
+            assert repr(list(found)) == repr([(b - a) / PERIOD_S for a, b in zip(before, after, strict=True)])
+
+
+def six_numbers(numbers: Random) -> Six:
+    a, b, c, d, e, f = (numbers.choice((0.0, -0.0, numbers.uniform(-3.0, 3.0))) for _ in range(6))
+    return (a, b, c, d, e, f)
 
 
 def test_at_rest_currents_hold_the_weight() -> None:

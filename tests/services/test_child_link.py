@@ -237,6 +237,24 @@ class TestLink:
 
         with_link(body, grace_s=IMPATIENT_S)
 
+    def test_an_answer_that_is_there_at_the_outlet_takes_no_turn_of_the_event_loop(self, children):
+        async def body(link):
+            async def outlet() -> None:
+                pass
+
+            await link.tick(())
+            for _ in range(3):
+                with pytest.raises(StopIteration) as ended:
+                    link.tick((), 0, asks_due=False, outlet=outlet).send(None)
+                assert ended.value.value.tick == link._next - 1
+            # Nothing but the link gives the loop a turn where ticks come without a pause.
+            without_outlet = link.tick((), 0)
+            without_outlet.send(None)
+            with pytest.raises(StopIteration):
+                without_outlet.send(None)
+
+        with_link(body, grace_s=IMPATIENT_S)
+
     def test_a_child_whose_answer_was_late_is_watched_for_a_second(self, children):
         async def body(link):
             child = children[0]

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from collections.abc import Callable
+from functools import partial
+from typing import Final
 
 from elitescript.controller.arm.plant import friction_torques
 from elitescript.messages.motion import Six
 from elitescript.messages.plant import PlantConfig
 from elitescript.messages.state import Payload
 from elitescript.models.model import RobotModel
-
-if TYPE_CHECKING:
-    from elitescript.kinematics.dynamics import MassChain
-
 
 _NO_PAYLOAD: Final = Payload()
 
@@ -27,7 +25,7 @@ class ArmDynamics:
         plant: friction of the joints.
     """
 
-    __slots__ = ("_chains", "_effort_max", "_has_friction", "_model", "_plant", "_qd_max")
+    __slots__ = ("_effort_max", "_has_friction", "_model", "_of_payloads", "_plant", "_qd_max", "_torque_constants")
 
     def __init__(self, model: RobotModel, plant: PlantConfig | None = None) -> None:
         self._model = model
@@ -35,8 +33,9 @@ class ArmDynamics:
         self._has_friction = self._plant.coulomb_friction > 0.0 or self._plant.viscous_friction > 0.0
         self._qd_max = tuple([joint.qd_max for joint in model.joints])
         self._effort_max = tuple([joint.effort_max for joint in model.joints])
-        self._chains: tuple[tuple[Payload, MassChain], ...] = ()
-        """For the payloads that were used last."""
+        self._torque_constants = tuple([joint.torque_constant for joint in model.joints])
+        self._of_payloads: tuple[tuple[Payload, Callable[..., Six]], ...] = ()
+        """Torques of masses and inertias for the payloads that were used last."""
 
     def measured_torques(self, q: Six, qd: Six, qdd: Six, gravity: tuple[float, float, float], payload: Payload) -> Six:
         """Return the torques of all joints, friction included.
@@ -55,10 +54,9 @@ class ArmDynamics:
 
     def currents(self, torques: Six) -> Six:
         """Return the motor currents for joint torques, A; the torque constants are *assumed*."""
-        a, b, c, d, e, f = [
-            torque / joint.torque_constant for torque, joint in zip(torques, self._model.joints, strict=True)
-        ]
-        return (a, b, c, d, e, f)
+        a, b, c, d, e, f = torques
+        g, h, i, j, k, m = self._torque_constants
+        return (a / g, b / h, c / i, d / j, e / k, f / m)
 
     def _with_friction(self, torques: Six, qd: Six) -> Six:
         if not self._has_friction:
@@ -69,14 +67,14 @@ class ArmDynamics:
 
     def rigid_torques(self, q: Six, qd: Six, qdd: Six, gravity: tuple[float, float, float], payload: Payload) -> Six:
         """Return the torques of masses and inertias, without friction."""
+        for of, torques in self._of_payloads:
+            if of is payload:
+                return torques(q, qd, qdd, gravity)
         from elitescript.kinematics.dynamics import RigidBody, mass_chain, torques_of
 
-        for of, chain in self._chains:
-            if of is payload:
-                return torques_of(chain, q, qd, qdd, gravity)
         links = [RigidBody(link.mass, link.com, link.inertia) for link in self._model.links]
         carried = RigidBody(payload.mass_kg, payload.cog, payload.inertia)
-        chain = mass_chain(self._model.arm, links, carried)
+        torques = partial(torques_of, mass_chain(self._model.arm, links, carried))
         # The payload that is set, and none.
-        self._chains = ((payload, chain), *self._chains[:1])
-        return torques_of(chain, q, qd, qdd, gravity)
+        self._of_payloads = ((payload, torques), *self._of_payloads[:1])
+        return torques(q, qd, qdd, gravity)

@@ -153,16 +153,13 @@ class ArmState:
             ahead_s, after = PERIOD_S, self._motion.sample(self._tick + 1).qd
         else:
             ahead_s, after = _INSTANT_S, self._motion.sample(self._tick + _INSTANT_S / PERIOD_S).qd
-        a, b, c, d, e, f = [(later - now) / ahead_s for now, later in zip(before, after, strict=True)]
-        return (a, b, c, d, e, f)
+        return _change(before, after, ahead_s)
 
     def actual_acceleration(self) -> Six:
         """Return the acceleration of the actual joints after the present tick, rad/s^2."""
         if self._plant is None or not self._is_stepped:
             return self.target_acceleration()
-        before, after = self.joints(self._tick).qd_actual, self.joints(self._tick + 1).qd_actual
-        a, b, c, d, e, f = [(later - now) / PERIOD_S for now, later in zip(before, after, strict=True)]
-        return (a, b, c, d, e, f)
+        return _change(self.joints(self._tick).qd_actual, self.joints(self._tick + 1).qd_actual, PERIOD_S)
 
     def settle(self, tick: int) -> None:
         """Advance to a tick that is not later than the next one due, and emit what has ended by then."""
@@ -248,3 +245,10 @@ class ArmState:
             self._plant.commit(tick, target, now)
         self._joints, self._joints_tick = JointState(*target, *actual), tick
         return q_left
+
+
+def _change(before: Six, after: Six, time_s: float) -> Six:
+    """Return the mean rate of change over a time, per second."""
+    a, b, c, d, e, f = before
+    g, h, i, j, k, m = after
+    return ((g - a) / time_s, (h - b) / time_s, (i - c) / time_s, (j - d) / time_s, (k - e) / time_s, (m - f) / time_s)

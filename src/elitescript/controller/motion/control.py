@@ -163,7 +163,7 @@ class MotionControl:
     @property
     def is_stepped(self) -> bool:
         """Whether the present motion is known for the next tick only, not in between."""
-        return isinstance(self._source, ToolDrive | ServoDrive)
+        return self._source is not None and self._source.is_stepped
 
     def sample(self, tick: float) -> Setpoint:
         """Return the target joints at any time, in ticks, from the present up to the next that is due: rad, rad/s."""

@@ -39,6 +39,7 @@ class Drive:
     __slots__ = ("_held_ticks", "_timeout_tick", "is_returned", "is_stopping", "line", "number", "request", "thread")
 
     reaches_end = True
+    is_stepped = False
 
     def __init__(self, call: MotionCall, request: DriveRequest, t_s: float | None) -> None:
         self.is_stopping = False

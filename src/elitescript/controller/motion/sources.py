@@ -50,6 +50,10 @@ class MotionSource(Protocol):
     """Whether it comes to rest at its target."""
 
     @property
+    def is_stepped(self) -> bool:
+        """Whether it is known for the next tick only, not in between."""
+
+    @property
     def end_tick(self) -> int:
         """Tick at which the arm rests; NEVER if unknown."""
 
@@ -105,6 +109,8 @@ class Move:
         "thread",
         "waypoint",
     )
+
+    is_stepped = False
 
     def __init__(self, call: MotionCall, plan: Plan, start_tick: int, scale: TimeScale, waypoint: Six) -> None:
         self.number = call.number
@@ -311,6 +317,8 @@ class Braking:
     """
 
     __slots__ = ("end_tick", "is_stopping", "number", "profile", "q_rest", "reaches_end", "start_tick", "thread")
+
+    is_stepped = False
 
     def __init__(self, number: int, thread: str, profile: SpeedProfile, start_tick: int) -> None:
         self.number = number

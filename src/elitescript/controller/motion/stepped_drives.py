@@ -28,6 +28,7 @@ class Stepped(Drive, ABC):
 
     __slots__ = ("_ahead", "_tick")
 
+    is_stepped = True
     _ahead: TwistState | ServoState | Obstacle | None
 
     def __init__(self, call: MotionCall, request: DriveRequest, t_s: float | None) -> None:

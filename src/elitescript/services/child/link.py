@@ -247,7 +247,7 @@ class ChildLink:
                 if transport.unanswered:
                     self._watched_until = tick + TICKS_PER_S
                     transport.process.watch(True)
-        await self._wait_for_output(tick)
+        await self._wait_for_output(tick, had_turn=outlet is not None)
         self._watch(tick)
         if self._outputs.newest is None:
             why = "" if transport is None else transport.failure or transport.end_reason
@@ -401,14 +401,19 @@ class ChildLink:
             longest_s = supervision.hang_limit_s
             await self._wait_until(lambda: len(unanswered) < room or bool(transport.end_reason), longest_s)
 
-    async def _wait_for_output(self, tick: int) -> None:
-        """Wait for the output of a tick, for as long as it may be late."""
+    async def _wait_for_output(self, tick: int, *, had_turn: bool) -> None:
+        """Wait for the output of a tick, for as long as it may be late.
+
+        Args:
+            tick: its number.
+            had_turn: whether the event loop has a turn before each tick anyhow.
+        """
         grace_s, transport = self._grace_of(tick), self._transport
         if transport is not None and transport.unanswered and self._outputs.is_empty:
             began_s = time.monotonic()
             await self._wait_until(lambda: not transport.unanswered or bool(transport.end_reason), grace_s)
             self._grace_left_s -= time.monotonic() - began_s
-        else:
+        elif not had_turn:
             # The event loop reads a fresh child even if ticks come without a pause.
             await asyncio.sleep(0)
         if self._outputs.newest is None and transport is not None:
