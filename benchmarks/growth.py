@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
 HOURS = int(os.environ.get("GROWTH_HOURS", "720"))
 SERVED_S = float(os.environ.get("GROWTH_SECONDS", "4"))
+LEAST_S = 1e-9
+"""Served robots at rest may sleep through the whole measurement."""
 SMALL = """
 def job():
   movej([0.3, -1.4, -1.7, -1.6, 1.57, 0], a=1.4, v=1.05)
@@ -262,7 +264,7 @@ def table(name: str) -> list[Row]:
                 lines.append(Row(title, figure.unit, value=figure.amount / size))
                 continue
             time = Time(figure.time.wall_s / size, figure.time.cpu_s / size)
-            share = figure.collector_s / figure.time.cpu_s
+            share = figure.collector_s / max(figure.time.cpu_s, LEAST_S)
             words = f"of it {share:.0%} garbage collector" if share >= 0.01 else ""
             lines.append(timed_row(title, time, _unit(time.cpu_s), words=words))
         if len(sizes) == 1:
@@ -270,8 +272,8 @@ def table(name: str) -> list[Row]:
             continue
         words = f"from {sizes[-2]} to {sizes[-1]}"
         if column[0].amount is None:
-            with_collector = _exponent(sizes, [figure.time.cpu_s for figure in column])
-            without = _exponent(sizes, [figure.time.cpu_s - figure.collector_s for figure in column])
+            with_collector = _exponent(sizes, [max(figure.time.cpu_s, LEAST_S) for figure in column])
+            without = _exponent(sizes, [max(figure.time.cpu_s - figure.collector_s, LEAST_S) for figure in column])
             words += f"; {with_collector:.2f} with the garbage collector"
             lines.append(Row(f"{name}: growth of {column[0].what}", value=without, words=words))
         else:

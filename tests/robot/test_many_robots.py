@@ -144,6 +144,14 @@ def test_a_robot_takes_less_than_100_kb(has_run: bool) -> None:
     assert traced / len(robots) < 100_000
 
 
+@pytest.mark.usefixtures("without_collection")
+def test_a_robot_has_few_objects_that_the_collector_goes_through() -> None:
+    VirtualRobot()
+    before = len(gc.get_objects())
+    robots = [VirtualRobot() for _ in range(20)]
+    assert (len(gc.get_objects()) - before) / len(robots) < 175
+
+
 @pytest.fixture
 def without_collection() -> Iterator[None]:
     gc.collect()

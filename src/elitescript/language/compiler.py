@@ -17,6 +17,7 @@ from elitescript.errors import ProgramError
 from elitescript.language.advice.syntax_errors import explain
 from elitescript.language.checkpoints import insert_checkpoints
 from elitescript.language.diagnostics import Diagnostic, diagnostic, in_order
+from elitescript.language.garbage import without_collection
 from elitescript.language.hash_order import shows_hash_order
 from elitescript.language.hooks import MAIN
 from elitescript.language.nodes import FUNCTIONS, Census
@@ -57,6 +58,7 @@ class CompiledUnit:
     shows_hash_order: bool
 
 
+@without_collection
 def compile_unit(source: SourceFile, options: Options = DEFAULT) -> CompiledUnit:
     """Compile a text.
 
@@ -67,6 +69,7 @@ def compile_unit(source: SourceFile, options: Options = DEFAULT) -> CompiledUnit
     return compile_parsed(parse(source, options))
 
 
+@without_collection
 def compile_task(source: SourceFile, options: Options = DEFAULT) -> CompiledUnit:
     """Compile a text that is about to run, and report if nothing in it runs.
 
@@ -88,6 +91,7 @@ def compile_task(source: SourceFile, options: Options = DEFAULT) -> CompiledUnit
     return replace(unit, diagnostics=problems)
 
 
+@without_collection
 def compile_parsed(parsed: Parsed) -> CompiledUnit:
     """Compile a text that was read. Uses up the tree: analyse it before.
 
@@ -109,6 +113,7 @@ def compile_parsed(parsed: Parsed) -> CompiledUnit:
     )
 
 
+@without_collection
 def check_unit(source: SourceFile, options: Options = DEFAULT) -> tuple[Diagnostic, ...]:
     """Return all findings about a text, errors and warnings, in its order; never raises `ProgramError`."""
     return _compile(parse(source, options)).problems

@@ -15,6 +15,7 @@ from collections.abc import Iterator
 
 from elitescript.language.advice.syntax_errors import broken_escape, explain
 from elitescript.language.diagnostics import Diagnostic, diagnostic, in_order
+from elitescript.language.garbage import without_collection
 from elitescript.language.hooks import LINE as LINE_HOOK
 from elitescript.language.kinds import kind_of, outer_definition
 from elitescript.language.options import DEFAULT, KINDS, LINE, PROGRAM, SCRIPT, SECONDARY, Options
@@ -89,6 +90,7 @@ class Parsed(NamedTuple):
         return any(problem.is_error for problem in self.diagnostics)
 
 
+@without_collection
 def parse(source: SourceFile, options: Options = DEFAULT) -> Parsed:
     """Read a text. Never raises: mistakes are among the diagnostics."""
     if options.kind is not None and options.kind not in KINDS:

@@ -8,6 +8,7 @@ from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.errors import CODES, ProgramError
 from elitescript.language.compiler import CompiledUnit, compile_parsed
 from elitescript.language.diagnostics import Diagnostic, Severity, diagnostic, in_order
+from elitescript.language.garbage import without_collection
 from elitescript.language.options import Options
 from elitescript.language.parser import Parsed, parse
 from elitescript.language.text.source import SourceFile
@@ -65,6 +66,7 @@ def check_source(
     return compile_checked(source, profile, Options(strict=strict), presets=presets, arm=arm).problems
 
 
+@without_collection
 def compile_checked(
     source: SourceFile,
     profile: Profile,
@@ -87,6 +89,7 @@ def compile_checked(
     return check_parsed(parse(source, options), profile, presets=presets, arm=arm)
 
 
+@without_collection
 def check_parsed(
     parsed: Parsed, profile: Profile, *, presets: Collection[str] = (), arm: ArmFacts | None = None
 ) -> CheckResult:

@@ -96,7 +96,7 @@ class SignalImage:
         self._on_override = on_override
         self._overridden: set[tuple[str, int]] = set()
         """Tied outputs for which `on_override` was called since a program started."""
-        self._values: dict[str, list[Value]] = {name: list(levels) for name, levels in _START.items()}
+        self._values: dict[str, Sequence[Value]] = dict(_START)
         self._domains: dict[tuple[str, int], AnalogDomain] = {}
         self._domain_image: dict[str, tuple[AnalogDomain, ...]] | None = None
         self._runstate: dict[tuple[str, int], RunstateChoice] = {}
@@ -324,7 +324,10 @@ class SignalImage:
             self._change(name, index, value)
 
     def _change(self, name: str, index: int, value: Value) -> None:
-        self._values[name][index] = value
+        values = self._values[name]
+        if not isinstance(values, list):
+            values = self._values[name] = list(values)
+        values[index] = value
         self._stale.add(name)
         self._on_change(name, index, value)
 
