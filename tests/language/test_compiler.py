@@ -311,6 +311,7 @@ class TestCost:
             "_bisect",
             "_typing",
             "bisect",
+            "gc",
             "typing",
             "typing.io",
             "typing.re",
