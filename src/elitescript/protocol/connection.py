@@ -94,9 +94,7 @@ class Connection(ABC):
 
     def due(self) -> list[Input]:
         """Return inputs from earlier bytes that are due now; to be called after every `publish`."""
-        due = self._due
-        if due:
-            self._due = []
+        due, self._due = self._due, []
         return due
 
     def read_on(self, output: Output) -> list[Input]:
