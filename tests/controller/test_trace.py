@@ -106,3 +106,9 @@ def test_outside_its_window_nothing_is_sampled(spans):
 def test_a_window_that_makes_no_sense_is_refused(window_s):
     with pytest.raises(UsageError, match="the window of a trace must begin"):
         VirtualRobot("CS66").run(PROGRAM, trace=True, trace_window_s=window_s)
+
+
+@pytest.mark.parametrize("window_s", [3, (1.0,), (0.0, 1.0, 2.0), ("a", "b"), (None, 1.0)])
+def test_a_window_that_is_not_two_numbers_is_refused_with_what_it_is(window_s):
+    with pytest.raises(UsageError, match="two times in s, begin and end, got"):
+        VirtualRobot("CS66").run(PROGRAM, trace=True, trace_window_s=window_s)

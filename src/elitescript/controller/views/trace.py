@@ -87,9 +87,12 @@ def window_ticks(window_s: tuple[float, float] | None) -> tuple[int, int]:
         window_s: begin and end, s, both included; all time if None.
 
     Raises:
-        UsageError: not a begin of at least 0 s and an end that is not before it.
+        UsageError: not two numbers, a begin of at least 0 s and an end that is not before it.
     """
-    begin_s, end_s = (0.0, inf) if window_s is None else window_s
+    try:
+        begin_s, end_s = (0.0, inf) if window_s is None else map(float, window_s)
+    except (TypeError, ValueError):
+        raise UsageError(f"the window of a trace is two times in s, begin and end, got {window_s!r}") from None
     if not 0.0 <= begin_s <= end_s or begin_s == inf:
         raise UsageError(f"the window of a trace must begin at >= 0 s and not end before, got {begin_s:g} to {end_s:g}")
     return ticks_for(begin_s), int(min(end_s, LONGEST_S) * TICKS_PER_S + _ROUNDING_TICKS) + 1
