@@ -1,0 +1,1 @@
+"""Editor services: pure functions over a `Document`; no protocol, no I/O."""

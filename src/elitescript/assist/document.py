@@ -1,0 +1,128 @@
+"""The text of a program as an editor holds it, and what is computed of it once.
+
+Places are lines and columns from 1, columns in characters, as everywhere in this package; `lsp` alone counts in UTF-16.
+"""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_right
+from collections.abc import Iterable
+from functools import cached_property
+
+from elitescript.commands.definition.plausibility import ArmFacts
+from elitescript.language.diagnostics import Diagnostic, Edit
+from elitescript.language.options import Options
+from elitescript.language.parser import Parsed, parse
+from elitescript.language.symbols import Symbols
+from elitescript.language.text.source import BOM, SourceFile
+from elitescript.lint.engine import check_source
+from elitescript.lint.program import AnalysedProgram
+from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES, Profile
+from elitescript.records import record
+
+_LINE_END = re.compile(r"\r\n|\r|\n")
+
+
+@record
+class Settings:
+    """What a program is written for.
+
+    Attributes:
+        profile: the firmware.
+        strict: as `check --strict`.
+        arm: facts of the arm; None leaves out what depends on it.
+        presets: names of globals that have a value before the program begins.
+    """
+
+    profile: Profile = PROFILES[DEFAULT_FIRMWARE]
+    strict: bool = False
+    arm: ArmFacts | None = None
+    presets: frozenset[str] = frozenset()
+
+
+class Document:
+    """One version of a text. Never changes; `edited` returns the next version.
+
+    Args:
+        name: path or URI, for messages.
+        text: as it is in the editor, with its own line ends and perhaps a byte order mark.
+        version: number of the editor.
+        settings: what it is written for.
+    """
+
+    def __init__(self, name: str, text: str, version: int = 0, settings: Settings | None = None) -> None:
+        self.name = name
+        self.text = text
+        self.version = version
+        self.settings = settings or Settings()
+
+    # ---------------------------------------------------------------- the text
+
+    @cached_property
+    def source(self) -> SourceFile:
+        """The text with LF as line ends and no byte order mark."""
+        return SourceFile(self.name, self.text)
+
+    @cached_property
+    def _starts(self) -> list[int]:
+        """Offset in `text` at which each line starts."""
+        mark = len(BOM) if self.text.startswith(BOM) else 0
+        return [mark, *(found.end() for found in _LINE_END.finditer(self.text, mark))]
+
+    @property
+    def line_count(self) -> int:
+        """Number of lines; a text that ends with a line end has an empty last line."""
+        return len(self._starts)
+
+    def line(self, number: int) -> str:
+        """Return a line, from 1, without its line end; empty outside the text."""
+        return self.source.line(number)
+
+    def offset(self, line: int, column: int) -> int:
+        """Return the offset in `text` of a place; places outside the text are moved into it."""
+        line = min(max(line, 1), self.line_count)
+        return self._starts[line - 1] + min(max(column - 1, 0), len(self.line(line)))
+
+    def place(self, offset: int) -> tuple[int, int]:
+        """Return line and column of an offset in `text`."""
+        line = max(1, bisect_right(self._starts, offset))
+        return line, min(max(0, offset - self._starts[line - 1]), len(self.line(line))) + 1
+
+    def edited(self, edits: Iterable[Edit], version: int) -> Document:
+        """Return the text after edits that are made one after the other, each in what the one before left."""
+        after = self
+        for edit in edits:
+            start = after.offset(edit.line, edit.column)
+            end = max(start, after.offset(edit.end_line, edit.end_column))
+            text = after.text[:start] + edit.text + after.text[end:]
+            after = Document(self.name, text, version, self.settings)
+        return after if after is not self else Document(self.name, self.text, version, self.settings)
+
+    # ---------------------------------------------------------------- what is known of it
+
+    @cached_property
+    def parsed(self) -> Parsed:
+        """The text as it was read; lines with mistakes are left out of its tree. Not to be compiled: see `problems`."""
+        return parse(self.source, Options(strict=self.settings.strict))
+
+    @property
+    def symbols(self) -> Symbols:
+        """Scopes, names and calls."""
+        return self.program.symbols
+
+    @cached_property
+    def program(self) -> AnalysedProgram:
+        """The text as the rules see it: calls of commands, constants, uses of names."""
+        settings = self.settings
+        return AnalysedProgram(
+            self.parsed, settings.profile, is_strict=settings.strict, presets=settings.presets, arm=settings.arm
+        )
+
+    @cached_property
+    def problems(self) -> tuple[Diagnostic, ...]:
+        """What `check` finds, in the order of the text."""
+        settings = self.settings
+        return check_source(
+            self.source, settings.profile, strict=settings.strict, presets=settings.presets, arm=settings.arm
+        )
