@@ -219,6 +219,11 @@ class Names:
                     found.append((called.call, name))
         return tuple(found)
 
+    @cached_property
+    def threads(self) -> frozenset[Entity]:
+        """What is given to `start_thread`."""
+        return frozenset(name.entity for _, name in self.thread_starts)
+
     # ---------------------------------------------------------------- finding them
 
     def _find(self) -> Iterator[Occurrence]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from typing import Final
 
+from elitescript.language.nodes import children
 from elitescript.language.symbols import Resolution, Scope
 from elitescript.lint.program import AnalysedProgram
 
@@ -92,7 +93,7 @@ def own_nodes(function: ast.FunctionDef, *kinds: type[ast.AST]) -> list[ast.AST]
         if isinstance(node, kinds):
             found.append(node)
         if not isinstance(node, (ast.FunctionDef, ast.Lambda, ast.ClassDef)):
-            stack.extend(ast.iter_child_nodes(node))
+            stack.extend(children(node))
     return found
 
 
@@ -106,7 +107,7 @@ def _has_break(body: list[ast.stmt]) -> bool:
         if isinstance(node, (ast.For, ast.While)):
             stack.extend(node.orelse)
         elif not isinstance(node, (ast.FunctionDef, ast.ClassDef, ast.expr)):
-            stack.extend(ast.iter_child_nodes(node))
+            stack.extend(children(node))
     return False
 
 
