@@ -87,12 +87,16 @@ def is_generator(function: ast.FunctionDef) -> bool:
 def own_nodes(function: ast.FunctionDef, *kinds: type[ast.AST]) -> list[ast.AST]:
     """Return the nodes of some kinds in a function itself, not in those inside it; in no particular order."""
     found = []
+    # No statement is inside an expression.
+    closed: tuple[type[ast.AST], ...] = (ast.FunctionDef, ast.Lambda, ast.ClassDef)
+    if all(issubclass(kind, ast.stmt) for kind in kinds):
+        closed = (*closed, ast.expr)
     stack: list[ast.AST] = list(function.body)
     while stack:
         node = stack.pop()
         if isinstance(node, kinds):
             found.append(node)
-        if not isinstance(node, (ast.FunctionDef, ast.Lambda, ast.ClassDef)):
+        if not isinstance(node, closed):
             stack.extend(children(node))
     return found
 
