@@ -42,9 +42,17 @@ def test_calls_and_starts() -> None:
     (get,) = prepare(document, 14, 10)
     assert (high.name, high.kind, high.name_span[:2], high.span[2]) == ("high", "thread", (5, 7), 8)
     assert rows(document, incoming(document, low)) == ["thread high: 6:low 7:low 7:low"]
-    assert rows(document, incoming(document, high)) == ["method get: 10:high", "program job: 12:high thread", "program job: 13:high"]
+    assert rows(document, incoming(document, high)) == [
+        "method get: 10:high",
+        "program job: 12:high thread",
+        "program job: 13:high",
+    ]
     assert rows(document, outgoing(document, high)) == ["function low: 6:low 7:low 7:low"]
-    assert rows(document, outgoing(document, job)) == ["thread high: 12:high thread", "thread high: 13:high", "method get: 14:get"]
+    assert rows(document, outgoing(document, job)) == [
+        "thread high: 12:high thread",
+        "thread high: 13:high",
+        "method get: 14:get",
+    ]
     assert rows(document, outgoing(document, get)) == ["thread high: 10:high"]
     assert incoming(document, job) == ()
 

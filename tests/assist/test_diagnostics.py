@@ -59,7 +59,9 @@ def test_the_hint_and_other_lines_are_related() -> None:
     assert problem.page == f"{RULES_PAGE}#e103"
 
 
-@pytest.mark.parametrize(("text", "span"), [("x = \n", (1, 3, 1, 5)), ("if a\n  b()\nend\n", (1, 4, 1, 5)), ("x =", (1, 3, 1, 4))])
+@pytest.mark.parametrize(
+    ("text", "span"), [("x = \n", (1, 3, 1, 5)), ("if a\n  b()\nend\n", (1, 4, 1, 5)), ("x =", (1, 3, 1, 4))]
+)
 def test_what_is_missing_at_the_end_of_a_line_marks_what_stands_before_it(text: str, span: tuple[int, ...]) -> None:
     (problem,) = (item for item in diagnostics(Document("cell.script", text)) if item.diagnostic.is_error)
     assert problem.span == span

@@ -23,14 +23,57 @@ from tests.language.random_programs import random_program
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = tuple(path.read_text(encoding="utf-8") for path in sorted((ROOT / "examples").glob("*.script")))
-CALLS = tuple(item["call"] for item in json.loads((ROOT / "tests/data/command_examples.json").read_text(encoding="utf-8"))["examples"])
+CALLS = tuple(
+    item["call"]
+    for item in json.loads((ROOT / "tests/data/command_examples.json").read_text(encoding="utf-8"))["examples"]
+)
 BOM = "\ufeff"
 BITS = (
-    *("\n", "\r\n", "\r", "\r\n\r", "  ", "\t", "x", "é", "😀", "👩‍🔧", "步骤", "\0", "\ud800", "\u2028", "\f", "\ufeff"),
+    *(
+        "\n",
+        "\r\n",
+        "\r",
+        "\r\n\r",
+        "  ",
+        "\t",
+        "x",
+        "é",
+        "😀",
+        "👩‍🔧",
+        "步骤",
+        "\0",
+        "\ud800",
+        "\u2028",
+        "\f",
+        "\ufeff",
+    ),
     *("(", ")", "[", "]", "'", '"', "'''", "\\", "#", ":", ",", ";", "=", "$", "@", "`", "{", "}"),
-    *("end\n", "\nend\n", "def f():\n  a = 1\nend\n", "sec s():\n", "class K:\n  a = 1\n", "thread t():\n", "else:\n", "try:\n"),
-    *('$ LINE: (1, "main")\n', "global a\n", "start_thread(f, ())\n", "# region\n", "# endregion\n", "import math\n", "f(a=1)"),
-    *("movej([0, 0, 0, 0, 0, 0])\n", "socket_open('1.2.3.4', 80, 'cam')\n", "f'{a:>{b}}'", "lambda a: a", "[a for a in b]"),
+    *(
+        "end\n",
+        "\nend\n",
+        "def f():\n  a = 1\nend\n",
+        "sec s():\n",
+        "class K:\n  a = 1\n",
+        "thread t():\n",
+        "else:\n",
+        "try:\n",
+    ),
+    *(
+        '$ LINE: (1, "main")\n',
+        "global a\n",
+        "start_thread(f, ())\n",
+        "# region\n",
+        "# endregion\n",
+        "import math\n",
+        "f(a=1)",
+    ),
+    *(
+        "movej([0, 0, 0, 0, 0, 0])\n",
+        "socket_open('1.2.3.4', 80, 'cam')\n",
+        "f'{a:>{b}}'",
+        "lambda a: a",
+        "[a for a in b]",
+    ),
 )
 
 
@@ -138,7 +181,9 @@ def edit_and_compare(seed: int, edits: int) -> None:
 def mutilate(seed: int) -> None:
     """Delete parts of a real program, and ask everything."""
     rng = Random(seed)
-    text = rng.choice(EXAMPLES) if rng.random() < 0.5 else "def job():\n  " + "\n  ".join(rng.sample(CALLS, 5)) + "\nend\n"
+    text = (
+        rng.choice(EXAMPLES) if rng.random() < 0.5 else "def job():\n  " + "\n  ".join(rng.sample(CALLS, 5)) + "\nend\n"
+    )
     for _ in range(rng.randrange(1, 6)):
         start = rng.randrange(len(text) + 1)
         text = text[:start] + text[start + rng.choice((1, 3, 20, 200)) :]

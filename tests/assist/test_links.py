@@ -13,7 +13,7 @@ from elitescript.assist.links import document_links
     [
         ("load_micro_line_file('seam.txt', 0)\n", ["1:23 task seam.txt"]),
         ("load_micro_line_file(file_name=name)\n", []),
-        ("with open(get_task_path() + \"points.txt\") as f:\n  pass\nend\n", ["1:30 task points.txt"]),
+        ('with open(get_task_path() + "points.txt") as f:\n  pass\nend\n', ["1:30 task points.txt"]),
         ("def open(x): pass\nopen('a.txt')\n", []),
         (
             "# Run  elitescript run cells/a.script --world cells/b.toml, é\nx = 'c.toml'\n",

@@ -145,7 +145,9 @@ def test_names_of_two_scopes_are_two_things() -> None:
 
 
 def test_a_function_that_is_defined_twice_has_two_definitions() -> None:
-    document, line, column = marked("if True:\n  def f(a):\n    pass\n  end\nelse:\n  def f(a):\n    pass\n  end\nend\nf(¦a=1)\n")
+    document, line, column = marked(
+        "if True:\n  def f(a):\n    pass\n  end\nelse:\n  def f(a):\n    pass\n  end\nend\nf(¦a=1)\n"
+    )
     assert [cut(document, span) for span in definition(document, line, column)] == ["2:a", "6:a"]
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import pytest
 
 from elitescript.assist.document import Document
@@ -33,7 +35,7 @@ def test_from_inside_out(text: str, expected: list[str]) -> None:
     document, line, column = marked(text)
     (spans,) = selection_ranges(document, [(line, column)])
     assert texts(document, spans) == [*expected, document.text]
-    for inner, outer in zip(spans, spans[1:], strict=False):
+    for inner, outer in itertools.pairwise(spans):
         assert outer[:2] <= inner[:2] <= inner[2:] <= outer[2:]
         assert inner != outer
 

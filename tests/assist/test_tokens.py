@@ -27,15 +27,41 @@ def shown(document: Document, line: int) -> list[str]:
         ("def job():\n  pass\nend\n", 3, ["end keyword"]),
         ("sec go():\n  pass\nend\n", 1, ["sec keyword", "go function definition"]),
         ("def job():\n  global a\n  a = f()\nend\n", 2, ["a variable global"]),
-        ("def job():\n  global a\n  a = len(a)\nend\n", 3, ["a variable modification global", "len function defaultLibrary", "a variable global"]),
+        (
+            "def job():\n  global a\n  a = len(a)\nend\n",
+            3,
+            ["a variable modification global", "len function defaultLibrary", "a variable global"],
+        ),
         ("def job():\n  a = 5\nend\n", 2, ["a variable modification unused readonly"]),
         ("def job():\n  a = 5\n  def f(): return a\n  f()\nend\n", 2, ["a variable modification captured readonly"]),
         ("def job():\n  a = 5\n  textmsg([a for b in (1,)])\nend\n", 2, ["a variable modification readonly"]),
-        ("def f(n, m):\n  return n\nend\n", 1, ["f function definition", "n parameter definition", "m parameter definition unused"]),
+        (
+            "def f(n, m):\n  return n\nend\n",
+            1,
+            ["f function definition", "n parameter definition", "m parameter definition unused"],
+        ),
         ("def f():\n  pass\nend\nstart_thread(f, ())\n", 1, ["f function definition thread"]),
-        ("import math\nx = math.sin(math.pi)\n", 2, ["x variable modification", "math namespace defaultLibrary", "sin function defaultLibrary", "math namespace defaultLibrary", "pi property defaultLibrary"]),
-        ("class A:\n  v = 1\n  def f(self): return self.v\nend\n", 3, ["f method definition", "self parameter definition", "self parameter", "v property"]),
-        ("try:\n  pass\nexcept ValueError as e:\n  pass\nend\n", 3, ["ValueError class defaultLibrary", "e variable modification"]),
+        (
+            "import math\nx = math.sin(math.pi)\n",
+            2,
+            [
+                "x variable modification",
+                "math namespace defaultLibrary",
+                "sin function defaultLibrary",
+                "math namespace defaultLibrary",
+                "pi property defaultLibrary",
+            ],
+        ),
+        (
+            "class A:\n  v = 1\n  def f(self): return self.v\nend\n",
+            3,
+            ["f method definition", "self parameter definition", "self parameter", "v property"],
+        ),
+        (
+            "try:\n  pass\nexcept ValueError as e:\n  pass\nend\n",
+            3,
+            ["ValueError class defaultLibrary", "e variable modification"],
+        ),
         ('socket_open("1.2.3.4", 80, "cam")\n', 1, ["socket_open command defaultLibrary", "cam signal modification"]),
         ('$ LINE: (1, "x")\n', 1, ["$ LINE keyword"]),
         ("x = 'é' + nowhere\n", 1, ["x variable modification"]),
@@ -50,10 +76,10 @@ def test_tokens_of_a_line(text: str, line: int, expected: list[str]) -> None:
 
 def test_what_the_firmware_lacks_and_what_comes_from_outside() -> None:
     oldest = min(PROFILES.values(), key=lambda profile: profile.release)
-    document = Document("c", "movel(speed, get_target_waypoint())\n", 1, Settings(oldest, presets=frozenset(("speed",))))
-    assert "speed variable global" in shown(document, 1)
-    unavailable = Document("c", "str_cat('a', 'b')\ntracking_off()\n", 1, Settings(oldest))
-    assert shown(unavailable, 1)
+    document = Document("c", "movel(speed)\nend_force_mode()\n", 1, Settings(oldest, presets=frozenset(("speed",))))
+    assert shown(document, 1) == ["movel command defaultLibrary", "speed variable global"]
+    assert shown(document, 2) == ["end_force_mode command defaultLibrary unavailable"]
+    assert shown(Document("c", document.text), 2) == ["end_force_mode command defaultLibrary"]
 
 
 def test_a_range_has_the_tokens_of_its_lines() -> None:
@@ -63,5 +89,26 @@ def test_a_range_has_the_tokens_of_its_lines() -> None:
 
 def test_the_legend_does_not_change_its_order() -> None:
     # Clients keep the legend of the start of a session.
-    assert TOKEN_TYPES == ("command", "function", "class", "method", "parameter", "variable", "property", "namespace", "keyword", "signal")
-    assert TOKEN_MODIFIERS == ("definition", "modification", "captured", "global", "defaultLibrary", "unused", "unavailable", "thread", "readonly")
+    assert TOKEN_TYPES == (
+        "command",
+        "function",
+        "class",
+        "method",
+        "parameter",
+        "variable",
+        "property",
+        "namespace",
+        "keyword",
+        "signal",
+    )
+    assert TOKEN_MODIFIERS == (
+        "definition",
+        "modification",
+        "captured",
+        "global",
+        "defaultLibrary",
+        "unused",
+        "unavailable",
+        "thread",
+        "readonly",
+    )

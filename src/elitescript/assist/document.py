@@ -116,7 +116,7 @@ class Document:
 
     @cached_property
     def parsed(self) -> Parsed:
-        """The text as it was read; lines with mistakes are left out of its tree. Not to be compiled, which changes it."""
+        """The text as it was read; lines with mistakes are left out of its tree. Compiling would change it."""
         return parse(self.source, Options(strict=self.settings.strict))
 
     @cached_property
