@@ -134,7 +134,7 @@ def spans_in(value: Any) -> list[Span]:
     if isinstance(value, (Span, Edit)):
         return [Span(*value[:4])]
     if isinstance(value, diagnostics.Problem):
-        return [value.span, *(place.span for place in value.related)]
+        return [place.span for place in value.related]
     if isinstance(value, tokens.Token):
         return [Span(value.line, value.column, value.line, value.column + value.length)]
     if isinstance(value, folding.Fold):

@@ -50,14 +50,12 @@ class Problem:
 
     Attributes:
         diagnostic: code, severity, place, text, hint and repair: what `check` prints.
-        span: what is marked, inside the text; where something is missing at the end of a line, what stands before it.
         tags: how it is shown.
         related: the hint, at the place of the finding, and the lines that the text names.
         page: address of the explanation of its code, which is what `check --explain` prints.
     """
 
     diagnostic: Diagnostic
-    span: Span
     tags: tuple[Tag, ...]
     related: tuple[Related, ...]
     page: str
@@ -68,7 +66,6 @@ def diagnostics(document: Document) -> tuple[Problem, ...]:
     return tuple(
         Problem(
             found,
-            _span(document, found),
             (TAGS[found.code],) if found.code in TAGS else (),
             tuple(_related(document, found)),
             f"{RULES_PAGE}#{found.code.lower()}",
@@ -77,19 +74,11 @@ def diagnostics(document: Document) -> tuple[Problem, ...]:
     )
 
 
-def _span(document: Document, found: Diagnostic) -> Span:
-    line, column = document.place(document.offset(found.line, found.column))
-    end_line, end_column = document.place(document.offset(found.end_line, found.end_column))
-    if (end_line, end_column) > (line, column) and document.line(line)[column - 1 :].strip():
-        return Span(line, column, end_line, end_column)
-    # There is nothing to mark in the rest of the line.
-    row = document.line(line)[: column - 1].rstrip()
-    return Span(line, max(1, len(row)), line, max(column, len(row) + 1))
-
-
 def _related(document: Document, found: Diagnostic) -> Iterator[Related]:
     if found.hint:
-        yield Related(_span(document, found), f"hint: {found.hint}")
+        start = document.place(document.offset(found.line, found.column))
+        end = document.place(document.offset(found.end_line, found.end_column))
+        yield Related(Span(*start, *max(start, end)), f"hint: {found.hint}")
     for named in dict.fromkeys(re.findall(r"\blines? (\d+)", found.text)):
         line = int(named)
         row = document.line(line)
