@@ -137,7 +137,7 @@ def problems_in(parsed: Parsed, census: Census) -> tuple[Diagnostic, ...]:
         finally:
             if parsed.unit is not None:
                 parsed.unit.name = parsed.name
-    return _compile(read_again(parsed)).problems
+    return _compile(read_again(parsed) if parsed.is_complete else parsed).problems
 
 
 def compile_expression(source: SourceFile) -> CodeType:
