@@ -102,7 +102,7 @@ def _robot(options: argparse.Namespace) -> tuple[RobotOptions, ArmFacts | None]:
     if "model" not in given and "model" not in from_file:
         return robot, None
     # Loading a model takes longer than checking a program.
-    from elitescript.cli.arm_facts import arm_facts
+    from elitescript.kernel.arm_facts import arm_facts
 
     return robot, arm_facts(robot)
 
