@@ -44,12 +44,13 @@ class WorldFile(RobotSettings):
         self.world: World | None = None
 
 
-def load_world_file(path: str | Path, *, network: str = "") -> WorldFile:
+def load_world_file(path: str | Path, *, network: str = "", is_trusted: bool = True) -> WorldFile:
     """Read a world file.
 
     Args:
         path: of the file.
         network: where connections lead that no device of it takes, if it does not have that; see `devices.scenario`.
+        is_trusted: whether it may name Python files and the network of this computer.
 
     Raises:
         UsageError: no such file, no TOML, an unknown section or key, or a value that makes no sense; the text names
@@ -92,7 +93,7 @@ def load_world_file(path: str | Path, *, network: str = "") -> WorldFile:
         from elitescript.devices.scenario import build_world
 
         try:
-            found.world = build_world(beside, file.parent, network=network)
+            found.world = build_world(beside, file.parent, network=network, is_trusted=is_trusted)
         except UsageError as error:
             section = _place_in(str(error))[0]
             raise _located(file, text, section, tables.get(section), error) from error

@@ -251,6 +251,22 @@ def add_doctor(parser: Parser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
+def add_mcp(parser: Parser) -> None:
+    parser.description = (
+        "Serve one agent on standard input and output with the Model Context Protocol: check, run, sample and step "
+        "through programs, explain codes, look commands up. Only files in FOLDER can be named; nothing outside the "
+        "robot is real. Needs: pip install 'elitescript[mcp]'"
+    )
+    parser.add_argument("folder", nargs="?", default=".", metavar="FOLDER", help="folder of programs (default: this)")
+    parser.add_argument(
+        "--max-wall",
+        type=float,
+        default=30.0,
+        metavar="SECONDS",
+        help="end a call that takes more wall time (default %(default)s)",
+    )
+
+
 def add_commands(parser: Parser) -> None:
     parser.description = (
         "Print the list of all robot commands, one command in full, or those that a word finds in names, parameters "
@@ -271,6 +287,7 @@ COMMANDS: Final[dict[str, tuple[str, Callable[[Parser], None]]]] = {
     "devices": ("the devices of a world file on real ports and serial lines", add_devices),
     "replay": ("play a recorded session of serve again", add_replay),
     "doctor": ("what this computer has that serving needs", add_doctor),
+    "mcp": ("check, run and step through programs for agents", add_mcp),
     "commands": ("the catalogue of robot commands", add_commands),
 }
 """Every command: its summary in the list of commands, and the function that adds its arguments."""

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.cli.last_resort import last_resort
-from elitescript.cli.output import jsonlines
 from elitescript.cli.output.remedies import served
 from elitescript.cli.output.report import JsonRunReport, RunReport, TextRunReport, parse_logs
 from elitescript.cli.output.terminal import QueuedStream, TaggedStream
@@ -24,6 +23,7 @@ from elitescript.cli.ssh_login import Login, ssh_login
 from elitescript.environment.line_bindings import parse_bindings
 from elitescript.environment.state_file import StateFile
 from elitescript.errors import UsageError
+from elitescript.json_records import jsonlines
 from elitescript.kernel import Kernel, RobotOptions
 from elitescript.kernel.arm import named_model
 from elitescript.kernel.options import DEFAULTS, robot_options

@@ -308,7 +308,7 @@ def _line_of(file: str, line: int) -> str:
 
 
 def _print_records(*records: dict[str, Any]) -> None:
-    from elitescript.cli.output import jsonlines
+    from elitescript.json_records import jsonlines
 
     for record in records:
         print(jsonlines.line(record), flush=True)

@@ -1,0 +1,58 @@
+"""A worker process: one request on each line of standard input, one answer on each line of standard output, as JSON.
+
+The server ends it when an answer takes too long. Calls of programs must not reach standard output, so the answers go
+through a descriptor of their own.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Callable, Mapping
+from typing import Any, Final
+
+from elitescript.errors import ElitescriptError
+from elitescript.mcp import runs
+
+MEMORY_BYTES: Final = 2 * 1024**3
+"""Memory that a worker may have, where the system can limit it."""
+
+REQUESTS: Final[dict[str, Callable[[Mapping[str, Any]], dict[str, Any]]]] = {
+    "check": runs.check,
+    "run": runs.run,
+    "trace": runs.trace,
+}
+
+
+def answer_to(line: str) -> dict[str, Any]:
+    """Return the answer to a request: `{"result": ...}`, or `{"error": text}` with a text for the caller."""
+    request = json.loads(line)
+    try:
+        return {"result": REQUESTS[request["do"]](request)}
+    except ElitescriptError as error:
+        return {"error": str(error)}
+    except MemoryError:
+        return {"error": f"it needs more than {MEMORY_BYTES // 1024**2} MiB of memory"}
+
+
+def _main() -> None:
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)
+    _limit_memory()
+    for line in sys.stdin:
+        print(json.dumps(answer_to(line), ensure_ascii=True, allow_nan=False), file=answers, flush=True)
+
+
+def _limit_memory() -> None:
+    try:
+        import resource
+    except ImportError:
+        return
+    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
+    size = MEMORY_BYTES if hard == resource.RLIM_INFINITY else min(MEMORY_BYTES, hard)
+    resource.setrlimit(resource.RLIMIT_AS, (size, hard))
+
+
+if __name__ == "__main__":
+    _main()
