@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 
 from elitescript.commands.definition.plausibility import ArmFacts
@@ -15,11 +15,12 @@ from elitescript.language.diagnostics import Diagnostic, Edit
 from elitescript.language.options import Options
 from elitescript.language.parser import Parsed, parse
 from elitescript.language.symbols import Symbols
+from elitescript.language.text.lexer import Lexed, lex
 from elitescript.language.text.source import BOM, SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.lint.program import AnalysedProgram
 from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES, Profile
-from elitescript.records import record
+from elitescript.records import field, record
 
 _LINE_END = re.compile(r"\r\n|\r|\n")
 
@@ -33,12 +34,15 @@ class Settings:
         strict: as `check --strict`.
         arm: facts of the arm; None leaves out what depends on it.
         presets: names of globals that have a value before the program begins.
+        names: names of what is beside the robot, by kind: `address` (of servers), `file` (of the task folder), `modbus`
+            (signals), `socket`. Completion in strings offers them.
     """
 
     profile: Profile = PROFILES[DEFAULT_FIRMWARE]
     strict: bool = False
     arm: ArmFacts | None = None
     presets: frozenset[str] = frozenset()
+    names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 class Document:
@@ -100,6 +104,11 @@ class Document:
         return after if after is not self else Document(self.name, self.text, version, self.settings)
 
     # ---------------------------------------------------------------- what is known of it
+
+    @cached_property
+    def lexed(self) -> Lexed:
+        """Strings, comments and logical lines of `source`."""
+        return lex(self.source.text)
 
     @cached_property
     def parsed(self) -> Parsed:
