@@ -40,12 +40,24 @@ def blocks_around(document: Document, line: int, column: int) -> tuple[Block, ..
 
 
 def scope_at(document: Document, line: int, column: int) -> Scope:
-    """Return the innermost scope of a program or function that holds a place; parameters belong to the function."""
+    """Return the innermost scope that holds a place; the header of a function belongs to it."""
     scopes = _function_scopes(document)
     scope = document.symbols.body
     for block in blocks_around(document, line, column):
         scope = scopes.get(block.line, scope)
-    return scopes.get(line, scope)
+    inner: Scope | None = scopes.get(line, scope)
+    while inner is not None:
+        scope = inner
+        inner = next((child for child in scope.children if _is_inside(document, child, line, column)), None)
+    return scope
+
+
+def _is_inside(document: Document, scope: Scope, line: int, column: int) -> bool:
+    """Return whether a place is inside a lambda or comprehension."""
+    if scope.kind not in ("lambda", "comprehension"):
+        return False
+    first_line, first, last_line, end = document.symbols.range_of(scope.node)
+    return (first_line, first) <= (line, column) <= (last_line, end)
 
 
 def _function_scopes(document: Document) -> dict[int, Scope]:

@@ -14,6 +14,7 @@ from elitescript.assist.cursor import CallAt, Cursor
 from elitescript.assist.describing import KEYWORDS, command_markdown, fenced, parameter_label, parameter_markdown
 from elitescript.assist.document import Document
 from elitescript.assist.names import (
+    LIST_KINDS,
     NameFacts,
     OwnName,
     function_of,
@@ -39,7 +40,7 @@ from elitescript.commands.definition.registry import Command, Param
 from elitescript.language.advice.unknown_names import KNOWN, PRELOADED
 from elitescript.language.builtin_names import REFUSED_BUILTINS, WITHHELD_ERRORS
 from elitescript.language.modules import AVAILABLE
-from elitescript.language.scopes import Resolution, Scope
+from elitescript.language.scopes import Resolution
 from elitescript.language.symbols import THREAD_STARTER
 from elitescript.language.text.masked import NAME, operand_before
 from elitescript.lint.program import Span
@@ -125,7 +126,6 @@ _OPERATORS: Final = ("and", "if", "in", "is", "not", "or")
 _VALUE_WORDS: Final = ("None", "True", "False", "not", "lambda")
 _STATEMENT_WORDS: Final = ("assert", "del", "from", "global", "import", "pass", "raise", "return")
 _LOOPS: Final = ("for", "while")
-_MEMBERS_BEFORE_UNDERSCORES: Final = "_"
 
 
 def completions(document: Document, line: int, column: int) -> tuple[Completion, ...]:
@@ -199,18 +199,26 @@ class _Offers:
             yield from self._statements(is_alone=not head.strip())
 
     def _own_names(self) -> Iterator[Completion]:
+        wanted = self._wanted_kind()
         for own in visible_names(self.document, self.scope):
             if not self._is_only_here(own):
-                yield self._own(own, f"{_OWN}{min(own.distance, 9)}{own.name}")
+                rank = _EXPECTED if wanted and self.facts.kind(own) == wanted else _OWN
+                yield self._own(own, f"{rank}{min(own.distance, 9)}{own.name}")
+
+    def _wanted_kind(self) -> str:
+        """Return `joints` or `pose` if the argument at the place takes such a list; else empty."""
+        call = self.cursor.call
+        if call is None or call.path:
+            return ""
+        command = self.document.program.command(call.function, self.scope)
+        param = None if command is None else parameter_at(command, call)
+        return "" if param is None else LIST_KINDS.get(param.quantity.meaning, "")
 
     def _is_only_here(self, own: OwnName) -> bool:
         """Return whether a name is what is just being written."""
         span = self.span
-        return all(
-            binding.line == span.line and span.column <= binding.column <= span.end_column
-            for binding in own.bindings
-            if not isinstance(binding.node, ast.FunctionDef)
-        ) and not any(isinstance(binding.node, (ast.FunctionDef, ast.ClassDef, ast.arg)) for binding in own.bindings)
+        places = [(binding.line, binding.column) for binding in own.bindings]
+        return all(line == span.line and span.column <= column <= span.end_column for line, column in places)
 
     def _own(self, own: OwnName, sort: str, *, is_call: bool = True) -> Completion:
         name, detail = own.name, self.facts.detail(own)
@@ -274,19 +282,19 @@ class _Offers:
         command = self.document.program.command(call.function, self.scope)
         if command is not None:
             placement = command.place(call.positional, call.others, is_complete=False)
-            taken = {param.name for param, slot in zip(command.params, placement.slots, strict=True) if slot is not None}
+            taken = {
+                param.name for param, slot in zip(command.params, placement.slots, strict=True) if slot is not None
+            }
             param = parameter_at(command, call)
             if param is not None and not self._before_word(at.value):
                 yield from self._values(param.quantity, param.text)
                 if command.name == THREAD_STARTER and param.quantity.type_name == "function":
                     yield from self._functions()
             if is_name_wanted:
-                for index, each in enumerate(command.params):
-                    if each.name not in taken or (param is each and not at.keyword and each.name not in call.others):
-                        if index >= call.position:
-                            yield self._argument(
-                                each.name, parameter_label(each), index, f"argument:{command.name}:{each.name}"
-                            )
+                for index, each in enumerate(command.params[call.position :], call.position):
+                    if each.name not in taken:
+                        source = f"argument:{command.name}:{each.name}"
+                        yield self._argument(each.name, parameter_label(each), index, source)
             return
         function = function_of(self.document, call.function, self.scope)
         if function is not None and is_name_wanted:
@@ -420,9 +428,7 @@ class _Offers:
         item = ItemKind.METHOD if is_function else ItemKind.CLASS if isinstance(found, type) else ItemKind.FIELD
         snippet = f"{name}($0)" if is_function and not is_called else ""
         detail = python_signature(name, found)
-        return Completion(
-            name, item, self.span, name, snippet, detail, _PYTHON + name, source=f"python:{owner}.{name}"
-        )
+        return Completion(name, item, self.span, name, snippet, detail, _PYTHON + name, source=f"python:{owner}.{name}")
 
     # ---------------------------------------------------------------- strings
 
@@ -452,7 +458,7 @@ class _Offers:
             if isinstance(value, str):
                 yield Completion(value, ItemKind.VALUE, span, value, "", param.text, f"{_VALUES}{index:02}")
         is_file = param.name == "file_name"
-        for index, found in enumerate(names_for(self.document, command, param)):
+        for index, found in enumerate(names_for(self.document, param)):
             kind = ItemKind.FILE if is_file else ItemKind.NAME
             yield Completion(found.name, kind, span, found.name, "", found.text, f"{_EXPECTED}{index:03}")
 
@@ -523,7 +529,7 @@ def parameter_at(command: Command, call: CallAt) -> Param | None:
     if call.at.keyword:
         index = command.details.indices.get(call.at.keyword)
         return None if index is None else params[index]
-    if any(argument.is_spread for argument in call.arguments[: call.index + 1]):
+    if any(argument.is_spread for argument in call.arguments[: call.place + 1]):
         return None
     return params[call.position] if call.position < len(params) else None
 

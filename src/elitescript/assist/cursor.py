@@ -14,7 +14,7 @@ from typing import Final
 from elitescript.assist.document import Document
 from elitescript.language.text.lexer import CLOSER_OF, LogicalLine
 from elitescript.language.text.masked import NAME
-from elitescript.language.text.strings import prefix_start, string_end_pattern
+from elitescript.language.text.strings import string_end_pattern
 from elitescript.lint.program import Span
 from elitescript.records import NamedTuple
 
@@ -69,7 +69,7 @@ class CallAt(NamedTuple):
         start: offset of the function's name.
         opener: offset of the `(`.
         arguments: what stands between the brackets, cut at commas; the last one may be empty.
-        index: which of them holds the place.
+        place: which of them holds the cursor.
         path: openers of brackets between the call and the place, from outside in, each with the index of the element.
     """
 
@@ -77,30 +77,28 @@ class CallAt(NamedTuple):
     start: int
     opener: int
     arguments: tuple[Argument, ...]
-    index: int
+    place: int
     path: tuple[tuple[str, int], ...]
 
     @property
     def at(self) -> Argument:
         """The argument that holds the place."""
-        return self.arguments[self.index]
+        return self.arguments[self.place]
 
     @property
     def position(self) -> int:
         """Number of arguments by position before the one at the place."""
-        return sum(not argument.keyword and not argument.is_empty for argument in self.arguments[: self.index])
+        return sum(not argument.keyword and not argument.is_empty for argument in self.arguments[: self.place])
 
     @property
     def others(self) -> tuple[str, ...]:
         """Keywords of the other arguments."""
-        return tuple(a.keyword for index, a in enumerate(self.arguments) if a.keyword and index != self.index)
+        return tuple(a.keyword for index, a in enumerate(self.arguments) if a.keyword and index != self.place)
 
     @property
     def positional(self) -> int:
         """Number of the other arguments without a keyword."""
-        return sum(
-            not a.keyword and not a.is_empty and index != self.index for index, a in enumerate(self.arguments)
-        )
+        return sum(not a.keyword and not a.is_empty and index != self.place for index, a in enumerate(self.arguments))
 
 
 class Cursor:
@@ -282,10 +280,9 @@ class Cursor:
         """Offset at which the statement begins, or where one may begin."""
         start = self.lexed.starts[self.line - 1]
         logical = self.logical
-        if logical is not None and logical.start < start:
-            # The line goes on here if no line end outside brackets lies between.
-            if "\n" not in self.masked[logical.start : self.offset]:
-                start = logical.start
+        # A statement goes on here if no line end outside brackets lies between.
+        if logical is not None and logical.start < start and "\n" not in self.masked[logical.start : self.offset]:
+            start = logical.start
         depth = 0
         for position in range(start, self.offset):
             mark = self.masked[position]

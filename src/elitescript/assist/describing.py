@@ -39,7 +39,7 @@ KEYWORDS: Final[dict[str, str]] = {
     "del": "Removes a name or an element.",
     "elif": "Another condition of an `if`; before the `end`.",
     "else": "What runs if no condition was true, a loop was not left by `break`, or a `try` raised nothing.",
-    "end": "Closes the block that begins in the same column: `def`, `sec`, `if`, `while`, `for`, `try`, `with`, `class`.",
+    "end": "Closes the block whose header begins in the same column.",
     "except": "What runs after an error of the `try`: `except ScriptError as e:`.",
     "False": "The truth value that is not true.",
     "finally": "What runs behind a `try` in any case.",

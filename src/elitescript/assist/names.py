@@ -10,6 +10,7 @@ from typing import Any, Final
 from elitescript.assist.document import Document
 from elitescript.assist.units import value_text, with_unit
 from elitescript.assist.value_types import ModuleType, OwnClass, type_of
+from elitescript.commands.definition.registry import Param
 from elitescript.language.scopes import Binding, Resolution, Scope
 from elitescript.language.symbols import THREAD_STARTER
 from elitescript.lint.arguments import Arguments
@@ -19,7 +20,8 @@ from elitescript.lint.program import CommandCall
 from elitescript.records import NamedTuple
 
 _SHORT: Final = 40
-_KINDS: Final = {"joints": "joints", "pose": "pose", "tcp": "pose"}
+LIST_KINDS: Final = {"joints": "joints", "pose": "pose", "tcp": "pose"}
+"""Kind of six numbers by `Quantity.meaning`."""
 
 
 class OwnName(NamedTuple):
@@ -36,6 +38,13 @@ class OwnName(NamedTuple):
     home: Scope | None
     bindings: tuple[Binding, ...]
     distance: int
+
+
+class Use(NamedTuple):
+    """A parameter that gets a name as its whole argument."""
+
+    command: str
+    param: Param
 
 
 def visible_names(document: Document, scope: Scope) -> list[OwnName]:
@@ -120,8 +129,12 @@ class NameFacts:
         kind = self._kinds.kind(_read(own), self._scope(own))
         if kind:
             return kind
-        uses = self._uses.get((own.name, own.home), set())
-        return next(iter(uses)) if len(uses) == 1 else ""
+        kinds = {LIST_KINDS.get(use.param.quantity.meaning, "") for use in self.uses(own)}
+        return kinds.pop() if len(kinds) == 1 else ""
+
+    def uses(self, own: OwnName) -> tuple[Use, ...]:
+        """Return the parameters of commands that get a name as their whole argument, each once."""
+        return tuple(self._uses.get((own.name, own.home), {}))
 
     def type_text(self, own: OwnName) -> str:
         """Return the type that a name certainly has, such as `list`; empty if there is none."""
@@ -167,7 +180,7 @@ class NameFacts:
     @cached_property
     def thread_functions(self) -> frozenset[str]:
         """Names that `start_thread` gets as functions."""
-        found = set()
+        found: set[str] = set()
         for called, arguments in self._calls:
             if called.command.name == THREAD_STARTER:
                 found.update(node.id for _, node in arguments.given[:1] if isinstance(node, ast.Name))
@@ -179,14 +192,13 @@ class NameFacts:
         return zip(program.command_calls, program.arguments, strict=True)
 
     @cached_property
-    def _uses(self) -> dict[tuple[str, Scope | None], set[str]]:
-        """For each name the kinds of six numbers as which commands get it."""
-        found: dict[tuple[str, Scope | None], set[str]] = {}
+    def _uses(self) -> dict[tuple[str, Scope | None], dict[Use, None]]:
+        found: dict[tuple[str, Scope | None], dict[Use, None]] = {}
         for called, arguments in self._calls:
             for param, node in arguments.given:
-                kind = _KINDS.get(param.quantity.meaning)
-                if kind and isinstance(node, ast.Name):
-                    found.setdefault((node.id, called.scope.home(node.id)), set()).add(kind)
+                if isinstance(node, ast.Name):
+                    uses = found.setdefault((node.id, called.scope.home(node.id)), {})
+                    uses[Use(called.command.name, param)] = None
         return found
 
     def _scope(self, own: OwnName) -> Scope:

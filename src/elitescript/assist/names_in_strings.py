@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Final
 
 from elitescript.assist.document import Document
-from elitescript.commands.definition.registry import Command, Param
-from elitescript.messages.signals import SIGNALS, parse_signal_name
-from elitescript.errors import UsageError
+from elitescript.commands.definition.registry import Param
 from elitescript.records import NamedTuple
 
 _KINDS: Final = {
@@ -38,25 +37,37 @@ class StringName(NamedTuple):
     text: str
 
 
-def names_for(document: Document, command: Command, param: Param) -> list[StringName]:
+def names_for(document: Document, param: Param) -> list[StringName]:
     """Return the names that a parameter may take: those used elsewhere in the text, and those beside the robot."""
     kind = _KINDS.get(param.name, "")
     if not kind:
         return []
     if kind == "input":
         return inputs()
-    found = {name: "beside the robot" for name in document.settings.names.get(kind, ())}
+    found = dict.fromkeys(document.settings.names.get(kind, ()), "beside the robot")
     default = param.default if isinstance(param.default, str) else ""
     if default:
         found.setdefault(default, "the usual connection")
+    for value, _ in _used(document, kind):
+        found.setdefault(value, _TEXTS[kind])
+    return [StringName(name, text) for name, text in found.items()]
+
+
+def uses_of_name(document: Document, param: Param, name: str) -> list[int]:
+    """Return the lines of the calls that use a name of the kind that a parameter takes."""
+    kind = _KINDS.get(param.name, "")
+    return sorted({line for value, line in _used(document, kind) if value == name}) if kind else []
+
+
+def _used(document: Document, kind: str) -> Iterator[tuple[str, int]]:
+    """Yield the names of a kind that calls of the text use, and their lines."""
     program = document.program
     for called, arguments in zip(program.command_calls, program.arguments, strict=True):
-        for other, node in arguments.given:
-            if _KINDS.get(other.name) == kind and other.quantity.type_name == "str":
+        for param, node in arguments.given:
+            if _KINDS.get(param.name) == kind and param.quantity.type_name == "str":
                 value = program.constants.value(node, called.scope)
                 if isinstance(value, str) and value:
-                    found.setdefault(value, _TEXTS[kind])
-    return [StringName(name, text) for name, text in found.items()]
+                    yield value, node.lineno
 
 
 def inputs() -> list[StringName]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import degrees
+from math import degrees, radians
 from typing import Any, Final
 
 from elitescript.commands.definition.quantities import Optionally, Quantity, Vector
@@ -14,7 +14,7 @@ _DIGITS: Final = 5
 
 def number_text(value: float) -> str:
     """Return a number with few digits: `1.5708`, `90`."""
-    return f"{value:.{_DIGITS}g}" if isinstance(value, float) else str(value)
+    return str(value) if isinstance(value, int) else f"{value:.{_DIGITS}g}"
 
 
 def value_text(value: Any, longest: int = _LONGEST) -> str:
@@ -36,7 +36,7 @@ def _source(value: Any) -> str:
 
 
 def converted(value: Any, unit: str) -> str:
-    """Return a number of an SI unit in the unit that people think in, such as `90 deg` or `250 mm/s`; may be empty."""
+    """Return a number of an SI unit in another common unit, such as `90 deg` or `250 mm/s`; may be empty."""
     if not isinstance(value, (int, float)) or isinstance(value, bool) or not value:
         return ""
     word, slash, rest = unit.partition("/")
@@ -44,6 +44,8 @@ def converted(value: Any, unit: str) -> str:
         return f"{number_text(float(degrees(value)))} deg{slash}{rest}"
     if word == "m":
         return f"{number_text(float(value) * 1000.0)} mm{slash}{rest}"
+    if unit == "deg":
+        return f"{number_text(radians(value))} rad"
     if unit == "s" and abs(value) < 1.0:
         return f"{number_text(float(value) * 1000.0)} ms"
     return ""
