@@ -13,7 +13,7 @@ from elitescript.assist.blocks import Block, blocks_around, indentation_step, sc
 from elitescript.assist.cursor import CallAt, Cursor
 from elitescript.assist.describing import KEYWORDS, command_markdown, fenced, parameter_label, parameter_markdown
 from elitescript.assist.document import Document
-from elitescript.assist.names import (
+from elitescript.assist.own_names import (
     LIST_KINDS,
     NameFacts,
     OwnName,

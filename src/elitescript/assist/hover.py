@@ -14,7 +14,7 @@ from elitescript.assist.cursor import CallAt, Cursor
 from elitescript.assist.describing import KEYWORDS, command_markdown, fenced, parameter_markdown, signal_markdown
 from elitescript.assist.document import Document
 from elitescript.assist.last_run import LastRun
-from elitescript.assist.names import (
+from elitescript.assist.own_names import (
     NameFacts,
     OwnName,
     function_of,

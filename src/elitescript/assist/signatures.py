@@ -11,7 +11,7 @@ from elitescript.assist.completion import parameter_at
 from elitescript.assist.cursor import CallAt, Cursor
 from elitescript.assist.describing import parameter_markdown
 from elitescript.assist.document import Document
-from elitescript.assist.names import function_of, function_text, method_of, own_name
+from elitescript.assist.own_names import function_of, function_text, method_of, own_name
 from elitescript.assist.python_texts import python_signature
 from elitescript.assist.units import element_names, element_unit
 from elitescript.assist.value_types import OwnClass, attribute, type_of_text
