@@ -10,6 +10,7 @@ from bisect import bisect_right
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 
+from elitescript.assist.names import Names
 from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.language.diagnostics import Diagnostic, Edit
 from elitescript.language.options import Options
@@ -115,6 +116,15 @@ class Document:
         """The text as it was read; lines with mistakes are left out of its tree. Not to be compiled: see `problems`."""
         return parse(self.source, Options(strict=self.settings.strict))
 
+    @cached_property
+    def _code_lines(self) -> list[str]:
+        return self.parsed.translation.masked.split("\n")
+
+    def code_line(self, number: int) -> str:
+        """Return a line in which strings are runs of `"` and comments are blank, of the length of the line."""
+        rows = self._code_lines
+        return rows[number - 1] if 1 <= number <= len(rows) else ""
+
     @property
     def symbols(self) -> Symbols:
         """Scopes, names and calls."""
@@ -127,6 +137,11 @@ class Document:
         return AnalysedProgram(
             self.parsed, settings.profile, is_strict=settings.strict, presets=settings.presets, arm=settings.arm
         )
+
+    @cached_property
+    def names(self) -> Names:
+        """Every place where a name stands, and what it stands for."""
+        return Names(self.program)
 
     @cached_property
     def problems(self) -> tuple[Diagnostic, ...]:
