@@ -13,6 +13,7 @@ from elitescript.assist.blocks import Block, blocks_around, indentation_step, sc
 from elitescript.assist.cursor import CallAt, Cursor
 from elitescript.assist.describing import KEYWORDS, command_markdown, fenced, parameter_label, parameter_markdown
 from elitescript.assist.document import Document
+from elitescript.assist.names_in_strings import names_for
 from elitescript.assist.own_names import (
     LIST_KINDS,
     NameFacts,
@@ -23,7 +24,6 @@ from elitescript.assist.own_names import (
     method_of,
     visible_names,
 )
-from elitescript.assist.names_in_strings import names_for
 from elitescript.assist.python_texts import python_markdown, python_signature
 from elitescript.assist.value_types import (
     ModuleType,
@@ -153,7 +153,7 @@ class _Offers:
         self.span = cursor.word_span
         self.scope = scope_at(document, cursor.line, cursor.column)
         self.facts = NameFacts(document)
-        self.is_called = document.lexed.text[cursor.word[1] : cursor.word[1] + 1] == "("
+        self.is_called = cursor.text[cursor.word[1] : cursor.word[1] + 1] == "("
 
     def offers(self) -> Iterator[Completion]:
         cursor = self.cursor
@@ -307,10 +307,10 @@ class _Offers:
 
     def _before_word(self, start: int) -> str:
         """Return what stands between an offset and the word."""
-        return self.document.lexed.masked[start : self.cursor.word[0]].strip()
+        return self.cursor.masked[start : self.cursor.word[0]].strip()
 
     def _argument(self, name: str, detail: str, index: int, source: str) -> Completion:
-        follows = self.document.lexed.masked[self.cursor.word[1] :].lstrip(" ")[:2]
+        follows = self.cursor.masked[self.cursor.word[1] :].lstrip(" ")[:2]
         text = name if follows[:1] == "=" and follows != "==" else f"{name}="
         sort = f"{_ARGUMENTS}{index:02}"
         return Completion(f"{name}=", ItemKind.ARGUMENT, self.span, text, "", detail, sort, source=source)
@@ -343,7 +343,7 @@ class _Offers:
         for word in _clauses(self.document, cursor, blocks):
             yield self._word(word)
         step = " " * indentation_step(self.document)
-        is_empty = not any(line.word != "end" for line in self.document.lexed.lines if line.line != cursor.line)
+        is_empty = not any(line.word != "end" for line in self.cursor.lines if line.line != cursor.line)
         for label, template, detail in _BLOCKS:
             if label == "sec" and not is_empty:
                 continue
@@ -366,7 +366,7 @@ class _Offers:
 
     def _modules(self, head: str) -> Iterator[Completion]:
         start = self.cursor.word[0]
-        masked = self.document.lexed.masked
+        masked = self.cursor.masked
         while start and (masked[start - 1].isalnum() or masked[start - 1] in "._"):
             start -= 1
         span = self.cursor.span(start, self.cursor.word[1])
@@ -446,7 +446,7 @@ class _Offers:
             return
         command = self.document.program.command(call.function, self.scope)
         param = None if command is None else parameter_at(command, call)
-        before = self.document.lexed.masked[call.at.value : string.start].strip()
+        before = self.cursor.masked[call.at.value : string.start].strip()
         if command is None or param is None or before:
             return
         span = cursor.span(string.body, string.end if string.is_closed else max(cursor.offset, cursor.word[1]))

@@ -106,23 +106,28 @@ class Cursor:
 
     def __init__(self, document: Document, line: int, column: int) -> None:
         self.document = document
-        self.lexed = document.lexed
-        self.text = self.lexed.text
-        self.masked = self.lexed.masked
-        self.line = min(max(line, 1), len(self.lexed.starts))
+        self.text = document.source.text
+        self.masked = document.parsed.translation.masked
+        self.lines = document.parsed.translation.lines
+        self.starts = document.source_starts
+        self.line = min(max(line, 1), len(self.starts))
         self.column = min(max(column, 1), len(document.line(self.line)) + 1)
-        self.offset = self.lexed.starts[self.line - 1] + self.column - 1
+        self.offset = self.starts[self.line - 1] + self.column - 1
 
     def span(self, start: int, end: int) -> Span:
         """Return the range between two offsets."""
-        return Span(*self.lexed.place(start), *self.lexed.place(end))
+        return Span(*self._place(start), *self._place(end))
+
+    def _place(self, offset: int) -> tuple[int, int]:
+        line = bisect_right(self.starts, offset)
+        return line, offset - self.starts[line - 1] + 1
 
     # Comment, string
 
     @cached_property
     def is_in_comment(self) -> bool:
         """Whether the place is behind the `#` of a comment."""
-        start = self.lexed.starts[self.line - 1]
+        start = self.starts[self.line - 1]
         at = self.text.find("#", start, self.offset)
         while at >= 0:
             if self.masked[at] == " ":
@@ -271,14 +276,14 @@ class Cursor:
     @cached_property
     def logical(self) -> LogicalLine | None:
         """The logical line that begins last before the place or at it; None before the first."""
-        lines = self.lexed.lines
+        lines = self.lines
         index = bisect_right(lines, self.offset, key=lambda line: line.start) - 1
         return lines[index] if index >= 0 else None
 
     @cached_property
     def statement_start(self) -> int:
         """Offset at which the statement begins, or where one may begin."""
-        start = self.lexed.starts[self.line - 1]
+        start = self.starts[self.line - 1]
         logical = self.logical
         # A statement goes on here if no line end outside brackets lies between.
         if logical is not None and logical.start < start and "\n" not in self.masked[logical.start : self.offset]:
@@ -343,7 +348,7 @@ class Cursor:
 
     def _arguments(self, opener: int, offset: int) -> tuple[tuple[Argument, ...], int]:
         """Return the arguments behind a `(`, and the index of the one that holds an offset."""
-        lines = self.lexed.lines
+        lines = self.lines
         # An open bracket reaches to the next statement at most.
         following = bisect_right(lines, opener, key=lambda line: line.start)
         limit = lines[following].start if following < len(lines) else len(self.masked)

@@ -9,6 +9,7 @@ import re
 from bisect import bisect_right
 from collections.abc import Iterable, Mapping
 from functools import cached_property
+from itertools import accumulate
 
 from elitescript.assist.names import Names
 from elitescript.commands.definition.plausibility import ArmFacts
@@ -16,7 +17,6 @@ from elitescript.language.diagnostics import Diagnostic, Edit
 from elitescript.language.options import Options
 from elitescript.language.parser import Parsed, parse
 from elitescript.language.symbols import Symbols
-from elitescript.language.text.lexer import Lexed, lex
 from elitescript.language.text.source import BOM, SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.lint.program import AnalysedProgram
@@ -35,8 +35,8 @@ class Settings:
         strict: as `check --strict`.
         arm: facts of the arm; None leaves out what depends on it.
         presets: names of globals that have a value before the program begins.
-        names: names of what is beside the robot, by kind: `address` (of servers), `file` (of the task folder), `modbus`
-            (signals), `socket`. Completion in strings offers them.
+        names: names of what is beside the robot, by kind: `address` (of servers), `file` (of the task folder), and the
+            kinds of `names.STRING_NAMES`. Completion in strings offers them.
     """
 
     profile: Profile = PROFILES[DEFAULT_FIRMWARE]
@@ -94,6 +94,11 @@ class Document:
         line = max(1, bisect_right(self._starts, offset))
         return line, min(max(0, offset - self._starts[line - 1]), len(self.line(line))) + 1
 
+    @cached_property
+    def source_starts(self) -> list[int]:
+        """Offset in `source.text` at which each line starts."""
+        return list(accumulate((len(row) + 1 for row in self.source.lines[:-1]), initial=0))
+
     def edited(self, edits: Iterable[Edit], version: int) -> Document:
         """Return the text after edits that are made one after the other, each in what the one before left."""
         after = self
@@ -105,11 +110,6 @@ class Document:
         return after if after is not self else Document(self.name, self.text, version, self.settings)
 
     # ---------------------------------------------------------------- what is known of it
-
-    @cached_property
-    def lexed(self) -> Lexed:
-        """Strings, comments and logical lines of `source`."""
-        return lex(self.source.text)
 
     @cached_property
     def parsed(self) -> Parsed:

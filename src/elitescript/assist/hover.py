@@ -14,6 +14,7 @@ from elitescript.assist.cursor import CallAt, Cursor
 from elitescript.assist.describing import KEYWORDS, command_markdown, fenced, parameter_markdown, signal_markdown
 from elitescript.assist.document import Document
 from elitescript.assist.last_run import LastRun
+from elitescript.assist.names_in_strings import inputs, uses_of_name
 from elitescript.assist.own_names import (
     NameFacts,
     OwnName,
@@ -23,7 +24,6 @@ from elitescript.assist.own_names import (
     method_of,
     own_name,
 )
-from elitescript.assist.names_in_strings import inputs, uses_of_name
 from elitescript.assist.python_texts import python_markdown
 from elitescript.assist.units import element_names, element_unit, value_text, with_unit
 from elitescript.assist.value_types import ModuleType, OwnClass, type_of_text
@@ -246,7 +246,7 @@ def _number_range(cursor: Cursor) -> tuple[int, int]:
 def _number(document: Document, cursor: Cursor, last_run: LastRun | None) -> str:
     start, end = _number_range(cursor)
     try:
-        number = ast.literal_eval("".join(document.lexed.text[start:end].split()))
+        number = ast.literal_eval("".join(cursor.text[start:end].split()))
     except (SyntaxError, ValueError):
         return ""
     call = cursor.call
@@ -284,7 +284,7 @@ def _string(document: Document, cursor: Cursor) -> Hover | None:
     """Explain a name of a signal, an RTSI input, a connection or a file in a string."""
     string = cursor.string
     assert string is not None
-    name = document.lexed.text[string.body : string.end]
+    name = cursor.text[string.body : string.end]
     span = cursor.span(string.body, string.end)
     if not name or "\n" in name:
         return None

@@ -6,28 +6,21 @@ from collections.abc import Iterator
 from typing import Final
 
 from elitescript.assist.document import Document
+from elitescript.assist.names import STRING_NAMES
 from elitescript.commands.definition.registry import Param
 from elitescript.records import NamedTuple
 
 _KINDS: Final = {
-    "socket_name": "socket",
-    "signal_name": "modbus",
+    **STRING_NAMES,
     "IP": "address",
     "address": "address",
     "connection_id": "address",
     "file_name": "file",
-    "variable": "input",
-    "var_name": "variable",
+    "var_name": "variable of a server",
 }
 """Kind of the names that parameters of these names take."""
 
-_TEXTS: Final = {
-    "socket": "connection of this program",
-    "modbus": "MODBUS signal of this program",
-    "address": "address used in this program",
-    "file": "file of this program",
-    "variable": "variable of the server, used in this program",
-}
+_INPUTS: Final = STRING_NAMES["variable"]
 
 
 class StringName(NamedTuple):
@@ -42,14 +35,14 @@ def names_for(document: Document, param: Param) -> list[StringName]:
     kind = _KINDS.get(param.name, "")
     if not kind:
         return []
-    if kind == "input":
+    if kind == _INPUTS:
         return inputs()
     found = dict.fromkeys(document.settings.names.get(kind, ()), "beside the robot")
     default = param.default if isinstance(param.default, str) else ""
     if default:
         found.setdefault(default, "the usual connection")
     for value, _ in _used(document, kind):
-        found.setdefault(value, _TEXTS[kind])
+        found.setdefault(value, f"{kind} of this program")
     return [StringName(name, text) for name, text in found.items()]
 
 
