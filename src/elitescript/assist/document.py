@@ -7,9 +7,11 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cached_property
+from itertools import accumulate
 
+from elitescript.assist.names import Names
 from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.language.diagnostics import Diagnostic, Edit
 from elitescript.language.options import Options
@@ -19,7 +21,7 @@ from elitescript.language.text.source import BOM, SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.lint.program import AnalysedProgram
 from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES, Profile
-from elitescript.records import record
+from elitescript.records import field, record
 
 _LINE_END = re.compile(r"\r\n|\r|\n")
 
@@ -33,12 +35,15 @@ class Settings:
         strict: as `check --strict`.
         arm: facts of the arm; None leaves out what depends on it.
         presets: names of globals that have a value before the program begins.
+        names: names of what is beside the robot, by kind: `address` (of servers), `file` (of the task folder), and the
+            kinds of `names.STRING_NAMES`. Completion in strings offers them.
     """
 
     profile: Profile = PROFILES[DEFAULT_FIRMWARE]
     strict: bool = False
     arm: ArmFacts | None = None
     presets: frozenset[str] = frozenset()
+    names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 class Document:
@@ -94,6 +99,11 @@ class Document:
         line = max(1, bisect_right(self._starts, offset))
         return line, min(max(0, offset - self._starts[line - 1]), len(self.line(line))) + 1
 
+    @cached_property
+    def source_starts(self) -> list[int]:
+        """Offset in `source.text` at which each line starts."""
+        return list(accumulate((len(row) + 1 for row in self.source.lines[:-1]), initial=0))
+
     def edited(self, edits: Iterable[Edit], version: int) -> Document:
         """Return the text after edits that are made one after the other, each in what the one before left."""
         after = self
@@ -111,6 +121,15 @@ class Document:
         """The text as it was read; lines with mistakes are left out of its tree. Not to be compiled: see `problems`."""
         return parse(self.source, Options(strict=self.settings.strict))
 
+    @cached_property
+    def _code_lines(self) -> list[str]:
+        return self.parsed.translation.masked.split("\n")
+
+    def code_line(self, number: int) -> str:
+        """Return a line in which strings are runs of `"` and comments are blank, of the length of the line."""
+        rows = self._code_lines
+        return rows[number - 1] if 1 <= number <= len(rows) else ""
+
     @property
     def symbols(self) -> Symbols:
         """Scopes, names and calls."""
@@ -123,6 +142,11 @@ class Document:
         return AnalysedProgram(
             self.parsed, settings.profile, is_strict=settings.strict, presets=settings.presets, arm=settings.arm
         )
+
+    @cached_property
+    def names(self) -> Names:
+        """Every place where a name stands, and what it stands for."""
+        return Names(self.program)
 
     @cached_property
     def problems(self) -> tuple[Diagnostic, ...]:

@@ -14,11 +14,11 @@ class LineTime(NamedTuple):
     """Time that a line took.
 
     Attributes:
-        count: how often.
+        times: how often.
         total_s: in all, s.
     """
 
-    count: int
+    times: int
     total_s: float
 
 

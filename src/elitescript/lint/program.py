@@ -147,8 +147,8 @@ class AnalysedProgram:
         return self.parsed.kind == SECONDARY
 
     @cached_property
-    def unread_names(self) -> frozenset[str]:
-        """Words of the lines that could not be read: any of them may be defined there."""
+    def unread_lines(self) -> frozenset[int]:
+        """Lines that could not be read, and those with errors."""
         parsed = self.parsed
         if not parsed.has_errors:
             return frozenset()
@@ -159,7 +159,12 @@ class AnalysedProgram:
         logical = parsed.translation.lines
         for line in (*(logical[index] for index in parsed.hidden), *parsed.translation.dropped):
             rows.update(range(line.line, line.last_line + 1))
-        return frozenset(word for row in rows for word in re.findall(r"[^\W\d]\w*", self.source.line(row)))
+        return frozenset(rows)
+
+    @cached_property
+    def unread_names(self) -> frozenset[str]:
+        """Words of the lines that could not be read: any of them may be defined there."""
+        return frozenset(word for row in self.unread_lines for word in re.findall(r"[^\W\d]\w*", self.source.line(row)))
 
     @cached_property
     def outside(self) -> tuple[Use, ...]:

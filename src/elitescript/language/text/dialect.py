@@ -37,6 +37,7 @@ class Translation(NamedTuple):
         dropped: lines that stand outside every block.
         marks: (line, column) of the line marks.
         secondaries: lines of the `sec` headers.
+        masked: the author's text without what is in strings and comments; see `lexer`.
     """
 
     text: str
@@ -49,6 +50,7 @@ class Translation(NamedTuple):
     dropped: frozenset[LogicalLine]
     marks: frozenset[tuple[int, int]]
     secondaries: frozenset[int]
+    masked: str
 
 
 def translate(source: SourceFile, options: Options = DEFAULT) -> Translation:
@@ -81,6 +83,7 @@ def translate(source: SourceFile, options: Options = DEFAULT) -> Translation:
         frozenset(draft.dropped),
         frozenset(draft.marks),
         frozenset(draft.secondaries),
+        lexed.masked,
     )
 
 
