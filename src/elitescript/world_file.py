@@ -44,13 +44,14 @@ class WorldFile(RobotSettings):
         self.world: World | None = None
 
 
-def load_world_file(path: str | Path, *, network: str = "", is_trusted: bool = True) -> WorldFile:
+def load_world_file(path: str | Path, *, network: str = "", is_trusted: bool = True, with_world: bool = True) -> WorldFile:
     """Read a world file.
 
     Args:
         path: of the file.
         network: where connections lead that no device of it takes, if it does not have that; see `devices.scenario`.
         is_trusted: whether it may name Python files and the network of this computer.
+        with_world: read what is beside the robot; without it nothing of it is made, nor checked.
 
     Raises:
         UsageError: no such file, no TOML, an unknown section or key, or a value that makes no sense; the text names
@@ -89,7 +90,7 @@ def load_world_file(path: str | Path, *, network: str = "", is_trusted: bool = T
                 _read_section(found, section, table, file.parent)
         except UsageError as error:
             raise _located(file, text, section, table, error) from error
-    if beside:
+    if beside and with_world:
         from elitescript.devices.scenario import build_world
 
         try:

@@ -251,6 +251,21 @@ def add_doctor(parser: Parser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
+def add_lsp(parser: Parser) -> None:
+    parser.description = (
+        "Serve one editor with the Language Server Protocol, on standard input and output: findings while typing, "
+        "completion, hover, rename, layout, times of the last run. How to set up editors: docs/how-to/editors.md. "
+        "Needs: pip install 'elitescript[lsp]'"
+    )
+    parser.add_argument(
+        "--tcp",
+        type=int,
+        metavar="PORT",
+        help="serve the first client of this port of 127.0.0.1 instead (0: any free one)",
+    )
+    parser.add_argument("--stdio", action="store_true", help="the default; many editors add it by themselves")
+
+
 def add_mcp(parser: Parser) -> None:
     parser.description = (
         "Serve one agent on standard input and output with the Model Context Protocol: check, run, sample and step "
@@ -287,6 +302,7 @@ COMMANDS: Final[dict[str, tuple[str, Callable[[Parser], None]]]] = {
     "devices": ("the devices of a world file on real ports and serial lines", add_devices),
     "replay": ("play a recorded session of serve again", add_replay),
     "doctor": ("what this computer has that serving needs", add_doctor),
+    "lsp": ("what editors show of programs, by the Language Server Protocol", add_lsp),
     "mcp": ("check, run and step through programs for agents", add_mcp),
     "commands": ("the catalogue of robot commands", add_commands),
 }

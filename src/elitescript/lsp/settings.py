@@ -78,7 +78,7 @@ def document_settings(settings: ClientSettings) -> tuple[Settings, list[str]]:
         from elitescript.world_file import load_world_file
 
         try:
-            from_file = load_world_file(settings.world).options
+            from_file = load_world_file(settings.world, with_world=False).options
         except UsageError as error:
             wrong.append(str(error))
     robot = robot_options(given, from_file)

@@ -1,0 +1,148 @@
+"""The process of one run: a request as JSON on standard input, the outcome on standard output.
+
+It is killed when its outcome has no use any more, or takes too long. Nothing outside the robot is real: the task folder
+is a copy in memory, connections lead to the devices of the world file or nowhere, and on Linux the process is in the
+jail of served robots before the program is compiled.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from elitescript.devices.surroundings import VIRTUAL
+from elitescript.devices.world import World
+from elitescript.errors import ElitescriptError, ProgramError
+from elitescript.language.text.source import SourceFile
+from elitescript.lsp.recorder import RunRecorder
+from elitescript.lsp.run_data import encoded
+from elitescript.messages.events import Event
+from elitescript.plotting.line_times import ThreadLines
+from elitescript.plotting.page import Recording, page
+from elitescript.plotting.sampling import Sampling
+from elitescript.robot import VirtualRobot
+from elitescript.run import Run
+from elitescript.services.child.jail import enter_jail
+from elitescript.world_file import load_world_file
+
+UNTIL_S: Final = 300.0
+"""Most robot time of a run, s."""
+MEMORY_BYTES: Final = 1 << 30
+FILES_MAX: Final = 200
+"""Files of the task folder that are copied; so many of their bytes in all:"""
+FILES_BYTES_MAX: Final = 10_000_000
+MESSAGES_MAX: Final = 100
+"""Messages in the report."""
+
+
+def outcome_of(request: Mapping[str, Any], *, is_jailed: bool = True) -> dict[str, Any]:
+    """Run a program.
+
+    Args:
+        request: `text`, `name`, `folder` (of the task, or None), `world` (path, or None), `options` of the robot, and
+            `with_page`.
+        is_jailed: lock this process in first.
+
+    Returns:
+        `report`: how it ended, or what keeps it from running; `last`: what editors show of it, None if it did not run;
+        `page`: the text of the page that shows it, if that is asked for.
+    """
+    try:
+        robot, listen = _robot(request)
+        if is_jailed:
+            enter_jail(memory_max=MEMORY_BYTES)
+        unit = robot.compile(SourceFile(request["name"], request["text"]))
+    except ProgramError as error:
+        return {"report": {"state": "does_not_compile", "problems": [str(found) for found in error.problems[:20]]}}
+    except ElitescriptError as error:
+        return {"report": {"state": "does_not_run", "problems": [str(error)]}}
+    recorder = RunRecorder(unit, lambda: robot.tick)
+    listen.append(recorder.event)
+    sampling, threads = Sampling(), ThreadLines()
+    has_page = bool(request.get("with_page"))
+
+    def watch(robot: VirtualRobot) -> None:
+        threads.record(robot.time_s, [(thread.name, thread.line) for thread in robot.threads()[1:]])
+
+    with recorder:
+        if has_page:
+            run = robot.run(unit, until_s=UNTIL_S, trace=sampling, watch=watch)
+        else:
+            run = robot.run(unit, until_s=UNTIL_S)
+    found = {"report": _report(run), "last": encoded(recorder.record(run.globals, run.time_s))}
+    if has_page:
+        rows = sampling.rows
+        lines = threads.stretches(rows[-1].t)
+        title = Path(request["name"]).name
+        found["page"] = page(
+            Recording(title, robot.model, rows, unit.source, run.events, run.state, sampling.step_s, lines)
+        )
+    return found
+
+
+def _robot(request: Mapping[str, Any]) -> tuple[VirtualRobot, list[Any]]:
+    """Return the robot, and the list of the functions that get its events."""
+    world = None
+    settings = None
+    if request.get("world"):
+        settings = load_world_file(request["world"], network=VIRTUAL, is_trusted=False)
+        world = settings.world
+    if world is None:
+        world = World(network=VIRTUAL)
+        world.settings = settings
+    listeners: list[Any] = []
+
+    def tell(event: Event) -> None:
+        for listener in listeners:
+            listener(event)
+
+    folder = request.get("folder")
+    files = dict(_files(Path(folder))) if folder else {}
+    robot = VirtualRobot(world=world, task_dir=files, on_event=tell, **request.get("options", {}))
+    robot.reports_signals = False
+    return robot, listeners
+
+
+def _files(folder: Path) -> Iterator[tuple[str, bytes]]:
+    """Yield name and content of the files of a folder, within the limits; without hidden ones and links."""
+    count = size = 0
+    for home, inner, names in os.walk(folder):
+        inner[:] = sorted(name for name in inner if not name.startswith(".") and name != "node_modules")
+        for name in sorted(names):
+            path = Path(home, name)
+            if name.startswith(".") or path.is_symlink() or not path.is_file():
+                continue
+            count += 1
+            size += path.stat().st_size
+            if count > FILES_MAX or size > FILES_BYTES_MAX:
+                return
+            yield path.relative_to(folder).as_posix(), path.read_bytes()
+
+
+def _report(run: Run) -> dict[str, Any]:
+    return {
+        "state": run.state,
+        "time_s": run.time_s,
+        "log": run.log[-MESSAGES_MAX:],
+        "warnings": run.warnings[-MESSAGES_MAX:],
+        "alarms": [{"line": alarm.line, "code": alarm.code, "text": alarm.text} for alarm in run.alarms],
+    }
+
+
+def _main() -> None:
+    answers = os.fdopen(os.dup(1), "wb")
+    # What a program prints is not the outcome.
+    os.dup2(2, 1)
+    request = json.loads(sys.stdin.buffer.read())
+    answers.write(json.dumps(outcome_of(request)).encode())
+    answers.flush()
+    # No destructor of a program's object is to run now.
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    _main()

@@ -1,0 +1,313 @@
+"""The language server: what happens between `initialize` and `exit`, and which function answers which request."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Coroutine, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import Any, Final, TypeVar
+
+from lsprotocol import types
+from pygls.capabilities import ServerCapabilitiesBuilder
+from pygls.exceptions import JsonRpcException, JsonRpcInvalidParams
+from pygls.lsp.server import LanguageServer
+from pygls.protocol import default_converter
+from pygls.uris import from_fs_path
+
+from elitescript import __version__
+from elitescript.assist.document import Document
+from elitescript.assist.last_run import LastRun
+from elitescript.environment.program_file import SUFFIX
+from elitescript.lsp import commands, explaining, findings, marking, navigating, writing
+from elitescript.lsp.background import BackgroundRuns
+from elitescript.lsp.client import Client
+from elitescript.lsp.connection import Connection
+from elitescript.lsp.feature import Feature
+from elitescript.lsp.files import WorkspaceFiles
+from elitescript.lsp.findings import Findings
+from elitescript.lsp.marking import TokenResults
+from elitescript.lsp.positions import Positions
+from elitescript.lsp.settings import SECTION
+from elitescript.lsp.texts import Texts, path_of
+
+_Result = TypeVar("_Result")
+
+FEATURES: Final[dict[str, Feature]] = {
+    **explaining.FEATURES,
+    **navigating.FEATURES,
+    **marking.FEATURES,
+    **writing.FEATURES,
+    **findings.FEATURES,
+    **commands.FEATURES,
+}
+"""Every request about texts, by its method."""
+
+_WATCHED: Final = (f"**/*{SUFFIX}", "**/*.toml")
+"""Programs, and world files and files of arms."""
+
+_log = logging.getLogger(__name__)
+
+
+class Server(LanguageServer):
+    """Holds what the requests of one client have in common.
+
+    All of it is used in the thread of the event loop. What is called in the thread of slow requests gets all that it
+    needs handed over, and reads nothing here that changes.
+
+    Attributes:
+        client: what the client can do.
+        texts: the open texts, folders and settings.
+        tokens: what was sent of semantic tokens.
+        runs: programs that run in the background.
+        lifecycle: requests that are answered at once, by method.
+        notices: what is done on a notification, by method.
+        slow: coroutines of slow requests, by method.
+    """
+
+    def __init__(self) -> None:
+        self.client = Client()
+        self.texts = Texts()
+        self.tokens = TokenResults()
+        self.lifecycle: dict[str, Callable[[Any], Any]] = {
+            types.INITIALIZE: self._initialize,
+            types.SHUTDOWN: self._shut_down,
+        }
+        self.notices: dict[str, Callable[[Any], None]] = {
+            types.INITIALIZED: self._initialized,
+            types.SET_TRACE: self._set_trace,
+            types.TEXT_DOCUMENT_DID_OPEN: self._opened,
+            types.TEXT_DOCUMENT_DID_CHANGE: self._changed,
+            types.TEXT_DOCUMENT_DID_SAVE: self._saved,
+            types.TEXT_DOCUMENT_DID_CLOSE: self._closed,
+            types.WORKSPACE_DID_CHANGE_CONFIGURATION: self._configuration_changed,
+            types.WORKSPACE_DID_CHANGE_WORKSPACE_FOLDERS: self._folders_changed,
+            types.WORKSPACE_DID_CHANGE_WATCHED_FILES: self._files_changed,
+            types.WINDOW_WORK_DONE_PROGRESS_CANCEL: self._progress_cancelled,
+        }
+        self.slow: dict[str, Callable[..., Coroutine[Any, Any, Any]]] = {}
+        super().__init__(SECTION, __version__, protocol_cls=Connection, converter_factory=default_converter)
+        for method, feature in FEATURES.items():
+            answer = partial(_answer, self, feature)
+            if feature.is_slow:
+                self.slow[method] = answer
+            self.protocol.fm.feature(method, feature.options)(answer)
+        self._findings = Findings(self)
+        self.runs = BackgroundRuns(self)
+        self._files = WorkspaceFiles()
+        self._thread = ThreadPoolExecutor(1, "findings")
+        self._tasks: set[asyncio.Task[Any]] = set()
+
+    @property
+    def connection(self) -> Connection:
+        """The connection to the client."""
+        assert isinstance(self.protocol, Connection)
+        return self.protocol
+
+    # ---------------------------------------------------------------- for the features
+
+    def positions(self, document: Document) -> Positions:
+        """Return what converts places of a text."""
+        return Positions(document, self.client.encoding)
+
+    def last_run(self, uri: str) -> LastRun | None:
+        """Return what is known of the last run of a text; None if it did not run."""
+        return self.runs.last.get(uri)
+
+    def findings_of(self, uri: str, document: Document) -> list[types.Diagnostic]:
+        """Return the findings of a text; slow."""
+        has_related = self.client.has("text_document.publish_diagnostics.related_information") or self.client.has(
+            "text_document.diagnostic.related_information"
+        )
+        return findings.findings_of(uri, document, self.positions(document), has_related=has_related)
+
+    def all_texts(self, opened: Mapping[str, Document]) -> Iterator[tuple[str, Document]]:
+        """Yield the open texts, and the programs of the workspace that are not open; slow.
+
+        Args:
+            opened: the open texts when the request came.
+        """
+        yield from opened.items()
+        paths = {path_of(uri) for uri in opened}
+        folders = {path: self.texts.settings(uri).texts for uri, path in list(self.texts.folders.items())}
+        for uri, document in self._files.documents(folders):
+            if path_of(uri) not in paths:
+                yield uri, document
+
+    async def in_thread(self, function: Callable[..., _Result], *arguments: Any) -> _Result:
+        """Call a function in the thread of slow requests, after those that wait there already."""
+        return await asyncio.get_running_loop().run_in_executor(self._thread, function, *arguments)
+
+    def begin(self, work: Coroutine[Any, Any, Any]) -> asyncio.Task[Any]:
+        """Begin some work of the server itself; an error of it is logged."""
+        task = asyncio.get_running_loop().create_task(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._ended)
+        return task
+
+    def _ended(self, task: asyncio.Task[Any]) -> None:
+        self._tasks.discard(task)
+        if not task.cancelled() and (error := task.exception()) is not None:
+            _log.error("work in the background failed", exc_info=error)
+
+    def refresh(self, method: str) -> None:
+        """Ask the client to ask again, as `workspace/inlayHint/refresh` does."""
+        self.begin(self._request(method, None))
+
+    async def _request(self, method: str, params: Any) -> Any:
+        """Return the client's answer to a request; None if it is an error."""
+        try:
+            return await self.protocol.send_request_async(method, params)
+        except JsonRpcException as error:
+            _log.warning("the client refuses %s: %s", method, error)
+            return None
+
+    def say(self, texts: list[str]) -> None:
+        """Show messages about what the user has to change."""
+        for text in texts:
+            self.window_show_message(types.ShowMessageParams(types.MessageType.Warning, text))
+
+    def close(self) -> None:
+        """End what is under way."""
+        self.connection.close()
+        self.runs.close()
+        for task in self._tasks:
+            task.cancel()
+        self._thread.shutdown(wait=False, cancel_futures=True)
+
+    # ---------------------------------------------------------------- begin and end
+
+    def _initialize(self, params: types.InitializeParams) -> types.InitializeResult:
+        self.client = Client(params.capabilities)
+        self.process_id = params.process_id
+        if params.workspace_folders:
+            roots = [folder.uri for folder in params.workspace_folders]
+        elif params.root_uri:
+            roots = [params.root_uri]
+        else:
+            roots = [from_fs_path(params.root_path) or ""] if params.root_path else []
+        for uri in roots:
+            self.texts.add_folder(uri)
+        self._wrong = self.texts.set_settings(params.initialization_options)
+        builder = ServerCapabilitiesBuilder(
+            self.client.capabilities,
+            {*FEATURES, *self.notices},
+            self.protocol.fm.feature_options,
+            list(commands.COMMANDS),
+            types.TextDocumentSyncKind.Incremental,
+            None,
+            self.client.encoding,
+        )
+        self.connection.is_initialized = True
+        return types.InitializeResult(builder.build(), types.ServerInfo(SECTION, __version__))
+
+    def _initialized(self, params: types.InitializedParams) -> None:
+        self.say(self._wrong)
+        if self.client.has("workspace.configuration"):
+            self.begin(self._pull_settings())
+        registrations = []
+        if self.client.has("workspace.did_change_watched_files.dynamic_registration"):
+            watchers = [types.FileSystemWatcher(pattern) for pattern in _WATCHED]
+            options: Any = types.DidChangeWatchedFilesRegistrationOptions(watchers)
+            registrations.append(types.Registration("files", types.WORKSPACE_DID_CHANGE_WATCHED_FILES, options))
+        if self.client.has("workspace.did_change_configuration.dynamic_registration"):
+            options = types.DidChangeConfigurationRegistrationOptions(SECTION)
+            registrations.append(types.Registration("settings", types.WORKSPACE_DID_CHANGE_CONFIGURATION, options))
+        if registrations:
+            self.begin(self._request(types.CLIENT_REGISTER_CAPABILITY, types.RegistrationParams(registrations)))
+
+    def _shut_down(self, params: None) -> None:
+        self.connection.is_shut_down = True
+        self.connection.close()
+        self.runs.close()
+
+    def _set_trace(self, params: types.SetTraceParams) -> None:
+        self.connection.trace = params.value
+
+    def _progress_cancelled(self, params: types.WorkDoneProgressCancelParams) -> None:
+        self.runs.cancel(params.token)
+
+    # ---------------------------------------------------------------- texts
+
+    def _opened(self, params: types.DidOpenTextDocumentParams) -> None:
+        uri = params.text_document.uri
+        self.texts.put(params.text_document)
+        self._findings.text_changed(uri, is_new=True)
+        self.runs.text_changed(uri)
+
+    def _changed(self, params: types.DidChangeTextDocumentParams) -> None:
+        uri, version = params.text_document.uri, params.text_document.version
+        if self.texts.change(uri, version, params.content_changes, self.client.encoding) is None:
+            raise JsonRpcInvalidParams(f"{uri} is not open")
+        self._findings.text_changed(uri, is_new=False)
+        self.runs.text_changed(uri)
+
+    def _saved(self, params: types.DidSaveTextDocumentParams) -> None:
+        """Do nothing: the text is the one that was sent before."""
+
+    def _closed(self, params: types.DidCloseTextDocumentParams) -> None:
+        uri = params.text_document.uri
+        self.texts.close(uri)
+        self.tokens.forget(uri)
+        self.runs.forget(uri)
+        self._findings.closed(uri)
+
+    # ---------------------------------------------------------------- folders and settings
+
+    def _folders_changed(self, params: types.DidChangeWorkspaceFoldersParams) -> None:
+        for folder in params.event.removed:
+            self.texts.remove_folder(folder.uri)
+        for folder in params.event.added:
+            self.texts.add_folder(folder.uri)
+        self._settings_changed(self.texts.read_settings())
+        if self.client.has("workspace.configuration"):
+            self.begin(self._pull_settings())
+
+    def _files_changed(self, params: types.DidChangeWatchedFilesParams) -> None:
+        if any(change.uri.endswith(SUFFIX) for change in params.changes):
+            self.begin(self.in_thread(self._files.forget))
+        if any(change.uri.endswith(".toml") for change in params.changes):
+            # One of them may be the world file, or describe the arm, of some folder.
+            self._settings_changed(self.texts.read_settings())
+
+    def _configuration_changed(self, params: types.DidChangeConfigurationParams) -> None:
+        if self.client.has("workspace.configuration"):
+            self.begin(self._pull_settings())
+        elif params.settings is not None:
+            self._settings_changed(self.texts.set_settings(params.settings))
+
+    async def _pull_settings(self) -> None:
+        """Ask the client for the settings of each folder."""
+        folders = list(self.texts.folders)
+        items = [types.ConfigurationItem(uri, SECTION) for uri in folders] or [types.ConfigurationItem(None, SECTION)]
+        answer = await self._request(types.WORKSPACE_CONFIGURATION, types.ConfigurationParams(items))
+        if not isinstance(answer, list | tuple) or len(answer) != len(items):
+            return
+        wrong: list[str] = []
+        if folders:
+            for uri, given in zip(folders, answer, strict=True):
+                if given is not None and uri in self.texts.folders:
+                    wrong += self.texts.set_settings(given, uri)
+        elif answer[0] is not None:
+            wrong += self.texts.set_settings(answer[0])
+        self._settings_changed(wrong)
+
+    def _settings_changed(self, wrong: list[str]) -> None:
+        """Show what is wrong with new settings, and look at the texts again if it matters to them."""
+        self.say(list(dict.fromkeys(wrong)))
+        if self.texts.renew():
+            self._findings.renew()
+        self.runs.settings_changed()
+
+
+def _answer(server: Server, feature: Feature, document: Document | None, params: Any) -> Any:
+    """Answer a request.
+
+    Raises:
+        JsonRpcInvalidParams: it is about a text that is not open.
+    """
+    named = getattr(params, "text_document", None) or getattr(params, "item", None)
+    if document is None and named is not None:
+        raise JsonRpcInvalidParams(f"{named.uri} is not open")
+    return feature.answer(server, document, params)
