@@ -89,6 +89,27 @@ def add_check(parser: Parser) -> None:
     _add_json_lines(parser)
 
 
+def add_fmt(parser: Parser) -> None:
+    parser.description = (
+        "Lay out programs: two blanks for each block, `end` below what it closes, one blank around operators and "
+        "behind commas. What runs stays the same, and every statement stays in its line. A program with syntax errors "
+        "stays as it is. Exit code: 0 done, 1 with --check: a file is not formatted, 2 usage, or a file of this call "
+        "cannot be read, 3 syntax errors."
+    )
+    parser.add_argument(
+        "files",
+        nargs="*",
+        metavar="FILE",
+        help="programs, folders (every *.script in them), or - to format standard input to standard output",
+    )
+    parser.add_argument("--check", action="store_true", help="change nothing; exit code 1 if a file is not formatted")
+    parser.add_argument("--diff", action="store_true", help="change nothing; print what would change, as a diff")
+    parser.add_argument(
+        "--pendant", action="store_true", help="format programs that the pendant has written, with `$ LINE` marks, too"
+    )
+    _add_color(parser)
+
+
 def add_plot(parser: Parser) -> None:
     from elitescript.cli.robot_options import add_options
 
@@ -296,6 +317,7 @@ def add_commands(parser: Parser) -> None:
 COMMANDS: Final[dict[str, tuple[str, Callable[[Parser], None]]]] = {
     "run": ("run a program to its end in virtual time", add_run),
     "check": ("report every problem of programs without running them", add_check),
+    "fmt": ("lay out programs without changing what they do", add_fmt),
     "plot": ("write a page that shows a program's run, or a trace", add_plot),
     "serve": ("the virtual controller on the network", add_serve),
     "ctl": ("work inputs, faults, popups and tasks of a running serve", add_ctl),
