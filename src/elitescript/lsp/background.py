@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import logging
 import os
 import sys
 from contextlib import suppress
@@ -38,6 +39,8 @@ SHOWN_AFTER_S: Final = 0.5
 """Wall time after which the progress of a run is shown, s."""
 OUTCOME_BYTES_MAX: Final = 64 << 20
 
+_log = logging.getLogger(__name__)
+
 _REFRESHED: Final = {
     types.WORKSPACE_INLAY_HINT_REFRESH: "workspace.inlay_hint.refresh_support",
     types.WORKSPACE_CODE_LENS_REFRESH: "workspace.code_lens.refresh_support",
@@ -64,13 +67,11 @@ class BackgroundRuns:
 
     Attributes:
         last: the last run of each open text that has run, by URI.
-        count: runs that were begun.
     """
 
     def __init__(self, server: Server) -> None:
         self._server = server
         self.last: dict[str, LastRun] = {}
-        self.count = 0
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._running: dict[str, asyncio.Task[Any]] = {}
         self._one_at_a_time = asyncio.Semaphore(1)
@@ -128,7 +129,12 @@ class BackgroundRuns:
 
     async def _run_for_hints(self, uri: str, document: Document) -> None:
         async with self._one_at_a_time:
-            outcome = await self._shown(uri, document, WALL_S)
+            try:
+                outcome = await self._shown(uri, document, WALL_S)
+            except RequestFailed as error:
+                # There are no hints then, and nobody has asked for the run.
+                _log.info("%s: %s", document.name, error)
+                return
         if outcome.last is not None and uri in self._server.texts.open:
             self._keep(uri, outcome.last)
 
@@ -162,8 +168,8 @@ class BackgroundRuns:
     async def _shown(self, uri: str, document: Document, wall_s: float, *, with_page: bool = False) -> Outcome:
         """Run a text, and show that it runs if that takes a while."""
         settings = self._server.texts.settings(uri).client
-        run = self._server.begin(run_in_process(request_for(uri, document, settings, with_page=with_page), wall_s))
-        self.count += 1
+        request = request_for(uri, document, settings, with_page=with_page)
+        run: asyncio.Task[Outcome] = self._server.begin(run_in_process(request, wall_s))
         token = f"elitescript/{next(self._numbers)}"
         title = f"Run {Path(document.name).name}"
         progress = self._server.begin(self._progress(token, title, run))
@@ -231,7 +237,7 @@ async def run_in_process(request: dict[str, Any], wall_s: float) -> Outcome:
     try:
         asked = json.dumps(request).encode()
         found, _ = await asyncio.wait_for(process.communicate(asked), wall_s)
-        outcome = json.loads(found)
+        outcome: dict[str, Any] = json.loads(found)
     except TimeoutError:
         raise RequestFailed(f"the run took more than {wall_s:g} s") from None
     except ValueError:

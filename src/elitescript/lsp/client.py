@@ -27,7 +27,7 @@ class Client:
         self.encoding = UTF16 if offered is None else chosen_encoding(map(_text, offered))
 
     def has(self, name: str) -> bool:
-        """Return whether it has a capability, such as `workspace.configuration`; a table that is there counts as yes."""
+        """Return whether it has a capability, such as `workspace.configuration`; a table counts as one."""
         value = get_capability(self.capabilities, name)
         return value is not None and value is not False
 

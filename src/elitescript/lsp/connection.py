@@ -6,7 +6,7 @@ answered when, and with which error, is here:
 - Messages take effect in the order in which they arrive. A notification takes effect at once; a request takes the text
   as it is at its place in that order, and waits.
 - Waiting requests are answered one after the other, when no message is left to be read. So what was cancelled, or asked
-  about a text that has changed since, is dropped before any work is done for it; or after it, if the message comes then.
+  about a text that has changed since, is dropped before any work is done for it; or after it, if that message is late.
 - Slow requests (findings of texts) are answered in a thread, and do not hold the others up.
 - Each message gets at most one answer, whatever it is: an exception in the server is an answer too.
 """
@@ -17,7 +17,7 @@ import asyncio
 import json
 import logging
 from collections import deque
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final
 
 from lsprotocol import types
@@ -176,9 +176,6 @@ class Connection(LanguageServerProtocol):
             return
         if not self.is_initialized or self.is_shut_down:
             _log.warning("%s is left out: the server is not initialized, or was shut down", method)
-            return
-        if method == types.CANCEL_REQUEST:
-            self.cancel(self._params(method, data).id)
             return
         handler = self.server.notices.get(method)
         if handler is None:

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 _KINDS: Final = {
     ItemKind.COMMAND: types.CompletionItemKind.Function,
     ItemKind.FUNCTION: types.CompletionItemKind.Function,
+    ItemKind.CLASS: types.CompletionItemKind.Class,
+    ItemKind.FIELD: types.CompletionItemKind.Field,
     ItemKind.VARIABLE: types.CompletionItemKind.Variable,
     ItemKind.CONSTANT: types.CompletionItemKind.Constant,
     ItemKind.ARGUMENT: types.CompletionItemKind.Property,

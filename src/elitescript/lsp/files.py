@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping
+from itertools import islice
 from pathlib import Path
 from typing import Final
 
@@ -88,11 +89,8 @@ class WorkspaceFiles:
 
 def _programs(folder: Path) -> Iterator[Path]:
     """Yield the programs of a folder and its subfolders, by name, within the limits; links are not followed."""
-    files = folders = 0
-    for home, inner, names in os.walk(folder):
-        folders += 1
-        if folders > FOLDERS_MAX:
-            return
+    files = 0
+    for home, inner, names in islice(os.walk(folder), FOLDERS_MAX):
         inner[:] = sorted(name for name in inner if not name.startswith(".") and name not in _SKIPPED)
         for name in sorted(names):
             if name.endswith(SUFFIX) and not name.startswith("."):

@@ -111,9 +111,7 @@ class Findings:
         found = await self._server.in_thread(lambda: self._server.findings_of(uri, document))
         self._last_s = perf_counter() - started_s
         if self._server.texts.open.get(uri) is document:
-            self._server.text_document_publish_diagnostics(
-                types.PublishDiagnosticsParams(uri, found, document.version)
-            )
+            self._server.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, found, document.version))
 
 
 def findings_of(

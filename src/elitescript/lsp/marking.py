@@ -66,8 +66,10 @@ def difference(old: list[int], new: list[int]) -> tuple[int, int, list[int]]:
     while start < most and old[start : start + _NUMBERS_OF_TOKEN] == new[start : start + _NUMBERS_OF_TOKEN]:
         start += _NUMBERS_OF_TOKEN
     end = 0
-    while end < most - start and old[len(old) - end - _NUMBERS_OF_TOKEN : len(old) - end] == (
-        new[len(new) - end - _NUMBERS_OF_TOKEN : len(new) - end]
+    while (
+        end < most - start
+        and old[len(old) - end - _NUMBERS_OF_TOKEN : len(old) - end]
+        == (new[len(new) - end - _NUMBERS_OF_TOKEN : len(new) - end])
     ):
         end += _NUMBERS_OF_TOKEN
     return start, len(old) - start - end, new[start : len(new) - end]

@@ -14,8 +14,8 @@ from elitescript.assist.calls import Call, CallItem
 from elitescript.assist.document import Document
 from elitescript.assist.folding import FoldKind
 from elitescript.assist.links import FileKind
+from elitescript.assist.names import Access
 from elitescript.assist.outline import Symbol, SymbolKind
-from elitescript.assist.references import Access
 from elitescript.lint.program import Span
 from elitescript.lsp.feature import Feature
 from elitescript.lsp.positions import Positions
@@ -104,7 +104,9 @@ def _flatten(
 
 def _information(symbol: Symbol, container: str, uri: str, positions: Positions) -> types.SymbolInformation:
     place = types.Location(uri, positions.range(symbol.span))
-    return types.SymbolInformation(place, symbol.name or symbol.kind, _SYMBOLS[symbol.kind], None, container or None)
+    return types.SymbolInformation(
+        place, symbol.name or symbol.kind, _SYMBOLS[symbol.kind], container_name=container or None
+    )
 
 
 async def _workspace_symbols(
@@ -125,9 +127,7 @@ async def _workspace_symbols(
 # ---------------------------------------------------------------- structure
 
 
-def _folding_ranges(
-    server: Server, document: Document, params: types.FoldingRangeParams
-) -> list[types.FoldingRange]:
+def _folding_ranges(server: Server, document: Document, params: types.FoldingRangeParams) -> list[types.FoldingRange]:
     return [
         types.FoldingRange(fold.line - 1, fold.end_line - 1, kind=_FOLDS.get(fold.kind))
         for fold in folding.folding_ranges(document)

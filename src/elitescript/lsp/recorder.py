@@ -1,4 +1,4 @@
-"""Records of a run what editors show of it: times of moves and calls, last values of names, shortened blends, alarms."""
+"""Records what editors show of a run: times of moves and calls, last values of names, shortened blends, alarms."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ class RunRecorder:
 
 def _added(time: LineTime | None, ticks: int) -> LineTime:
     before = time or LineTime(0, 0.0)
-    return LineTime(before.count + 1, before.total_s + seconds(ticks))
+    return LineTime(before[0] + 1, before.total_s + seconds(ticks))
 
 
 def _shown(values: Mapping[str, Any]) -> dict[str, str]:

@@ -73,7 +73,7 @@ def outcome_of(request: Mapping[str, Any], *, is_jailed: bool = True) -> dict[st
             run = robot.run(unit, until_s=UNTIL_S, trace=sampling, watch=watch)
         else:
             run = robot.run(unit, until_s=UNTIL_S)
-    found = {"report": _report(run), "last": encoded(recorder.record(run.globals, run.time_s))}
+    found: dict[str, Any] = {"report": _report(run), "last": encoded(recorder.record(run.globals, run.time_s))}
     if has_page:
         rows = sampling.rows
         lines = threads.stretches(rows[-1].t)

@@ -77,6 +77,7 @@ class Server(LanguageServer):
         self.notices: dict[str, Callable[[Any], None]] = {
             types.INITIALIZED: self._initialized,
             types.SET_TRACE: self._set_trace,
+            types.CANCEL_REQUEST: self._cancelled,
             types.TEXT_DOCUMENT_DID_OPEN: self._opened,
             types.TEXT_DOCUMENT_DID_CHANGE: self._changed,
             types.TEXT_DOCUMENT_DID_SAVE: self._saved,
@@ -139,7 +140,7 @@ class Server(LanguageServer):
         """Call a function in the thread of slow requests, after those that wait there already."""
         return await asyncio.get_running_loop().run_in_executor(self._thread, function, *arguments)
 
-    def begin(self, work: Coroutine[Any, Any, Any]) -> asyncio.Task[Any]:
+    def begin(self, work: Coroutine[Any, Any, _Result]) -> asyncio.Task[_Result]:
         """Begin some work of the server itself; an error of it is logged."""
         task = asyncio.get_running_loop().create_task(work)
         self._tasks.add(task)
@@ -200,7 +201,8 @@ class Server(LanguageServer):
             self.client.encoding,
         )
         self.connection.is_initialized = True
-        return types.InitializeResult(builder.build(), types.ServerInfo(SECTION, __version__))
+        capabilities: types.ServerCapabilities = builder.build()  # type: ignore[no-untyped-call]
+        return types.InitializeResult(capabilities, types.ServerInfo(SECTION, __version__))
 
     def _initialized(self, params: types.InitializedParams) -> None:
         self.say(self._wrong)
@@ -224,6 +226,9 @@ class Server(LanguageServer):
 
     def _set_trace(self, params: types.SetTraceParams) -> None:
         self.connection.trace = params.value
+
+    def _cancelled(self, params: types.CancelParams) -> None:
+        self.connection.cancel(params.id)
 
     def _progress_cancelled(self, params: types.WorkDoneProgressCancelParams) -> None:
         self.runs.cancel(params.token)

@@ -15,7 +15,6 @@ from elitescript.lsp.positions import Positions
 from elitescript.lsp.settings import ClientSettings, document_settings, read_settings
 from elitescript.records import NamedTuple
 
-
 _ALL: Final = ""
 """In place of the URI of a folder: texts that are in none."""
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 
 from lsprotocol import types
 
-from elitescript.assist import actions, formatting, renaming
+from elitescript.assist import actions, formatting, renaming, typing_edits
 from elitescript.assist.actions import ActionKind, CodeAction
 from elitescript.assist.diagnostics import Problem
 from elitescript.assist.document import Document
@@ -54,9 +54,7 @@ def _workspace_edit(server: Server, uri: str, document: Document, edits: Iterabl
 # ---------------------------------------------------------------- layout
 
 
-def _formatting(
-    server: Server, document: Document, params: types.DocumentFormattingParams
-) -> list[types.TextEdit]:
+def _formatting(server: Server, document: Document, params: types.DocumentFormattingParams) -> list[types.TextEdit]:
     positions = server.positions(document)
     return [positions.text_edit(edit) for edit in formatting.format_edits(document)]
 
@@ -72,7 +70,7 @@ def _on_type_formatting(
     server: Server, document: Document, params: types.DocumentOnTypeFormattingParams
 ) -> list[types.TextEdit]:
     positions = server.positions(document)
-    found = formatting.on_type_edits(document, *positions.place(params.position), params.ch)
+    found = typing_edits.typing_edits(document, *positions.place(params.position), params.ch)
     return [positions.text_edit(edit) for edit in found]
 
 
@@ -82,7 +80,7 @@ def _on_type_formatting(
 async def _code_actions(
     server: Server, document: Document, params: types.CodeActionParams
 ) -> Sequence[types.CodeAction]:
-    only = params.context.only
+    uri, only = params.text_document.uri, params.context.only
 
     def find() -> Sequence[types.CodeAction]:
         positions = server.positions(document)
@@ -96,9 +94,9 @@ async def _code_actions(
             types.CodeAction(
                 action.title,
                 kind=str(action.kind),
-                diagnostics=[shown(Problem(problem), positions, params.text_document.uri) for problem in action.problems] or None,
+                diagnostics=[shown(Problem(problem), positions, uri) for problem in action.problems] or None,
                 is_preferred=action.is_preferred or None,
-                edit=_workspace_edit(server, params.text_document.uri, document, action.edits),
+                edit=_workspace_edit(server, uri, document, action.edits),
             )
             for action in found
             if _is_wanted(action.kind, only)
@@ -119,7 +117,8 @@ FEATURES: Final = {
     types.TEXT_DOCUMENT_FORMATTING: Feature(_formatting),
     types.TEXT_DOCUMENT_RANGE_FORMATTING: Feature(_range_formatting),
     types.TEXT_DOCUMENT_ON_TYPE_FORMATTING: Feature(
-        _on_type_formatting, types.DocumentOnTypeFormattingOptions("\n", [":"])
+        _on_type_formatting,
+        types.DocumentOnTypeFormattingOptions(typing_edits.TRIGGERS[0], list(typing_edits.TRIGGERS[1:])),
     ),
     types.TEXT_DOCUMENT_CODE_ACTION: Feature(
         _code_actions, types.CodeActionOptions(code_action_kinds=[str(kind) for kind in ActionKind]), is_slow=True
