@@ -8,6 +8,7 @@ import pytest
 
 from elitescript.assist.document import Document
 from elitescript.assist.formatting import format_edits, formatted, is_generated
+from elitescript.assist.typing_edits import TRIGGERS, typing_edits
 from elitescript.errors import ProgramError
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.text.source import apply_fixes
@@ -16,6 +17,10 @@ from tests.assist.layouts import compiled, mangled, texts_of_the_repository
 from tests.invariants.random_programs import random_program as random_robot_program
 from tests.language.random_programs import random_program
 
+DAMAGE = (
+    *("", "\n", "end", "  ", "\t", "(", ")", ":", "'''", "'", "#", "\\\n", "\f", "$ LINE: (1, 'a')", "\\", "\r"),
+    *("é", "=", "-", "**", "lambda x=1: ", "[", "]", "\n\n\n", "if a: b\n", "; ", "\ufeff", "\0", "{1:2}", "f'{a}'"),
+)
 TEXTS = texts_of_the_repository()
 
 
@@ -246,6 +251,32 @@ class TestNothingChanges:
         rng = Random(seed)
         write = rng.choice((random_program, random_robot_program))
         check_that_nothing_changes(mangled(rng, write(rng)))
+
+    @pytest.mark.parametrize("seed", range(20))
+    def test_in_damaged_texts_and_nothing_is_raised(self, seed):
+        rng = Random(seed)
+        for text in map(rng.choice, [list(TEXTS.values())] * 40):
+            damaged = text[:800]
+            for _ in range(rng.randrange(1, 4)):
+                at = rng.randrange(len(damaged) + 1)
+                damaged = damaged[:at] + rng.choice(DAMAGE) + damaged[at + rng.randrange(5) :]
+            document = Document("p", damaged)
+            place = rng.randrange(document.line_count + 2), rng.randrange(20)
+            typing_edits(document, *place, rng.choice(TRIGGERS))
+            try:
+                before = compiled(damaged)
+            except ProgramError:
+                formatted(damaged)
+                continue
+            new = laid_out(damaged)
+            assert compiled(new) == before
+            assert laid_out(new) == new
+            edits = format_edits(document, Span(place[0], 1, place[0] + 3, 1), pendant=True)
+            assert compiled(with_edits(damaged, edits)) == before
+
+    def test_the_examples_are_laid_out(self):
+        examples = {name: text for name, text in TEXTS.items() if name.endswith(".script")}
+        assert examples == {name: laid_out(text) for name, text in examples.items()}
 
     def test_bad_layout_becomes_the_good_one_again(self):
         for seed in range(60):

@@ -59,8 +59,7 @@ def formatted(text: str, name: str = "", *, pendant: bool = False) -> Formatted:
     rows = _Layout(document, None).rows()
     mark = BOM if text.startswith(BOM) else ""
     ends = _line_end().findall(text)
-    while rows and not rows[-1]:
-        rows.pop()
+    del rows[_last_row(rows) :]
     if not rows:
         return Formatted(mark)
     if len(ends) < len(rows):
@@ -77,7 +76,6 @@ def format_edits(document: Document, span: Span | None = None, *, pendant: bool 
     """
     if document.parsed.has_errors or (not pendant and is_generated(document.parsed)):
         return ()
-    last = document.line_count
     within = None
     if span is not None:
         # A selection of whole lines ends at the start of the line below them.
@@ -89,16 +87,22 @@ def format_edits(document: Document, span: Span | None = None, *, pendant: bool 
         if old != new:
             edits.append(_row_edit(number, old, new))
     if within is None:
-        while last > 1 and not rows[last - 1] and not rows[last - 2]:
-            last -= 1
-        if rows[last - 1]:
-            edits.append(Edit(last, len(document.line(last)) + 1, last, len(document.line(last)) + 1, "\n"))
-        elif last == 1 or last < document.line_count:
-            edits = [edit for edit in edits if edit.line < last]
-            end = document.line_count
-            if (last, end) != (1, 1) or document.line(1):
-                edits.append(Edit(last, 1, end, len(document.line(end)) + 1, ""))
+        last, end = _last_row(rows), document.line_count
+        end_column = len(document.line(end)) + 1
+        if last == end:
+            edits.append(Edit(end, end_column, end, end_column, "\n"))
+        elif (end, end_column) > (last + 1, 1):
+            edits = [edit for edit in edits if edit.line <= last]
+            edits.append(Edit(last + 1, 1, end, end_column, ""))
     return tuple(edits)
+
+
+def _last_row(rows: Sequence[str]) -> int:
+    """Return the number of the last row that is to stay: blank ones at the end go, but not behind a backslash."""
+    last = len(rows)
+    while last and not rows[last - 1] and not (last > 1 and rows[last - 2].endswith("\\")):
+        last -= 1
+    return last
 
 
 def is_generated(parsed: Parsed) -> bool:
