@@ -143,6 +143,17 @@ class Names:
             found.setdefault(item.entity, []).append(item)
         return {entity: tuple(items) for entity, items in found.items()}
 
+    def named(self, name: str) -> tuple[Occurrence, ...]:
+        """Return the places where a name stands, whatever it stands for, in the order of the text."""
+        return self._by_name.get(name, ())
+
+    @cached_property
+    def _by_name(self) -> dict[str, tuple[Occurrence, ...]]:
+        found: dict[str, list[Occurrence]] = {}
+        for item in self.occurrences:
+            found.setdefault(item.entity.name, []).append(item)
+        return {name: tuple(items) for name, items in found.items()}
+
     @cached_property
     def entities(self) -> tuple[Entity, ...]:
         """What the names of the text stand for, in the order of their first places."""
@@ -218,7 +229,9 @@ class Names:
                 for binding in bindings:
                     span = self._span_of_binding(binding)
                     if span is not None:
-                        yield Occurrence(span, entity, Access.WRITE, binding.kind, binding.node, scope)
+                        # `:=` in a comprehension binds around it, but stands inside.
+                        inside = self.symbols.scope_of(binding.node) if binding.kind == "walrus" else scope
+                        yield Occurrence(span, entity, Access.WRITE, binding.kind, binding.node, inside)
             for name, reads in scope.reads.items():
                 entity = self.entity(name, scope)
                 for read in reads:

@@ -1,11 +1,36 @@
-"""Renames variables, parameters, functions and what else a program defines."""
+"""Renames variables, parameters, functions and what else a program defines.
+
+A rename is refused if any name, the renamed one or another, would stand for something else afterwards, and if a use of
+the name may be hidden: in a line that cannot be read, behind `**`, in an attribute of an unknown object.
+"""
 
 from __future__ import annotations
 
+import ast
+import builtins
+import re
+from keyword import iskeyword
+from typing import Final
+from unicodedata import normalize
+
 from elitescript.assist.document import Document
+from elitescript.assist.names import Entity, EntityKind, Names, Occurrence
+from elitescript.commands.catalogue import CATALOGUE
+from elitescript.commands.definition.reserved import RESERVED
+from elitescript.language.advice.unknown_names import KNOWN
 from elitescript.language.diagnostics import Edit
+from elitescript.language.policy import DENIED_ATTRIBUTES
+from elitescript.language.symbols import Scope
 from elitescript.lint.program import Span
 from elitescript.records import record
+
+_OWN_KEYWORDS: Final = frozenset(("case", "end", "match", "sec", "thread"))
+_READ_NAMES: Final = frozenset(("delattr", "dir", "eval", "exec", "getattr", "globals", "hasattr", "locals", "setattr", "vars"))
+"""Functions by which a program reaches variables or attributes through strings."""
+_OF_PYTHON: Final = frozenset(
+    name for kind in (str, bytes, list, tuple, dict, set, int, float, complex, BaseException) for name in dir(kind)
+)
+"""Attributes of objects that a program does not define."""
 
 
 @record
@@ -28,7 +53,7 @@ class Renaming:
     """The result of a rename.
 
     Attributes:
-        edits: all at once, they do not overlap; empty if it is refused.
+        edits: all at once, they do not overlap; empty if it is refused, or if the name stays as it is.
         refusal: why it is refused; empty if it is not.
     """
 
@@ -38,6 +63,13 @@ class Renaming:
 
 def prepare_rename(document: Document, line: int, column: int) -> Renamable | None:
     """Return what a rename at a place would change; None if no name stands there. Never raises."""
+    found = document.names.at(line, column)
+    if found is not None:
+        return Renamable(found.span, found.entity.name.rpartition(".")[2], _refusal(document, found.entity))
+    for word in re.finditer(r"[^\W\d]\w*", document.code_line(line)):
+        if word.start() < column <= word.end() + 1:
+            span = Span(line, word.start() + 1, line, word.end() + 1)
+            return Renamable(span, word.group(), _no_name(document, line, word.group()))
     return None
 
 
@@ -47,4 +79,246 @@ def rename(document: Document, line: int, column: int, new_name: str) -> Renamin
     The text afterwards compiles to the same code, up to the name. Strings and comments stay as they are. Never raises:
     what would change the meaning of the program is refused, with the reason.
     """
-    return Renaming(refusal="nothing can be renamed here")
+    ready = prepare_rename(document, line, column)
+    found = document.names.at(line, column)
+    if ready is None or found is None or ready.refusal:
+        return Renaming(refusal=ready.refusal if ready is not None else "no name stands here")
+    if new_name == ready.name:
+        return Renaming()
+    refusal = _bad_name(new_name) or _hidden_uses(document, new_name) or _conflict(document, found.entity, new_name)
+    if refusal:
+        return Renaming(refusal=refusal)
+    edits = [_edit(item, new_name) for item in document.names.of(found.entity)]
+    return Renaming(tuple(edits))
+
+
+def _edit(item: Occurrence, new_name: str) -> Edit:
+    is_bare_import = item.role == "import" and isinstance(item.node, ast.alias) and item.node.asname is None
+    return Edit(*item.span, f"{item.entity.name} as {new_name}" if is_bare_import else new_name)
+
+
+# ---------------------------------------------------------------- what cannot be renamed
+
+
+def _no_name(document: Document, line: int, word: str) -> str:
+    if iskeyword(word) or word in _OWN_KEYWORDS:
+        return f"`{word}` is a word of the language"
+    if line in document.program.unread_lines or not document.parsed.is_complete:
+        return f"line {line} cannot be read yet: repair it first"
+    return f"`{word}` is no name of this program"
+
+
+def _refusal(document: Document, entity: Entity) -> str:
+    """Return why something cannot be renamed, whatever the new name; empty if it can."""
+    name = entity.name
+    if entity.kind is EntityKind.OUTSIDE:
+        last = name.rpartition(".")[2]
+        if CATALOGUE.get(name) is not None:
+            return f"`{name}` is a command of the robot"
+        return f"`{last}` is not defined in this text"
+    if entity.kind is EntityKind.STRING:
+        return f"the name of a {entity.family} stands in a string, and strings are not changed"
+    if name.startswith("__"):
+        return f"`{name}` has a meaning of its own: names that begin with two underscores are not renamed"
+    return _hidden_uses(document, name) or _refusal_of_kind(document, entity)
+
+
+def _refusal_of_kind(document: Document, entity: Entity) -> str:
+    names, program, name = document.names, document.program, entity.name
+    if entity.kind is EntityKind.ATTRIBUTE:
+        return _refusal_of_attribute(names, name)
+    through = next((use for use in program.outside if use.name in _READ_NAMES), None)
+    if through is not None:
+        return f"`{through.name}` in line {through.node.lineno} may reach `{name}` through a string"
+    if entity.kind is EntityKind.GLOBAL:
+        if name in program.presets:
+            return f"`{name}` has its value before the program begins"
+        if program.shares_globals:
+            return f"`{name}` is shared with the program that runs beside this one"
+    for item in names.of(entity):
+        if item.role == "class":
+            inner = next((other for other in names.occurrences if other.entity.name.startswith(f"_{name}__")), None)
+            if inner is not None:
+                return f"`{inner.entity.name}` in line {inner.span.line} is made of the name of the class"
+        if item.role == "import" and isinstance(item.node, ast.alias):
+            if item.node.asname is None and "." in item.node.name:
+                return f"line {item.span.line} imports `{item.node.name}`, which has no other name"
+        if item.role == "parameter" and isinstance(item.node, ast.arg):
+            refusal = _refusal_of_parameter(names, item)
+            if refusal:
+                return refusal
+    return ""
+
+
+def _refusal_of_parameter(names: Names, parameter: Occurrence) -> str:
+    """Return the call that may name a parameter without being known to."""
+    function = parameter.scope
+    name = parameter.entity.name
+    loose = names.loose_keywords.get(name, ())
+    node = function.node
+    if isinstance(node, ast.Lambda):
+        statement = names.symbols.parent(node)
+        target = statement.targets[0] if isinstance(statement, ast.Assign) and len(statement.targets) == 1 else None
+        is_named = isinstance(target, ast.Name)
+        reads = _uses(names, target.id, names.symbols.scope_of(target)) if isinstance(target, ast.Name) else []
+    else:
+        outer = names.symbols.scope_of(node)
+        is_named = function is not names.symbols.body and outer.kind != "class"
+        reads = _uses(names, function.name, outer) if is_named else []
+    escapes = not is_named
+    for read in reads:
+        call = names.symbols.parent(read)
+        if isinstance(call, ast.Call) and call.func is read:
+            if any(keyword.arg is None for keyword in call.keywords):
+                return f"line {call.lineno} may pass `{name}` by `**`"
+        elif not any(call is start and start.args[0] is read for start, _ in names.thread_starts):
+            escapes = True
+    if escapes and loose and function is not names.symbols.body:
+        return f"line {loose[0].lineno} passes an argument `{name}` to a function that is not known"
+    return ""
+
+
+def _uses(names: Names, name: str, scope: Scope) -> list[ast.AST]:
+    return [item.node for item in names.of(names.entity(name, scope)) if item.role == "read"]
+
+
+def _refusal_of_attribute(names: Names, name: str) -> str:
+    classes = [scope for scope in names.symbols.scopes if scope.kind == "class"]
+    owners = [scope for scope in classes if name in _attributes(names, scope)]
+    if not owners:
+        return f"no class of this text defines `{name}`"
+    if len(owners) > 1:
+        rows = " and ".join(str(names.symbols.place(scope.node)[0]) for scope in owners[:2])
+        return f"the classes of lines {rows} both have `{name}`"
+    owner = owners[0]
+    if getattr(owner.node, "bases", ()) or any(owner.name in _bases(scope) for scope in classes):
+        return f"`{owner.name}` is derived from another class, or another one from it"
+    if name in _OF_PYTHON:
+        return f"objects that this text does not define have `{name}` too"
+    through = next((use for use in names.program.outside if use.name in _READ_NAMES), None)
+    if through is not None:
+        return f"`{through.name}` in line {through.node.lineno} may reach `{name}` through a string"
+    first = min(((b.line, b.column) for b in owner.bindings.get(name, ())), default=(0, 0))
+    if any(names.symbols.place(read) < first for read in owner.reads.get(name, ())):
+        return f"`{owner.name}` reads a `{name}` from outside before it has its own"
+    return ""
+
+
+def _attributes(names: Names, scope: Scope) -> set[str]:
+    """Return the names that the body of a class, and assignments to the first parameter of its methods, define."""
+    found = set(scope.bindings)
+    for method in scope.children:
+        first = next(iter(method.parameters), "")
+        for item in ast.walk(method.node) if method.kind == "function" and first else ():
+            if isinstance(item, ast.Attribute) and not isinstance(item.ctx, ast.Load):
+                if isinstance(item.value, ast.Name) and item.value.id == first:
+                    found.add(item.attr)
+    return found
+
+
+def _bases(scope: Scope) -> set[str]:
+    return {base.id for base in getattr(scope.node, "bases", ()) if isinstance(base, ast.Name)}
+
+
+def _hidden_uses(document: Document, name: str) -> str:
+    """Return the line that cannot be read and holds a name."""
+    names, program = document.names, document.program
+    if not document.parsed.is_complete:
+        return "the text cannot be read yet: repair it first"
+    if name in names.unlocated:
+        return f"`{name}` stands at a place that is not known exactly, as in a formatted string"
+    if name in program.unread_names:
+        word = re.compile(rf"(?<!\w){re.escape(name)}(?!\w)")
+        line = next((line for line in sorted(program.unread_lines) if word.search(program.source.line(line))), 1)
+        return f"line {line} has `{name}` too and cannot be read yet: repair it first"
+    return ""
+
+
+# ---------------------------------------------------------------- the new name
+
+
+def _bad_name(name: str) -> str:
+    if not name.isidentifier():
+        return f"`{name}` is no name: letters, digits and underscores, not beginning with a digit"
+    if normalize("NFKC", name) != name:
+        return f"Python reads `{name}` as `{normalize('NFKC', name)}`"
+    if iskeyword(name) or name in _OWN_KEYWORDS:
+        return f"`{name}` is a word of the language"
+    if CATALOGUE.get(name) is not None:
+        return f"`{name}` is a command of the robot"
+    if name in RESERVED:
+        return f"`{name}` is reserved by the robot"
+    if name in KNOWN or name in dir(builtins):
+        return f"`{name}` is something that Python has itself"
+    if name.startswith("__") or name in DENIED_ATTRIBUTES:
+        return f"names like `{name}` belong to Python itself"
+    return ""
+
+
+def _conflict(document: Document, entity: Entity, new: str) -> str:
+    """Return the place whose meaning the new name would change; empty if there is none."""
+    names = document.names
+    if entity.kind is EntityKind.LABEL:
+        unknown = next((item for item in names.named(new) if item.entity.kind is EntityKind.OUTSIDE), None)
+        return "" if unknown is None else f"line {unknown.span.line} uses a `{new}` that this text does not define"
+    if entity.kind is EntityKind.ATTRIBUTE:
+        same = names.named(new)
+        if same or new in _OF_PYTHON:
+            return f"there is a `{new}` already" + (f", in line {same[0].span.line}" if same else "")
+        return ""
+    if entity.kind is EntityKind.GLOBAL and new in document.program.presets:
+        return f"`{new}` has its value before the program begins"
+    if any(alias.name == "*" for node in document.program.nodes(ast.ImportFrom) for alias in node.names):
+        return "`import *` may define that name too"
+    places = names.of(entity)
+    homes = {entity.home} | {item.scope for item in places if item.role == "parameter"}
+    other = _captured(names, homes, new) or _capturing(places, homes, new)
+    if other is not None:
+        return f"line {other} has another `{new}`: one of both would hide the other"
+    if any(isinstance(item.node, ast.arg) for item in places):
+        return _second_argument(document, homes, new)
+    return ""
+
+
+def _captured(names: Names, homes: set[Scope | None], new: str) -> int | None:
+    """Return the line of a use of the new name that would mean the renamed thing."""
+    for home in homes:
+        inside = set((home or names.symbols.body).walk())
+        for item in names.named(new):
+            is_variable = item.role not in ("attribute", "keyword", "string")
+            if is_variable and item.scope in inside and item.entity.kind is not EntityKind.ATTRIBUTE:
+                owner = item.entity.home
+                if owner is home or owner is None or owner not in inside:
+                    return item.span.line
+    return None
+
+
+def _capturing(places: tuple[Occurrence, ...], homes: set[Scope | None], new: str) -> int | None:
+    """Return the line at which a variable with the new name would take a use of the renamed thing."""
+    for item in places:
+        scope: Scope | None = item.scope
+        while item.role != "keyword" and scope is not None and scope not in homes:
+            if scope is item.scope or scope.kind != "class":
+                nodes = [binding.node for binding in scope.bindings.get(new, ())]
+                declared = [*nodes, *scope.globals.get(new, ()), *scope.nonlocals.get(new, ())]
+                if declared:
+                    return int(getattr(declared[0], "lineno", item.span.line))
+            scope = scope.parent
+    return None
+
+
+def _second_argument(document: Document, homes: set[Scope | None], new: str) -> str:
+    """Return why calls would not tell a renamed parameter from another argument."""
+    names = document.names
+    for home in homes:
+        if home is None or home.kind != "function" or home is names.symbols.body:
+            continue
+        for function in names.functions(names.entity(home.name, names.symbols.scope_of(home.node))):
+            other = names.symbols.scope_made_by(function)
+            if other is not None and other not in homes and new in other.parameters:
+                return f"the `{home.name}` of line {function.lineno} has a parameter `{new}`, and calls may mean either"
+    takes_more = any(getattr(getattr(home and home.node, "args", None), "kwarg", None) for home in homes)
+    for keyword in document.program.nodes(ast.keyword) if takes_more else ():
+        if keyword.arg == new:
+            return f"line {keyword.lineno} passes an argument `{new}`, which would be another one"
+    return ""

@@ -49,6 +49,8 @@ _PLACEHOLDERS = {
     "match": "match 0:",
     "case": "case 0:",
 }
+_CLAUSES = ("elif", "else", "except", "finally", "case")
+"""Words of lines without which the statement around them may be none."""
 
 
 class Parsed(NamedTuple):
@@ -231,7 +233,7 @@ class _TextReader:
         row = rows[min(error.lineno or 1, len(rows)) - 1]
         known = index in self.blamed or self.hidden.get(index)
         if not known:
-            text, hint = explain(error.msg, row)
+            text, hint = explain(error.msg, row, max(0, (error.offset or 1) - 1))
             (line, column), end = self._range(error, index)
             self._report(line, column, text, hint, end)
             self.blamed.add(index)
@@ -284,7 +286,7 @@ class _TextReader:
         indentation = first[: len(first) - len(first.lstrip(" \t\f"))]
         word = line.word
         deeper = index + 1 < len(lines) and lines[index + 1].column > line.column
-        if line in self.translation.headers or deeper:
+        if line in self.translation.headers or deeper or word in _CLAUSES:
             text = _PLACEHOLDERS.get(word, "if 1:") if times == 0 else "if 1:"
             text += "" if deeper else " pass"
         elif self.source.text[line.start : line.start + 1] == "@":

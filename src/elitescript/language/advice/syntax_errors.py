@@ -145,8 +145,8 @@ _AT_PLACE: Final = (
 )
 
 
-def explain(message: str, row: str) -> tuple[str, str]:
-    """Return (text, hint) for one of Python's messages about the line `row`."""
+def explain(message: str, row: str, at: int = 0) -> tuple[str, str]:
+    """Return (text, hint) for one of Python's messages about the line `row`, at the index `at`."""
     if message.startswith("f-string: "):
         text, hint = explain(message.removeprefix("f-string: "), "")
         return f"in the f-string: {text}", hint or "check the braces { } and what stands between them"
@@ -166,6 +166,10 @@ def explain(message: str, row: str) -> tuple[str, str]:
         if found:
             return found.expand(text), hint
     if vague:
+        rest = row[at:].strip()
+        last = re.search(r"(\w+|[^\w\s]+)\s*$", row[:at])
+        if last and (not rest or rest.startswith("#")):
+            return f"something is missing behind `{last[1]}`", ""
         return "this is not valid here", ""
     return message[:1].lower() + message[1:], ""
 

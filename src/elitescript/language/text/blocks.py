@@ -170,9 +170,15 @@ class _BlockReader:
             return
         if self.blocks and self.blocks[-1].column == line.column:
             self._leave(line)
-        if word == "case" and not (self.blocks and self.blocks[-1].word == "match"):
-            word = ""
         code = draft.code(line)
+        if word == "case":
+            if not (self.blocks and self.blocks[-1].word == "match"):
+                word = ""
+            elif header_colon(code) < 0 and not line.broken:
+                self._report_colon(line)
+                draft.broken.add(line)
+                if not deeper_follows:
+                    return
         if word in _COMPOUND:
             self._header(_Block(line, word), line, code, deeper_follows)
         elif word in _SOFT_COMPOUND and self._is_soft_header(word, code):
@@ -255,13 +261,13 @@ class _BlockReader:
         else:
             if block and block.column == line.column:
                 self._leave(line)
-            self._orphan(line)
+            self._orphan(line, deeper_follows)
             return
         block.clauses.append(word)
         block.waits = block.colon_missing = False
         self._header(block, line, code, deeper_follows)
 
-    def _orphan(self, line: LogicalLine) -> None:
+    def _orphan(self, line: LogicalLine, deeper_follows: bool) -> None:
         takers = [word for word, clauses in _CLAUSES_OF.items() if line.word in clauses and word != "async"]
         near = next((block for block in reversed(self.blocks) if line.word in _CLAUSES_OF.get(block.word, ())), None)
         left = self.left.get(line.column)
@@ -279,9 +285,9 @@ class _BlockReader:
         self.draft.broken.add(line)
         code = self.draft.code(line)
         colon = header_colon(code)
-        if colon >= 0:
+        if colon >= 0 or deeper_follows:
             block = _Block(line, "if")
-            self._open(block, line, colon, code)
+            self._open(block, line, colon if colon >= 0 else len(code), code)
             block.label = label
 
     def _end(self, line: LogicalLine, clause_follows: bool) -> None:
@@ -331,10 +337,12 @@ class _BlockReader:
         self.left[block.column] = (block, line)
         if block.waits and line.column == block.column:
             self.lost[block.column] = self.lost.get(block.column, 0) + 1
-            text = f"the body of the {block.label} of line {block.header.line} should be indented here"
-            hint = "indent the lines that belong to it, or write `pass`"
-            self.draft.report("E001", line.start, line.start + max(1, len(line.word)), text, hint)
+            if not block.colon_missing:
+                text = f"the body of the {block.label} of line {block.header.line} should be indented here"
+                hint = "indent the lines that belong to it, or write `pass`"
+                self.draft.report("E001", line.start, line.start + max(1, len(line.word)), text, hint)
             self._repair(block, empty=True)
+            self._without_handlers(block)
             return
         self._close(block, line)
 
@@ -343,22 +351,32 @@ class _BlockReader:
         last = self.last or block.opener
         if block.has_lines or has_end:
             self.draft.ends.append(BlockEnd(block.word, outer, block.opener, last, line, has_end))
+        lacks_handlers = block.word == "try" and not block.clauses and not block.opener.broken
         if block.waits:
             if line is None and self.draft.options.kind == LINE:
                 self._single_line(block)
-            else:
+            elif not lacks_handlers:
                 self._empty(block)
         self._repair(block, empty=block.waits)
-        if block.word == "try" and not block.clauses and not block.opener.broken:
+        if lacks_handlers:
             start = block.opener.start
             hint = "say behind its body what to do with an error: `except Exception as e:`"
             self.draft.report("E001", start, start + 3, "this `try` has neither `except` nor `finally`", hint)
-            self.draft.replace(start, start + 3, "if 1")
+            self._without_handlers(block)
+
+    def _without_handlers(self, block: _Block) -> None:
+        """Let Python read the body of a `try` that has no handler."""
+        if block.word == "try" and not block.clauses and not block.opener.broken:
+            self.draft.replace(block.opener.start, block.opener.start + 3, "if 1")
 
     def _repair(self, block: _Block, empty: bool) -> None:
         header = block.header
         colon = self.draft.headers.get(header)
         if colon is None or header.broken or header in self.draft.broken:
+            return
+        if empty and header.word == "match":
+            # A `match` holds nothing but `case`, not even `pass`.
+            self.draft.broken.add(header)
             return
         text = ":" if block.colon_missing else ""
         text += " pass" if empty else ""
