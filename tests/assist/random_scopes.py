@@ -18,7 +18,12 @@ def random_scopes(rng: Random) -> str:
 def _value(rng: Random) -> str:
     name, other = rng.choice(_NAMES), rng.choice(_NAMES)
     forms = ("{0}", "{0} + 1", "[{0} for {0} in (1, 2)]", "[{1} + {0} for {0} in (1, 2)]", "(lambda {0}: {0})({1})")
-    more = ("[{0} for {1} in (3,) for {0} in ({1},)]", "f'{{{0}}} {{{1}}}'", "(lambda {0}=1: {0} + {1})()", "{{{0}: {1}}}")
+    more = (
+        "[{0} for {1} in (3,) for {0} in ({1},)]",
+        "f'{{{0}}} {{{1}}}'",
+        "(lambda {0}=1: {0} + {1})()",
+        "{{{0}: {1}}}",
+    )
     return rng.choice(forms + more).format(name, other)
 
 

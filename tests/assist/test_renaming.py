@@ -37,7 +37,10 @@ def with_edits(document: Document, edits: tuple[Edit, ...]) -> str:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ("def job():\n  ¦x = 1\n  textmsg('x', x)  # x\nend\n", "def job():\n  fresh = 1\n  textmsg('x', fresh)  # x\nend\n"),
+        (
+            "def job():\n  ¦x = 1\n  textmsg('x', x)  # x\nend\n",
+            "def job():\n  fresh = 1\n  textmsg('x', fresh)  # x\nend\n",
+        ),
         (
             "def job():\n  n = 0\n  def f():\n    nonlocal n\n    n += 1\n    return ¦n\n  end\n  f()\nend\n",
             "def job():\n  fresh = 0\n  def f():\n    nonlocal fresh\n    fresh += 1\n    return fresh\n  end\n  f()\nend\n",
@@ -55,8 +58,14 @@ def with_edits(document: Document, edits: tuple[Edit, ...]) -> str:
             "def job():\n  def ¦f():\n    pass\n  end\n  f()\n  start_thread(f, ())\nend\n",
             "def job():\n  def fresh():\n    pass\n  end\n  fresh()\n  start_thread(fresh, ())\nend\n",
         ),
-        ("def job():\n  x = 1\n  y = [x for ¦x in (1, 2)]\nend\n", "def job():\n  x = 1\n  y = [fresh for fresh in (1, 2)]\nend\n"),
-        ("def job():\n  import ¦time\n  time.sleep(1)\nend\n", "def job():\n  import time as fresh\n  fresh.sleep(1)\nend\n"),
+        (
+            "def job():\n  x = 1\n  y = [x for ¦x in (1, 2)]\nend\n",
+            "def job():\n  x = 1\n  y = [fresh for fresh in (1, 2)]\nend\n",
+        ),
+        (
+            "def job():\n  import ¦time\n  time.sleep(1)\nend\n",
+            "def job():\n  import time as fresh\n  fresh.sleep(1)\nend\n",
+        ),
         (
             "def job():\n  from math import sin as ¦s, cos\n  a = s(1)\nend\n",
             "def job():\n  from math import sin as fresh, cos\n  a = fresh(1)\nend\n",
@@ -70,8 +79,14 @@ def with_edits(document: Document, edits: tuple[Edit, ...]) -> str:
             "def job():\n  class A:\n    fresh = 1\n    def get(self):\n      return self.fresh\n    end\n  end\n  A().fresh\nend\n",
         ),
         ("def ¦job():\n  sleep(1)\nend\n", "def fresh():\n  sleep(1)\nend\n"),
-        ("def job():\n  n = 2\n  textmsg(f'n={¦n:>{n}} é')\nend\n", "def job():\n  fresh = 2\n  textmsg(f'n={fresh:>{fresh}} é')\nend\n"),
-        ("def job():\n  match 1:\n    case ¦q:\n      textmsg(q)\n  end\nend\n", "def job():\n  match 1:\n    case fresh:\n      textmsg(fresh)\n  end\nend\n"),
+        (
+            "def job():\n  n = 2\n  textmsg(f'n={¦n:>{n}} é')\nend\n",
+            "def job():\n  fresh = 2\n  textmsg(f'n={fresh:>{fresh}} é')\nend\n",
+        ),
+        (
+            "def job():\n  match 1:\n    case ¦q:\n      textmsg(q)\n  end\nend\n",
+            "def job():\n  match 1:\n    case fresh:\n      textmsg(fresh)\n  end\nend\n",
+        ),
     ],
 )
 def test_a_rename_changes_all_places_and_nothing_else(text: str, expected: str) -> None:

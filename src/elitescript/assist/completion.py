@@ -125,6 +125,7 @@ _BLOCK_HEADER: Final = re.compile(r"\s*(?:if|elif|else|while|for|try|except|fina
 _OPERATORS: Final = ("and", "if", "in", "is", "not", "or")
 _VALUE_WORDS: Final = ("None", "True", "False", "not", "lambda")
 _STATEMENT_WORDS: Final = ("assert", "del", "from", "global", "import", "pass", "raise", "return")
+_BLOCK_WORDS: Final = ("class", "def", "for", "if", "match", "try", "while", "with")
 _LOOPS: Final = ("for", "while")
 
 
@@ -338,6 +339,8 @@ class _Offers:
             yield self._word("continue")
         if not is_alone:
             return
+        for word in _BLOCK_WORDS:
+            yield self._word(word)
         if blocks:
             yield self._word("end")
         for word in _clauses(self.document, cursor, blocks):
@@ -500,7 +503,7 @@ def _function_snippet(function: ast.FunctionDef, *, skips_first: bool = False) -
 def plain_text(snippet: str) -> str:
     """Return what a snippet inserts if nothing is typed over: each placeholder with its default, `$0` with `pass`."""
     text = re.sub(r"\$\{\d+\|([^,|]*)[^}]*\|\}", r"\1", snippet)
-    text = re.sub(r"\$\{\d+:([^}]*)\}", r"\1", text)
+    text = re.sub(r"\$\{\d+:?([^}]*)\}", r"\1", text)
     return re.sub(r"(?m)^(\s*)\$0$", r"\1pass", text).replace("$0", "")
 
 

@@ -213,7 +213,7 @@ class Cursor:
         start = self.word[0]
         if self.text[start : start + 1].isdigit():
             return True
-        return bool(re.search(r"(?<![\w.\])])\d+\.\Z|(?<![\w.])\.\Z", self.masked[max(0, start - 40) : start]))
+        return bool(re.search(r"(?<![\w.\])])\d+\.\Z", self.masked[max(0, start - 40) : start]))
 
     @cached_property
     def receiver(self) -> str | None:

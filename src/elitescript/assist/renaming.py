@@ -25,7 +25,9 @@ from elitescript.lint.program import Span
 from elitescript.records import record
 
 _OWN_KEYWORDS: Final = frozenset(("case", "end", "match", "sec", "thread"))
-_READ_NAMES: Final = frozenset(("delattr", "dir", "eval", "exec", "getattr", "globals", "hasattr", "locals", "setattr", "vars"))
+_READ_NAMES: Final = frozenset(
+    ("delattr", "dir", "eval", "exec", "getattr", "globals", "hasattr", "locals", "setattr", "vars")
+)
 """Functions by which a program reaches variables or attributes through strings."""
 _OF_PYTHON: Final = frozenset(
     name for kind in (str, bytes, list, tuple, dict, set, int, float, complex, BaseException) for name in dir(kind)
