@@ -147,9 +147,7 @@ def tokens_of_range(client):
 def tokens_delta(client):
     old = client.result("textDocument/semanticTokens/full", TEXT)
     client.change({"range": span(1, 2, 1, 2), "text": "x = 1\n  "})
-    delta = client.result(
-        "textDocument/semanticTokens/full/delta", {**TEXT, "previousResultId": old["resultId"]}
-    )
+    delta = client.result("textDocument/semanticTokens/full/delta", {**TEXT, "previousResultId": old["resultId"]})
     [edit] = delta["edits"]
     data = old["data"]
     data[edit["start"] : edit["start"] + edit["deleteCount"]] = edit.get("data", [])
@@ -184,7 +182,10 @@ def code_action(client):
     asked = {**TEXT, "range": span(6, 2, 6, 3), "context": {"diagnostics": []}}
     found = client.result("textDocument/codeAction", asked)
     assert any("pick" in action["title"] and action["kind"] == "quickfix" for action in found)
-    assert client.result("textDocument/codeAction", {**asked, "context": {"diagnostics": [], "only": ["refactor.x"]}}) == []
+    assert (
+        client.result("textDocument/codeAction", {**asked, "context": {"diagnostics": [], "only": ["refactor.x"]}})
+        == []
+    )
 
 
 def inlay_hint(client):

@@ -18,9 +18,9 @@ from elitescript.devices.surroundings import VIRTUAL
 from elitescript.devices.world import World
 from elitescript.errors import ElitescriptError, ProgramError
 from elitescript.language.text.source import SourceFile
-from elitescript.lsp.recorder import RunRecorder
+from elitescript.lsp.last_run import last_run_of
+from elitescript.lsp.recorder import CallRecorder
 from elitescript.lsp.run_data import encoded
-from elitescript.messages.events import Event
 from elitescript.plotting.line_times import ThreadLines
 from elitescript.plotting.page import Recording, page
 from elitescript.plotting.sampling import Sampling
@@ -52,7 +52,7 @@ def outcome_of(request: Mapping[str, Any], *, is_jailed: bool = True) -> dict[st
         `page`: the text of the page that shows it, if that is asked for.
     """
     try:
-        robot, listen = _robot(request)
+        robot = _robot(request)
         if is_jailed:
             enter_jail(memory_max=MEMORY_BYTES)
         unit = robot.compile(SourceFile(request["name"], request["text"]))
@@ -60,32 +60,28 @@ def outcome_of(request: Mapping[str, Any], *, is_jailed: bool = True) -> dict[st
         return {"report": {"state": "does_not_compile", "problems": [str(found) for found in error.problems[:20]]}}
     except ElitescriptError as error:
         return {"report": {"state": "does_not_run", "problems": [str(error)]}}
-    recorder = RunRecorder(unit, lambda: robot.tick)
-    listen.append(recorder.event)
-    sampling, threads = Sampling(), ThreadLines()
-    has_page = bool(request.get("with_page"))
+    threads = ThreadLines()
+    sampling = Sampling() if request.get("with_page") else None
 
     def watch(robot: VirtualRobot) -> None:
-        threads.record(robot.time_s, [(thread.name, thread.line) for thread in robot.threads()[1:]])
+        threads.record(robot.time_s, [(thread.name, thread.line) for thread in robot.threads()])
 
-    with recorder:
-        if has_page:
-            run = robot.run(unit, until_s=UNTIL_S, trace=sampling, watch=watch)
-        else:
-            run = robot.run(unit, until_s=UNTIL_S)
-    found: dict[str, Any] = {"report": _report(run), "last": encoded(recorder.record(run.globals, run.time_s))}
-    if has_page:
-        rows = sampling.rows
-        lines = threads.stretches(rows[-1].t)
+    with CallRecorder(unit) as calls:
+        run = robot.run(unit, until_s=UNTIL_S, trace=sampling or False, watch=watch)
+    main, *others = threads.stretches(run.time_s).items() or [("", [])]
+    last = last_run_of(run, request["text"], stretches=main[1], counts=calls.counts, values=calls.values())
+    found: dict[str, Any] = {"report": _report(run), "last": encoded(last)}
+    if sampling is not None:
         title = Path(request["name"]).name
-        found["page"] = page(
-            Recording(title, robot.model, rows, unit.source, run.events, run.state, sampling.step_s, lines)
+        recording = Recording(
+            title, robot.model, sampling.rows, unit.source, run.events, run.state, sampling.step_s, dict(others)
         )
+        found["page"] = page(recording)
     return found
 
 
-def _robot(request: Mapping[str, Any]) -> tuple[VirtualRobot, list[Any]]:
-    """Return the robot, and the list of the functions that get its events."""
+def _robot(request: Mapping[str, Any]) -> VirtualRobot:
+    """Return the robot of a request."""
     world = None
     settings = None
     if request.get("world"):
@@ -94,17 +90,11 @@ def _robot(request: Mapping[str, Any]) -> tuple[VirtualRobot, list[Any]]:
     if world is None:
         world = World(network=VIRTUAL)
         world.settings = settings
-    listeners: list[Any] = []
-
-    def tell(event: Event) -> None:
-        for listener in listeners:
-            listener(event)
-
     folder = request.get("folder")
     files = dict(_files(Path(folder))) if folder else {}
-    robot = VirtualRobot(world=world, task_dir=files, on_event=tell, **request.get("options", {}))
+    robot = VirtualRobot(world=world, task_dir=files, **request.get("options", {}))
     robot.reports_signals = False
-    return robot, listeners
+    return robot
 
 
 def _files(folder: Path) -> Iterator[tuple[str, bytes]]:
