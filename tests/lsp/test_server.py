@@ -64,7 +64,7 @@ def resolve(client):
 
 
 def signature_help(client):
-    [found] = client.result("textDocument/signatureHelp", at(3, 49))["signatures"]
+    [found] = client.result("textDocument/signatureHelp", at(3, 40))["signatures"]
     assert found["label"].startswith("movej(")
     start, end = found["parameters"][found["activeParameter"]]["label"]
     assert found["label"][start:end].startswith("a")
@@ -158,14 +158,14 @@ def tokens_delta(client):
 
 
 def formatting(client):
-    client.change({"range": span(4, 4, 4, 4), "text": "    "})
+    client.change({"range": span(3, 43, 3, 45), "text": ","})
     edits = client.result("textDocument/formatting", {**TEXT, "options": LAYOUT})
     assert edited(client.text(), edits) == PROGRAM
 
 
 def range_formatting(client):
-    client.change({"range": span(4, 4, 4, 4), "text": "    "})
-    asked = {**TEXT, "range": span(4, 0, 4, 9), "options": LAYOUT}
+    client.change({"range": span(3, 43, 3, 45), "text": ","})
+    asked = {**TEXT, "range": span(3, 0, 3, 9), "options": LAYOUT}
     assert edited(client.text(), client.result("textDocument/rangeFormatting", asked)) == PROGRAM
     asked["range"] = span(6, 0, 7, 0)
     assert client.result("textDocument/rangeFormatting", asked) == []
@@ -222,7 +222,7 @@ def link(client):
 
 
 def diagnostic(client):
-    client.change({"range": span(3, 41, 3, 42), "text": "aa"})
+    client.change({"range": span(3, 38, 3, 39), "text": "aa"})
     first = client.result("textDocument/diagnostic", TEXT)
     assert [one["code"] for one in first["items"]] == ["E303"]
     again = client.result("textDocument/diagnostic", {**TEXT, "previousResultId": first["resultId"]})

@@ -35,6 +35,8 @@ WALL_S: Final = 10.0
 """Most wall time of a run in the background, s."""
 WALL_ON_REQUEST_S: Final = 60.0
 """Most wall time of a run that somebody has asked for, s."""
+WALL_SHARE: Final = 0.5
+"""Share of it after which the process cuts its run short."""
 SHOWN_AFTER_S: Final = 0.5
 """Wall time after which the progress of a run is shown, s."""
 OUTCOME_BYTES_MAX: Final = 64 << 20
@@ -235,7 +237,8 @@ async def run_in_process(request: dict[str, Any], wall_s: float) -> Outcome:
         env={**os.environ, "PYTHONHASHSEED": "0", "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
     )
     try:
-        asked = json.dumps(request).encode()
+        # It ends by itself, with what it has so far, unless it hangs.
+        asked = json.dumps({"wall_s": WALL_SHARE * wall_s, **request}).encode()
         found, _ = await asyncio.wait_for(process.communicate(asked), wall_s)
         outcome: dict[str, Any] = json.loads(found)
     except TimeoutError:

@@ -12,6 +12,7 @@ import os
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from time import perf_counter
 from typing import Any, Final
 
 from elitescript.devices.surroundings import VIRTUAL
@@ -31,6 +32,8 @@ from elitescript.world_file import load_world_file
 
 UNTIL_S: Final = 300.0
 """Most robot time of a run, s."""
+WALL_S: Final = 5.0
+"""Most wall time of a run, unless the request names another, s."""
 MEMORY_BYTES: Final = 1 << 30
 FILES_MAX: Final = 200
 """Files of the task folder that are copied; so many of their bytes in all:"""
@@ -44,7 +47,7 @@ def outcome_of(request: Mapping[str, Any], *, is_jailed: bool = True) -> dict[st
 
     Args:
         request: `text`, `name`, `folder` (of the task, or None), `world` (path, or None), `options` of the robot, and
-            `with_page`.
+            `with_page`; `wall_s`, after which it is cut short.
         is_jailed: lock this process in first.
 
     Returns:
@@ -63,7 +66,11 @@ def outcome_of(request: Mapping[str, Any], *, is_jailed: bool = True) -> dict[st
     threads = ThreadLines()
     sampling = Sampling() if request.get("with_page") else None
 
+    limit_s = perf_counter() + float(request.get("wall_s", WALL_S))
+
     def watch(robot: VirtualRobot) -> None:
+        if perf_counter() > limit_s:
+            robot.interrupt("time_limit")
         threads.record(robot.time_s, [(thread.name, thread.line) for thread in robot.threads()])
 
     with CallRecorder(unit) as calls:
