@@ -190,5 +190,5 @@ def test_the_commands_run_in_a_real_process(bare, tmp_path):
 def test_a_process_that_hangs_is_killed():
     """A number of a hundred million digits is one call of Python, which nothing but a signal ends."""
     request = {"text": "def p():\n  x = 10 ** 100000000 // 7\nend\n", "name": "a.script"}
-    with pytest.raises(RequestFailed, match="more than 0.5 s"):
+    with pytest.raises(RequestFailed, match=r"more than 0\.5 s"):
         asyncio.run(run_in_process(request, 0.5))

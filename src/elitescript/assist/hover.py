@@ -8,7 +8,7 @@ from collections.abc import Callable
 from math import degrees
 from typing import Any, Final
 
-from elitescript.assist.blocks import scope_at
+from elitescript.assist.enclosing import scope_at
 from elitescript.assist.completion import parameter_at
 from elitescript.assist.cursor import CallAt, Cursor
 from elitescript.assist.describing import KEYWORDS, command_markdown, fenced, parameter_markdown, signal_markdown

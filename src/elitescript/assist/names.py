@@ -191,6 +191,10 @@ class Names:
         nodes = [item.node for item in self.of(entity) if item.role == "def"]
         return tuple(node for node in nodes if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)))
 
+    def defined_at(self, function: Scope) -> Span | None:
+        """Return where the name of a function stands."""
+        return self._behind_keyword(function.node, function.name)
+
     def scope_at(self, line: int) -> Scope:
         """Return the innermost function, class or body that holds a line, also one that could not be read."""
         found = self.symbols.body
@@ -326,7 +330,7 @@ class Names:
                 family = STRING_NAMES.get(param.name)
                 if family is None or not isinstance(node, ast.Constant) or not isinstance(node.value, str):
                     continue
-                span = self._inside_quotes(node, node.value)
+                span = self.inside_quotes(node, node.value)
                 if span is not None:
                     is_made = (called.command.alias_of or called.command.name) in _MAKERS
                     access = Access.WRITE if is_made else Access.TEXT
@@ -399,7 +403,7 @@ class Names:
             for found in pattern.finditer(row, column - 1 if number == line else 0, stop):
                 yield Span(number, found.start() + 1, number, found.end() + 1)
 
-    def _inside_quotes(self, node: ast.Constant, text: str) -> Span | None:
+    def inside_quotes(self, node: ast.Constant, text: str) -> Span | None:
         """Return where the text of a string stands, if it is written out plainly on one line."""
         line, column, end_line, end_column = self.symbols.range_of(node)
         row = self.program.source.line(line)[column - 1 : end_column - 1]

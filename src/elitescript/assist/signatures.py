@@ -6,7 +6,7 @@ import ast
 import builtins
 from typing import Final
 
-from elitescript.assist.blocks import scope_at
+from elitescript.assist.enclosing import scope_at
 from elitescript.assist.completion import parameter_at
 from elitescript.assist.cursor import CallAt, Cursor
 from elitescript.assist.describing import parameter_markdown
