@@ -35,16 +35,20 @@ class WorldFile(RobotSettings):
 
     Attributes:
         world: what is beside the robot; None if nothing is.
+        beside: the sections about that, as they stand in the file.
     """
 
-    __slots__ = ("world",)
+    __slots__ = ("beside", "world")
 
     def __init__(self) -> None:
         super().__init__()
         self.world: World | None = None
+        self.beside: dict[str, Any] = {}
 
 
-def load_world_file(path: str | Path, *, network: str = "", is_trusted: bool = True, with_world: bool = True) -> WorldFile:
+def load_world_file(
+    path: str | Path, *, network: str = "", is_trusted: bool = True, with_world: bool = True
+) -> WorldFile:
     """Read a world file.
 
     Args:
@@ -81,7 +85,7 @@ def load_world_file(path: str | Path, *, network: str = "", is_trusted: bool = T
         line = nearest(lines_of(text), huge)
         raise UsageError(f"{file}:{line}: {huge[-1]}: whole numbers of TOML are within 64 bits")
     found = WorldFile()
-    beside: dict[str, Any] = {}
+    beside = found.beside
     for section, table in tables.items():
         try:
             if section in WORLD_SECTIONS:

@@ -11,7 +11,7 @@ from elitescript.assist.completion import ItemKind
 from elitescript.assist.folding import FoldKind
 from elitescript.assist.names import Access
 from elitescript.assist.outline import SymbolKind
-from elitescript.lsp import explaining, files, navigating
+from elitescript.lsp import explaining, files, navigating, server
 from elitescript.lsp.server import FEATURES
 from tests.lsp.memory_client import URI, at, position, span
 
@@ -138,7 +138,7 @@ def tokens(client):
 
 
 def tokens_of_range(client):
-    asked = {**TEXT, "range": span(3, 0, 4, 0)}
+    asked = {**TEXT, "range": span(3, 0, 3, 60)}
     data = client.result("textDocument/semanticTokens/range", asked)["data"]
     assert data[0] == 3
     assert set(data[5::5]) == {0}
@@ -454,7 +454,7 @@ class TestSettings:
             ({"strict": "yes"}, "elitescript.strict: must be true or false, got 'yes'"),
             ({"robot": "CS77"}, "elitescript.robot: "),
             ({"hints": {"run": 1}}, "elitescript.hints.run: must be true or false"),
-            ({"world": "no.toml"}, "no.toml does not exist"),
+            ({"world": "no.toml"}, "world file no.toml: "),
             ([1], "elitescript: must be a table"),
         ],
     )
@@ -479,6 +479,13 @@ class TestSettings:
         change = {"uri": f"{folder_uri(tmp_path)}/cell.toml", "type": 2}
         bare.notify("workspace/didChangeWatchedFiles", {"changes": [change]})
         assert severities(bare, uri) == {2}
+
+    def test_a_world_file_has_names(self, bare, tmp_path):
+        (tmp_path / "cell.toml").write_text('[[tcp]]\naddress = "10.1.2.3"\nport = 7\n', encoding="utf-8")
+        bare.initialize(RICH, initializationOptions={"world": str(tmp_path / "cell.toml")})
+        bare.open('def p():\n  socket_open("", 7)\nend\n')
+        items = bare.result("textDocument/completion", at(1, 15))["items"]
+        assert "10.1.2.3" in [item["label"] for item in items]
 
     def test_an_arm_has_a_reach(self, bare):
         far = "def p():\n  movel([2.5, 0, 0.3, 0, 3.14, 0], a=0.5, v=0.1)\nend\n"
@@ -531,7 +538,8 @@ class TestFolders:
         bare.open("def new_program():\n  x = 1\nend\n", f"{folder_uri(home)}/a.script")
         assert self.symbols(bare) == ["b_program", "new_program"]
 
-    def test_files_are_read_again_when_they_change(self, bare, tmp_path):
+    def test_files_are_read_again_when_they_change(self, bare, tmp_path, monkeypatch):
+        monkeypatch.setattr(server, "REGISTERED_AFTER_S", 0.0)
         home = self.make(tmp_path)
         watching = {"workspace": {"didChangeWatchedFiles": {"dynamicRegistration": True}}}
         self.initialized(bare, home, capabilities=watching)

@@ -242,7 +242,10 @@ def _is_unused(document: Document, entity: Entity, places: tuple[Occurrence, ...
     if home is document.symbols.body and program.parsed.kind == SCRIPT:
         # A script may be a part of a program whose other parts are not known.
         return False
-    if any(item.role == "parameter" and item.scope.parent is not None and item.scope.parent.kind == "class" for item in places):
+    if any(
+        item.role == "parameter" and item.scope.parent is not None and item.scope.parent.kind == "class"
+        for item in places
+    ):
         # Others may call the method with it.
         return False
     return all(item.access is not Access.READ and item.role != "augmented" for item in places)

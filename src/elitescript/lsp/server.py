@@ -47,6 +47,9 @@ FEATURES: Final[dict[str, Feature]] = {
 _WATCHED: Final = (f"**/*{SUFFIX}", "**/*.toml")
 """Programs, and world files and files of arms."""
 
+REGISTERED_AFTER_S: Final = 1.0
+"""Time after the start before files are watched, s: the first text and its findings go before."""
+
 _log = logging.getLogger(__name__)
 
 
@@ -208,6 +211,12 @@ class Server(LanguageServer):
         self.say(self._wrong)
         if self.client.has("workspace.configuration"):
             self.begin(self._pull_settings())
+        asyncio.get_running_loop().call_later(REGISTERED_AFTER_S, self._register)
+
+    def _register(self) -> None:
+        """Ask the client to watch files, and to tell when settings change."""
+        if self.connection.is_shut_down:
+            return
         registrations = []
         if self.client.has("workspace.did_change_watched_files.dynamic_registration"):
             watchers = [types.FileSystemWatcher(pattern) for pattern in _WATCHED]

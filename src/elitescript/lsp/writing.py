@@ -94,7 +94,8 @@ async def _code_actions(
             types.CodeAction(
                 action.title,
                 kind=str(action.kind),
-                diagnostics=[shown(Problem(problem, (), (), ""), positions, uri) for problem in action.problems] or None,
+                diagnostics=[shown(Problem(problem, (), (), ""), positions, uri) for problem in action.problems]
+                or None,
                 is_preferred=action.is_preferred or None,
                 edit=_workspace_edit(server, uri, document, action.edits),
             )
