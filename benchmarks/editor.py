@@ -1,4 +1,4 @@
-"""The language server as editors feel it: a real process, a program of 2,000 lines, a client that waits for each answer.
+"""The language server as editors feel it: a real process, 2,000 lines of program, a client that waits for answers.
 
 Each request is measured twice: right behind a change in the middle of the text, when nothing is known of it yet, and
 again. Findings are pushed, as to a client that does not ask for them, and are out of the way before the next request.
@@ -100,7 +100,9 @@ class Editor:
         """Type a character at the end of a line."""
         place = {"line": line, "character": 1000}
         changes = [{"range": {"start": place, "end": place}, "text": " "}]
-        self.tell("textDocument/didChange", {"textDocument": {"uri": uri, "version": version}, "contentChanges": changes})
+        self.tell(
+            "textDocument/didChange", {"textDocument": {"uri": uri, "version": version}, "contentChanges": changes}
+        )
 
     def close(self) -> None:
         """End the server."""

@@ -21,7 +21,7 @@ from elitescript.lsp.processes import is_alive
 from elitescript.lsp.server import Server
 
 SERVER = [sys.executable, "-m", "elitescript", "lsp"]
-PROGRAM = "def cell():\n  height = 0.2\n  movej([0, -1.5, 0, -1.57, 0, 0], vv=1.0)\n  textmsg(height)\nend\n"
+PROGRAM = "def cell():\n  height = 0.2\n  movej([0, -1.5, 0, -1.57, 0, 0], v=1.0)\n  textmesg(height)\nend\n"
 
 
 @pytest_lsp.fixture(config=ClientServerConfig(server_command=SERVER))
@@ -48,11 +48,11 @@ async def test_a_journey_with_an_independent_client(editor: LanguageClient, tmp_
     named = types.TextDocumentIdentifier(uri)
     report = await editor.text_document_diagnostic_async(types.DocumentDiagnosticParams(named))
     [found] = report.items
-    assert (found.code, found.source, found.range.start) == ("E303", "elitescript", types.Position(2, 35))
+    assert (found.code, found.source, found.range.start) == ("E301", "elitescript", types.Position(3, 2))
 
     asked = types.CodeActionParams(named, found.range, types.CodeActionContext([found]))
     actions = await editor.text_document_code_action_async(asked)
-    repair = next(action for action in actions if action.kind == types.CodeActionKind.QuickFix)
+    repair = next(action for action in actions if "textmsg" in action.title)
     [edit] = repair.edit.document_changes[0].edits
     change = types.TextDocumentContentChangePartial(edit.range, edit.new_text)
     editor.text_document_did_change(
