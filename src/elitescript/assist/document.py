@@ -130,12 +130,19 @@ class Document:
 
     @cached_property
     def parsed(self) -> Parsed:
-        """The text as it was read; lines with mistakes are left out of its tree. Not to be compiled, which changes it."""
+        """The text as it was read; lines with mistakes are left out of its tree. Compiling would change it."""
         return parse(self.source, Options(strict=self.settings.strict))
 
     @cached_property
     def _code_lines(self) -> list[str]:
-        return self.parsed.translation.masked.split("\n")
+        # Line ends inside brackets are masked too, so the lines are cut where they are in the text.
+        masked = self.parsed.translation.masked
+        rows = []
+        start = 0
+        for row in self.source.lines:
+            rows.append(masked[start : start + len(row)])
+            start += len(row) + 1
+        return rows
 
     def code_line(self, number: int) -> str:
         """Return a line in which strings are runs of `"` and comments are blank, of the length of the line."""

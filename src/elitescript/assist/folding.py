@@ -20,7 +20,7 @@ class FoldKind(StrEnum):
     COMMENT = "comment"
     IMPORTS = "imports"
     REGION = "region"
-    """What is between two fences: comments such as `# HEADER_BEGIN` and `# HEADER_END`, `# region` and `# endregion`."""
+    """What is between fences: comments such as `# HEADER_BEGIN` and `# HEADER_END`, `# region` and `# endregion`."""
     NODE = "node"
     """What a `$ LINE` mark begins."""
     LINES = "lines"

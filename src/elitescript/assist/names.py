@@ -80,8 +80,8 @@ class Occurrence(NamedTuple):
         span: the name.
         entity: what it stands for.
         access: what is done with it.
-        role: `read`, `attribute`, `keyword` (name of an argument), `global`, `nonlocal`, `string`, `label`, or the kind of
-            a `Binding`.
+        role: `read`, `attribute`, `keyword` (name of an argument), `global`, `nonlocal`, `string`, `label`, or the kind
+            of a `Binding`.
         node: the node that holds it.
         scope: the scope in which it stands.
     """
@@ -112,10 +112,11 @@ class Names:
         self._rows = program.source.lines
         self._same: dict[Entity, Entity] = {}
         self._label = Entity(EntityKind.LABEL, program.parsed.name) if program.parsed.unit is not None else None
-        found = {}
+        found: dict[Span, Occurrence] = {}
         for occurrence in self._find():
-            # A parameter of two definitions of one function is one thing; a place counts once.
-            found.setdefault(occurrence.span, occurrence)
+            # `a += 1` reads and writes at one place; two names at one place are a formatted string of an old Python.
+            if found.setdefault(occurrence.span, occurrence).node is not occurrence.node:
+                self.unlocated.add(occurrence.entity.name)
         ordered = sorted(found.values(), key=_place)
         self.occurrences = tuple(
             item._replace(entity=self._same[item.entity]) if item.entity in self._same else item for item in ordered
@@ -218,6 +219,11 @@ class Names:
                 if name is not None:
                     found.append((called.call, name))
         return tuple(found)
+
+    @cached_property
+    def threads(self) -> frozenset[Entity]:
+        """What is given to `start_thread`."""
+        return frozenset(name.entity for _, name in self.thread_starts)
 
     # ---------------------------------------------------------------- finding them
 

@@ -132,7 +132,7 @@ def _definitions(document: Document) -> Iterator[_Draft]:
         found = _DEFINITION.match(code)
         if found is None:
             continue
-        column = line.start - translation.masked.rfind("\n", 0, line.start)
+        column = line.start - document.parsed.source.text.rfind("\n", 0, line.start)
         kind = SymbolKind.THREAD if line.line in threads else _KINDS[found[1]]
         name_span = Span(line.line, column + found.start(2), line.line, column + found.end(2))
         draft = _Draft(found[2], kind, _parameters(document, line, code), (line.line, column), name_span)

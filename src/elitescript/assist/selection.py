@@ -90,7 +90,9 @@ def _nodes(document: Document, place: tuple[int, int]) -> Iterator[Span]:
             span = Span(*symbols.range_of(node))
             if not span[:2] <= place <= span[2:]:
                 continue
-            if span.line == span.end_line or not isinstance(node, ast.stmt):
+            # Instead of a line that could not be read the tree has something harmless of another length.
+            is_written = span.line not in document.program.unread_lines
+            if is_written and (span.line == span.end_line or not isinstance(node, ast.stmt)):
                 yield span
         for field in CHILDREN.get(type(node), ()):
             child = getattr(node, field)

@@ -187,7 +187,7 @@ def _kind(document: Document, entity: Entity) -> tuple[TokenType, frozenset[Toke
     if _is_unused(document, entity, places):
         modifiers.add(TokenModifier.UNUSED)
     token_type = _type(document.names, places, roles)
-    if token_type is TokenType.FUNCTION and any(name.entity == entity for _, name in document.names.thread_starts):
+    if token_type is TokenType.FUNCTION and entity in document.names.threads:
         modifiers.add(TokenModifier.THREAD)
     if "import" in roles:
         modifiers.add(TokenModifier.LIBRARY)
