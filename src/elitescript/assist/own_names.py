@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from elitescript.assist.document import Document
 from elitescript.assist.units import value_text, with_unit
-from elitescript.assist.value_types import ModuleType, OwnClass, type_of
+from elitescript.assist.value_types import ModuleType, OwnClass, ValueTypes
 from elitescript.commands.definition.registry import Param
 from elitescript.language.scopes import Binding, Resolution, Scope
 from elitescript.language.symbols import THREAD_STARTER
@@ -119,6 +119,7 @@ class NameFacts:
     def __init__(self, document: Document) -> None:
         self.document = document
         self._kinds = Kinds(document.symbols)
+        self._types = ValueTypes(document)
 
     def value(self, own: OwnName) -> Any:
         """Return the value that a name certainly has; an `Unknown` if there is none."""
@@ -138,7 +139,7 @@ class NameFacts:
 
     def type_text(self, own: OwnName) -> str:
         """Return the type that a name certainly has, such as `list`; empty if there is none."""
-        kind = type_of(self.document, _read(own), self._scope(own))
+        kind = self._types.of(_read(own), self._scope(own))
         if isinstance(kind, ModuleType):
             return f"module {kind.name}"
         if isinstance(kind, OwnClass):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import builtins
+from collections.abc import Iterable
 from importlib import import_module
 from typing import Any, Final
 
@@ -116,18 +117,13 @@ def attribute(kind: ValueType, name: str) -> Any:
     return getattr(kind, name, None) if isinstance(kind, type) else None
 
 
-def type_of(document: Document, node: ast.expr, scope: Scope) -> ValueType | None:
-    """Return the type of an expression; None if it is not certain."""
-    return _Types(document).of(node, scope, 0)
-
-
 def type_of_text(document: Document, text: str, scope: Scope) -> ValueType | None:
     """Return the type of an expression that is given as text; None if it is not certain or does not parse."""
     try:
         node = ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return None
-    return type_of(document, node, scope)
+    return ValueTypes(document).of(node, scope)
 
 
 def _own_attributes(scope: Scope) -> set[str]:
@@ -147,14 +143,19 @@ def _own_attributes(scope: Scope) -> set[str]:
     return found
 
 
-class _Types:
-    """Follows values through assignments, without the ones that it is following already."""
+class ValueTypes:
+    """Follows the values of one document through assignments and functions."""
 
     def __init__(self, document: Document) -> None:
         self.symbols = document.symbols
-        self.under_way: set[int] = set()
+        self._bindings: dict[int, ValueType | None] = {}
+        self._functions: dict[int, ValueType | None] = {}
 
-    def of(self, node: ast.expr, scope: Scope, depth: int) -> ValueType | None:
+    def of(self, node: ast.expr, scope: Scope) -> ValueType | None:
+        """Return the type of an expression; None if it is not certain."""
+        return self._of(node, scope, 0)
+
+    def _of(self, node: ast.expr, scope: Scope, depth: int) -> ValueType | None:
         if depth > _DEEPEST:
             return None
         if isinstance(node, ast.Constant):
@@ -166,16 +167,16 @@ class _Types:
         if isinstance(node, ast.Name):
             return self._name(node.id, scope, depth)
         if isinstance(node, ast.Attribute):
-            owner = self.of(node.value, scope, depth + 1)
+            owner = self._of(node.value, scope, depth + 1)
             is_module = isinstance(owner, ModuleType) and f"{owner.name}.{node.attr}" in AVAILABLE
             return ModuleType(f"{owner.name}.{node.attr}") if is_module else None  # type: ignore[union-attr]
         if isinstance(node, ast.Subscript):
-            owner = self.of(node.value, scope, depth + 1)
+            owner = self._of(node.value, scope, depth + 1)
             return owner if isinstance(node.slice, ast.Slice) and owner in (list, str, tuple, bytes) else None
         return self._call(node, scope, depth) if isinstance(node, ast.Call) else None
 
     def _operation(self, node: ast.BinOp, scope: Scope, depth: int) -> ValueType | None:
-        left, right = self.of(node.left, scope, depth + 1), self.of(node.right, scope, depth + 1)
+        left, right = self._of(node.left, scope, depth + 1), self._of(node.right, scope, depth + 1)
         if left is str and isinstance(node.op, ast.Mod):
             return str
         if left is right or (left in (str, list) and isinstance(node.op, ast.Mult)):
@@ -185,7 +186,7 @@ class _Types:
     def _call(self, node: ast.Call, scope: Scope, depth: int) -> ValueType | None:
         function = node.func
         if isinstance(function, ast.Attribute):
-            owner = self.of(function.value, scope, depth + 1)
+            owner = self._of(function.value, scope, depth + 1)
             if isinstance(owner, type):
                 return _RESULTS.get(owner, {}).get(function.attr)
             found = attribute(owner, function.attr) if isinstance(owner, ModuleType) else None
@@ -209,29 +210,28 @@ class _Types:
             return OwnClass(called.scope, True)
         if isinstance(called, type):
             return called
-        kinds = []
-        for function in self.symbols.definitions(name, scope):
-            if id(function) in self.under_way:
-                return None
-            self.under_way.add(id(function))
+        return _common(self._result(function, depth) for function in self.symbols.definitions(name, scope))
+
+    def _result(self, function: Scope, depth: int) -> ValueType | None:
+        """Return the type of what a function returns."""
+        if id(function) not in self._functions:
+            # Asked again before there is an answer, it calls itself.
+            self._functions[id(function)] = None
             returns = [node for statement in function.statements for node in _returns(statement)]
-            kinds += [self.of(node.value, function, depth + 1) if node.value else None for node in returns]
-            self.under_way.discard(id(function))
-        return kinds[0] if kinds and all(kind == kinds[0] for kind in kinds) else None
+            self._functions[id(function)] = _common(
+                self._of(node.value, function, depth + 1) if node.value else None for node in returns
+            )
+        return self._functions[id(function)]
 
     def _name(self, name: str, scope: Scope, depth: int) -> ValueType | None:
-        bindings = self.symbols.bindings(name, scope)
-        kinds = [self._bound(binding, depth) for binding in bindings]
-        return kinds[0] if kinds and all(kind == kinds[0] for kind in kinds) else None
+        return _common(self._bound(binding, depth) for binding in self.symbols.bindings(name, scope))
 
     def _bound(self, binding: Binding, depth: int) -> ValueType | None:
-        if id(binding) in self.under_way:
-            return None
-        self.under_way.add(id(binding))
-        try:
-            return self._source(binding, depth)
-        finally:
-            self.under_way.discard(id(binding))
+        if id(binding) not in self._bindings:
+            # Asked again before there is an answer, it is a circle: `a = b; b = a`.
+            self._bindings[id(binding)] = None
+            self._bindings[id(binding)] = self._source(binding, depth)
+        return self._bindings[id(binding)]
 
     def _source(self, binding: Binding, depth: int) -> ValueType | None:
         symbols, node = self.symbols, binding.node
@@ -250,9 +250,9 @@ class _Types:
             return self._first_parameter(binding)
         statement = symbols.parent(node)
         if isinstance(statement, ast.Assign) and node in statement.targets:
-            return self.of(statement.value, scope, depth + 1)
+            return self._of(statement.value, scope, depth + 1)
         if isinstance(statement, ast.AugAssign):
-            return self.of(statement.value, scope, depth + 1)
+            return self._of(statement.value, scope, depth + 1)
         return None
 
     def _first_parameter(self, binding: Binding) -> ValueType | None:
@@ -262,6 +262,12 @@ class _Types:
         if outer is None or outer.kind != "class" or next(iter(scope.parameters), None) != binding.name:
             return None
         return OwnClass(outer, True)
+
+
+def _common(kinds: Iterable[ValueType | None]) -> ValueType | None:
+    """Return the type that all have; None if they differ or there are none."""
+    first, *others = [*kinds] or [None]
+    return first if all(kind == first for kind in others) else None
 
 
 def _returns(statement: ast.stmt) -> list[ast.Return]:
