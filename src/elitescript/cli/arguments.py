@@ -314,6 +314,14 @@ def add_commands(parser: Parser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON array with all that is known of each")
 
 
+def add_completion(parser: Parser) -> None:
+    parser.description = (
+        "Print a script that lets a shell complete calls of elitescript: commands, options, values, files. For bash: "
+        "source <(elitescript completion bash), also in ~/.bashrc."
+    )
+    parser.add_argument("shell", metavar="SHELL", help="bash, zsh or fish")
+
+
 COMMANDS: Final[dict[str, tuple[str, Callable[[Parser], None]]]] = {
     "run": ("run a program to its end in virtual time", add_run),
     "check": ("report every problem of programs without running them", add_check),
@@ -327,6 +335,7 @@ COMMANDS: Final[dict[str, tuple[str, Callable[[Parser], None]]]] = {
     "lsp": ("what editors show of programs, by the Language Server Protocol", add_lsp),
     "mcp": ("check, run and step through programs for agents", add_mcp),
     "commands": ("the catalogue of robot commands", add_commands),
+    "completion": ("completion of calls for bash, zsh and fish", add_completion),
 }
 """Every command: its summary in the list of commands, and the function that adds its arguments."""
 
