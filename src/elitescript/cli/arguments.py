@@ -21,7 +21,7 @@ FOLDER_OF_FILE: Final = "folder for open() and get_task_path() (default: FILE's 
 
 def add_run(parser: Parser) -> None:
     from elitescript.cli.robot_options import add_options
-    from elitescript.cli.watched import MEMORY_DEFAULT
+    from elitescript.environment.process import MEMORY_DEFAULT
 
     parser.description = (
         "Run a program to its end in virtual time. Exit code: 0 finished or stopped, 1 alarm, 2 usage, 3 the program "

@@ -12,6 +12,7 @@ import sys
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
+from elitescript.environment.process import limit_memory
 from elitescript.errors import ElitescriptError
 from elitescript.mcp import runs
 
@@ -39,19 +40,9 @@ def answer_to(line: str) -> dict[str, Any]:
 def _main() -> None:
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
-    _limit_memory()
+    limit_memory(MEMORY_BYTES)
     for line in sys.stdin:
         print(json.dumps(answer_to(line), ensure_ascii=True, allow_nan=False), file=answers, flush=True)
-
-
-def _limit_memory() -> None:
-    try:
-        import resource
-    except ImportError:
-        return
-    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
-    size = MEMORY_BYTES if hard == resource.RLIM_INFINITY else min(MEMORY_BYTES, hard)
-    resource.setrlimit(resource.RLIMIT_AS, (size, hard))
 
 
 if __name__ == "__main__":
