@@ -9,7 +9,7 @@ from typing import Any
 from elitescript.lsp.frames import Frames
 from elitescript.lsp.server import Server
 
-URI = "file:///work/cell/a.script"
+URI = "file:///cells/one/a.script"
 
 
 class MemoryClient:

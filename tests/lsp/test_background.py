@@ -127,7 +127,7 @@ class TestWhen:
         bare.open(PROGRAM)
         until(bare, lambda: runs.asked)
         assert runs.asked[0]["options"] == {"model": "CS63", "firmware": "2.10", "strict": True}
-        assert runs.asked[0]["folder"] == str(Path("/work/cell"))
+        assert runs.asked[0]["folder"] == str(Path("/cells/one"))
 
 
 class TestProgress:

@@ -177,7 +177,7 @@ class TestOrder:
         async def endless(document, params):
             await asyncio.Event().wait()
 
-        monkeypatch.setitem(client.server.slow, "textDocument/diagnostic", endless)
+        monkeypatch.setitem(client.server.connection.slow, "textDocument/diagnostic", endless)
         client.open("x = 1\n")
         client.send({"id": 1, "method": "textDocument/diagnostic", "params": {"textDocument": {"uri": URI}}})
         client.send(hover_message(2))
@@ -203,7 +203,7 @@ class TestMistakesOfTheServer:
         async def broken(document, params):
             raise ZeroDivisionError("oh")
 
-        monkeypatch.setitem(client.server.slow, "textDocument/diagnostic", broken)
+        monkeypatch.setitem(client.server.connection.slow, "textDocument/diagnostic", broken)
         client.open("x = 1\n")
         assert client.ask("textDocument/diagnostic", {"textDocument": {"uri": URI}})["error"]["code"] == -32603
         assert "textDocument/diagnostic failed" in caplog.text
@@ -212,7 +212,7 @@ class TestMistakesOfTheServer:
         def broken(params):
             raise ZeroDivisionError("oh")
 
-        monkeypatch.setitem(client.server.notices, "textDocument/didSave", broken)
+        monkeypatch.setitem(client.server.connection.notices, "textDocument/didSave", broken)
         client.received.clear()
         client.notify("textDocument/didSave", {"textDocument": {"uri": URI}})
         assert client.received == []

@@ -14,20 +14,17 @@ from contextlib import suppress
 from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from lsprotocol import types
 
 from elitescript.assist.document import Document
 from elitescript.assist.last_run import LastRun
 from elitescript.lsp.connection import RequestFailed
-from elitescript.lsp.run_data import decoded
+from elitescript.lsp.run_data import Outcome, decoded
+from elitescript.lsp.session import Session
 from elitescript.lsp.settings import ClientSettings
 from elitescript.lsp.texts import path_of
-from elitescript.records import NamedTuple
-
-if TYPE_CHECKING:
-    from elitescript.lsp.server import Server
 
 QUIET_S: Final = 1.0
 """Time without a change before a text is run, s."""
@@ -50,30 +47,11 @@ _REFRESHED: Final = {
 """What is asked for again after a run, and the capability for it."""
 
 
-class Outcome(NamedTuple):
-    """What came of a run.
-
-    Attributes:
-        report: how it ended, as JSON.
-        last: what editors show of it; None if the program did not run.
-        page: text of the page that shows it; empty without one.
-    """
-
-    report: dict[str, Any]
-    last: LastRun | None
-    page: str
-
-
 class BackgroundRuns:
-    """Decides when which text is run, and keeps what came of it.
+    """Decides when which text is run; what came of it is in `Session.last_runs`."""
 
-    Attributes:
-        last: the last run of each open text that has run, by URI.
-    """
-
-    def __init__(self, server: Server) -> None:
-        self._server = server
-        self.last: dict[str, LastRun] = {}
+    def __init__(self, session: Session) -> None:
+        self._session = session
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._running: dict[str, asyncio.Task[Any]] = {}
         self._one_at_a_time = asyncio.Semaphore(1)
@@ -86,18 +64,18 @@ class BackgroundRuns:
     def text_changed(self, uri: str) -> None:
         """End the run of an older text, and run the new one when it is quiet."""
         self._stop(uri)
-        if self._server.texts.settings(uri).client.runs_programs:
+        if self._session.texts.settings(uri).client.runs_programs:
             self._timers[uri] = asyncio.get_running_loop().call_later(QUIET_S, self._begin, uri)
 
     def settings_changed(self) -> None:
         """Run the open texts again, or no more."""
-        for uri in self._server.texts.open:
+        for uri in self._session.texts.open:
             self.text_changed(uri)
 
     def forget(self, uri: str) -> None:
         """Forget a text that was closed."""
         self._stop(uri)
-        self.last.pop(uri, None)
+        self._session.last_runs.pop(uri, None)
 
     def cancel(self, token: str | int) -> None:
         """End the run whose progress has a token."""
@@ -120,9 +98,9 @@ class BackgroundRuns:
 
     def _begin(self, uri: str) -> None:
         self._timers.pop(uri, None)
-        document = self._server.texts.open.get(uri)
+        document = self._session.texts.open.get(uri)
         if document is not None:
-            task = self._running[uri] = self._server.begin(self._run_for_hints(uri, document))
+            task = self._running[uri] = self._session.begin(self._run_for_hints(uri, document))
             task.add_done_callback(lambda done: self._done(uri, done))
 
     def _done(self, uri: str, task: asyncio.Task[Any]) -> None:
@@ -137,22 +115,22 @@ class BackgroundRuns:
                 # There are no hints then, and nobody has asked for the run.
                 _log.info("%s: %s", document.name, error)
                 return
-        if outcome.last is not None and uri in self._server.texts.open:
+        if outcome.last is not None and uri in self._session.texts.open:
             self._keep(uri, outcome.last)
 
     def _keep(self, uri: str, last: LastRun) -> None:
-        self.last[uri] = last
+        self._session.last_runs[uri] = last
         for method, capability in _REFRESHED.items():
-            if self._server.client.has(capability):
-                self._server.refresh(method)
+            if self._session.client.has(capability):
+                self._session.refresh(method)
 
     # ---------------------------------------------------------------- on request
 
     async def run_now(self, uri: str, *, with_page: bool = False) -> Outcome:
         """Run an open text; return what came of it."""
-        document = self._server.texts.open[uri]
+        document = self._session.texts.open[uri]
         outcome = await self._shown(uri, document, WALL_ON_REQUEST_S, with_page=with_page)
-        if outcome.last is not None and self._server.texts.open.get(uri) is document:
+        if outcome.last is not None and self._session.texts.open.get(uri) is document:
             self._keep(uri, outcome.last)
         return outcome
 
@@ -169,12 +147,12 @@ class BackgroundRuns:
 
     async def _shown(self, uri: str, document: Document, wall_s: float, *, with_page: bool = False) -> Outcome:
         """Run a text, and show that it runs if that takes a while."""
-        settings = self._server.texts.settings(uri).client
+        settings = self._session.texts.settings(uri).client
         request = request_for(uri, document, settings, with_page=with_page)
-        run: asyncio.Task[Outcome] = self._server.begin(run_in_process(request, wall_s))
+        run: asyncio.Task[Outcome] = self._session.begin(run_in_process(request, wall_s))
         token = f"elitescript/{next(self._numbers)}"
         title = f"Run {Path(document.name).name}"
-        progress = self._server.begin(self._progress(token, title, run))
+        progress = self._session.begin(self._progress(token, title, run))
         try:
             return await run
         except asyncio.CancelledError:
@@ -186,19 +164,19 @@ class BackgroundRuns:
             progress.cancel()
             if self._tokens.pop(token, None) is not None:
                 end = types.WorkDoneProgressEnd()
-                self._server.protocol.notify(types.PROGRESS, types.ProgressParams(token, end))
+                self._session.protocol.notify(types.PROGRESS, types.ProgressParams(token, end))
 
     async def _progress(self, token: str, title: str, run: asyncio.Task[Any]) -> None:
-        if not self._server.client.has("window.work_done_progress"):
+        if not self._session.client.has("window.work_done_progress"):
             return
         await asyncio.sleep(SHOWN_AFTER_S)
-        created = self._server.protocol.send_request_async(
+        created = self._session.protocol.send_request_async(
             types.WINDOW_WORK_DONE_PROGRESS_CREATE, types.WorkDoneProgressCreateParams(token)
         )
         await created
         self._tokens[token] = run
         begin = types.WorkDoneProgressBegin(title, cancellable=True)
-        self._server.protocol.notify(types.PROGRESS, types.ProgressParams(token, begin))
+        self._session.protocol.notify(types.PROGRESS, types.ProgressParams(token, begin))
 
 
 def _is_cancelled_itself() -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Coroutine
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from lsprotocol import types
 from pygls.exceptions import JsonRpcInvalidParams
@@ -11,34 +11,32 @@ from pygls.uris import from_fs_path
 
 from elitescript.lsp.connection import RequestFailed
 from elitescript.lsp.feature import Feature
+from elitescript.lsp.session import Session
 from elitescript.lsp.texts import path_of
-
-if TYPE_CHECKING:
-    from elitescript.lsp.server import Server
 
 RUN: Final = "elitescript.server.run"
 PLOT: Final = "elitescript.server.plot"
 
 
-async def _run(server: Server, uri: str) -> dict[str, Any]:
+async def _run(session: Session, uri: str) -> dict[str, Any]:
     """Run an open text; return how that ended."""
-    outcome = await server.runs.run_now(uri)
+    outcome = await session.runs.run_now(uri)
     return outcome.report
 
 
-async def _plot(server: Server, uri: str) -> dict[str, Any]:
+async def _plot(session: Session, uri: str) -> dict[str, Any]:
     """Run an open text; return how that ended, and as `page` the URI of the page that shows it."""
-    outcome = await server.runs.run_now(uri, with_page=True)
+    outcome = await session.runs.run_now(uri, with_page=True)
     if not outcome.page:
         return outcome.report
-    path = await server.in_thread(server.runs.write_page, path_of(uri), outcome.page)
+    path = await session.in_thread(session.runs.write_page, path_of(uri), outcome.page)
     return outcome.report | {"page": from_fs_path(str(path))}
 
 
-COMMANDS: Final[dict[str, Callable[[Server, str], Coroutine[Any, Any, dict[str, Any]]]]] = {RUN: _run, PLOT: _plot}
+COMMANDS: Final[dict[str, Callable[[Session, str], Coroutine[Any, Any, dict[str, Any]]]]] = {RUN: _run, PLOT: _plot}
 
 
-async def _execute(server: Server, document: None, params: types.ExecuteCommandParams) -> dict[str, Any]:
+async def _execute(session: Session, document: None, params: types.ExecuteCommandParams) -> dict[str, Any]:
     command = COMMANDS.get(params.command)
     if command is None:
         raise JsonRpcInvalidParams(f"{params.command!r} is no command; there are {', '.join(COMMANDS)}")
@@ -46,9 +44,9 @@ async def _execute(server: Server, document: None, params: types.ExecuteCommandP
     if len(arguments) != 1 or not isinstance(arguments[0], str):
         raise JsonRpcInvalidParams(f"{params.command} takes one argument: the URI of an open text")
     uri = arguments[0]
-    if uri not in server.texts.open:
+    if uri not in session.texts.open:
         raise RequestFailed(f"{uri} is not open")
-    return await command(server, uri)
+    return await command(session, uri)
 
 
 FEATURES: Final = {types.WORKSPACE_EXECUTE_COMMAND: Feature(_execute, is_slow=True)}

@@ -17,8 +17,8 @@ import asyncio
 import json
 import logging
 from collections import deque
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Awaitable, Callable
+from typing import Any, Final
 
 from lsprotocol import types
 from pygls.exceptions import (
@@ -35,9 +35,6 @@ from pygls.exceptions import (
 from pygls.protocol import LanguageServerProtocol
 
 from elitescript.records import record
-
-if TYPE_CHECKING:
-    from elitescript.lsp.server import Server
 
 Id = int | str | None
 Handler = Callable[..., Any]
@@ -74,21 +71,33 @@ class Request:
 
 
 class Connection(LanguageServerProtocol):
-    """Answers the messages of one client; all of it in the thread of the event loop."""
+    """Answers the messages of one client; all of it in the thread of the event loop.
 
-    def __init__(self, server: Server, converter: Any) -> None:
+    Attributes:
+        lifecycle: requests that are answered at once, by method.
+        notices: what is done on a notification, by method.
+        slow: coroutines of slow requests, by method; the other requests are the features of pygls.
+        text_of: returns the open text of a URI; None if there is none.
+        ended: called with the exit code when the client has said `exit`.
+        is_initialized: whether `initialize` was answered.
+        is_shut_down: whether `shutdown` was answered.
+    """
+
+    def __init__(self, server: Any, converter: Any) -> None:
         super().__init__(server, converter)
-        self.server = server
+        self.lifecycle: dict[str, Callable[[Any], Any]] = {}
+        self.notices: dict[str, Callable[[Any], None]] = {}
+        self.slow: dict[str, Callable[[Any, Any], Awaitable[Any]]] = {}
+        self.text_of: Callable[[str], object | None] = lambda uri: None
         self._waiting: deque[Request] = deque()
         self._active: dict[Id, Request] = {}
         """Requests that are not answered yet, by id."""
-        self._tasks: dict[Id, asyncio.Task[Any]] = {}
+        self._tasks: dict[Id, asyncio.Future[Any]] = {}
         """Those of them that a thread works at."""
         self._is_woken = False
         self.is_initialized = False
         self.is_shut_down = False
         self.ended: Callable[[int], None] = lambda code: None
-        """Called with the exit code when the client has said `exit`."""
 
     def _register_builtin_features(self) -> None:
         """Leave out the text buffers of pygls: the texts of this server are `Document`s."""
@@ -151,7 +160,7 @@ class Connection(LanguageServerProtocol):
             raise JsonRpcInvalidRequest("`initialize` came before")
         if number in self._active:
             raise JsonRpcInvalidRequest(f"the request {number!r} is not answered yet")
-        handler = self.server.lifecycle.get(method)
+        handler = self.lifecycle.get(method)
         if handler is not None:
             self._answer(number, handler(self._params(method, data)))
             return
@@ -159,11 +168,11 @@ class Connection(LanguageServerProtocol):
             raise JsonRpcMethodNotFound.of(method)
         params = self._params(method, data)
         uri = _uri_of(params)
-        request = Request(number, method, params, uri, self.server.texts.open.get(uri))
+        request = Request(number, method, params, uri, self.text_of(uri))
         self._active[number] = request
-        slow = self.server.slow.get(method)
+        slow = self.slow.get(method)
         if slow is not None:
-            task = asyncio.ensure_future(slow(request.document, params))
+            task: asyncio.Future[Any] = asyncio.ensure_future(slow(request.document, params))
             task.add_done_callback(lambda done: self._answer_slow(request, done))
             self._tasks[number] = task
             return
@@ -177,7 +186,7 @@ class Connection(LanguageServerProtocol):
         if not self.is_initialized or self.is_shut_down:
             _log.warning("%s is left out: the server is not initialized, or was shut down", method)
             return
-        handler = self.server.notices.get(method)
+        handler = self.notices.get(method)
         if handler is None:
             if not method.startswith(_OPTIONAL):
                 _log.warning("%s is not known", method)
@@ -236,7 +245,7 @@ class Connection(LanguageServerProtocol):
             _log.exception("%s failed", request.method)
             return None, JsonRpcInternalError(f"{request.method}: {type(error).__name__}: {error}")
 
-    def _answer_slow(self, request: Request, done: asyncio.Task[Any]) -> None:
+    def _answer_slow(self, request: Request, done: asyncio.Future[Any]) -> None:
         self._tasks.pop(request.id, None)
         if done.cancelled():
             return
@@ -262,7 +271,7 @@ class Connection(LanguageServerProtocol):
             self._answer(request.id, result)
 
     def _is_overtaken(self, request: Request) -> bool:
-        return request.document is not None and self.server.texts.open.get(request.uri) is not request.document
+        return request.document is not None and self.text_of(request.uri) is not request.document
 
     def cancel(self, number: Id) -> None:
         """Answer a request with the error of a cancelled one; nothing happens if it was answered."""

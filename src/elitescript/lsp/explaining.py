@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from lsprotocol import types
 
@@ -13,9 +13,7 @@ from elitescript.assist.hover import hover
 from elitescript.lint.program import Span
 from elitescript.lsp.feature import Feature, markup
 from elitescript.lsp.positions import UTF16, units
-
-if TYPE_CHECKING:
-    from elitescript.lsp.server import Server
+from elitescript.lsp.session import Session
 
 _KINDS: Final = {
     ItemKind.COMMAND: types.CompletionItemKind.Function,
@@ -37,17 +35,17 @@ _KINDS: Final = {
 _NOWHERE: Final = Span(1, 1, 1, 1)
 
 
-def _hover(server: Server, document: Document, params: types.HoverParams) -> types.Hover | None:
-    positions = server.positions(document)
-    found = hover(document, *positions.place(params.position), server.last_run(params.text_document.uri))
+def _hover(session: Session, document: Document, params: types.HoverParams) -> types.Hover | None:
+    positions = session.positions(document)
+    found = hover(document, *positions.place(params.position), session.last_run(params.text_document.uri))
     return None if found is None else types.Hover(markup(found.markdown), positions.range(found.span))
 
 
-def _completion(server: Server, document: Document, params: types.CompletionParams) -> types.CompletionList:
-    positions = server.positions(document)
+def _completion(session: Session, document: Document, params: types.CompletionParams) -> types.CompletionList:
+    positions = session.positions(document)
     offers = completion.completions(document, *positions.place(params.position))
     ranges = {offer.span: positions.range(offer.span) for offer in offers}
-    has_snippets = server.client.has("text_document.completion.completion_item.snippet_support")
+    has_snippets = session.client.has("text_document.completion.completion_item.snippet_support")
     return types.CompletionList(False, [_item(offer, ranges[offer.span], has_snippets) for offer in offers])
 
 
@@ -67,7 +65,7 @@ def _item(offer: Completion, place: types.Range, has_snippets: bool) -> types.Co
     )
 
 
-def _resolve(server: Server, document: None, item: types.CompletionItem) -> types.CompletionItem:
+def _resolve(session: Session, document: None, item: types.CompletionItem) -> types.CompletionItem:
     data: Any = item.data
     if isinstance(data, dict) and isinstance(data.get("source"), str) and data.get("kind") in set(ItemKind):
         # The item carries all that is needed, so no text has to be the one that it was offered for.
@@ -79,9 +77,9 @@ def _resolve(server: Server, document: None, item: types.CompletionItem) -> type
 
 
 def _signature_help(
-    server: Server, document: Document, params: types.SignatureHelpParams
+    session: Session, document: Document, params: types.SignatureHelpParams
 ) -> types.SignatureHelp | None:
-    found = signatures.signature_help(document, *server.positions(document).place(params.position))
+    found = signatures.signature_help(document, *session.positions(document).place(params.position))
     if found is None:
         return None
     parameters = [

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from hashlib import blake2b
 from time import perf_counter
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from lsprotocol import types
 
@@ -15,9 +15,7 @@ from elitescript.language.diagnostics import Severity
 from elitescript.lint.program import Span
 from elitescript.lsp.feature import TAGS, Feature
 from elitescript.lsp.positions import Positions
-
-if TYPE_CHECKING:
-    from elitescript.lsp.server import Server
+from elitescript.lsp.session import Session
 
 SOURCE: Final = "elitescript"
 """Name of the tool beside each finding."""
@@ -26,6 +24,11 @@ PAUSE_S: Final = 0.05
 """Least time without a change before the findings of a changed text are looked for, s."""
 PAUSE_MAX_S: Final = 1.0
 """Most of it: it grows with the time that the last check took."""
+
+_RELATED: Final = (
+    "text_document.publish_diagnostics.related_information",
+    "text_document.diagnostic.related_information",
+)
 
 _SEVERITIES: Final = {
     Severity.ERROR: types.DiagnosticSeverity.Error,
@@ -63,17 +66,17 @@ def shown(problem: Problem, positions: Positions, uri: str, *, has_related: bool
 class Findings:
     """Pushes findings, after a pause in the typing; see the module."""
 
-    __slots__ = ("_last_s", "_server", "_timers")
+    __slots__ = ("_last_s", "_session", "_timers")
 
-    def __init__(self, server: Server) -> None:
-        self._server = server
+    def __init__(self, session: Session) -> None:
+        self._session = session
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._last_s = 0.0
         """Time that the last check took."""
 
     def text_changed(self, uri: str, *, is_new: bool) -> None:
         """Push the findings of a text soon, if this client does not ask for them."""
-        if self._server.client.has("text_document.diagnostic"):
+        if self._session.client.has("text_document.diagnostic"):
             return
         self.forget(uri)
         pause_s = 0.0 if is_new else min(max(PAUSE_S, 2.0 * self._last_s), PAUSE_MAX_S)
@@ -83,8 +86,8 @@ class Findings:
     def closed(self, uri: str) -> None:
         """Take back the findings of a text that was closed."""
         self.forget(uri)
-        if not self._server.client.has("text_document.diagnostic"):
-            self._server.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
+        if not self._session.client.has("text_document.diagnostic"):
+            self._session.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, []))
 
     def forget(self, uri: str) -> None:
         """Leave out what is due for a text."""
@@ -93,31 +96,33 @@ class Findings:
 
     def renew(self) -> None:
         """Look for the findings of all open texts again, since settings have changed."""
-        if self._server.client.has("workspace.diagnostics.refresh_support"):
-            self._server.refresh(types.WORKSPACE_DIAGNOSTIC_REFRESH)
-        for uri in self._server.texts.open:
+        if self._session.client.has("workspace.diagnostics.refresh_support"):
+            self._session.refresh(types.WORKSPACE_DIAGNOSTIC_REFRESH)
+        for uri in self._session.texts.open:
             self.text_changed(uri, is_new=True)
 
     def _begin(self, uri: str) -> None:
         self._timers.pop(uri, None)
-        document = self._server.texts.open.get(uri)
+        document = self._session.texts.open.get(uri)
         if document is not None:
-            self._server.begin(self._push(uri, document))
+            self._session.begin(self._push(uri, document))
 
     async def _push(self, uri: str, document: Document) -> None:
         started_s = perf_counter()
-        if self._server.texts.open.get(uri) is not document:
+        if self._session.texts.open.get(uri) is not document:
             return
-        found = await self._server.in_thread(lambda: self._server.findings_of(uri, document))
+        found = await self._session.in_thread(lambda: findings_of(self._session, uri, document))
         self._last_s = perf_counter() - started_s
-        if self._server.texts.open.get(uri) is document:
-            self._server.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri, found, document.version))
+        if self._session.texts.open.get(uri) is document:
+            self._session.text_document_publish_diagnostics(
+                types.PublishDiagnosticsParams(uri, found, document.version)
+            )
 
 
-def findings_of(
-    uri: str, document: Document, positions: Positions, *, has_related: bool = True
-) -> list[types.Diagnostic]:
-    """Return the findings of a text."""
+def findings_of(session: Session, uri: str, document: Document) -> list[types.Diagnostic]:
+    """Return the findings of a text; slow."""
+    has_related = any(map(session.client.has, _RELATED))
+    positions = session.positions(document)
     return [shown(problem, positions, uri, has_related=has_related) for problem in diagnostics(document)]
 
 
@@ -128,38 +133,38 @@ def result_id(document: Document, generation: int) -> str:
 
 
 async def _document_diagnostic(
-    server: Server, document: Document, params: types.DocumentDiagnosticParams
+    session: Session, document: Document, params: types.DocumentDiagnosticParams
 ) -> types.DocumentDiagnosticReport:
-    number = result_id(document, server.texts.generation)
+    number = result_id(document, session.texts.generation)
     if number == params.previous_result_id:
         return types.RelatedUnchangedDocumentDiagnosticReport(number)
-    found = await server.in_thread(lambda: server.findings_of(params.text_document.uri, document))
+    found = await session.in_thread(lambda: findings_of(session, params.text_document.uri, document))
     return types.RelatedFullDocumentDiagnosticReport(found, result_id=number)
 
 
 async def _workspace_diagnostic(
-    server: Server, document: None, params: types.WorkspaceDiagnosticParams
+    session: Session, document: None, params: types.WorkspaceDiagnosticParams
 ) -> types.WorkspaceDiagnosticReport:
     known = {previous.uri: previous.value for previous in params.previous_result_ids}
-    generation = server.texts.generation
-    opened = dict(server.texts.open)
+    generation = session.texts.generation
+    opened = dict(session.texts.open)
 
     def look() -> list[tuple[str, Document]]:
-        return list(server.all_texts(opened))
+        return list(session.all_texts(opened))
 
     def report(uri: str, text: Document) -> types.WorkspaceDocumentDiagnosticReport:
         number = result_id(text, generation)
         version = text.version if uri in opened else None
         if known.get(uri) == number:
             return types.WorkspaceUnchangedDocumentDiagnosticReport(uri, number, version)
-        found = server.findings_of(uri, text)
+        found = findings_of(session, uri, text)
         return types.WorkspaceFullDocumentDiagnosticReport(uri, found, version, result_id=number)
 
     reports: list[types.WorkspaceDocumentDiagnosticReport] = []
-    texts = await server.in_thread(look)
+    texts = await session.in_thread(look)
     for uri, text in texts:
         # One by one, so that findings of open texts go in between.
-        reports.append(await server.in_thread(report, uri, text))
+        reports.append(await session.in_thread(report, uri, text))
     gone = known.keys() - {uri for uri, _ in texts}
     reports += [types.WorkspaceFullDocumentDiagnosticReport(uri, []) for uri in sorted(gone)]
     return types.WorkspaceDiagnosticReport(reports)

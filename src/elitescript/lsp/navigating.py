@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from lsprotocol import types
 from pygls.uris import from_fs_path
@@ -19,10 +19,8 @@ from elitescript.assist.outline import Symbol, SymbolKind
 from elitescript.lint.program import Span
 from elitescript.lsp.feature import Feature
 from elitescript.lsp.positions import Positions
+from elitescript.lsp.session import Session
 from elitescript.lsp.texts import path_of
-
-if TYPE_CHECKING:
-    from elitescript.lsp.server import Server
 
 _SYMBOLS: Final = {
     SymbolKind.PROGRAM: types.SymbolKind.Module,
@@ -46,23 +44,23 @@ _FOLDS: Final = {
 
 
 def _definition(
-    server: Server, document: Document, params: types.DefinitionParams | types.DeclarationParams
+    session: Session, document: Document, params: types.DefinitionParams | types.DeclarationParams
 ) -> list[types.Location]:
-    positions = server.positions(document)
+    positions = session.positions(document)
     found = references.definition(document, *positions.place(params.position))
     return [types.Location(params.text_document.uri, positions.range(span)) for span in found]
 
 
-def _references(server: Server, document: Document, params: types.ReferenceParams) -> list[types.Location]:
-    positions = server.positions(document)
+def _references(session: Session, document: Document, params: types.ReferenceParams) -> list[types.Location]:
+    positions = session.positions(document)
     found = references.references(document, *positions.place(params.position), params.context.include_declaration)
     return [types.Location(params.text_document.uri, positions.range(reference.span)) for reference in found]
 
 
 def _highlights(
-    server: Server, document: Document, params: types.DocumentHighlightParams
+    session: Session, document: Document, params: types.DocumentHighlightParams
 ) -> list[types.DocumentHighlight]:
-    positions = server.positions(document)
+    positions = session.positions(document)
     found = references.highlights(document, *positions.place(params.position))
     return [types.DocumentHighlight(positions.range(one.span), _ACCESS[one.access]) for one in found]
 
@@ -71,11 +69,11 @@ def _highlights(
 
 
 def _document_symbols(
-    server: Server, document: Document, params: types.DocumentSymbolParams
+    session: Session, document: Document, params: types.DocumentSymbolParams
 ) -> Sequence[types.DocumentSymbol] | Sequence[types.SymbolInformation]:
-    positions = server.positions(document)
+    positions = session.positions(document)
     symbols = outline.document_symbols(document)
-    if server.client.has("text_document.document_symbol.hierarchical_document_symbol_support"):
+    if session.client.has("text_document.document_symbol.hierarchical_document_symbol_support"):
         return [_tree(symbol, positions) for symbol in symbols]
     flat: list[types.SymbolInformation] = []
     _flatten(symbols, "", params.text_document.uri, positions, flat)
@@ -110,24 +108,24 @@ def _information(symbol: Symbol, container: str, uri: str, positions: Positions)
 
 
 async def _workspace_symbols(
-    server: Server, document: None, params: types.WorkspaceSymbolParams
+    session: Session, document: None, params: types.WorkspaceSymbolParams
 ) -> list[types.SymbolInformation]:
     def search() -> list[types.SymbolInformation]:
-        texts = {text.name: (uri, text) for uri, text in server.all_texts(opened)}
+        texts = {text.name: (uri, text) for uri, text in session.all_texts(opened)}
         found = []
         for symbol in outline.workspace_symbols([text for _, text in texts.values()], params.query):
             uri, text = texts[symbol.document]
-            found.append(_information(symbol.symbol, symbol.container, uri, server.positions(text)))
+            found.append(_information(symbol.symbol, symbol.container, uri, session.positions(text)))
         return found
 
-    opened = dict(server.texts.open)
-    return await server.in_thread(search)
+    opened = dict(session.texts.open)
+    return await session.in_thread(search)
 
 
 # ---------------------------------------------------------------- structure
 
 
-def _folding_ranges(server: Server, document: Document, params: types.FoldingRangeParams) -> list[types.FoldingRange]:
+def _folding_ranges(session: Session, document: Document, params: types.FoldingRangeParams) -> list[types.FoldingRange]:
     return [
         types.FoldingRange(fold.line - 1, fold.end_line - 1, kind=_FOLDS.get(fold.kind))
         for fold in folding.folding_ranges(document)
@@ -135,9 +133,9 @@ def _folding_ranges(server: Server, document: Document, params: types.FoldingRan
 
 
 def _selection_ranges(
-    server: Server, document: Document, params: types.SelectionRangeParams
+    session: Session, document: Document, params: types.SelectionRangeParams
 ) -> list[types.SelectionRange]:
-    positions = server.positions(document)
+    positions = session.positions(document)
     places = [positions.place(position) for position in params.positions]
     return [_nested(spans, positions) for spans in selection.selection_ranges(document, places)]
 
@@ -149,17 +147,17 @@ def _nested(spans: Sequence[Span], positions: Positions) -> types.SelectionRange
     return outer or types.SelectionRange(positions.range(Span(1, 1, 1, 1)))
 
 
-def _links(server: Server, document: Document, params: types.DocumentLinkParams) -> list[types.DocumentLink]:
-    positions = server.positions(document)
+def _links(session: Session, document: Document, params: types.DocumentLinkParams) -> list[types.DocumentLink]:
+    positions = session.positions(document)
     path = path_of(params.text_document.uri)
     if path is None:
         return []
-    folder = server.texts.folder_of(params.text_document.uri)
+    folder = session.texts.folder_of(params.text_document.uri)
     found = []
     for link in links.document_links(document):
         homes = [path.parent]
         if link.kind is FileKind.NAMED and folder is not None:
-            homes.append(server.texts.folders[folder])
+            homes.append(session.texts.folders[folder])
         target = next((home / link.path for home in homes if _is_file(home / link.path)), None)
         if target is not None:
             found.append(types.DocumentLink(positions.range(link.span), from_fs_path(str(target.resolve()))))
@@ -178,17 +176,17 @@ def _is_file(path: Path) -> bool:
 
 
 def _prepare_calls(
-    server: Server, document: Document, params: types.CallHierarchyPrepareParams
+    session: Session, document: Document, params: types.CallHierarchyPrepareParams
 ) -> list[types.CallHierarchyItem]:
-    positions = server.positions(document)
+    positions = session.positions(document)
     found = calls.prepare(document, *positions.place(params.position))
     return [_call_item(item, params.text_document.uri, positions) for item in found]
 
 
 def _incoming(
-    server: Server, document: Document, params: types.CallHierarchyIncomingCallsParams
+    session: Session, document: Document, params: types.CallHierarchyIncomingCallsParams
 ) -> list[types.CallHierarchyIncomingCall]:
-    positions = server.positions(document)
+    positions = session.positions(document)
     return [
         types.CallHierarchyIncomingCall(
             _call_item(call.item, params.item.uri, positions), [positions.range(span) for span in call.spans]
@@ -198,9 +196,9 @@ def _incoming(
 
 
 def _outgoing(
-    server: Server, document: Document, params: types.CallHierarchyOutgoingCallsParams
+    session: Session, document: Document, params: types.CallHierarchyOutgoingCallsParams
 ) -> list[types.CallHierarchyOutgoingCall]:
-    positions = server.positions(document)
+    positions = session.positions(document)
     return [
         types.CallHierarchyOutgoingCall(
             _call_item(call.item, params.item.uri, positions), [positions.range(span) for span in call.spans]

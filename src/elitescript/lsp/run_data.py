@@ -1,4 +1,4 @@
-"""The record of a run as JSON, between the process that ran it and the server."""
+"""What comes of a run, and its record as JSON, between the process that ran it and the server."""
 
 from __future__ import annotations
 
@@ -6,6 +6,21 @@ from collections.abc import Mapping
 from typing import Any
 
 from elitescript.assist.last_run import LastRun, LineTime, RunAlarm, ShortenedBlend
+from elitescript.records import NamedTuple
+
+
+class Outcome(NamedTuple):
+    """What came of a run.
+
+    Attributes:
+        report: how it ended, as JSON.
+        last: what editors show of it; None if the program did not run.
+        page: text of the page that shows it; empty without one.
+    """
+
+    report: dict[str, Any]
+    last: LastRun | None
+    page: str
 
 
 def encoded(last: LastRun) -> dict[str, Any]:

@@ -3,36 +3,24 @@
 from __future__ import annotations
 
 import asyncio
-import logging
-from collections.abc import Callable, Coroutine, Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from typing import Any, Final, TypeVar
+from typing import Any, Final
 
 from lsprotocol import types
 from pygls.capabilities import ServerCapabilitiesBuilder
-from pygls.exceptions import JsonRpcException, JsonRpcInvalidParams
-from pygls.lsp.server import LanguageServer
-from pygls.protocol import default_converter
+from pygls.exceptions import JsonRpcInvalidParams
 from pygls.uris import from_fs_path
 
 from elitescript import __version__
 from elitescript.assist.document import Document
-from elitescript.assist.last_run import LastRun
 from elitescript.environment.program_file import SUFFIX
 from elitescript.lsp import commands, explaining, findings, marking, navigating, writing
 from elitescript.lsp.background import BackgroundRuns
 from elitescript.lsp.client import Client
-from elitescript.lsp.connection import Connection
 from elitescript.lsp.feature import Feature
-from elitescript.lsp.files import WorkspaceFiles
 from elitescript.lsp.findings import Findings
-from elitescript.lsp.marking import TokenResults
-from elitescript.lsp.positions import Positions
+from elitescript.lsp.session import Session
 from elitescript.lsp.settings import SECTION
-from elitescript.lsp.texts import Texts, path_of
-
-_Result = TypeVar("_Result")
 
 FEATURES: Final[dict[str, Feature]] = {
     **explaining.FEATURES,
@@ -50,34 +38,22 @@ _WATCHED: Final = (f"**/*{SUFFIX}", "**/*.toml")
 REGISTERED_AFTER_S: Final = 1.0
 """Time after the start before files are watched, s: the first text and its findings go before."""
 
-_log = logging.getLogger(__name__)
 
+class Server(Session):
+    """Answers one client from `initialize` to `exit`."""
 
-class Server(LanguageServer):
-    """Holds what the requests of one client have in common.
-
-    All of it is used in the thread of the event loop. What is called in the thread of slow requests gets all that it
-    needs handed over, and reads nothing here that changes.
-
-    Attributes:
-        client: what the client can do.
-        texts: the open texts, folders and settings.
-        tokens: what was sent of semantic tokens.
-        runs: programs that run in the background.
-        lifecycle: requests that are answered at once, by method.
-        notices: what is done on a notification, by method.
-        slow: coroutines of slow requests, by method.
-    """
+    runs: BackgroundRuns
 
     def __init__(self) -> None:
-        self.client = Client()
-        self.texts = Texts()
-        self.tokens = TokenResults()
-        self.lifecycle: dict[str, Callable[[Any], Any]] = {
-            types.INITIALIZE: self._initialize,
-            types.SHUTDOWN: self._shut_down,
-        }
-        self.notices: dict[str, Callable[[Any], None]] = {
+        super().__init__()
+        self.runs = BackgroundRuns(self)
+        self._findings = Findings(self)
+        self._wrong: list[str] = []
+        """What is wrong with the settings of `initialize`."""
+        connection = self.connection
+        connection.text_of = self.texts.open.get
+        connection.lifecycle = {types.INITIALIZE: self._initialize, types.SHUTDOWN: self._shut_down}
+        connection.notices = {
             types.INITIALIZED: self._initialized,
             types.SET_TRACE: self._set_trace,
             types.CANCEL_REQUEST: self._cancelled,
@@ -90,95 +66,16 @@ class Server(LanguageServer):
             types.WORKSPACE_DID_CHANGE_WATCHED_FILES: self._files_changed,
             types.WINDOW_WORK_DONE_PROGRESS_CANCEL: self._progress_cancelled,
         }
-        self.slow: dict[str, Callable[..., Coroutine[Any, Any, Any]]] = {}
-        super().__init__(SECTION, __version__, protocol_cls=Connection, converter_factory=default_converter)
         for method, feature in FEATURES.items():
             answer = partial(_answer, self, feature)
             if feature.is_slow:
-                self.slow[method] = answer
-            self.protocol.fm.feature(method, feature.options)(answer)
-        self._findings = Findings(self)
-        self.runs = BackgroundRuns(self)
-        self._files = WorkspaceFiles()
-        self._thread = ThreadPoolExecutor(1, "findings")
-        self._tasks: set[asyncio.Task[Any]] = set()
-
-    @property
-    def connection(self) -> Connection:
-        """The connection to the client."""
-        assert isinstance(self.protocol, Connection)
-        return self.protocol
-
-    # ---------------------------------------------------------------- for the features
-
-    def positions(self, document: Document) -> Positions:
-        """Return what converts places of a text."""
-        return Positions(document, self.client.encoding)
-
-    def last_run(self, uri: str) -> LastRun | None:
-        """Return what is known of the last run of a text; None if it did not run."""
-        return self.runs.last.get(uri)
-
-    def findings_of(self, uri: str, document: Document) -> list[types.Diagnostic]:
-        """Return the findings of a text; slow."""
-        has_related = self.client.has("text_document.publish_diagnostics.related_information") or self.client.has(
-            "text_document.diagnostic.related_information"
-        )
-        return findings.findings_of(uri, document, self.positions(document), has_related=has_related)
-
-    def all_texts(self, opened: Mapping[str, Document]) -> Iterator[tuple[str, Document]]:
-        """Yield the open texts, and the programs of the workspace that are not open; slow.
-
-        Args:
-            opened: the open texts when the request came.
-        """
-        yield from opened.items()
-        paths = {path_of(uri) for uri in opened}
-        folders = {path: self.texts.settings(uri).texts for uri, path in list(self.texts.folders.items())}
-        for uri, document in self._files.documents(folders):
-            if path_of(uri) not in paths:
-                yield uri, document
-
-    async def in_thread(self, function: Callable[..., _Result], *arguments: Any) -> _Result:
-        """Call a function in the thread of slow requests, after those that wait there already."""
-        return await asyncio.get_running_loop().run_in_executor(self._thread, function, *arguments)
-
-    def begin(self, work: Coroutine[Any, Any, _Result]) -> asyncio.Task[_Result]:
-        """Begin some work of the server itself; an error of it is logged."""
-        task = asyncio.get_running_loop().create_task(work)
-        self._tasks.add(task)
-        task.add_done_callback(self._ended)
-        return task
-
-    def _ended(self, task: asyncio.Task[Any]) -> None:
-        self._tasks.discard(task)
-        if not task.cancelled() and (error := task.exception()) is not None:
-            _log.error("work in the background failed", exc_info=error)
-
-    def refresh(self, method: str) -> None:
-        """Ask the client to ask again, as `workspace/inlayHint/refresh` does."""
-        self.begin(self._request(method, None))
-
-    async def _request(self, method: str, params: Any) -> Any:
-        """Return the client's answer to a request; None if it is an error."""
-        try:
-            return await self.protocol.send_request_async(method, params)
-        except JsonRpcException as error:
-            _log.warning("the client refuses %s: %s", method, error)
-            return None
-
-    def say(self, texts: list[str]) -> None:
-        """Show messages about what the user has to change."""
-        for text in texts:
-            self.window_show_message(types.ShowMessageParams(types.MessageType.Warning, text))
+                connection.slow[method] = answer
+            connection.fm.feature(method, feature.options)(answer)
 
     def close(self) -> None:
         """End what is under way."""
-        self.connection.close()
         self.runs.close()
-        for task in self._tasks:
-            task.cancel()
-        self._thread.shutdown(wait=False, cancel_futures=True)
+        super().close()
 
     # ---------------------------------------------------------------- begin and end
 
@@ -196,8 +93,8 @@ class Server(LanguageServer):
         self._wrong = self.texts.set_settings(params.initialization_options)
         builder = ServerCapabilitiesBuilder(
             self.client.capabilities,
-            {*FEATURES, *self.notices},
-            self.protocol.fm.feature_options,
+            {*FEATURES, *self.connection.notices},
+            self.connection.fm.feature_options,
             list(commands.COMMANDS),
             types.TextDocumentSyncKind.Incremental,
             None,
@@ -226,7 +123,7 @@ class Server(LanguageServer):
             options = types.DidChangeConfigurationRegistrationOptions(SECTION)
             registrations.append(types.Registration("settings", types.WORKSPACE_DID_CHANGE_CONFIGURATION, options))
         if registrations:
-            self.begin(self._request(types.CLIENT_REGISTER_CAPABILITY, types.RegistrationParams(registrations)))
+            self.begin(self.request(types.CLIENT_REGISTER_CAPABILITY, types.RegistrationParams(registrations)))
 
     def _shut_down(self, params: None) -> None:
         self.connection.is_shut_down = True
@@ -280,7 +177,7 @@ class Server(LanguageServer):
 
     def _files_changed(self, params: types.DidChangeWatchedFilesParams) -> None:
         if any(change.uri.endswith(SUFFIX) for change in params.changes):
-            self.begin(self.in_thread(self._files.forget))
+            self.begin(self.in_thread(self.files.forget))
         if any(change.uri.endswith(".toml") for change in params.changes):
             # One of them may be the world file, or describe the arm, of some folder.
             self._settings_changed(self.texts.read_settings())
@@ -295,7 +192,7 @@ class Server(LanguageServer):
         """Ask the client for the settings of each folder."""
         folders = list(self.texts.folders)
         items = [types.ConfigurationItem(uri, SECTION) for uri in folders] or [types.ConfigurationItem(None, SECTION)]
-        answer = await self._request(types.WORKSPACE_CONFIGURATION, types.ConfigurationParams(items))
+        answer = await self.request(types.WORKSPACE_CONFIGURATION, types.ConfigurationParams(items))
         if not isinstance(answer, list | tuple) or len(answer) != len(items):
             return
         wrong: list[str] = []
@@ -315,7 +212,7 @@ class Server(LanguageServer):
         self.runs.settings_changed()
 
 
-def _answer(server: Server, feature: Feature, document: Document | None, params: Any) -> Any:
+def _answer(session: Session, feature: Feature, document: Document | None, params: Any) -> Any:
     """Answer a request.
 
     Raises:
@@ -324,4 +221,4 @@ def _answer(server: Server, feature: Feature, document: Document | None, params:
     named = getattr(params, "text_document", None) or getattr(params, "item", None)
     if document is None and named is not None:
         raise JsonRpcInvalidParams(f"{named.uri} is not open")
-    return feature.answer(server, document, params)
+    return feature.answer(session, document, params)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from lsprotocol import types
 
@@ -15,17 +15,15 @@ from elitescript.language.diagnostics import Edit
 from elitescript.lsp.connection import RequestFailed
 from elitescript.lsp.feature import Feature
 from elitescript.lsp.findings import shown
-
-if TYPE_CHECKING:
-    from elitescript.lsp.server import Server
+from elitescript.lsp.session import Session
 
 # ---------------------------------------------------------------- rename
 
 
 def _prepare_rename(
-    server: Server, document: Document, params: types.PrepareRenameParams
+    session: Session, document: Document, params: types.PrepareRenameParams
 ) -> types.PrepareRenamePlaceholder | None:
-    positions = server.positions(document)
+    positions = session.positions(document)
     found = renaming.prepare_rename(document, *positions.place(params.position))
     if found is None:
         return None
@@ -34,18 +32,18 @@ def _prepare_rename(
     return types.PrepareRenamePlaceholder(positions.range(found.span), found.name)
 
 
-def _rename(server: Server, document: Document, params: types.RenameParams) -> types.WorkspaceEdit:
-    place = server.positions(document).place(params.position)
+def _rename(session: Session, document: Document, params: types.RenameParams) -> types.WorkspaceEdit:
+    place = session.positions(document).place(params.position)
     found = renaming.rename(document, *place, params.new_name)
     if found.refusal:
         raise RequestFailed(found.refusal)
-    return _workspace_edit(server, params.text_document.uri, document, found.edits)
+    return _workspace_edit(session, params.text_document.uri, document, found.edits)
 
 
-def _workspace_edit(server: Server, uri: str, document: Document, edits: Iterable[Edit]) -> types.WorkspaceEdit:
-    positions = server.positions(document)
+def _workspace_edit(session: Session, uri: str, document: Document, edits: Iterable[Edit]) -> types.WorkspaceEdit:
+    positions = session.positions(document)
     changes = [positions.text_edit(edit) for edit in edits]
-    if not server.client.has("workspace.workspace_edit.document_changes"):
+    if not session.client.has("workspace.workspace_edit.document_changes"):
         return types.WorkspaceEdit(changes={uri: changes})
     version = types.OptionalVersionedTextDocumentIdentifier(uri, document.version)
     return types.WorkspaceEdit(document_changes=[types.TextDocumentEdit(version, changes)])
@@ -54,22 +52,22 @@ def _workspace_edit(server: Server, uri: str, document: Document, edits: Iterabl
 # ---------------------------------------------------------------- layout
 
 
-def _formatting(server: Server, document: Document, params: types.DocumentFormattingParams) -> list[types.TextEdit]:
-    positions = server.positions(document)
+def _formatting(session: Session, document: Document, params: types.DocumentFormattingParams) -> list[types.TextEdit]:
+    positions = session.positions(document)
     return [positions.text_edit(edit) for edit in formatting.format_edits(document)]
 
 
 def _range_formatting(
-    server: Server, document: Document, params: types.DocumentRangeFormattingParams
+    session: Session, document: Document, params: types.DocumentRangeFormattingParams
 ) -> list[types.TextEdit]:
-    positions = server.positions(document)
+    positions = session.positions(document)
     return [positions.text_edit(edit) for edit in formatting.format_edits(document, positions.span(params.range))]
 
 
 def _on_type_formatting(
-    server: Server, document: Document, params: types.DocumentOnTypeFormattingParams
+    session: Session, document: Document, params: types.DocumentOnTypeFormattingParams
 ) -> list[types.TextEdit]:
-    positions = server.positions(document)
+    positions = session.positions(document)
     found = typing_edits.typing_edits(document, *positions.place(params.position), params.ch)
     return [positions.text_edit(edit) for edit in found]
 
@@ -78,12 +76,12 @@ def _on_type_formatting(
 
 
 async def _code_actions(
-    server: Server, document: Document, params: types.CodeActionParams
+    session: Session, document: Document, params: types.CodeActionParams
 ) -> Sequence[types.CodeAction]:
     uri, only = params.text_document.uri, params.context.only
 
     def find() -> Sequence[types.CodeAction]:
-        positions = server.positions(document)
+        positions = session.positions(document)
         found: list[CodeAction] = []
         if _is_wanted(ActionKind.QUICK_FIX, only) or _is_wanted(ActionKind.REWRITE, only):
             found += actions.code_actions(document, positions.span(params.range))
@@ -97,14 +95,14 @@ async def _code_actions(
                 diagnostics=[shown(Problem(problem, (), (), ""), positions, uri) for problem in action.problems]
                 or None,
                 is_preferred=action.is_preferred or None,
-                edit=_workspace_edit(server, uri, document, action.edits),
+                edit=_workspace_edit(session, uri, document, action.edits),
             )
             for action in found
             if _is_wanted(action.kind, only)
         ]
 
     # They need the findings, which take longer than anything else that is asked.
-    return await server.in_thread(find)
+    return await session.in_thread(find)
 
 
 def _is_wanted(kind: str, only: Sequence[str] | None) -> bool:
