@@ -16,6 +16,7 @@ import pytest
 from elitescript.assist import calls, diagnostics, folding, links, outline, references, renaming, selection, tokens
 from elitescript.assist.document import Document
 from elitescript.language.diagnostics import Edit
+from elitescript.lint.engine import check_source
 from elitescript.lint.program import Span
 from tests.assist.random_scopes import random_scopes
 from tests.invariants.cases import CASES
@@ -189,6 +190,8 @@ def mutilate(seed: int) -> None:
         text = text[:start] + text[start + rng.choice((1, 3, 20, 200)) :]
     document = Document("cell.script", text)
     check_places(document, answers(document, rng))
+    # The findings come from what the document has read for other answers too.
+    assert document.problems == check_source(document.source, document.settings.profile)
 
 
 def test_edits_lead_to_the_document_of_the_same_text() -> None:
