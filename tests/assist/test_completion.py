@@ -280,7 +280,7 @@ class TestItems:
 
     def test_commands_of_newer_firmware_are_marked_and_last(self):
         items = completions(*marked("¦", Settings(profile=PROFILES["2.10"])))
-        newer = [item for item in items if item.label == "join_thread"][0]
+        newer = next(item for item in items if item.label == "join_thread")
         assert (newer.is_missing, newer.detail) == (True, "needs firmware 2.14")
         assert items.index(newer) > items.index(next(item for item in items if item.label == "movej"))
         assert not labels("¦", Settings(profile=NEWEST))["join_thread"].is_missing
