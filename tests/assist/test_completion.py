@@ -179,7 +179,8 @@ TABLE: list[tuple[str, str, str]] = [
     ("unknown.¦", "", "movej append"),
     ("x = 'a'.upper().¦", "split", "append"),
     ("names = 'a b'.split()\nnames.¦", "append", "upper"),
-    ("class Box:\n  def __init__(self):\n    self.size = 1\n  end\n  def open(self, far):\n    self.¦\n  end\nend", "size open", "movej"),
+    ("class Box:\n  def __init__(self):\n    self.size = 1\n  end\n  def open(self, far):\n    self.¦\n  end\nend",
+     "size open", "movej"),
     ("class Box:\n  def open(self, far):\n    pass\n  end\nend\nb = Box()\nb.¦", "open", "movej"),
     # Text that is broken elsewhere.
     (at("x = (1,\n  movej(HOME, ¦)"), "v=", ""),

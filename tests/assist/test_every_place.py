@@ -50,11 +50,16 @@ def test_many_places():
 
 @pytest.mark.invariants
 @pytest.mark.slow
-def test_every_place():
-    visit_examples(EXAMPLES, 1)
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_every_place(path):
+    visit_examples([path], 1)
 
 
-@pytest.mark.parametrize("text", ["", "\n", "\0", "\ud800", "\ufeff", "\t\r\n", "((((", "'", '"""', "#", "end", "def", "$ LINE: (1,", ")]}", "\\"])  # fmt: skip
+ODD = ["", "\n", "\0", "\ud800", "\ufeff", "\t\r\n", "((((", "'", '"""', "#", "end", "def", "$ LINE: (1,", ")]}", "\\"]
+
+
+@pytest.mark.parametrize("text", ODD)
 def test_odd_texts(text):
     document = Document("odd.script", text)
     for line in (-1, 0, 1, 2, 99):

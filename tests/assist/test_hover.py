@@ -41,7 +41,8 @@ end
 
 # A line with a cursor, what the hover is about, what it says.
 TABLE = [
-    ("mov¦ej(HOME)", "movej", ["movej(q, a=1.396263", "**[rad/s^2]**", "default `1.396263`", "MotionError", "*Since 2.10"]),
+    ("mov¦ej(HOME)",
+     "movej", ["movej(q, a=1.396263", "**[rad/s^2]**", "default `1.396263`", "MotionError", "*Since 2.10"]),
     ("x = get_standard_digital_in¦(0)", "get_standard_digital_in", ["in [0, 15]", "**Returns**", "value = get_st"]),
     ("movej(HOME, ¦a=1)", "a", ["movej(q,", "`a`: **float, >= 0** **[rad/s^2]**"]),
     ("movel(PLACE, v=0.¦25)", "0.25", ["`v` of `movel`", "0.25 m/s (250 mm/s)"]),
@@ -50,7 +51,9 @@ TABLE = [
     ("movel([0.4, 0.2, 0.3, 3.¦14, 0, 0])", "3.14", ["`p`[3], Rx", "179.91 deg"]),
     ("sleep(0.0¦2)", "0.02", ["0.02 s (20 ms)"]),
     ("d2r(-9¦0)", "-90", ["-90 deg (-1.5708 rad)"]),
-    ("movej(HO¦ME)", "HOME", ["HOME = [0, -1.57,", "joints", "shoulder: -1.57 rad (-89.954 deg)", "Within the joint limits", "set in line 4"]),
+    ("movej(HO¦ME)",
+     "HOME", ["HOME = [0, -1.57,", "joints", "shoulder: -1.57 rad (-89.954 deg)", "Within the joint",
+      "set in line 4"]),
     ("movej(FA¦R)", "FAR", ["**Not reachable**: wrist3 is outside -360 to 360 deg by 155.7 deg"]),
     ("movel(PLA¦CE)", "PLACE", ["pose", "z: 0.3 m (300 mm)", "The arm reaches it", "`p` of `movel`"]),
     ("movel(AW¦AY)", "AWAY", ["**Not reachable**: too far by"]),
@@ -59,7 +62,8 @@ TABLE = [
     ("x = rais¦ed(PLACE)", "raised", ["def raised(pose, height=0.1):", "The pose, higher.", "Line 9"]),
     ("x = wat¦ch", "watch", ["Runs as a thread"]),
     ("x = raised(¦height=1)", "height", ["raised(pose, height=0.1)"]),
-    ("x = '¦standard_digital_in[3]'", "standard_digital_in[3]", ["Digital inputs of the control box", "bool", "points 0 to 15"]),
+    ("x = '¦standard_digital_in[3]'",
+     "standard_digital_in[3]", ["Digital inputs of the control box", "bool", "points 0 to 15"]),
     ("x = 'output_int_register[¦3]'", "output_int_register[3]", ["-2.14748e+09 to 2.14748e+09", "kept when"]),
     ("rtsi_set_watchdog('¦input_int_register0', 1, 'stop')", "input_int_register0", ["RTSI input"]),
     ("socket_open('a', 1, 'cam')\n  socket_close('c¦am')", "cam", ["`socket_name` of `socket_close`", "lines 22"]),

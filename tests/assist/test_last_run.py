@@ -70,7 +70,7 @@ class TestOfARun:
         _, found = last
         assert found.values == {"": {"n": "[1, 2]"}}
         assert found.blends == {6: ShortenedBlend(0.05, 0.02)}
-        assert [(alarm.line, alarm.code) for alarm in found.alarms] == [(10, "R101")]
+        assert [(alarm.line, alarm.code) for alarm in found.alarms] == [(10, "R110")]
 
     def test_counts_and_values_from_elsewhere_are_kept(self, last):
         run, _ = last
