@@ -8,6 +8,7 @@ from elitescript import VirtualRobot
 from elitescript.assist.last_run import LastRun, LineTime, ShortenedBlend
 from elitescript.lsp.last_run import last_run_of
 from elitescript.messages.motion import RADIUS_SHORTENED, shortened_radius
+from elitescript.plotting.line_times import stretches
 
 PROGRAM = """def job():
   global n
@@ -51,7 +52,7 @@ def test_the_warning_about_a_radius_is_read_back():
 @pytest.fixture(scope="module")
 def last():
     run = VirtualRobot("CS66").run(PROGRAM, trace=True)
-    return run, last_run_of(run, PROGRAM)
+    return run, last_run_of(run, PROGRAM, stretches=stretches(run.trace))
 
 
 class TestOfARun:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from elitescript.assist.last_run import LastRun, LineTime, RunAlarm, ShortenedBlend
 from elitescript.assist.units import value_text
 from elitescript.messages.events import Warned
 from elitescript.messages.motion import shortened_radius
 from elitescript.plotting.events import timed_moves
-from elitescript.plotting.line_times import line_times
+from elitescript.plotting.line_times import LineStretch
 from elitescript.run import Run
 
 _NO_COUNTS: Mapping[int, int] = {}
@@ -20,14 +20,16 @@ def last_run_of(
     run: Run,
     text: str,
     *,
+    stretches: Iterable[LineStretch] = (),
     counts: Mapping[int, int] = _NO_COUNTS,
     values: Mapping[str, Mapping[str, str]] = _NO_VALUES,
 ) -> LastRun:
     """Return what editors show of a run that has ended.
 
     Args:
-        run: with a trace, if the times of lines are wanted.
+        run: the record.
         text: the text that ran.
+        stretches: times during which the main thread stayed in one line.
         counts: how often each line ran, if statements were counted.
         values: last values of variables by scope, as `LastRun.values`; those of globals are taken from the run.
     """
@@ -41,9 +43,9 @@ def last_run_of(
         if radii is not None and isinstance(event, Warned):
             blends[event.line] = ShortenedBlend(*radii)
     lines = {line: LineTime(count, 0.0) for line, count in counts.items()}
-    if len(run.trace):
-        for time in line_times(run.trace):
-            lines[time.line] = LineTime(counts.get(time.line, 0), time.moving_s + time.standing_s)
+    for stretch in stretches:
+        time = lines.get(stretch.line, LineTime(0, 0.0))
+        lines[stretch.line] = time._replace(total_s=time.total_s + stretch.end_s - stretch.start_s)
     shown = {name: value_text(value) for name, value in run.globals.items()}
     return LastRun(
         text=text,
