@@ -43,16 +43,20 @@ def with_edits(document: Document, edits: tuple[Edit, ...]) -> str:
         ),
         (
             "def job():\n  n = 0\n  def f():\n    nonlocal n\n    n += 1\n    return ¦n\n  end\n  f()\nend\n",
-            "def job():\n  fresh = 0\n  def f():\n    nonlocal fresh\n    fresh += 1\n    return fresh\n  end\n  f()\nend\n",
+            "def job():\n  fresh = 0\n  def f():\n    nonlocal fresh\n    fresh += 1\n"
+            "    return fresh\n  end\n  f()\nend\n",
         ),
         (
-            "def job():\n  global a, n\n  n = 1\n  def f():\n    textmsg(n)\n    n = 2\n    global ¦n\n  end\n  def g(n):\n    pass\n  end\nend\n",
-            "def job():\n  global a, fresh\n  fresh = 1\n  def f():\n    textmsg(fresh)\n    fresh = 2\n    global fresh\n  end\n"
+            "def job():\n  global a, n\n  n = 1\n  def f():\n    textmsg(n)\n    n = 2\n    global ¦n\n"
+            "  end\n  def g(n):\n    pass\n  end\nend\n",
+            "def job():\n  global a, fresh\n  fresh = 1\n  def f():\n    textmsg(fresh)\n"
+            "    fresh = 2\n    global fresh\n  end\n"
             "  def g(n):\n    pass\n  end\nend\n",
         ),
         (
             "def job():\n  def f(¦v, w=2):\n    return v\n  end\n  f(v=1, w=3)\n  start_thread(f, (1,))\nend\n",
-            "def job():\n  def f(fresh, w=2):\n    return fresh\n  end\n  f(fresh=1, w=3)\n  start_thread(f, (1,))\nend\n",
+            "def job():\n  def f(fresh, w=2):\n    return fresh\n  end\n  f(fresh=1, w=3)\n"
+            "  start_thread(f, (1,))\nend\n",
         ),
         (
             "def job():\n  def ¦f():\n    pass\n  end\n  f()\n  start_thread(f, ())\nend\n",
@@ -75,8 +79,10 @@ def with_edits(document: Document, edits: tuple[Edit, ...]) -> str:
             "def job():\n  try:\n    pass\n  except (ValueError) as fresh:\n    textmsg(fresh)\n  end\nend\n",
         ),
         (
-            "def job():\n  class A:\n    ¦size = 1\n    def get(self):\n      return self.size\n    end\n  end\n  A().size\nend\n",
-            "def job():\n  class A:\n    fresh = 1\n    def get(self):\n      return self.fresh\n    end\n  end\n  A().fresh\nend\n",
+            "def job():\n  class A:\n    ¦size = 1\n    def get(self):\n      return self.size\n"
+            "    end\n  end\n  A().size\nend\n",
+            "def job():\n  class A:\n    fresh = 1\n    def get(self):\n      return self.fresh\n"
+            "    end\n  end\n  A().fresh\nend\n",
         ),
         ("def ¦job():\n  sleep(1)\nend\n", "def fresh():\n  sleep(1)\nend\n"),
         (
@@ -223,7 +229,7 @@ def shown(text: str) -> list[str]:
 
 def test_a_new_name_leaves_the_compiled_code_as_it_is() -> None:
     done = 0
-    for seed in range(max(1, CASES // 2)):
+    for seed in range(CASES // 3):
         rng = Random(seed)
         text = programs(seed)
         document = Document("cell.script", text)
@@ -236,12 +242,12 @@ def test_a_new_name_leaves_the_compiled_code_as_it_is() -> None:
                 assert result.edits
                 assert code_of(with_edits(document, result.edits), {f"{old}_": old}) == code, (seed, item)
                 done += 1
-    assert done >= CASES // 2
+    assert done >= CASES // 3
 
 
 def test_a_name_that_is_there_already_is_refused_or_means_the_same() -> None:
     done = 0
-    for seed in range(max(1, CASES // 2)):
+    for seed in range(CASES // 3):
         rng = Random(seed)
         text = programs(seed).replace(", Box.__name__", "")
         document = Document("cell.script", text)

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import ast
+from collections.abc import Iterable, Iterator
+from pathlib import PurePosixPath
+
 from elitescript.assist.document import Document
-from elitescript.assist.outline import SymbolKind
+from elitescript.assist.names import Entity, EntityKind, Occurrence
+from elitescript.assist.outline import Symbol, SymbolKind, document_symbols
+from elitescript.language.symbols import Scope
 from elitescript.lint.program import Span
 from elitescript.records import NamedTuple, record
 
@@ -13,7 +19,7 @@ class CallItem:
     """A function of a text, or the text itself, as caller or as what is called.
 
     Attributes:
-        name: the name; of a script the name of the document.
+        name: the name; of a script the last part of the name of the document.
         kind: what it is.
         detail: its parameters; may be empty.
         span: all of it.
@@ -43,14 +49,103 @@ class Call(NamedTuple):
 
 def prepare(document: Document, line: int, column: int) -> tuple[CallItem, ...]:
     """Return the functions that the name at a place stands for; empty if it is no function. Never raises."""
-    return ()
+    found = document.names.at(line, column)
+    return tuple(_items(document, found.entity)) if found is not None else ()
 
 
 def incoming(document: Document, item: CallItem) -> tuple[Call, ...]:
     """Return who calls or starts a function, in the order of the text. Never raises."""
-    return ()
+    called = document.names.at(*item.name_span[:2])
+    if called is None or item.name_span == _WHOLE:
+        return ()
+    uses = [use for use in document.once(_uses) if use.name.entity == called.entity]
+    return _grouped((_caller(document, use.name.scope), use) for use in uses)
 
 
 def outgoing(document: Document, item: CallItem) -> tuple[Call, ...]:
     """Return what a function of the program calls or starts, in the order of the text. Never raises."""
-    return ()
+    pairs = []
+    for use in document.once(_uses):
+        if _caller(document, use.name.scope).name_span == item.name_span:
+            pairs += [(target, use) for target in _items(document, use.name.entity)]
+    return _grouped(pairs)
+
+
+class _Use(NamedTuple):
+    """A name that is called, or given to `start_thread`."""
+
+    name: Occurrence
+    is_thread_start: bool
+
+
+_WHOLE = Span(1, 1, 1, 1)
+"""Where the name of a script stands, which has none."""
+
+
+def _uses(document: Document) -> tuple[_Use, ...]:
+    """Return the calls of functions of the program, in the order of the text."""
+    names = document.names
+    started = {name.span for _, name in names.thread_starts}
+    found = []
+    for item in names.occurrences:
+        if item.role in ("read", "attribute"):
+            above = names.symbols.parent(item.node)
+            is_called = isinstance(above, ast.Call) and above.func is item.node
+            if is_called or item.span in started:
+                found.append(_Use(item, item.span in started))
+    return tuple(found)
+
+
+def _grouped(pairs: Iterable[tuple[CallItem, _Use]]) -> tuple[Call, ...]:
+    spans: dict[tuple[Span, bool], list[Span]] = {}
+    items = {}
+    for item, use in pairs:
+        key = (item.name_span, use.is_thread_start)
+        items[key] = item
+        spans.setdefault(key, []).append(use.name.span)
+    return tuple(Call(items[key], tuple(found), key[1]) for key, found in spans.items())
+
+
+def _items(document: Document, entity: Entity) -> Iterator[CallItem]:
+    items = document.once(_all_items)
+    for place in document.names.of(entity):
+        if place.role in ("def", "label") and place.span in items:
+            yield items[place.span]
+
+
+def _caller(document: Document, scope: Scope) -> CallItem:
+    """Return the function in which a scope lies; the program if there is none."""
+    items = document.once(_all_items)
+    around: Scope | None = scope
+    while around is not None:
+        if around.kind == "function":
+            span = document.names.defined_at(around)
+            if span in items:
+                return items[span]
+        around = around.parent
+    return _program(document, items)
+
+
+def _program(document: Document, items: dict[Span, CallItem]) -> CallItem:
+    label = Entity(EntityKind.LABEL, document.parsed.name)
+    for place in document.names.of(label):
+        if place.role == "label" and place.span in items:
+            return items[place.span]
+    name = PurePosixPath(document.name).name or document.name
+    last = document.line_count
+    return CallItem(name, SymbolKind.PROGRAM, "", Span(1, 1, last, len(document.line(last)) + 1), _WHOLE)
+
+
+def _all_items(document: Document) -> dict[Span, CallItem]:
+    """Return the functions of the text by the places of their names."""
+
+    def walk(symbols: tuple[Symbol, ...]) -> Iterator[Symbol]:
+        for symbol in symbols:
+            yield symbol
+            yield from walk(symbol.children)
+
+    return {
+        symbol.name_span: CallItem(symbol.name, symbol.kind, symbol.detail, symbol.span, symbol.name_span)
+        for symbol in walk(document_symbols(document))
+        if symbol.kind not in (SymbolKind.NODE, SymbolKind.CLASS)
+    }

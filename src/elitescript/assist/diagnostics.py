@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
 from enum import StrEnum
+from typing import Final
 
 from elitescript.assist.document import Document
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.lint.program import Span
 from elitescript.records import NamedTuple, record
+
+RULES_PAGE: Final = "https://github.com/elitescript/elitescript/blob/main/docs/reference/rules.md"
+"""Page with what `check --explain` prints of each code. The public address of the repository is assumed."""
 
 
 class Tag(StrEnum):
@@ -16,7 +22,14 @@ class Tag(StrEnum):
     UNNECESSARY = "unnecessary"
     """Faded: it can be removed."""
     DEPRECATED = "deprecated"
-    """Struck through: it works, but belongs to another language or time."""
+    """Struck through: it belongs to Python 2 or to another language."""
+
+
+TAGS: Final = {
+    **dict.fromkeys(("W206", "W207", "W218"), Tag.UNNECESSARY),
+    **dict.fromkeys(("E106", "E110", "E111", "E112", "E114", "W209", "W211"), Tag.DEPRECATED),
+}
+"""The codes whose findings have a tag."""
 
 
 class Related(NamedTuple):
@@ -24,7 +37,7 @@ class Related(NamedTuple):
 
     Attributes:
         span: the place.
-        text: what it has to do with the finding.
+        text: what to do about the finding; or the line that its text names.
     """
 
     span: Span
@@ -38,16 +51,37 @@ class Problem:
     Attributes:
         diagnostic: code, severity, place, text, hint and repair: what `check` prints.
         tags: how it is shown.
-        related: the hint, at the place of the finding, and other places.
+        related: the hint, at the place of the finding, and the lines that the text names.
         page: address of the explanation of its code, which is what `check --explain` prints.
     """
 
     diagnostic: Diagnostic
-    tags: tuple[Tag, ...] = ()
-    related: tuple[Related, ...] = ()
-    page: str = ""
+    tags: tuple[Tag, ...]
+    related: tuple[Related, ...]
+    page: str
 
 
 def diagnostics(document: Document) -> tuple[Problem, ...]:
     """Return the findings of a text, in its order: the same as those of `check`. Never raises."""
-    return ()
+    return tuple(
+        Problem(
+            found,
+            (TAGS[found.code],) if found.code in TAGS else (),
+            tuple(_related(document, found)),
+            f"{RULES_PAGE}#{found.code.lower()}",
+        )
+        for found in document.problems
+    )
+
+
+def _related(document: Document, found: Diagnostic) -> Iterator[Related]:
+    if found.hint:
+        start = document.place(document.offset(found.line, found.column))
+        end = document.place(document.offset(found.end_line, found.end_column))
+        yield Related(Span(*start, *max(start, end)), f"hint: {found.hint}")
+    for named in dict.fromkeys(re.findall(r"\blines? (\d+)", found.text)):
+        line = int(named)
+        row = document.line(line)
+        if line != found.line and row.strip():
+            start = len(row) - len(row.lstrip()) + 1
+            yield Related(Span(line, start, line, len(row.rstrip()) + 1), f"line {line}: {row.strip()}")

@@ -7,21 +7,25 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from itertools import accumulate
+from typing import Any, TypeVar
 
 from elitescript.assist.names import Names
 from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.language.diagnostics import Diagnostic, Edit
+from elitescript.language.garbage import without_collection
 from elitescript.language.options import Options
 from elitescript.language.parser import Parsed, parse
 from elitescript.language.symbols import Symbols
 from elitescript.language.text.source import BOM, SourceFile
-from elitescript.lint.engine import check_source
+from elitescript.lint.engine import problems_of
 from elitescript.lint.program import AnalysedProgram
 from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES, Profile
 from elitescript.records import field, record
+
+_Found = TypeVar("_Found")
 
 _LINE_END = re.compile(r"\r\n|\r|\n")
 
@@ -61,6 +65,7 @@ class Document:
         self.text = text
         self.version = version
         self.settings = settings or Settings()
+        self._found: dict[Callable[[Document], Any], Any] = {}
 
     # ---------------------------------------------------------------- the text
 
@@ -111,14 +116,28 @@ class Document:
 
     # ---------------------------------------------------------------- what is known of it
 
+    def once(self, find: Callable[[Document], _Found]) -> _Found:
+        """Return what a function finds in this document; it is called once for each document."""
+        if find not in self._found:
+            self._found[find] = without_collection(find)(self)
+        found: _Found = self._found[find]
+        return found
+
     @cached_property
     def parsed(self) -> Parsed:
-        """The text as it was read; lines with mistakes are left out of its tree. Not to be compiled: see `problems`."""
+        """The text as it was read; lines with mistakes are left out of its tree. Compiling would change it."""
         return parse(self.source, Options(strict=self.settings.strict))
 
     @cached_property
     def _code_lines(self) -> list[str]:
-        return self.parsed.translation.masked.split("\n")
+        # Line ends inside brackets are masked too, so the lines are cut where they are in the text.
+        masked = self.parsed.translation.masked
+        rows = []
+        start = 0
+        for row in self.source.lines:
+            rows.append(masked[start : start + len(row)])
+            start += len(row) + 1
+        return rows
 
     def code_line(self, number: int) -> str:
         """Return a line in which strings are runs of `"` and comments are blank, of the length of the line."""
@@ -131,6 +150,7 @@ class Document:
         return self.program.symbols
 
     @cached_property
+    @without_collection
     def program(self) -> AnalysedProgram:
         """The text as the rules see it: calls of commands, constants, uses of names."""
         settings = self.settings
@@ -139,6 +159,7 @@ class Document:
         )
 
     @cached_property
+    @without_collection
     def names(self) -> Names:
         """Every place where a name stands, and what it stands for."""
         return Names(self.program)
@@ -146,7 +167,4 @@ class Document:
     @cached_property
     def problems(self) -> tuple[Diagnostic, ...]:
         """What `check` finds, in the order of the text."""
-        settings = self.settings
-        return check_source(
-            self.source, settings.profile, strict=settings.strict, presets=settings.presets, arm=settings.arm
-        )
+        return problems_of(self.program)

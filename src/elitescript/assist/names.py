@@ -80,8 +80,8 @@ class Occurrence(NamedTuple):
         span: the name.
         entity: what it stands for.
         access: what is done with it.
-        role: `read`, `attribute`, `keyword` (name of an argument), `global`, `nonlocal`, `string`, `label`, or the kind of
-            a `Binding`.
+        role: `read`, `attribute`, `keyword` (name of an argument), `global`, `nonlocal`, `string`, `label`, or the kind
+            of a `Binding`.
         node: the node that holds it.
         scope: the scope in which it stands.
     """
@@ -112,10 +112,11 @@ class Names:
         self._rows = program.source.lines
         self._same: dict[Entity, Entity] = {}
         self._label = Entity(EntityKind.LABEL, program.parsed.name) if program.parsed.unit is not None else None
-        found = {}
+        found: dict[Span, Occurrence] = {}
         for occurrence in self._find():
-            # A parameter of two definitions of one function is one thing; a place counts once.
-            found.setdefault(occurrence.span, occurrence)
+            # `a += 1` reads and writes at one place; two names at one place are a formatted string of an old Python.
+            if found.setdefault(occurrence.span, occurrence).node is not occurrence.node:
+                self.unlocated.add(occurrence.entity.name)
         ordered = sorted(found.values(), key=_place)
         self.occurrences = tuple(
             item._replace(entity=self._same[item.entity]) if item.entity in self._same else item for item in ordered
@@ -191,6 +192,10 @@ class Names:
         nodes = [item.node for item in self.of(entity) if item.role == "def"]
         return tuple(node for node in nodes if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)))
 
+    def defined_at(self, function: Scope) -> Span | None:
+        """Return where the name of a function stands."""
+        return self._behind_keyword(function.node, function.name)
+
     def scope_at(self, line: int) -> Scope:
         """Return the innermost function, class or body that holds a line, also one that could not be read."""
         found = self.symbols.body
@@ -214,6 +219,11 @@ class Names:
                 if name is not None:
                     found.append((called.call, name))
         return tuple(found)
+
+    @cached_property
+    def threads(self) -> frozenset[Entity]:
+        """What is given to `start_thread`."""
+        return frozenset(name.entity for _, name in self.thread_starts)
 
     # ---------------------------------------------------------------- finding them
 
@@ -326,7 +336,7 @@ class Names:
                 family = STRING_NAMES.get(param.name)
                 if family is None or not isinstance(node, ast.Constant) or not isinstance(node.value, str):
                     continue
-                span = self._inside_quotes(node, node.value)
+                span = self.inside_quotes(node, node.value)
                 if span is not None:
                     is_made = (called.command.alias_of or called.command.name) in _MAKERS
                     access = Access.WRITE if is_made else Access.TEXT
@@ -399,7 +409,7 @@ class Names:
             for found in pattern.finditer(row, column - 1 if number == line else 0, stop):
                 yield Span(number, found.start() + 1, number, found.end() + 1)
 
-    def _inside_quotes(self, node: ast.Constant, text: str) -> Span | None:
+    def inside_quotes(self, node: ast.Constant, text: str) -> Span | None:
         """Return where the text of a string stands, if it is written out plainly on one line."""
         line, column, end_line, end_column = self.symbols.range_of(node)
         row = self.program.source.line(line)[column - 1 : end_column - 1]

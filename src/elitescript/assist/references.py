@@ -39,7 +39,7 @@ def references(document: Document, line: int, column: int, include_definition: b
     """Return all places where the name at a place stands, in the order of the text. Never raises.
 
     Of a command, and of what Python has itself: all uses in this text. Of a name of a signal or connection in a string:
-    the other strings that name it. Attributes of the same name count as one, since the classes of objects are not known.
+    the other strings that name it. Attributes of the same name count as one: the classes of objects are not known.
     """
     entity = _entity_at(document, line, column)
     if entity is None:

@@ -142,9 +142,8 @@ def _refusal_of_kind(document: Document, entity: Entity) -> str:
             inner = next((other for other in names.occurrences if other.entity.name.startswith(f"_{name}__")), None)
             if inner is not None:
                 return f"`{inner.entity.name}` in line {inner.span.line} is made of the name of the class"
-        if item.role == "import" and isinstance(item.node, ast.alias):
-            if item.node.asname is None and "." in item.node.name:
-                return f"line {item.span.line} imports `{item.node.name}`, which has no other name"
+        if isinstance(item.node, ast.alias) and item.node.asname is None and "." in item.node.name:
+            return f"line {item.span.line} imports `{item.node.name}`, which has no other name"
         if item.role == "parameter" and isinstance(item.node, ast.arg):
             refusal = _refusal_of_parameter(names, item)
             if refusal:
@@ -212,9 +211,10 @@ def _attributes(names: Names, scope: Scope) -> set[str]:
     for method in scope.children:
         first = next(iter(method.parameters), "")
         for item in ast.walk(method.node) if method.kind == "function" and first else ():
-            if isinstance(item, ast.Attribute) and not isinstance(item.ctx, ast.Load):
-                if isinstance(item.value, ast.Name) and item.value.id == first:
-                    found.add(item.attr)
+            if not isinstance(item, ast.Attribute) or isinstance(item.ctx, ast.Load):
+                continue
+            if isinstance(item.value, ast.Name) and item.value.id == first:
+                found.add(item.attr)
     return found
 
 

@@ -93,6 +93,21 @@ CHILDREN: Final[dict[type[ast.AST], tuple[str, ...]]] = {
 FUNCTIONS: Final = (ast.FunctionDef, ast.Lambda)
 
 
+def children(node: ast.AST) -> list[ast.AST]:
+    """Return the nodes directly inside a node, without operators and contexts; faster than `ast.iter_child_nodes`."""
+    fields = CHILDREN.get(type(node))
+    if fields is None:
+        return list(ast.iter_child_nodes(node))
+    found: list[ast.AST] = []
+    for field in fields:
+        child = getattr(node, field)
+        if type(child) is list:
+            found += [item for item in child if item is not None]
+        elif child is not None:
+            found.append(child)
+    return found
+
+
 class Census:
     """All nodes of a tree, by kind.
 

@@ -115,6 +115,13 @@ def parse_without(parsed: Parsed, line: int) -> Parsed | None:
     return reader.read()
 
 
+@without_collection
+def read_again(parsed: Parsed) -> Parsed:
+    """Return the same with a tree of its own, for what uses up a tree. Takes less time than `parse`."""
+    again = _TextReader(parsed.source, parsed.translation, parsed.options, dict(parsed.hidden), []).read()
+    return parsed._replace(tree=again.tree, unit=again.unit)
+
+
 def syntax_tree(text: str) -> ast.Module:
     """Call Python's parser without its warnings on standard error."""
     with warnings.catch_warnings():
@@ -285,7 +292,10 @@ class _TextReader:
         first = rows[line.line - 1]
         indentation = first[: len(first) - len(first.lstrip(" \t\f"))]
         word = line.word
-        deeper = index + 1 < len(lines) and lines[index + 1].column > line.column
+        following = index + 1
+        while following < len(lines) and lines[following] in self.translation.dropped:
+            following += 1
+        deeper = following < len(lines) and lines[following].column > line.column
         if line in self.translation.headers or deeper or word in _CLAUSES:
             text = _PLACEHOLDERS.get(word, "if 1:") if times == 0 else "if 1:"
             text += "" if deeper else " pass"

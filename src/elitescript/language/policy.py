@@ -18,7 +18,7 @@ from typing import Final
 
 from elitescript.language.diagnostics import Diagnostic, diagnostic
 from elitescript.language.hooks import FORMAT
-from elitescript.language.nodes import Census
+from elitescript.language.nodes import Census, children
 from elitescript.language.text.source import SourceFile
 
 COMPREHENSION_DEPTH_MAX: Final = 12
@@ -121,16 +121,28 @@ def review(source: SourceFile, census: Census) -> list[Diagnostic]:
 def first_too_deep(census: Census) -> ast.AST | None:
     """Return the first comprehension nested deeper than `COMPREHENSION_DEPTH_MAX`; None if there is none."""
     kinds = (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
-    if sum(len(census.of(kind)) for kind in kinds) <= COMPREHENSION_DEPTH_MAX:
+    found = [node for kind in kinds for node in census.of(kind)]
+    if len(found) <= COMPREHENSION_DEPTH_MAX:
         return None
-    pending: list[tuple[ast.AST, int]] = [(census.tree, 0)]
+    # By place, so that a comprehension comes before those inside it. In some formatted strings places are wrong, so
+    # that one is looked into again when it turns out to be deeper than it seemed.
+    pending: list[tuple[ast.AST, int]] = [(node, 0) for node in sorted(found, key=_place, reverse=True)]
+    known: dict[ast.AST, int] = {}
     while pending:
         node, depth = pending.pop()
-        depth += isinstance(node, kinds)
-        if depth > COMPREHENSION_DEPTH_MAX:
-            return node
-        pending += [(child, depth) for child in ast.iter_child_nodes(node)]
+        if isinstance(node, kinds):
+            depth += 1
+            if depth <= known.get(node, 0):
+                continue
+            known[node] = depth
+            if depth > COMPREHENSION_DEPTH_MAX:
+                return node
+        pending += [(child, depth) for child in children(node)]
     return None
+
+
+def _place(node: ast.expr) -> tuple[int, int]:
+    return node.lineno, node.col_offset
 
 
 def guard_formats(tree: ast.AST, census: Census) -> None:

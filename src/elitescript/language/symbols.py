@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterable, Iterator
+from functools import cached_property
 from typing import Any, Final
 
+from elitescript.language.nodes import children
 from elitescript.language.parser import Parsed, character_offset
 from elitescript.language.scopes import Binding, Resolution, Scope
 from elitescript.records import record
@@ -112,6 +114,26 @@ class Symbols:
         home = scope.home(name)
         return home.bindings[name] if home else self.global_bindings(name)
 
+    def reads_of(self, name: str, home: Scope | None) -> list[ast.Name]:
+        """Return all uses of the value of a variable of a scope; of a global of the program, or built in, for None."""
+        return self._reads.get((name, home), [])
+
+    @cached_property
+    def _reads(self) -> dict[tuple[str, Scope | None], list[ast.Name]]:
+        found: dict[tuple[str, Scope | None], list[ast.Name]] = {}
+        for scope in self.scopes:
+            for name, reads in scope.reads.items():
+                found.setdefault((name, scope.home(name)), []).extend(reads)
+        return found
+
+    @cached_property
+    def _nonlocal_names(self) -> frozenset[str]:
+        return frozenset(name for scope in self.scopes for name in scope.nonlocals)
+
+    def is_nonlocal_inside(self, name: str, scope: Scope) -> bool:
+        """Return whether a `nonlocal` statement in a scope, or inside it, names a variable."""
+        return name in self._nonlocal_names and any(name in other.nonlocals for other in scope.walk())
+
     def imported(self, name: str, scope: Scope) -> str:
         """Return what an `import` lets `name` mean in `scope`, such as `time.sleep`; empty if that is uncertain."""
         origins = set()
@@ -189,9 +211,8 @@ class _Walk:
             self._push(node, scope, parent)
 
     def _below(self, node: ast.AST, scope: Scope) -> None:
-        for child in ast.iter_child_nodes(node):
-            if not isinstance(child, (ast.expr_context, ast.operator, ast.cmpop, ast.boolop, ast.unaryop)):
-                self._push(child, scope, node)
+        for child in children(node):
+            self._push(child, scope, node)
 
     def _bind(self, name: str, node: ast.AST, scope: Scope, kind: str) -> None:
         line, column = self.symbols.place(node)
@@ -222,9 +243,8 @@ class _Walk:
         self._bind(node.id, node, scope, "delete" if isinstance(node.ctx, ast.Del) else kind)
 
     def spread(self, node: ast.AST, scope: Scope, kind: str) -> None:
-        for child in ast.iter_child_nodes(node):
-            if not isinstance(child, ast.expr_context):
-                self._push(child, scope, node, kind)
+        for child in children(node):
+            self._push(child, scope, node, kind)
 
     def call(self, node: ast.Call, scope: Scope, kind: str) -> None:
         scope.calls.append(node)

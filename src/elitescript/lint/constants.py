@@ -213,7 +213,7 @@ class Constants:
         scope = self._symbols.scope_of(binding.node)
         if statement.targets[0] is not binding.node or scope.kind not in ("body", "function"):
             return None
-        if home is not None and any(binding.name in other.nonlocals for other in home.walk()):
+        if home is not None and self._symbols.is_nonlocal_inside(binding.name, home):
             return None
         return statement.value, scope
 
@@ -226,7 +226,7 @@ class Constants:
         owner = outer.home(function.name)
         if owner is None or len(owner.bindings[function.name]) != 1:
             return None
-        reads = self._reads(function.name, owner)
+        reads = self._symbols.reads_of(function.name, owner)
         call = self._symbols.parent(reads[0]) if len(reads) == 1 else None
         if not isinstance(call, ast.Call) or call.func is not reads[0]:
             return None
@@ -239,17 +239,11 @@ class Constants:
                 return argument, scope
         return next(((given.value, scope) for given in call.keywords if given.arg == binding.name), None)
 
-    def _reads(self, name: str, home: Scope | None) -> list[ast.Name]:
-        """Return all uses of the value of a variable."""
-        scopes = self._symbols.scopes if home is None else tuple(home.walk())
-        users = [other for other in scopes if other is home or other.home(name) is home]
-        return [read for user in users for read in user.reads.get(name, ())]
-
     def _is_never_changed(self, binding: Binding, home: Scope | None, levels: int) -> bool:
         """Return whether nothing can change the list in a variable, or a list in it, or take a reference to one."""
         if binding not in self._unchanged:
             self._unchanged[binding] = False
-            reads = self._reads(binding.name, home)
+            reads = self._symbols.reads_of(binding.name, home)
             self._unchanged[binding] = all(self._leaves_unchanged(read, levels) for read in reads)
         return self._unchanged[binding]
 

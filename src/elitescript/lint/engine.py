@@ -10,7 +10,7 @@ from elitescript.language.compiler import CompiledUnit, compile_parsed
 from elitescript.language.diagnostics import Diagnostic, Severity, diagnostic, in_order
 from elitescript.language.garbage import without_collection
 from elitescript.language.options import Options
-from elitescript.language.parser import Parsed, parse
+from elitescript.language.parser import Parsed, parse, read_again
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.lint.registry import Finding, Rule, all_rules
@@ -94,10 +94,24 @@ def check_parsed(
     parsed: Parsed, profile: Profile, *, presets: Collection[str] = (), arm: ArmFacts | None = None
 ) -> CheckResult:
     """Check and compile a text that was read; see `compile_checked`. Uses up the tree."""
+    program = None
+    if parsed.is_complete:
+        program = AnalysedProgram(parsed, profile, is_strict=parsed.options.strict, presets=presets, arm=arm)
+    return _checked(program, parsed)
+
+
+def problems_of(program: AnalysedProgram) -> tuple[Diagnostic, ...]:
+    """Return all problems of a text that was analysed, as `check_source`. Leaves its tree as it is."""
+    parsed = program.parsed
+    return _checked(program if parsed.is_complete else None, read_again(parsed)).problems
+
+
+@without_collection
+def _checked(program: AnalysedProgram | None, parsed: Parsed) -> CheckResult:
+    """Apply the rules to a program, None if it could not be read, and compile `parsed`, whose tree is used up."""
     options = parsed.options
     problems: list[Diagnostic] = []
-    if parsed.is_complete:
-        program = AnalysedProgram(parsed, profile, is_strict=options.strict, presets=presets, arm=arm)
+    if program is not None:
         for rule in all_rules():
             if not (rule.needs_all_lines and parsed.has_errors):
                 problems += [_located(finding, rule, program) for finding in rule.check(program)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from typing import Final
 
+from elitescript.language.nodes import children
 from elitescript.language.symbols import Resolution, Scope
 from elitescript.lint.program import AnalysedProgram
 
@@ -86,13 +87,17 @@ def is_generator(function: ast.FunctionDef) -> bool:
 def own_nodes(function: ast.FunctionDef, *kinds: type[ast.AST]) -> list[ast.AST]:
     """Return the nodes of some kinds in a function itself, not in those inside it; in no particular order."""
     found = []
+    # No statement is inside an expression.
+    closed: tuple[type[ast.AST], ...] = (ast.FunctionDef, ast.Lambda, ast.ClassDef)
+    if all(issubclass(kind, ast.stmt) for kind in kinds):
+        closed = (*closed, ast.expr)
     stack: list[ast.AST] = list(function.body)
     while stack:
         node = stack.pop()
         if isinstance(node, kinds):
             found.append(node)
-        if not isinstance(node, (ast.FunctionDef, ast.Lambda, ast.ClassDef)):
-            stack.extend(ast.iter_child_nodes(node))
+        if not isinstance(node, closed):
+            stack.extend(children(node))
     return found
 
 
@@ -106,7 +111,7 @@ def _has_break(body: list[ast.stmt]) -> bool:
         if isinstance(node, (ast.For, ast.While)):
             stack.extend(node.orelse)
         elif not isinstance(node, (ast.FunctionDef, ast.ClassDef, ast.expr)):
-            stack.extend(ast.iter_child_nodes(node))
+            stack.extend(children(node))
     return False
 
 

@@ -29,10 +29,10 @@ def busy_loop(program: AnalysedProgram) -> Iterator[Finding]:
         return
     analyst = Analyst(program)
     # A word alone in a line is a call that is still being typed, and may wait.
-    unfinished = [use.node for use in program.unknown if isinstance(program.symbols.parent(use.node), ast.Expr)]
+    symbols = program.symbols
+    words = [use.node for use in program.unknown if isinstance(symbols.parent(use.node), ast.Expr)]
+    unfinished = {above for word in words for above in symbols.ancestors(word)}
     for loop in loops:
-        if any(loop in program.symbols.ancestors(word) for word in unfinished):
-            continue
-        if analyst.is_busy(loop):
+        if loop not in unfinished and analyst.is_busy(loop):
             text = "this loop never waits: no call in it takes time, so it starves the other threads"
             yield Finding(program.header_span(loop), text, "put sync() or sleep(0.01) into it")
