@@ -153,7 +153,7 @@ class _Offers:
         self.cursor = cursor
         self.span = cursor.word_span
         self.scope = scope_at(document, cursor.line, cursor.column)
-        self.facts = NameFacts(document)
+        self.facts = document.once(NameFacts)
         self.is_called = cursor.text[cursor.word[1] : cursor.word[1] + 1] == "("
 
     def offers(self) -> Iterator[Completion]:

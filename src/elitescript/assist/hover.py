@@ -134,7 +134,7 @@ def _function(document: Document, function: ast.FunctionDef) -> str:
 
 
 def _own(document: Document, own: OwnName, last_run: LastRun | None) -> str:
-    facts = NameFacts(document)
+    facts = document.once(NameFacts)
     parts = []
     first = own.bindings[0].node if own.bindings else None
     if isinstance(first, ast.FunctionDef) and len(own.bindings) == 1:
