@@ -179,7 +179,8 @@ TABLE: list[tuple[str, str, str]] = [
     ("unknown.¦", "", "movej append"),
     ("x = 'a'.upper().¦", "split", "append"),
     ("names = 'a b'.split()\nnames.¦", "append", "upper"),
-    ("class Box:\n  def __init__(self):\n    self.size = 1\n  end\n  def open(self, far):\n    self.¦\n  end\nend", "size open", "movej"),
+    ("class Box:\n  def __init__(self):\n    self.size = 1\n  end\n  def open(self, far):\n    self.¦\n  end\nend",
+     "size open", "movej"),
     ("class Box:\n  def open(self, far):\n    pass\n  end\nend\nb = Box()\nb.¦", "open", "movej"),
     # Text that is broken elsewhere.
     (at("x = (1,\n  movej(HOME, ¦)"), "v=", ""),
@@ -280,7 +281,7 @@ class TestItems:
 
     def test_commands_of_newer_firmware_are_marked_and_last(self):
         items = completions(*marked("¦", Settings(profile=PROFILES["2.10"])))
-        newer = [item for item in items if item.label == "join_thread"][0]
+        newer = next(item for item in items if item.label == "join_thread")
         assert (newer.is_missing, newer.detail) == (True, "needs firmware 2.14")
         assert items.index(newer) > items.index(next(item for item in items if item.label == "movej"))
         assert not labels("¦", Settings(profile=NEWEST))["join_thread"].is_missing

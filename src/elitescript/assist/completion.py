@@ -9,10 +9,10 @@ from collections.abc import Callable, Iterable, Iterator
 from enum import StrEnum
 from typing import Any, Final
 
-from elitescript.assist.enclosing import Block, blocks_around, indentation_step, scope_at
 from elitescript.assist.cursor import CallAt, Cursor
 from elitescript.assist.describing import KEYWORDS, command_markdown, fenced, parameter_label, parameter_markdown
 from elitescript.assist.document import Document
+from elitescript.assist.enclosing import Block, blocks_around, indentation_step, scope_at
 from elitescript.assist.names_in_strings import names_for
 from elitescript.assist.own_names import (
     LIST_KINDS,
@@ -153,7 +153,7 @@ class _Offers:
         self.cursor = cursor
         self.span = cursor.word_span
         self.scope = scope_at(document, cursor.line, cursor.column)
-        self.facts = NameFacts(document)
+        self.facts = document.once(NameFacts)
         self.is_called = cursor.text[cursor.word[1] : cursor.word[1] + 1] == "("
 
     def offers(self) -> Iterator[Completion]:

@@ -91,7 +91,7 @@ def _units(document: Document, span: Span) -> Iterator[InlayHint]:
         for param, node in arguments.given:
             if param.quantity.meaning == "joints" and _is_shown(node, span):
                 nodes[node] = None
-    facts = NameFacts(document)
+    facts = document.once(NameFacts)
     for statement in program.nodes(ast.Assign):
         target = statement.targets[0]
         if isinstance(target, ast.Name) and isinstance(statement.value, ast.List) and _is_shown(statement.value, span):

@@ -8,11 +8,11 @@ from collections.abc import Callable
 from math import degrees
 from typing import Any, Final
 
-from elitescript.assist.enclosing import scope_at
 from elitescript.assist.completion import parameter_at
 from elitescript.assist.cursor import CallAt, Cursor
 from elitescript.assist.describing import KEYWORDS, command_markdown, fenced, parameter_markdown, signal_markdown
 from elitescript.assist.document import Document
+from elitescript.assist.enclosing import scope_at
 from elitescript.assist.last_run import LastRun
 from elitescript.assist.names_in_strings import inputs, uses_of_name
 from elitescript.assist.own_names import (
@@ -134,7 +134,7 @@ def _function(document: Document, function: ast.FunctionDef) -> str:
 
 
 def _own(document: Document, own: OwnName, last_run: LastRun | None) -> str:
-    facts = NameFacts(document)
+    facts = document.once(NameFacts)
     parts = []
     first = own.bindings[0].node if own.bindings else None
     if isinstance(first, ast.FunctionDef) and len(own.bindings) == 1:

@@ -119,7 +119,7 @@ class NameFacts:
     def __init__(self, document: Document) -> None:
         self.document = document
         self._kinds = Kinds(document.symbols)
-        self._types = ValueTypes(document)
+        self._types = document.once(ValueTypes)
 
     def value(self, own: OwnName) -> Any:
         """Return the value that a name certainly has; an `Unknown` if there is none."""

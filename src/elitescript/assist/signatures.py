@@ -6,11 +6,11 @@ import ast
 import builtins
 from typing import Final
 
-from elitescript.assist.enclosing import scope_at
 from elitescript.assist.completion import parameter_at
 from elitescript.assist.cursor import CallAt, Cursor
 from elitescript.assist.describing import parameter_markdown
 from elitescript.assist.document import Document
+from elitescript.assist.enclosing import scope_at
 from elitescript.assist.own_names import function_of, function_text, method_of, own_name
 from elitescript.assist.python_texts import python_signature
 from elitescript.assist.units import element_names, element_unit

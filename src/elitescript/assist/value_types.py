@@ -123,7 +123,7 @@ def type_of_text(document: Document, text: str, scope: Scope) -> ValueType | Non
         node = ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return None
-    return ValueTypes(document).of(node, scope)
+    return document.once(ValueTypes).of(node, scope)
 
 
 def _own_attributes(scope: Scope) -> set[str]:

@@ -1,7 +1,7 @@
 """Writes repairs of numbers in other units: `d2r(-90)` for -90, 0.4 for 400.
 
-All numbers of a list are converted that have the same unit, since nobody mixes units in one list (*assumed*). No such
-repair is safe: it changes where the arm goes.
+With a doubtful number those of the same list are converted that have the same unit, but not the ones that plainly are in
+it already: lengths below 1 and quarters of a turn (*assumed*). No such repair is safe: it changes where the arm goes.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 from typing import TYPE_CHECKING, Final
 
+from elitescript.commands.definition.plausibility import is_quarter_turns
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.scopes import Resolution, Scope
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 _CONVERTED: Final = ("W230", "W231", "W232")
 _TO_RADIANS: Final = "d2r"
+_SHORTEST_MM: Final = 1.0
 
 
 def unit_fix(program: AnalysedProgram, doubted: Doubted) -> Fix | None:
@@ -37,7 +39,7 @@ def unit_fix(program: AnalysedProgram, doubted: Doubted) -> Fix | None:
         numbers = [
             element
             for index, element in enumerate(elements)
-            if (units[-1] if index >= 3 else units[0]) == unit and not _is_zero(element)
+            if (units[-1] if index >= 3 else units[0]) == unit and _is_foreign(element, is_angle)
         ]
     edits = []
     for number in numbers:
@@ -69,5 +71,9 @@ def _is_number(node: ast.expr) -> bool:
     return isinstance(node, ast.Constant) and type(node.value) in (int, float)
 
 
-def _is_zero(node: ast.expr) -> bool:
-    return _is_number(node) and ast.literal_eval(node) == 0
+def _is_foreign(node: ast.expr, is_angle: bool) -> bool:
+    """Return whether a number can be in degrees or millimetres."""
+    if not _is_number(node):
+        return False
+    value = abs(float(ast.literal_eval(node)))
+    return not is_quarter_turns(value) if is_angle else value >= _SHORTEST_MM
