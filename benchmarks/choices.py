@@ -13,7 +13,18 @@ from benchmarks.measure import best_of_calls, environment, least, middle, proces
 from benchmarks.table import Row, Time, timed_row
 
 SWITCHES = 20_000
-MODULES = ("argparse", "click", "asyncio", "trio", "greenlet", "msgspec", "numpy", "asyncssh", "serial", "pygls.lsp.server")
+MODULES = (
+    "argparse",
+    "click",
+    "asyncio",
+    "trio",
+    "greenlet",
+    "msgspec",
+    "numpy",
+    "asyncssh",
+    "serial",
+    "pygls.lsp.server",
+)
 JAIL = """
 from time import perf_counter, process_time
 from elitescript.services.child.jail import enter_jail
