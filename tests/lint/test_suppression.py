@@ -2,6 +2,8 @@ from __future__ import annotations
 
 import pytest
 
+from elitescript.language.diagnostics import diagnostic
+from elitescript.lint.suppression import hiding
 from tests.lint.checking import body, found
 
 
@@ -37,3 +39,19 @@ def test_a_text_in_a_string_is_no_comment():
 
 def test_other_comments_hide_nothing():
     assert body("textmsg(nothing)  # check: this", "textmsg(nothing)  # ignore") == ["W201 2:11", "W201 3:11"]
+
+
+@pytest.mark.parametrize(
+    ("row", "masked", "expected"),
+    [
+        ("  x = y", "  x = y", "  x = y  # check: ignore[W201]"),
+        ("  x = y   ", "  x = y   ", "  x = y  # check: ignore[W201]"),
+        ("x # why", "x      ", "x # why  # check: ignore[W201]"),
+        ("x # check: ignore[W203]", "x" + " " * 22, "x # check: ignore[W203, W201]"),
+        ("x #check:ignore[ W203,E305 ] why", "x" + " " * 30, "x # check: ignore[W203, E305, W201] why"),
+        ("'# check: ignore[W1]'", '"' * 21, "'# check: ignore[W1]'  # check: ignore[W201]"),
+    ],
+)
+def test_the_comment_that_hides_a_problem(row, masked, expected):
+    start, end, text = hiding(diagnostic("W201", 1, 1, "text"), row, masked)
+    assert row[:start] + text + row[end:] == expected

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
+from itertools import accumulate
 from typing import Any, TypeVar
 
 from elitescript.assist.names import Names
@@ -22,7 +23,7 @@ from elitescript.language.text.source import BOM, SourceFile
 from elitescript.lint.engine import problems_of
 from elitescript.lint.program import AnalysedProgram
 from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES, Profile
-from elitescript.records import record
+from elitescript.records import field, record
 
 _Found = TypeVar("_Found")
 
@@ -38,12 +39,15 @@ class Settings:
         strict: as `check --strict`.
         arm: facts of the arm; None leaves out what depends on it.
         presets: names of globals that have a value before the program begins.
+        names: names of what is beside the robot, by kind: `address` (of servers), `file` (of the task folder), and the
+            kinds of `names.STRING_NAMES`. Completion in strings offers them.
     """
 
     profile: Profile = PROFILES[DEFAULT_FIRMWARE]
     strict: bool = False
     arm: ArmFacts | None = None
     presets: frozenset[str] = frozenset()
+    names: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 class Document:
@@ -86,14 +90,24 @@ class Document:
         return self.source.line(number)
 
     def offset(self, line: int, column: int) -> int:
-        """Return the offset in `text` of a place; places outside the text are moved into it."""
+        """Return the offset in `text` of a place; places outside the text are moved into it.
+
+        Column 0 of the first line is in front of the byte order mark.
+        """
         line = min(max(line, 1), self.line_count)
-        return self._starts[line - 1] + min(max(column - 1, 0), len(self.line(line)))
+        start = self._starts[line - 1]
+        first = -start if line == 1 else 0
+        return start + min(max(column - 1, first), len(self.line(line)))
 
     def place(self, offset: int) -> tuple[int, int]:
         """Return line and column of an offset in `text`."""
         line = max(1, bisect_right(self._starts, offset))
         return line, min(max(0, offset - self._starts[line - 1]), len(self.line(line))) + 1
+
+    @cached_property
+    def source_starts(self) -> list[int]:
+        """Offset in `source.text` at which each line starts."""
+        return list(accumulate((len(row) + 1 for row in self.source.lines[:-1]), initial=0))
 
     def edited(self, edits: Iterable[Edit], version: int) -> Document:
         """Return the text after edits that are made one after the other, each in what the one before left."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Final
 
 from elitescript.language.diagnostics import Diagnostic, Edit
@@ -37,7 +38,7 @@ def repaired(name: str, text: str, profile: Profile, *, strict: bool = False) ->
     refused: set[tuple[str, int, int]] = set()
     problems = check_source(SourceFile(name, text), profile, strict=strict)
     for _ in range(_MOST_PASSES):
-        chosen = _apart([problem for problem in problems if _key(problem) not in refused and _is_safe(problem)])
+        chosen = apart([problem for problem in problems if _key(problem) not in refused and _is_safe(problem)])
         if not chosen:
             break
         new = apply_fixes(text, [problem.fix for problem in chosen if problem.fix is not None])
@@ -62,7 +63,7 @@ def _errors(problems: tuple[Diagnostic, ...]) -> int:
     return sum(problem.is_error for problem in problems)
 
 
-def _apart(problems: list[Diagnostic]) -> list[Diagnostic]:
+def apart(problems: Iterable[Diagnostic]) -> list[Diagnostic]:
     """Return those whose fixes do not touch the same text; the others are left for the next pass."""
     taken: list[Edit] = []
     chosen = []

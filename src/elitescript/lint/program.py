@@ -10,7 +10,7 @@ from typing import Final, TypeVar
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.plausibility import JUDGES, KINDS, ArmFacts, Doubt, mistaken
-from elitescript.commands.definition.registry import Command
+from elitescript.commands.definition.registry import Command, Param
 from elitescript.commands.definition.reserved import GENERATED_PREFIXES
 from elitescript.commands.definition.vocabulary import vocabulary_of
 from elitescript.language.advice.unknown_names import KNOWN, advice
@@ -63,10 +63,21 @@ class CommandCall(NamedTuple):
 
 
 class Doubted(NamedTuple):
-    """Pairs a doubt about an argument with the expression."""
+    """A doubt about an argument.
+
+    Attributes:
+        node: the expression that is doubtful: the argument, or an element of it.
+        doubt: what is doubtful.
+        param: the parameter.
+        whole: the argument.
+        scope: where it stands.
+    """
 
     node: ast.expr
     doubt: Doubt
+    param: Param
+    whole: ast.expr
+    scope: Scope
 
 
 class AnalysedProgram:
@@ -295,7 +306,8 @@ class AnalysedProgram:
                     reported += [] if other is None else [other]
                 for doubt in reported:
                     text = f"{called.command.name}: {param.name}{doubt.text}"
-                    found.append(Doubted(element(node, doubt.element), doubt._replace(text=text)))
+                    doubt = doubt._replace(text=text)
+                    found.append(Doubted(element(node, doubt.element), doubt, param, node, called.scope))
         return tuple(found)
 
 

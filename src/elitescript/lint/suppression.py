@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from functools import cache
 
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.text.lexer import lex
@@ -25,16 +26,40 @@ def without_suppressed(problems: Iterable[Diagnostic], source: SourceFile) -> li
     return [problem for problem in found if not _is_hidden(problem, hidden)]
 
 
+def can_be_hidden(problem: Diagnostic) -> bool:
+    """Return whether a comment can hide a problem."""
+    return not (problem.is_error and problem.code[:2] in ("E0", "E1"))
+
+
+def hiding(problem: Diagnostic, row: str, masked: str) -> tuple[int, int, str]:
+    """Return the comment that hides a problem: start and end, from 0, of what it replaces in a row, and the text.
+
+    Args:
+        problem: one that can be hidden.
+        row: the line in which it begins.
+        masked: the same without what is in strings and comments.
+    """
+    found = _pattern().search(row, len(masked.rstrip()))
+    if found is None:
+        end = len(row.rstrip())
+        return end, len(row), f"{'  ' if end else ''}# {_MARK} ignore[{problem.code}]"
+    codes = [*(found["codes"] or "").replace(",", " ").split(), problem.code]
+    return found.start(), found.end(), f"# {_MARK} ignore[{', '.join(dict.fromkeys(codes))}]"
+
+
 def _is_hidden(problem: Diagnostic, hidden: dict[int, frozenset[str]]) -> bool:
     codes = hidden.get(problem.line)
-    if codes is None or (problem.is_error and problem.code[:2] in ("E0", "E1")):
-        return False
-    return not codes or problem.code in codes
+    return codes is not None and can_be_hidden(problem) and (not codes or problem.code in codes)
+
+
+@cache
+def _pattern() -> re.Pattern[str]:
+    return re.compile(r"#\s*check:\s*ignore\b(?:\s*\[(?P<codes>[^\]]*)\])?")
 
 
 def _suppressions(source: SourceFile) -> dict[int, frozenset[str]]:
     """Return by line the codes that are hidden there; none means all of them."""
-    pattern = re.compile(r"#\s*check:\s*ignore\b(?:\s*\[(?P<codes>[^\]]*)\])?")
+    pattern = _pattern()
     lexed = lex(source.text)
     found = {}
     for number, row in enumerate(source.lines, 1):

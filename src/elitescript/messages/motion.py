@@ -18,6 +18,17 @@ BLEND_SHARE: Final = 0.5
 RADIUS_SHORTENED: Final = "r = {r:g} m is shortened to {most:.4g} m: a blend takes at most half of a move"
 """Text of the warning about a longer radius (W235)."""
 
+
+def shortened_radius(text: str) -> tuple[float, float] | None:
+    """Return the radius that was asked for and the one that is used, m, from that warning; None for another text."""
+    words = RADIUS_SHORTENED.split("{")
+    asked, middle, used = text.partition(words[1].partition("}")[2])
+    behind = words[2].partition("}")[2]
+    if not middle or not asked.startswith(words[0]) or not used.endswith(behind):
+        return None
+    return float(asked.removeprefix(words[0])), float(used.removesuffix(behind))
+
+
 RADIUS_HINT: Final = "choose r up to {most:.4g}, or leave more way between the points"
 
 Six = tuple[float, float, float, float, float, float]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, Final
 
 from elitescript.messages.events import (
@@ -19,26 +19,46 @@ from elitescript.messages.events import (
 )
 from elitescript.messages.timing import seconds
 from elitescript.plotting.packing import shown_text
+from elitescript.records import NamedTuple
 
 MOVES_MAX: Final = 2000
 MARKS_MAX: Final = 800
 
 
+class TimedMove(NamedTuple):
+    """A move that took time."""
+
+    start_s: float
+    end_s: float
+    kind: str
+    """`movej`, `movel` ..."""
+    line: int
+
+
 def moves(events: Sequence[Event], end_s: float) -> list[list[Any]]:
-    """Return start, end, kind and line of every move that took time, s."""
-    found: list[list[Any]] = []
-    under_way: MotionStarted | None = None
-    for event in events:
-        if isinstance(event, MotionStarted):
-            _close(found, under_way, seconds(event.tick))
-            under_way = event
-        elif isinstance(event, MotionEnded):
-            _close(found, under_way, seconds(event.tick))
-            under_way = None
-    _close(found, under_way, end_s)
+    """Return start, end, kind and line of every move that took time, s; of a long run neighbours become one."""
+    found: list[list[Any]] = [list(move) for move in timed_moves(events, end_s)]
     while len(found) > MOVES_MAX:
         found = [_joined(found[index : index + 2]) for index in range(0, len(found), 2)]
     return found
+
+
+def timed_moves(events: Iterable[Event], end_s: float) -> Iterator[TimedMove]:
+    """Yield every move that took time.
+
+    Args:
+        events: of a run.
+        end_s: end of the run, s: a move that is under way lasts until then.
+    """
+    under_way: MotionStarted | None = None
+    for event in events:
+        if isinstance(event, MotionStarted):
+            yield from _closed(under_way, seconds(event.tick))
+            under_way = event
+        elif isinstance(event, MotionEnded):
+            yield from _closed(under_way, seconds(event.tick))
+            under_way = None
+    yield from _closed(under_way, end_s)
 
 
 def marks(events: Sequence[Event]) -> tuple[list[dict[str, Any]], int]:
@@ -84,9 +104,9 @@ def _entry(kind: str, tick: int, text: str, line: int) -> dict[str, Any]:
     return {"kind": kind, "t": seconds(tick), "text": shown_text(text), "line": line}
 
 
-def _close(found: list[list[Any]], move: MotionStarted | None, end_s: float) -> None:
+def _closed(move: MotionStarted | None, end_s: float) -> Iterator[TimedMove]:
     if move is not None and end_s > seconds(move.tick) and move.duration_s > 0.0:
-        found.append([seconds(move.tick), end_s, type(move.request).__name__.lower(), move.line])
+        yield TimedMove(seconds(move.tick), end_s, type(move.request).__name__.lower(), move.line)
 
 
 def _joined(pair: Sequence[list[Any]]) -> list[Any]:

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.lint.checking import body, marked, only
+from tests.lint.checking import body, marked, only, repaired
 
 
 @pytest.mark.parametrize(
@@ -72,3 +72,12 @@ def test_a_keyword_is_underlined_with_its_value():
 def test_a_function_of_the_program_is_not_the_command():
     assert [f for f in body("def sleep(a1, b1):", "  pass", "sleep(1, 2)") if f.startswith("E")] == []
     assert [f for f in body("def f(sleep):", "  sleep(1, 2)", "f(max)") if f.startswith("E")] == []
+
+
+def test_a_misspelt_keyword_is_repaired_by_hand_only():
+    text = "def job():\n  socket_close(socket_nam='a')\nend\n"
+    problem = only(text)
+    assert problem.fix is not None
+    assert not problem.fix.safe
+    assert repaired(text) == text.replace("socket_nam=", "socket_name=")
+    assert only("def job():\n  socket_close(wrong='a')\nend\n").fix is None

@@ -130,3 +130,9 @@ def test_a_line_that_could_not_be_read_may_define_the_name():
 
 def test_special_names_are_the_business_of_the_compiler():
     assert {code[:4] for code in body("textmsg(__file__)")} == {"E115"}
+
+
+def test_a_module_is_imported_and_a_local_variable_of_another_function_shared():
+    assert repaired("def job():\n  textmsg(math.pi)\nend\n") == "def job():\n  import math\n  textmsg(math.pi)\nend\n"
+    text = "def job():\n  def fill():\n    level = 1\n    textmsg(level)\n  end\n  fill()\n  textmsg(level)\nend\n"
+    assert repaired(text) == text.replace("    level = 1", "    global level\n    level = 1")

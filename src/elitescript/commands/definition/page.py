@@ -74,7 +74,7 @@ def describe(command: Command) -> str:
         lines += ["", "Raises:"]
         for name, text in details.raises.items():
             lines += _entry(name, text)
-    lines += ["", *_notes(command)]
+    lines += ["", *notes(command)]
     return "\n".join(lines)
 
 
@@ -157,7 +157,8 @@ def _row(command: Command) -> str:
     return f"  {mark} {command.signature}{since}"
 
 
-def _notes(command: Command) -> list[str]:
+def notes(command: Command) -> list[str]:
+    """Return what is to be known besides: release, evidence, other names, limits; one sentence each."""
     notes = [source_of(command).capitalize() + "."]
     if command.alias_of:
         notes.append(f"Another name of {command.alias_of}.")

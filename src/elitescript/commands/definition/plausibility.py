@@ -134,8 +134,13 @@ def _pose(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
 
 
 def _is_quarter(number: float) -> bool:
+    return number > QUARTER_ROOM and is_quarter_turns(number)
+
+
+def is_quarter_turns(number: float) -> bool:
+    """Return whether an angle, rad, is a rounded multiple of a quarter of a turn, from 0 to a full one."""
     turns = round(number / (0.5 * pi))
-    return 1 <= turns <= 4 and abs(number - turns * 0.5 * pi) <= QUARTER_ROOM
+    return 0 <= turns <= 4 and abs(number - turns * 0.5 * pi) <= QUARTER_ROOM
 
 
 def _transform(value: Any, most_m: float) -> Iterator[Doubt]:

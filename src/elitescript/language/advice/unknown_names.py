@@ -80,7 +80,7 @@ def advice(
             return WORDS[name], f"write {WORDS[name]}"
         if name in AVAILABLE:
             return "", f"write `import {name}` before it"
-        owner = _owner(name, symbols)
+        owner = owner_of(name, symbols)
         if owner is not None:
             return "", f"it is a local variable of `{owner.name}`; declare it `global` there to share it"
     if not is_searched:
@@ -120,7 +120,7 @@ def _visible(name: str, scope: Scope, symbols: Symbols, names: Names) -> set[str
     return found
 
 
-def _owner(name: str, symbols: Symbols) -> Scope | None:
+def owner_of(name: str, symbols: Symbols) -> Scope | None:
     """Return a function that has a local variable of that name."""
     functions = (scope for scope in symbols.scopes if scope.kind == "function")
     return next((scope for scope in functions if scope.has_local(name) and name not in scope.parameters), None)

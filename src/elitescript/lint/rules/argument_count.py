@@ -10,9 +10,12 @@ The rules are those of the run: names may be spelt as the manuals spell them, an
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Iterator
 
-from elitescript.lint.program import AnalysedProgram
+from elitescript.language.advice.unknown_names import nearest
+from elitescript.language.diagnostics import Edit, Fix
+from elitescript.lint.program import AnalysedProgram, CommandCall
 from elitescript.lint.registry import Finding, rule
 
 
@@ -21,4 +24,15 @@ def argument_count(program: AnalysedProgram) -> Iterator[Finding]:
     """Report what is surplus, missing, misnamed or given twice."""
     for called, arguments in zip(program.command_calls, program.arguments, strict=True):
         for misfit in arguments.misfits:
-            yield Finding(misfit.node, misfit.text, called.command.call_hint)
+            yield Finding(misfit.node, misfit.text, called.command.call_hint, _fix(program, called, misfit.node))
+
+
+def _fix(program: AnalysedProgram, called: CommandCall, node: ast.AST) -> Fix | None:
+    """Return the repair of a misspelt keyword; None for anything else."""
+    if not isinstance(node, ast.keyword) or not node.arg:
+        return None
+    names = [param.name for param in called.command.params]
+    meant = nearest(node.arg, names) if node.arg not in names else ""
+    line, column = program.symbols.place(node)
+    edit = Edit(line, column, line, column + len(node.arg), meant)
+    return Fix(f"write {meant}", (edit,), safe=False) if meant else None

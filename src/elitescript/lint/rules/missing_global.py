@@ -18,12 +18,11 @@ counts where only other functions read it: what the function itself uses is mean
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Iterator
 from typing import Final
 
-from elitescript.language.diagnostics import Edit, Fix
-from elitescript.language.symbols import Binding, Scope
+from elitescript.language.symbols import Scope
+from elitescript.lint.insertions import declare_global
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -46,7 +45,7 @@ def missing_global(program: AnalysedProgram) -> Iterator[Finding]:
                     program.name_span(first.node, name),
                     f"`{name}` is a local variable here; {_place(owner)} declares it global",
                     f"write `global {name}` at the start of {_place(scope)}, or use another name",
-                    _fix(first, scope, program),
+                    declare_global(program, name, scope),
                 )
 
 
@@ -87,16 +86,3 @@ def _place(scope: Scope) -> str:
     if scope.kind == "body":
         return "the program" if not scope.name else f"the program `{scope.name}`"
     return f"the function `{scope.name}`" if scope.name else "another function"
-
-
-def _fix(binding: Binding, scope: Scope, program: AnalysedProgram) -> Fix | None:
-    statements = scope.statements
-    first = statements[0]
-    is_docstring = isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant)
-    if is_docstring and len(statements) > 1:
-        first = statements[1]
-    line, column = program.symbols.place(first)
-    before = program.source.line(line)[: column - 1]
-    separator = "; " if before.strip() else f"\n{before}"
-    edit = Edit(line, column, line, column, f"global {binding.name}{separator}")
-    return Fix(f"declare `{binding.name}` global", (edit,), safe=False)

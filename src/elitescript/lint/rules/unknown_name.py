@@ -13,8 +13,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from elitescript.language.advice.unknown_names import WORDS
+from elitescript.language.advice.unknown_names import WORDS, owner_of
 from elitescript.language.diagnostics import Edit, Fix
+from elitescript.language.modules import AVAILABLE
+from elitescript.lint.insertions import declare_global, import_module
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -25,6 +27,11 @@ def unknown_name(program: AnalysedProgram) -> Iterator[Finding]:
     if program.shares_globals:
         return
     for use, meant, hint in program.undefined(is_call=False):
-        edits = (Edit(*program.span(use.node), meant),)
-        fix = Fix(f"write {meant}", edits, safe=use.name in WORDS) if meant else None
+        fix = None
+        if meant:
+            fix = Fix(f"write {meant}", (Edit(*program.span(use.node), meant),), safe=use.name in WORDS)
+        elif use.name in AVAILABLE:
+            fix = import_module(program, use.name)
+        elif (owner := owner_of(use.name, program.symbols)) is not None:
+            fix = declare_global(program, use.name, owner)
         yield Finding(use.node, f"the name `{use.name}` is not defined", hint, fix)

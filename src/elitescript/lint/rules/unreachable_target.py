@@ -32,7 +32,7 @@ _TARGETS: Final = ("W230", "W231", "W237")
 def unreachable_target(program: AnalysedProgram) -> Iterator[Finding]:
     """Report targets outside the joint limits, or out of reach."""
     places = TargetPlaces(program)
-    doubted = {node for node, doubt in program.doubts if doubt.code in _TARGETS}
+    doubted = {doubted.node for doubted in program.doubts if doubted.doubt.code in _TARGETS}
     refused = {refusal.node for refusal in program.refusals}
     for called, arguments in zip(program.command_calls, program.arguments, strict=True):
         name = called.command.alias_of or called.command.name

@@ -18,6 +18,7 @@ from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.registry import Command
 from elitescript.commands.definition.vocabulary import newer_firmware_hint, newer_firmware_text
 from elitescript.errors import FirmwareError, ScriptPermissionError, ScriptStateError
+from elitescript.language.builtin_names import REFUSED_BUILTINS, WITHHELD_ERRORS
 from elitescript.language.hooks import CHECKPOINT, FORMAT, LINE, PAY, RANGE, STOP, TICK
 from elitescript.messages.profile import Profile, release_of
 from elitescript.runtime.files import OpenFiles
@@ -46,15 +47,10 @@ _REAL_NAMES: Final = (
 )
 """Built-ins that scripts get as they are."""
 
-_WITHHELD_ERRORS: Final = frozenset(
-    ("BaseExceptionGroup", "ExceptionGroup", "KeyboardInterrupt", "PythonFinalizationError")
-)
-"""Not for scripts: groups can rebuild uncatchable exceptions, an interrupt belongs to the user."""
-
 _ERRORS: Final = [
     name
     for name, value in vars(builtins).items()
-    if isinstance(value, type) and issubclass(value, BaseException) and name not in _WITHHELD_ERRORS
+    if isinstance(value, type) and issubclass(value, BaseException) and name not in WITHHELD_ERRORS
 ]
 
 _REAL: Final[dict[str, Any]] = {
@@ -68,17 +64,6 @@ _REAL: Final[dict[str, Any]] = {
     "unichr": chr,
 }
 """Objects that no script can change; all runs share them."""
-
-_REFUSED: Final = {
-    "breakpoint": "the robot has no debugger on a terminal",
-    "compile": "eval() computes an expression, exec() runs statements",
-    "globals": "a program's globals are its `global` names",
-    "help": "see `elitescript commands NAME`",
-    "locals": "name the variables one by one",
-    "memoryview": "bytes and bytearray hold binary data",
-    "vars": "name the attributes one by one",
-}
-"""Built-ins that lead to hidden objects or to the computer, with their replacements."""
 
 
 class Bindings:
@@ -254,7 +239,7 @@ def _leaving(context: Context, name: str) -> Callable[..., None]:
 
 
 def _refusal(name: str, _run: Bindings) -> Callable[..., NoReturn]:
-    advice = _REFUSED[name]
+    advice = REFUSED_BUILTINS[name]
 
     def refuse(*args: Any, **kwargs: Any) -> NoReturn:
         """Refuse.
@@ -325,7 +310,7 @@ def _line(context: Context) -> Callable[..., None]:
 
 
 _MADE: Final[dict[str, Callable[[Bindings], Any]]] = {
-    **{name: partial(_refusal, name) for name in _REFUSED},
+    **{name: partial(_refusal, name) for name in REFUSED_BUILTINS},
     "KeyboardInterrupt": lambda run: _stand_in("KeyboardInterrupt"),
     "copy": _preloaded,
     "delattr": _copy_of(checked_delattr),

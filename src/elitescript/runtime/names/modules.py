@@ -15,52 +15,9 @@ from collections.abc import Callable
 from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any, Final, NoReturn, Protocol
 
-from elitescript.language.modules import AVAILABLE, NETWORK
+from elitescript.language.modules import AVAILABLE, COPIED_NAMES, NETWORK, SHARED_NAMES
 from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.runtime.stdlib.loader import ABSENT, CopyLoader, forwarded, real
-
-SHARED_NAMES: Final[dict[str, str]] = {
-    "base64": "b64encode b64decode standard_b64encode standard_b64decode urlsafe_b64encode urlsafe_b64decode"
-    " b32encode b32decode b16encode b16decode b85encode b85decode a85encode a85decode encodebytes decodebytes",
-    "binascii": "a2b_base64 a2b_hex a2b_uu b2a_base64 b2a_hex b2a_uu crc32 crc_hqx hexlify unhexlify Error Incomplete",
-    "bisect": "bisect bisect_left bisect_right insort insort_left insort_right",
-    "cmath": "*",
-    "copy": "copy deepcopy Error",
-    "decimal": "Decimal Context getcontext setcontext localcontext Clamped ConversionSyntax DecimalException"
-    " DivisionByZero DivisionImpossible DivisionUndefined FloatOperation Inexact InvalidContext InvalidOperation"
-    " Overflow Rounded Subnormal Underflow MAX_EMAX MAX_PREC MIN_EMIN MIN_ETINY ROUND_05UP ROUND_CEILING ROUND_DOWN"
-    " ROUND_FLOOR ROUND_HALF_DOWN ROUND_HALF_EVEN ROUND_HALF_UP ROUND_UP",
-    "hashlib": "md5 sha1 sha224 sha256 sha384 sha512 sha3_224 sha3_256 sha3_384 sha3_512 shake_128 shake_256 blake2b"
-    " blake2s new pbkdf2_hmac algorithms_guaranteed",
-    "heapq": "heappush heappop heapify heapreplace heappushpop merge nlargest nsmallest",
-    "math": "*",
-    "operator": "abs add and_ concat contains countOf delitem eq floordiv ge getitem gt iadd iand iconcat ifloordiv"
-    " ilshift imatmul imod imul index indexOf inv invert ior ipow irshift is_ is_not isub itemgetter itruediv ixor le"
-    " length_hint lshift lt matmul mod mul ne neg not_ or_ pos pow rshift setitem sub truediv truth xor",
-    "struct": "calcsize error iter_unpack pack pack_into unpack unpack_from Struct",
-}
-"""Names of the installed module; `*` stands for all its public ones. Without functions that return any attribute."""
-
-COPIED_NAMES: Final[dict[str, str]] = {
-    "collections": "ChainMap Counter OrderedDict UserDict UserList UserString defaultdict deque namedtuple",
-    "collections.abc": "*",
-    "dataclasses": "FrozenInstanceError InitVar KW_ONLY MISSING asdict astuple dataclass field fields is_dataclass"
-    " replace",
-    "datetime": "MAXYEAR MINYEAR UTC date datetime time timedelta timezone tzinfo",
-    "enum": "Enum Flag IntEnum IntFlag StrEnum auto member nonmember unique",
-    "fractions": "Fraction",
-    "functools": "cache cached_property cmp_to_key lru_cache partial partialmethod reduce total_ordering",
-    "json": "JSONDecodeError JSONDecoder JSONEncoder dump dumps load loads",
-    "queue": "Empty Full LifoQueue PriorityQueue Queue SimpleQueue ShutDown",
-    "statistics": "*",
-    "string": "Template ascii_letters ascii_lowercase ascii_uppercase capwords digits hexdigits octdigits printable"
-    " punctuation whitespace",
-    "textwrap": "TextWrapper dedent fill indent shorten wrap",
-    "threading": "Barrier BoundedSemaphore BrokenBarrierError Condition Event Lock RLock Semaphore TIMEOUT_MAX Thread"
-    " ThreadError Timer active_count activeCount current_thread currentThread enumerate get_ident get_native_id local"
-    " main_thread",
-}
-"""Names of a private copy; those that this Python does not have are left out."""
 
 
 class Facade(metaclass=Sealed):

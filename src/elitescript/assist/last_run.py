@@ -1,0 +1,94 @@
+"""What editors show of the last run of a text: times of moves, values, blends, alarms.
+
+Made elsewhere from a run; here it is only read, and mapped to a text that was changed since.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from elitescript.language.text.source import SourceFile
+from elitescript.records import NamedTuple, field, record
+
+
+class LineTime(NamedTuple):
+    """Time that a line took.
+
+    Attributes:
+        times: how often.
+        total_s: in all, s.
+    """
+
+    times: int
+    total_s: float
+
+
+class ShortenedBlend(NamedTuple):
+    """A blend radius that was lowered: what was asked for and what was used, m."""
+
+    asked_m: float
+    used_m: float
+
+
+class RunAlarm(NamedTuple):
+    """An alarm that stopped the run."""
+
+    line: int
+    code: str
+    text: str
+
+
+class SameLines(NamedTuple):
+    """Which lines of a text are those that ran.
+
+    Attributes:
+        before: lines up to this one did not change.
+        behind: lines from the one behind this one on did not change.
+        shift: what to add to the number of a line behind, to get that of the line that ran.
+    """
+
+    before: int
+    behind: int
+    shift: int
+
+    def ran(self, line: int) -> int:
+        """Return the number that a line had in the run; 0 if it has changed since."""
+        if line <= self.before:
+            return line
+        return line + self.shift if line > self.behind else 0
+
+
+@record
+class LastRun:
+    """What is kept of a run. Lines are those of the text that ran.
+
+    Attributes:
+        text: the text that ran.
+        duration_s: of the run, virtual time, s.
+        moves: times of moves, by line.
+        lines: time that the program stayed in a line, moving or not, by line; `times` is how often it ran, 0 if that is
+            not known.
+        values: last values of variables as text, by scope: `""` for globals and the body of the program, else the name
+            of the function.
+        blends: radii that were shortened, by line.
+        alarms: what stopped it.
+    """
+
+    text: str
+    duration_s: float = 0.0
+    moves: Mapping[int, LineTime] = field(default_factory=dict)
+    lines: Mapping[int, LineTime] = field(default_factory=dict)
+    values: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    blends: Mapping[int, ShortenedBlend] = field(default_factory=dict)
+    alarms: tuple[RunAlarm, ...] = ()
+
+    def same_lines(self, rows: Sequence[str]) -> SameLines:
+        """Return which lines of the text now are those that ran.
+
+        Lines in front of the first changed one, and those behind the last changed one, are the same.
+        """
+        ran = SourceFile("", self.text).lines
+        most = min(len(ran), len(rows))
+        first = next((index for index in range(most) if ran[index] != rows[index]), most)
+        last = next((index for index in range(most - first) if ran[-1 - index] != rows[-1 - index]), most - first)
+        return SameLines(first, len(rows) - last, len(ran) - len(rows))

@@ -1,0 +1,21 @@
+"""Lists the built-ins of Python that a program does not get. Plain data, shared by the runtime and editors."""
+
+from __future__ import annotations
+
+from typing import Final
+
+REFUSED_BUILTINS: Final = {
+    "breakpoint": "the robot has no debugger on a terminal",
+    "compile": "eval() computes an expression, exec() runs statements",
+    "globals": "a program's globals are its `global` names",
+    "help": "see `elitescript commands NAME`",
+    "locals": "name the variables one by one",
+    "memoryview": "bytes and bytearray hold binary data",
+    "vars": "name the attributes one by one",
+}
+"""Built-ins that lead to hidden objects or to the computer, with their replacements."""
+
+WITHHELD_ERRORS: Final = frozenset(
+    ("BaseExceptionGroup", "ExceptionGroup", "KeyboardInterrupt", "PythonFinalizationError")
+)
+"""Not for scripts: groups can rebuild uncatchable exceptions, an interrupt belongs to the user."""

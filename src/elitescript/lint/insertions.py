@@ -1,0 +1,36 @@
+"""Writes repairs that insert a statement at the start of a function or of the program."""
+
+from __future__ import annotations
+
+import ast
+from typing import TYPE_CHECKING
+
+from elitescript.language.diagnostics import Edit, Fix
+from elitescript.language.scopes import Scope
+
+if TYPE_CHECKING:
+    from elitescript.lint.program import AnalysedProgram
+
+
+def declare_global(program: AnalysedProgram, name: str, scope: Scope) -> Fix:
+    """Return the repair that declares a name global in a scope."""
+    where = f" in `{scope.name}`" if scope.name else ""
+    return Fix(f"declare `{name}` global{where}", (_first(program, f"global {name}", scope),), safe=False)
+
+
+def import_module(program: AnalysedProgram, name: str) -> Fix:
+    """Return the repair that imports a module at the start of the program."""
+    return Fix(f"import {name}", (_first(program, f"import {name}", program.symbols.body),), safe=False)
+
+
+def _first(program: AnalysedProgram, statement: str, scope: Scope) -> Edit:
+    """Return the edit that puts a statement in front of the first one of a scope, behind its docstring."""
+    statements = scope.statements
+    first = statements[0]
+    is_docstring = isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant)
+    if is_docstring and len(statements) > 1:
+        first = statements[1]
+    line, column = program.symbols.place(first)
+    before = program.source.line(line)[: column - 1]
+    separator = "; " if before.strip() else f"\n{before}"
+    return Edit(line, column, line, column, f"{statement}{separator}")

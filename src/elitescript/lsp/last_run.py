@@ -1,0 +1,58 @@
+"""Makes what editors show of the last run out of the record of that run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from elitescript.assist.last_run import LastRun, LineTime, RunAlarm, ShortenedBlend
+from elitescript.assist.units import value_text
+from elitescript.messages.events import Warned
+from elitescript.messages.motion import shortened_radius
+from elitescript.plotting.events import timed_moves
+from elitescript.plotting.line_times import LineStretch
+from elitescript.run import Run
+
+_NO_COUNTS: Mapping[int, int] = {}
+_NO_VALUES: Mapping[str, Mapping[str, str]] = {}
+
+
+def last_run_of(
+    run: Run,
+    text: str,
+    *,
+    stretches: Iterable[LineStretch] = (),
+    counts: Mapping[int, int] = _NO_COUNTS,
+    values: Mapping[str, Mapping[str, str]] = _NO_VALUES,
+) -> LastRun:
+    """Return what editors show of a run that has ended.
+
+    Args:
+        run: the record.
+        text: the text that ran.
+        stretches: times during which the main thread stayed in one line.
+        counts: how often each line ran, if statements were counted.
+        values: last values of variables by scope, as `LastRun.values`; those of globals are taken from the run.
+    """
+    moves: dict[int, LineTime] = {}
+    for move in timed_moves(run.events, run.time_s):
+        before = moves.get(move.line, LineTime(0, 0.0))
+        moves[move.line] = LineTime(before.times + 1, before.total_s + move.end_s - move.start_s)
+    blends = {}
+    for event in run.events:
+        radii = shortened_radius(event.text) if isinstance(event, Warned) and event.line else None
+        if radii is not None and isinstance(event, Warned):
+            blends[event.line] = ShortenedBlend(*radii)
+    lines = {line: LineTime(count, 0.0) for line, count in counts.items()}
+    for stretch in stretches:
+        time = lines.get(stretch.line, LineTime(0, 0.0))
+        lines[stretch.line] = time._replace(total_s=time.total_s + stretch.end_s - stretch.start_s)
+    shown = {name: value_text(value) for name, value in run.globals.items()}
+    return LastRun(
+        text=text,
+        duration_s=run.time_s,
+        moves=moves,
+        lines=lines,
+        values={**values, "": {**values.get("", {}), **shown}},
+        blends=blends,
+        alarms=tuple(RunAlarm(alarm.line, alarm.code, alarm.text) for alarm in run.alarms),
+    )
