@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint types coverage flips invariants peers bench quoted figures picture reference docs golden dist lock clean
+.PHONY: help demo test lint types coverage flips invariants peers bench quoted figures picture reference docs golden vscode vscode-test dist lock clean
 
 help:
 	@echo "make demo        install, then run an example program"
@@ -25,6 +25,8 @@ help:
 	@echo "make reference   write docs/reference from the code"
 	@echo "make docs        build the site from docs and examples: build/site/html"
 	@echo "make golden      record the event traces of the examples again"
+	@echo "make vscode      pack the extension for VS Code: dist/elitescript-*.vsix"
+	@echo "make vscode-test its types, and its tests without an editor"
 	@echo "make dist        build wheel and sdist into dist/, check them, install and try the wheel in an environment of its own"
 	@echo "make lock        resolve the requirements-*.lock again (needs uv)"
 	@echo "make clean       remove .venv and caches"
@@ -133,6 +135,33 @@ docs: $(DOCS_READY)
 golden: $(READY)
 	$(BIN)/python tools/record_golden.py
 
+# Node comes from a Python package, in an environment of its own; the packages of the extension from its lock, without
+# their install scripts.
+NODE := build/node
+NODE_READY := $(NODE)/.ready
+EXTENSION := editors/vscode
+EXTENSION_READY := $(EXTENSION)/node_modules/.ready
+WITH_NODE := cd $(EXTENSION) && PATH="$(CURDIR)/$(NODE)/bin:$$PATH"
+
+$(NODE_READY): $(READY) requirements-vscode.lock
+	$(BIN)/python -m venv --clear $(NODE)
+	$(NODE)/bin/python -m pip install -qq --disable-pip-version-check --require-hashes -r requirements-vscode.lock
+	@touch $@
+
+$(EXTENSION_READY): $(NODE_READY) $(EXTENSION)/package-lock.json
+	$(WITH_NODE) npm ci --ignore-scripts --no-audit --no-fund --silent
+	@touch $@
+
+vscode: $(EXTENSION_READY)
+	@mkdir -p dist
+	$(WITH_NODE) npm run --silent types
+	$(WITH_NODE) npm run --silent build
+	$(WITH_NODE) npx --no-install vsce package --no-dependencies --out $(CURDIR)/dist
+
+vscode-test: $(EXTENSION_READY)
+	$(WITH_NODE) npm run --silent types
+	$(WITH_NODE) ELITESCRIPT=$(CURDIR)/$(BIN)/elitescript npm run --silent test
+
 # The tools have an environment of their own; the wheel is built from the sdist.
 dist: $(READY)
 	rm -rf dist build/dist
@@ -149,6 +178,7 @@ lock:
 	$(COMPILE) --extra dev --output-file requirements-dev.lock $(LOCK_FLAGS)
 	$(COMPILE) --extra docs --constraint requirements-dev.lock --output-file requirements-docs.lock $(LOCK_FLAGS)
 	$(COMPILE) --extra dist --output-file requirements-dist.lock $(LOCK_FLAGS)
+	$(COMPILE) --extra vscode --output-file requirements-vscode.lock $(LOCK_FLAGS)
 
 clean:
-	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis build dist
+	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis build dist $(EXTENSION)/node_modules $(EXTENSION)/build $(EXTENSION)/dist

@@ -15,7 +15,18 @@ from pathlib import Path
 
 from benchmarks.table import Row, as_data, print_rows
 
-MODULES = ("programs", "streams", "language_loop", "kinematics", "motion", "ticks", "serving", "devices", "choices")
+MODULES = (
+    "programs",
+    "streams",
+    "language_loop",
+    "kinematics",
+    "motion",
+    "ticks",
+    "serving",
+    "devices",
+    "choices",
+    "editor",
+)
 LONG = ("growth",)
 """Measured only by name: it takes ten minutes."""
 KNOWN = MODULES + LONG

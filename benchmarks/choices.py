@@ -13,7 +13,18 @@ from benchmarks.measure import best_of_calls, environment, least, middle, proces
 from benchmarks.table import Row, Time, timed_row
 
 SWITCHES = 20_000
-MODULES = ("argparse", "click", "asyncio", "trio", "greenlet", "msgspec", "numpy", "asyncssh", "serial")
+MODULES = (
+    "argparse",
+    "click",
+    "asyncio",
+    "trio",
+    "greenlet",
+    "msgspec",
+    "numpy",
+    "asyncssh",
+    "serial",
+    "pygls.lsp.server",
+)
 JAIL = """
 from time import perf_counter, process_time
 from elitescript.services.child.jail import enter_jail
@@ -35,7 +46,7 @@ def rows() -> list[Row]:
         table.append(timed_row("forward kinematics of one pose", ours, "us", other=theirs.cpu_s, beside="4x4 arrays"))
     else:
         table.append(timed_row("forward kinematics of one pose", ours, "us"))
-    names = [name for name in MODULES if find_spec(name)]
+    names = [name for name in MODULES if find_spec(name.partition(".")[0])]
     empty, *times = process_times([[sys.executable, "-c", text] for text in ("pass", *(f"import {n}" for n in names))])
     for name, took in zip(names, times, strict=True):
         beyond = Time(max(0.0, took.wall_s - empty.wall_s), max(0.0, took.cpu_s - empty.cpu_s))

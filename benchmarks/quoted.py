@@ -29,6 +29,7 @@ NO_FIGURE = (
     (RECORDS + "0006-no-pickle.md", "- Text costs time."),
     (DEPENDENCIES, "Sizes are those of the package alone"),
     ("docs/explanation/inside.md", "cost (`python -m benchmarks language_loop`)"),
+    (RECORDS + "0015-pygls.md", "| import (`python -m benchmarks choices`)"),
     (RECORDS + "0014-start.md", "Both processes of a run together"),
     (RECORDS + "0013-msgspec.md", "`python -m benchmarks ticks` prints what writing"),
 )
@@ -98,6 +99,7 @@ QUOTES = (
     Quote(DEPENDENCIES, "| greenlet 3 |", "choices", "import greenlet"),
     Quote(DEPENDENCIES, "| pyserial 3.5,", "choices", "import serial"),
     Quote(DEPENDENCIES, "| asyncssh 2,", "choices", "import asyncssh"),
+    Quote(DEPENDENCIES, "| pygls 2,", "choices", "import pygls.lsp.server"),
     Quote(DEPENDENCIES, "| numpy | floats", "choices", "import numpy"),
 )
 

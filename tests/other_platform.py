@@ -46,6 +46,8 @@ NOT_ON_WINDOWS = {
 }
 LOOKING_AT_THE_SYSTEM = ("ctypes", "shutil", "tempfile", "uuid")
 """Modules of the standard library that look at the system when they are imported."""
+OF_OTHERS = ("asyncssh", "mcp.server.stdio", "mcp.server.mcpserver", "pygls.lsp.server")
+"""Libraries of extras, which look at the system too."""
 MODULES_NOT_ON_WINDOWS = ("fcntl", "grp", "pty", "pwd", "readline", "resource", "syslog", "termios", "tty")
 PROGRAM = """
 def cell():
@@ -106,8 +108,10 @@ def _not_there(*_: object) -> None:
 
 
 def main(platform: str, piece: str, arguments: list[str]) -> int:
-    if piece == "record" and find_spec("asyncssh"):
-        import_module("asyncssh")
+    if piece == "record":
+        for name in OF_OTHERS:
+            if find_spec(name.partition(".")[0]):
+                import_module(name)
     pretend(platform)
     if piece == "record":
         import_all()

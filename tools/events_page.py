@@ -8,8 +8,8 @@ from dataclasses import MISSING, Field, fields
 from textwrap import dedent
 from typing import Final, get_args
 
-from elitescript.cli.output import jsonlines
-from elitescript.cli.output.event_records import record_of
+from elitescript.json_records import jsonlines
+from elitescript.json_records.events import record_of
 from elitescript.messages import events
 from elitescript.messages.enums import SafetyMode
 from elitescript.messages.events import Event

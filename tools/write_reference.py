@@ -32,6 +32,8 @@ from tools.options_page import keywords_module, options_page
 from tools.ports_page import ports_page
 from tools.primary_page import primary_page
 from tools.rtsi_page import rtsi_page
+from tools.textmate_grammar import PATH as GRAMMAR
+from tools.textmate_grammar import grammar_text
 
 FOLDER: Final = Path(__file__).resolve().parent.parent / "docs" / "reference"
 
@@ -249,7 +251,7 @@ MODULE: Final = FOLDER.parent.parent / "src" / "elitescript" / "kernel" / "optio
 
 
 def main() -> int:
-    """Write all pages, the module with the types of keywords, and those with the models."""
+    """Write all pages, the module with the types of keywords, those with the models, and the grammar for editors."""
     for name, page in PAGES.items():
         path = FOLDER / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -260,6 +262,8 @@ def main() -> int:
     for path, text in model_tables().items():
         path.write_text(text, encoding="utf-8", newline="\n")
         print(path)
+    GRAMMAR.write_text(grammar_text(), encoding="utf-8", newline="\n")
+    print(GRAMMAR)
     return 0
 
 

@@ -72,8 +72,9 @@ class VirtualRobot:
     Args:
         model: name of the arm, such as `"CS66"`, the path of a file that describes an arm of one's own, such as
             `"my_arm.toml"`, or a loaded model; that of the world file, else `"CS66"`, if None.
-        task_dir: folder that stands for the robot's task folder; if None, a program that comes from a file
-            gets that file's folder, and a program text gets an empty folder in memory.
+        task_dir: folder that stands for the robot's task folder, or contents of files by their names, as
+            `{"points.csv": b"1,2"}`, for one in memory; if None, a program that comes from a file gets that file's
+            folder, and a program text gets an empty folder in memory.
         task_dir_limit: bytes that programs may add to the task folder (default *assumed*).
         world: what is around the robot: a `World` of devices (`elitescript.testing.world`), or the path of a TOML file
             that declares one, with options of the robot and levels of signals at the start. Or a folder and a network
@@ -94,7 +95,7 @@ class VirtualRobot:
         self,
         model: str | Path | RobotModel | None = None,
         *,
-        task_dir: str | Path | None = None,
+        task_dir: str | Path | Mapping[str, bytes] | None = None,
         task_dir_limit: int = TASK_DIR_BYTES,
         world: ProgramEnvironment | Surroundings | str | Path | None = None,
         lines: Mapping[str, str] | None = None,

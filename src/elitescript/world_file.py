@@ -35,21 +35,27 @@ class WorldFile(RobotSettings):
 
     Attributes:
         world: what is beside the robot; None if nothing is.
+        beside: the sections about that, as they stand in the file.
     """
 
-    __slots__ = ("world",)
+    __slots__ = ("beside", "world")
 
     def __init__(self) -> None:
         super().__init__()
         self.world: World | None = None
+        self.beside: dict[str, Any] = {}
 
 
-def load_world_file(path: str | Path, *, network: str = "") -> WorldFile:
+def load_world_file(
+    path: str | Path, *, network: str = "", is_trusted: bool = True, with_world: bool = True
+) -> WorldFile:
     """Read a world file.
 
     Args:
         path: of the file.
         network: where connections lead that no device of it takes, if it does not have that; see `devices.scenario`.
+        is_trusted: whether it may name Python files and the network of this computer.
+        with_world: read what is beside the robot; without it nothing of it is made, nor checked.
 
     Raises:
         UsageError: no such file, no TOML, an unknown section or key, or a value that makes no sense; the text names
@@ -79,7 +85,7 @@ def load_world_file(path: str | Path, *, network: str = "") -> WorldFile:
         line = nearest(lines_of(text), huge)
         raise UsageError(f"{file}:{line}: {huge[-1]}: whole numbers of TOML are within 64 bits")
     found = WorldFile()
-    beside: dict[str, Any] = {}
+    beside = found.beside
     for section, table in tables.items():
         try:
             if section in WORLD_SECTIONS:
@@ -88,11 +94,11 @@ def load_world_file(path: str | Path, *, network: str = "") -> WorldFile:
                 _read_section(found, section, table, file.parent)
         except UsageError as error:
             raise _located(file, text, section, table, error) from error
-    if beside:
+    if beside and with_world:
         from elitescript.devices.scenario import build_world
 
         try:
-            found.world = build_world(beside, file.parent, network=network)
+            found.world = build_world(beside, file.parent, network=network, is_trusted=is_trusted)
         except UsageError as error:
             section = _place_in(str(error))[0]
             raise _located(file, text, section, tables.get(section), error) from error

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import re
+from itertools import pairwise
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -16,6 +17,7 @@ import pytest
 from elitescript.assist import calls, diagnostics, folding, links, outline, references, renaming, selection, tokens
 from elitescript.assist.document import Document
 from elitescript.language.diagnostics import Edit
+from elitescript.lint.engine import check_source
 from elitescript.lint.program import Span
 from tests.assist.random_scopes import random_scopes
 from tests.invariants.cases import CASES
@@ -146,6 +148,8 @@ def spans_in(value: Any) -> list[Span]:
 
 
 def check_places(document: Document, found: Any) -> None:
+    for token, following in pairwise(tokens.semantic_tokens(document)):
+        assert (token.line, token.column + token.length) <= following[:2]
     for span in spans_in(found):
         assert 1 <= span.line <= span.end_line <= document.line_count, span
         assert span[:2] <= span[2:], span
@@ -189,6 +193,8 @@ def mutilate(seed: int) -> None:
         text = text[:start] + text[start + rng.choice((1, 3, 20, 200)) :]
     document = Document("cell.script", text)
     check_places(document, answers(document, rng))
+    # The findings come from what the document has read for other answers too.
+    assert document.problems == check_source(document.source, document.settings.profile)
 
 
 def test_edits_lead_to_the_document_of_the_same_text() -> None:

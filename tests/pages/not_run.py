@@ -11,6 +11,7 @@ NOT_RUN: Final[dict[str, str]] = {
     r"elitescript run .* --serial .*": "needs a serial port of this computer",
     r"elitescript run examples/camera_picking.script --set .*": "needs `devices` in another terminal",
     r"elitescript serve --host .*": "opens ports at an address that this computer does not have",
+    r"code --install-extension .*": "needs VS Code",
     r"mbpoll .*": "a program of somebody else",
     r"pip install .*": "installs from a package index",
     r"python3 -m venv .*|\. .*/bin/activate": "the page runs in the environment of the tests",

@@ -76,9 +76,9 @@ def diagnostics(document: Document) -> tuple[Problem, ...]:
 
 def _related(document: Document, found: Diagnostic) -> Iterator[Related]:
     if found.hint:
-        start = document.place(document.offset(found.line, found.column))
+        begin = document.place(document.offset(found.line, found.column))
         end = document.place(document.offset(found.end_line, found.end_column))
-        yield Related(Span(*start, *max(start, end)), f"hint: {found.hint}")
+        yield Related(Span(*begin, *max(begin, end)), f"hint: {found.hint}")
     for named in dict.fromkeys(re.findall(r"\blines? (\d+)", found.text)):
         line = int(named)
         row = document.line(line)

@@ -90,9 +90,14 @@ class Document:
         return self.source.line(number)
 
     def offset(self, line: int, column: int) -> int:
-        """Return the offset in `text` of a place; places outside the text are moved into it."""
+        """Return the offset in `text` of a place; places outside the text are moved into it.
+
+        Column 0 of the first line is in front of the byte order mark.
+        """
         line = min(max(line, 1), self.line_count)
-        return self._starts[line - 1] + min(max(column - 1, 0), len(self.line(line)))
+        start = self._starts[line - 1]
+        first = -start if line == 1 else 0
+        return start + min(max(column - 1, first), len(self.line(line)))
 
     def place(self, offset: int) -> tuple[int, int]:
         """Return line and column of an offset in `text`."""

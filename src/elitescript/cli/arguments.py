@@ -21,7 +21,7 @@ FOLDER_OF_FILE: Final = "folder for open() and get_task_path() (default: FILE's 
 
 def add_run(parser: Parser) -> None:
     from elitescript.cli.robot_options import add_options
-    from elitescript.cli.watched import MEMORY_DEFAULT
+    from elitescript.environment.process import MEMORY_DEFAULT
 
     parser.description = (
         "Run a program to its end in virtual time. Exit code: 0 finished or stopped, 1 alarm, 2 usage, 3 the program "
@@ -87,6 +87,27 @@ def add_check(parser: Parser) -> None:
     )
     _add_color(parser)
     _add_json_lines(parser)
+
+
+def add_fmt(parser: Parser) -> None:
+    parser.description = (
+        "Lay out programs: two blanks for each block, `end` below what it closes, one blank around operators and "
+        "behind commas. What runs stays the same, and every statement stays in its line. A program with syntax errors "
+        "stays as it is. Exit code: 0 done, 1 with --check: a file is not formatted, 2 usage, or a file of this call "
+        "cannot be read, 3 syntax errors."
+    )
+    parser.add_argument(
+        "files",
+        nargs="*",
+        metavar="FILE",
+        help="programs, folders (every *.script in them), or - to format standard input to standard output",
+    )
+    parser.add_argument("--check", action="store_true", help="change nothing; exit code 1 if a file is not formatted")
+    parser.add_argument("--diff", action="store_true", help="change nothing; print what would change, as a diff")
+    parser.add_argument(
+        "--pendant", action="store_true", help="format programs that the pendant has written, with `$ LINE` marks, too"
+    )
+    _add_color(parser)
 
 
 def add_plot(parser: Parser) -> None:
@@ -251,6 +272,37 @@ def add_doctor(parser: Parser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
+def add_lsp(parser: Parser) -> None:
+    parser.description = (
+        "Serve one editor with the Language Server Protocol, on standard input and output: findings while typing, "
+        "completion, hover, rename, layout, times of the last run. How to set up editors: docs/how-to/editors.md. "
+        "Needs: pip install 'elitescript[lsp]'"
+    )
+    parser.add_argument(
+        "--tcp",
+        type=int,
+        metavar="PORT",
+        help="serve the first client of this port of 127.0.0.1 instead (0: any free one)",
+    )
+    parser.add_argument("--stdio", action="store_true", help="the default; many editors add it by themselves")
+
+
+def add_mcp(parser: Parser) -> None:
+    parser.description = (
+        "Serve one agent on standard input and output with the Model Context Protocol: check, run, sample and step "
+        "through programs, explain codes, look commands up. Only files in FOLDER can be named; nothing outside the "
+        "robot is real. Needs: pip install 'elitescript[mcp]'"
+    )
+    parser.add_argument("folder", nargs="?", default=".", metavar="FOLDER", help="folder of programs (default: this)")
+    parser.add_argument(
+        "--max-wall",
+        type=float,
+        default=30.0,
+        metavar="SECONDS",
+        help="end a call that takes more wall time (default %(default)s)",
+    )
+
+
 def add_commands(parser: Parser) -> None:
     parser.description = (
         "Print the list of all robot commands, one command in full, or those that a word finds in names, parameters "
@@ -262,16 +314,28 @@ def add_commands(parser: Parser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON array with all that is known of each")
 
 
+def add_completion(parser: Parser) -> None:
+    parser.description = (
+        "Print a script that lets a shell complete calls of elitescript: commands, options, values, files. For bash: "
+        "source <(elitescript completion bash), also in ~/.bashrc."
+    )
+    parser.add_argument("shell", metavar="SHELL", help="bash, zsh or fish")
+
+
 COMMANDS: Final[dict[str, tuple[str, Callable[[Parser], None]]]] = {
     "run": ("run a program to its end in virtual time", add_run),
     "check": ("report every problem of programs without running them", add_check),
+    "fmt": ("lay out programs without changing what they do", add_fmt),
     "plot": ("write a page that shows a program's run, or a trace", add_plot),
     "serve": ("the virtual controller on the network", add_serve),
     "ctl": ("work inputs, faults, popups and tasks of a running serve", add_ctl),
     "devices": ("the devices of a world file on real ports and serial lines", add_devices),
     "replay": ("play a recorded session of serve again", add_replay),
     "doctor": ("what this computer has that serving needs", add_doctor),
+    "lsp": ("what editors show of programs, by the Language Server Protocol", add_lsp),
+    "mcp": ("check, run and step through programs for agents", add_mcp),
     "commands": ("the catalogue of robot commands", add_commands),
+    "completion": ("completion of calls for bash, zsh and fish", add_completion),
 }
 """Every command: its summary in the list of commands, and the function that adds its arguments."""
 

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import os
 import sys
-from collections.abc import Iterable, Iterator
-from pathlib import Path
 from typing import Any, Final
 
 from elitescript.cli.output.check_formats import FORMATS, CheckedFile
 from elitescript.cli.output.screen import progress_on
+from elitescript.cli.program_texts import STANDARD_INPUT, ProgramText, program_texts, rewrite, write_out
 from elitescript.cli.robot_options import options_from
 from elitescript.commands.definition.plausibility import ArmFacts
-from elitescript.environment.program_file import SUFFIX, neighbours
+from elitescript.environment.program_file import neighbours
 from elitescript.errors import ProgramError, UsageError
 from elitescript.kernel.options import RobotOptions, robot_options
 from elitescript.language.diagnostics import diagnostic
@@ -20,8 +18,6 @@ from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.lint.fixing import Repair, repaired
 from elitescript.messages.profile import profile
-from elitescript.paths import why_no_file
-from elitescript.records import NamedTuple
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -31,26 +27,6 @@ FOUND_ERRORS: Final = 3
 """Exit code when a program has an error."""
 NOT_FOUND: Final = 2
 """Exit code when a file of the command line cannot be read."""
-
-STANDARD_INPUT: Final = "-"
-
-
-class _Text(NamedTuple):
-    """A text to check.
-
-    Attributes:
-        name: in the report.
-        path: the file; None for standard input.
-        data: its bytes; None if it cannot be read.
-        why_not: why it cannot be read.
-        is_named: whether it is on the command line itself.
-    """
-
-    name: str
-    path: Path | None
-    data: bytes | None
-    why_not: str
-    is_named: bool
 
 
 def check(options: argparse.Namespace) -> int:
@@ -71,7 +47,7 @@ def check(options: argparse.Namespace) -> int:
     robot, arm = _robot(options)
     code = 0
     progress = progress_on(sys.stderr) if name == "text" else None
-    for number, text in enumerate(_texts(options.files)):
+    for number, text in enumerate(program_texts(options.files, "check")):
         if progress is not None:
             progress.note(f"{number} files checked; {text.name}")
         checked = _check(text, robot, arm, is_fixed=options.fix)
@@ -102,7 +78,7 @@ def _robot(options: argparse.Namespace) -> tuple[RobotOptions, ArmFacts | None]:
     if "model" not in given and "model" not in from_file:
         return robot, None
     # Loading a model takes longer than checking a program.
-    from elitescript.cli.arm_facts import arm_facts
+    from elitescript.kernel.arm_facts import arm_facts
 
     return robot, arm_facts(robot)
 
@@ -114,60 +90,10 @@ def _explain(code: str) -> int:
     return 0
 
 
-# ---------------------------------------------------------------- files
-
-
-def _texts(names: Iterable[str]) -> Iterator[_Text]:
-    """Yield the texts of the command line, each once, and those of its folders, by name."""
-    seen: set[str] = set()
-    for name in names:
-        if name == STANDARD_INPUT:
-            yield _Text("<stdin>", None, sys.stdin.buffer.read(), "", True)
-            continue
-        path = Path(name)
-        if not path.is_dir():
-            yield from _read(path, seen, is_named=True)
-            continue
-        found = False
-        for file in _programs(path):
-            found = True
-            yield from _read(file, seen, is_named=False)
-        if not found:
-            yield _Text(name, path, None, f"no *{SUFFIX} file in this folder", True)
-
-
-def _programs(folder: Path) -> Iterator[Path]:
-    """Yield the programs of a folder and its subfolders, without hidden ones."""
-    for home, folders, files in os.walk(folder, onerror=_refuse):
-        folders[:] = sorted(name for name in folders if not name.startswith("."))
-        for name in sorted(files):
-            if name.endswith(SUFFIX):
-                yield Path(home, name)
-
-
-def _refuse(error: OSError) -> None:
-    print(f"elitescript check: {error.filename}: {error.strerror or error}; it is left out", file=sys.stderr)
-
-
-def _read(path: Path, seen: set[str], *, is_named: bool) -> Iterator[_Text]:
-    real = os.path.realpath(path)
-    if real in seen:
-        return
-    seen.add(real)
-    if why := why_no_file(path, is_stream_allowed=True):
-        yield _Text(str(path), path, None, f"cannot read {path}: it {why}", is_named)
-        return
-    try:
-        yield _Text(str(path), path, path.read_bytes(), "", is_named)
-    except OSError as error:
-        why_not = f"cannot read {path}: {error.strerror or error}"
-        yield _Text(str(path), path, None, why_not, is_named)
-
-
 # ---------------------------------------------------------------- one text
 
 
-def _check(text: _Text, robot: RobotOptions, arm: ArmFacts | None, *, is_fixed: bool) -> CheckedFile:
+def _check(text: ProgramText, robot: RobotOptions, arm: ArmFacts | None, *, is_fixed: bool) -> CheckedFile:
     if text.data is None:
         near = neighbours(text.path) if text.is_named and text.path is not None else ""
         problem = diagnostic("E003", 1, 1, text.why_not, hint=near)
@@ -177,16 +103,16 @@ def _check(text: _Text, robot: RobotOptions, arm: ArmFacts | None, *, is_fixed: 
         source = SourceFile.from_bytes(text.name, text.data)
     except (UnicodeDecodeError, ProgramError):
         if is_fixed and text.path is None:
-            _write_out(text.data)
+            write_out(text.data)
         return _damaged(text.name, text.data)
     repairs: tuple[Repair, ...] = ()
     firmware = profile(robot.firmware)
     if is_fixed:
         fixed, repairs = repaired(text.name, written, firmware, strict=robot.strict)
         if text.path is None:
-            _write_out(fixed.encode("utf-8"))
+            write_out(fixed.encode("utf-8"))
         elif fixed != written:
-            _rewrite(text.path, fixed.encode("utf-8"))
+            rewrite(text.path, fixed.encode("utf-8"))
         source = SourceFile(text.name, fixed)
     return CheckedFile(text.name, source, check_source(source, firmware, strict=robot.strict, arm=arm), repairs)
 
@@ -198,32 +124,3 @@ def _damaged(name: str, data: bytes) -> CheckedFile:
     except ProgramError as error:
         return CheckedFile(name, SourceFile(name, data.decode("utf-8", "replace")), error.problems)
     raise AssertionError(name)
-
-
-def _write_out(data: bytes) -> None:
-    sys.stdout.flush()
-    sys.stdout.buffer.write(data)
-    sys.stdout.buffer.flush()
-
-
-def _rewrite(path: Path, data: bytes) -> None:
-    """Replace the contents of a file atomically; its permissions stay.
-
-    Raises:
-        UsageError: it cannot be written.
-    """
-    import shutil
-    import tempfile
-
-    real = Path(os.path.realpath(path))
-    temporary = ""
-    try:
-        handle, temporary = tempfile.mkstemp(dir=real.parent, prefix=f".{real.name}.")
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        shutil.copymode(real, temporary)
-        Path(temporary).replace(real)
-    except OSError as error:
-        if temporary:
-            Path(temporary).unlink(missing_ok=True)
-        raise UsageError(f"cannot write {path}: {error.strerror or error}") from error

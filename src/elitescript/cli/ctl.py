@@ -6,10 +6,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from elitescript.cli.output import jsonlines
 from elitescript.cli.output.remedies import with_verbs
-from elitescript.cli.settings import parse_settings
+from elitescript.environment.start_values import parse_settings
 from elitescript.errors import UsageError, did_you_mean
+from elitescript.json_records import jsonlines
 from elitescript.services.control.channel import PLAY, address_of, ask
 from elitescript.services.control.verbs import VERBS
 

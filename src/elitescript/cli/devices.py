@@ -8,10 +8,10 @@ import sys
 import time
 from typing import Final
 
-from elitescript.cli.output import jsonlines
 from elitescript.devices.surroundings import VIRTUAL
 from elitescript.environment.line_bindings import parse_bindings
 from elitescript.errors import UsageError
+from elitescript.json_records import jsonlines
 from elitescript.services.device_server import DeviceServer
 from elitescript.world_file import load_world_file
 

@@ -11,8 +11,8 @@ from importlib.util import find_spec
 from typing import Any
 
 from elitescript import __version__
-from elitescript.cli.output import jsonlines
 from elitescript.cli.ssh_login import has_extra
+from elitescript.json_records import jsonlines
 from elitescript.services.channels.connect_policy import OPTION, ConnectPolicy
 from elitescript.services.child.jail import is_complete
 from elitescript.services.clients.binding import bind

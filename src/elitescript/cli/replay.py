@@ -8,13 +8,13 @@ import sys
 from pathlib import Path
 
 from elitescript import __version__
-from elitescript.cli.output import jsonlines
 from elitescript.cli.output.report import JsonRunReport, TextRunReport, parse_logs
 from elitescript.cli.output.screen import palette_of, progress_on
 from elitescript.cli.output.trace_file import TraceFile
 from elitescript.controller.views.trace import TraceRow
 from elitescript.controller.views.trace_signals import NO_SIGNALS, TraceSignals
 from elitescript.errors import UsageError
+from elitescript.json_records import jsonlines
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import seconds, ticks_for
 from elitescript.services.journal.replay import Replay

@@ -13,17 +13,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.cli.last_resort import last_resort
-from elitescript.cli.output import jsonlines
 from elitescript.cli.output.remedies import served
 from elitescript.cli.output.report import JsonRunReport, RunReport, TextRunReport, parse_logs
 from elitescript.cli.output.terminal import QueuedStream, TaggedStream
 from elitescript.cli.output.writable import Writable
 from elitescript.cli.robot_options import options_from
-from elitescript.cli.settings import parse_settings, parse_size
+from elitescript.cli.settings import parse_size
 from elitescript.cli.ssh_login import Login, ssh_login
 from elitescript.environment.line_bindings import parse_bindings
+from elitescript.environment.start_values import parse_settings
 from elitescript.environment.state_file import StateFile
 from elitescript.errors import UsageError
+from elitescript.json_records import jsonlines
 from elitescript.kernel import Kernel, RobotOptions
 from elitescript.kernel.arm import named_model
 from elitescript.kernel.options import DEFAULTS, robot_options

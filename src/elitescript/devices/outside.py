@@ -21,7 +21,8 @@ class Outside:
 
     Args:
         world: devices, or a folder and a network by themselves; this computer if None.
-        task_dir: the task folder; that of the program if None.
+        task_dir: the task folder, or contents of files by their names: a folder in memory, a new one for each program;
+            the program's own folder if None.
         lines: serial ports of this computer by those of the robot.
         task_dir_limit: bytes that programs may add to a task folder.
 
@@ -33,16 +34,28 @@ class Outside:
         UsageError: arguments that do not go together.
     """
 
-    __slots__ = ("_allowance", "_files", "_task_dir", "_task_dir_limit", "_world", "channels", "surroundings")
+    __slots__ = (
+        "_allowance",
+        "_contents",
+        "_files",
+        "_is_in_memory",
+        "_task_dir",
+        "_task_dir_limit",
+        "_world",
+        "channels",
+        "surroundings",
+    )
 
     def __init__(
         self,
         world: ProgramEnvironment | Surroundings | None,
-        task_dir: str | Path | None,
+        task_dir: str | Path | Mapping[str, bytes] | None,
         lines: Mapping[str, str] | None,
         task_dir_limit: int = TASK_DIR_BYTES,
     ) -> None:
-        self._task_dir = None if task_dir is None else Path(task_dir)
+        self._contents = task_dir if isinstance(task_dir, Mapping) else {}
+        self._is_in_memory = isinstance(task_dir, Mapping)
+        self._task_dir = None if task_dir is None or isinstance(task_dir, Mapping) else Path(task_dir)
         self._task_dir_limit = task_dir_limit
         self._allowance = Allowance(task_dir_limit)
         self._world: ProgramEnvironment | None = None
@@ -79,12 +92,12 @@ class Outside:
         if self._world is not None:
             return self._world
         folder = self._task_dir
-        if folder is None and not source_name.startswith("<"):
+        if folder is None and not self._is_in_memory and not source_name.startswith("<"):
             folder = Path(source_name).resolve().parent
         if folder is None:
             from elitescript.environment.memory import MemoryEnvironment
 
-            return MemoryEnvironment(channels=self.channels, allowance=Allowance(self._task_dir_limit))
+            return MemoryEnvironment(self._contents, self.channels, Allowance(self._task_dir_limit))
         from elitescript.environment.local import LocalEnvironment
 
         return LocalEnvironment(folder, self.channels, self._allowance)

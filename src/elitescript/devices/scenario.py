@@ -53,13 +53,14 @@ KINDS: Final[dict[str, Section]] = {
 CLASS_KEY: Final = "class"
 
 
-def build_world(tables: Mapping[str, Any], folder: Path, *, network: str = "") -> World:
+def build_world(tables: Mapping[str, Any], folder: Path, *, network: str = "", is_trusted: bool = True) -> World:
     """Make the world that a file declares.
 
     Args:
         tables: its sections, as far as they are about a world.
         folder: where the file is.
         network: default of `network` in `[world]`: `virtual` if there is something to connect to, else `real`.
+        is_trusted: whether it may name Python files, which are run, and the network of this computer.
 
     Raises:
         UsageError: something makes no sense. The text begins with its place, such as `[[tcp]] 2: port:`.
@@ -67,6 +68,8 @@ def build_world(tables: Mapping[str, Any], folder: Path, *, network: str = "") -
     options = tables.get("world", {})
     try:
         world = _empty_world(options, tables, network)
+        if world.network.outside is not None and not is_trusted:
+            raise UsageError(f"network: {REAL!r} is not allowed here")
     except UsageError as error:
         raise UsageError(f"[world] {error}") from None
     files: dict[Path, Any] = {}
@@ -80,6 +83,8 @@ def build_world(tables: Mapping[str, Any], folder: Path, *, network: str = "") -
             raise UsageError(f"[[{section}]] must be a list of tables: write [[{section}]] on a line of its own")
         for number, row in enumerate(rows, 1):
             try:
+                if CLASS_KEY in row and not is_trusted:
+                    raise UsageError(f"{CLASS_KEY}: a Python file is not allowed here")
                 made = _made(section, number, row, folder, files)
                 if isinstance(made, Fault):
                     faults.append(made)

@@ -22,7 +22,7 @@ from elitescript.language.hash_order import shows_hash_order
 from elitescript.language.hooks import MAIN
 from elitescript.language.nodes import FUNCTIONS, Census
 from elitescript.language.options import DEFAULT, LINE, Options
-from elitescript.language.parser import NO_FILE, Parsed, character_offset, parse, parse_without, syntax_tree
+from elitescript.language.parser import NO_FILE, Parsed, character_offset, parse, parse_without, read_again, syntax_tree
 from elitescript.language.policy import first_too_deep, guard_formats, review
 from elitescript.language.text.source import SourceFile
 from elitescript.records import NamedTuple, record, replace
@@ -117,6 +117,27 @@ def compile_parsed(parsed: Parsed) -> CompiledUnit:
 def check_unit(source: SourceFile, options: Options = DEFAULT) -> tuple[Diagnostic, ...]:
     """Return all findings about a text, errors and warnings, in its order; never raises `ProgramError`."""
     return _compile(parse(source, options)).problems
+
+
+@without_collection
+def problems_in(parsed: Parsed, census: Census) -> tuple[Diagnostic, ...]:
+    """Return all findings about a text that was read, as `check_unit`, and leave its tree as it is.
+
+    Args:
+        parsed: the text.
+        census: of its tree.
+    """
+    if parsed.is_complete and first_too_deep(census) is None:
+        try:
+            _python(_wrapped(parsed), "exec")
+            return in_order([*parsed.diagnostics, *_breaches(parsed, census)])
+        except (SyntaxError, RecursionError, MemoryError, ValueError, OverflowError):
+            # What is wrong is found by leaving out lines.
+            pass
+        finally:
+            if parsed.unit is not None:
+                parsed.unit.name = parsed.name
+    return _compile(read_again(parsed) if parsed.is_complete else parsed).problems
 
 
 def compile_expression(source: SourceFile) -> CodeType:
@@ -214,10 +235,7 @@ def _compile(parsed: Parsed) -> _Compiled:
     census = Census(parsed.tree)
     shows = shows_hash_order(census)
     global_names = frozenset(name for node in census.of(ast.Global) for name in node.names)
-    problems += review(parsed.source, census)
-    problems += _header_problems(parsed)
-    if census.by_kind[ast.Yield] or census.by_kind[ast.YieldFrom]:
-        problems += _own_yields(parsed)
+    problems += _breaches(parsed, census)
     if first_too_deep(census) is not None:
         return _Compiled(None, global_names, in_order(problems), shows)
     if not any(problem.is_error for problem in problems):
@@ -225,6 +243,14 @@ def _compile(parsed: Parsed) -> _Compiled:
         insert_checkpoints(census)
     code = _code(parsed, problems)
     return _Compiled(code, global_names, in_order(problems), shows)
+
+
+def _breaches(parsed: Parsed, census: Census) -> list[Diagnostic]:
+    """Return what Python would accept, but not a robot."""
+    problems = review(parsed.source, census) + _header_problems(parsed)
+    if census.by_kind[ast.Yield] or census.by_kind[ast.YieldFrom]:
+        problems += _own_yields(parsed)
+    return problems
 
 
 def _header_problems(parsed: Parsed) -> list[Diagnostic]:

@@ -6,11 +6,11 @@ from collections.abc import Collection, Iterable
 
 from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.errors import CODES, ProgramError
-from elitescript.language.compiler import CompiledUnit, compile_parsed
+from elitescript.language.compiler import CompiledUnit, compile_parsed, problems_in
 from elitescript.language.diagnostics import Diagnostic, Severity, diagnostic, in_order
 from elitescript.language.garbage import without_collection
 from elitescript.language.options import Options
-from elitescript.language.parser import Parsed, parse, read_again
+from elitescript.language.parser import Parsed, parse
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.lint.registry import Finding, Rule, all_rules
@@ -94,27 +94,10 @@ def check_parsed(
     parsed: Parsed, profile: Profile, *, presets: Collection[str] = (), arm: ArmFacts | None = None
 ) -> CheckResult:
     """Check and compile a text that was read; see `compile_checked`. Uses up the tree."""
-    program = None
-    if parsed.is_complete:
-        program = AnalysedProgram(parsed, profile, is_strict=parsed.options.strict, presets=presets, arm=arm)
-    return _checked(program, parsed)
-
-
-def problems_of(program: AnalysedProgram) -> tuple[Diagnostic, ...]:
-    """Return all problems of a text that was analysed, as `check_source`. Leaves its tree as it is."""
-    parsed = program.parsed
-    return _checked(program if parsed.is_complete else None, read_again(parsed)).problems
-
-
-@without_collection
-def _checked(program: AnalysedProgram | None, parsed: Parsed) -> CheckResult:
-    """Apply the rules to a program, None if it could not be read, and compile `parsed`, whose tree is used up."""
     options = parsed.options
     problems: list[Diagnostic] = []
-    if program is not None:
-        for rule in all_rules():
-            if not (rule.needs_all_lines and parsed.has_errors):
-                problems += [_located(finding, rule, program) for finding in rule.check(program)]
+    if parsed.is_complete:
+        problems += _findings(AnalysedProgram(parsed, profile, is_strict=options.strict, presets=presets, arm=arm))
     unit = None
     # Compiling uses up the tree, so the rules come first.
     try:
@@ -123,8 +106,25 @@ def _checked(program: AnalysedProgram | None, parsed: Parsed) -> CheckResult:
         problems += error.problems
     else:
         problems += unit.diagnostics
-    found = in_order(_merged(without_suppressed(problems, parsed.source)))
-    return CheckResult(unit, found, options.strict)
+    return CheckResult(unit, _reported(problems, parsed.source), options.strict)
+
+
+@without_collection
+def problems_of(program: AnalysedProgram) -> tuple[Diagnostic, ...]:
+    """Return all problems of a text that was analysed, as `check_source`, and leave its tree as it is."""
+    parsed = program.parsed
+    problems = _findings(program) if parsed.is_complete else []
+    return _reported([*problems, *problems_in(parsed, program.census)], parsed.source)
+
+
+def _findings(program: AnalysedProgram) -> list[Diagnostic]:
+    """Return what the rules find."""
+    rules = [rule for rule in all_rules() if not (rule.needs_all_lines and program.parsed.has_errors)]
+    return [_located(finding, rule, program) for rule in rules for finding in rule.check(program)]
+
+
+def _reported(problems: list[Diagnostic], source: SourceFile) -> tuple[Diagnostic, ...]:
+    return in_order(_merged(without_suppressed(problems, source)))
 
 
 def _located(finding: Finding, rule: Rule, program: AnalysedProgram) -> Diagnostic:

@@ -71,14 +71,12 @@ class Kinds:
     def _is_replaced(self, name: str, home: Scope | None) -> bool:
         """Return whether the elements of a list may have become those of another one."""
         stored = set()
-        for scope in self._symbols.scopes:
-            if home is None or scope.home(name) is home:
-                for read in scope.reads.get(name, ()):
-                    above = self._symbols.parent(read)
-                    if isinstance(above, ast.Subscript) and above.value is read and not isinstance(above.ctx, ast.Load):
-                        if not isinstance(above.slice, ast.Constant):
-                            return True
-                        stored.add(above.slice.value)
+        for read in self._symbols.reads_of(name, home):
+            above = self._symbols.parent(read)
+            if isinstance(above, ast.Subscript) and above.value is read and not isinstance(above.ctx, ast.Load):
+                if not isinstance(above.slice, ast.Constant):
+                    return True
+                stored.add(above.slice.value)
         return len(stored) > _MOST_STORES
 
 

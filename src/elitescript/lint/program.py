@@ -91,6 +91,7 @@ class AnalysedProgram:
         arm: the arm that it is for; None if that is not known.
         symbols: scopes and names.
         constants: values of expressions.
+        census: all nodes of the tree.
     """
 
     def __init__(
@@ -110,13 +111,13 @@ class AnalysedProgram:
         self.arm = arm
         self.symbols = Symbols(parsed)
         self.constants = Constants(self.symbols)
-        self._census = Census(parsed.tree)
+        self.census = Census(parsed.tree)
 
     # The tree
 
     def nodes(self, kind: type[_Node]) -> list[_Node]:
         """Return all nodes of one kind, in no particular order."""
-        return self._census.of(kind)
+        return self.census.of(kind)
 
     def span(self, node: ast.AST) -> Span:
         """Return where a node stands."""

@@ -7,10 +7,10 @@ from typing import Any, Final
 from urllib.parse import quote
 
 from elitescript import __version__
-from elitescript.cli.output import jsonlines
 from elitescript.cli.output.screen import palette_of, rendered
 from elitescript.cli.output.writable import Writable
 from elitescript.errors import CODES
+from elitescript.json_records import jsonlines
 from elitescript.language.diagnostics import Diagnostic, Fix, Severity, to_json
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.fixing import Repair

@@ -8,12 +8,12 @@ from collections import Counter
 from collections.abc import Collection, Iterable
 from typing import Any, Final
 
-from elitescript.cli.output import jsonlines
-from elitescript.cli.output.event_records import record_of
 from elitescript.cli.output.screen import palette_of, rendered
 from elitescript.cli.output.writable import Writable
 from elitescript.controller.views.warning_limit import MOST
 from elitescript.errors import UsageError
+from elitescript.json_records import jsonlines
+from elitescript.json_records.events import record_of
 from elitescript.language.diagnostics import Diagnostic, to_json
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import (

@@ -8,9 +8,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import TextIO
 
-from elitescript.cli.output import jsonlines
 from elitescript.controller.views.trace import ACTUAL_COLUMNS, TRACE_COLUMNS, TraceRow
 from elitescript.errors import UsageError
+from elitescript.json_records import jsonlines
 from elitescript.messages.signals import Value
 from elitescript.paths import why_no_file
 

@@ -18,13 +18,14 @@ from elitescript.language.text.lexer import LogicalLine
 from elitescript.language.text.masked import WIDE_COLON, header_colon
 from elitescript.language.text.rewriting import BlockEnd, Draft
 
-_CLAUSES_OF = {
+CLAUSES_OF: Final = {
     "if": ("elif", "else"),
     "for": ("else",),
     "while": ("else",),
     "async": ("else",),
     "try": ("except", "else", "finally"),
 }
+"""By the word of a statement, the clauses that it may have."""
 _COMPOUND = CLAUSES.union(("if", "for", "while", "try", "with", "def", "class"))
 _SOFT_COMPOUND = frozenset(("async", "case", "match", "sec", "thread"))
 
@@ -248,11 +249,11 @@ class _BlockReader:
         draft, word = self.draft, line.word
         code = draft.code(line)
         block = self.blocks[-1] if self.blocks else None
-        if block and block.column == line.column and word in _CLAUSES_OF.get(block.word, ()):
+        if block and block.column == line.column and word in CLAUSES_OF.get(block.word, ()):
             if block.waits:
                 self._empty(block)
             self._repair(block, empty=block.waits)
-        elif closed and closed[0].column == line.column and word in _CLAUSES_OF.get(closed[0].word, ()):
+        elif closed and closed[0].column == line.column and word in CLAUSES_OF.get(closed[0].word, ()):
             block, end = closed
             text = f"`{word}` comes after the `end` of its `{block.word}` in line {end.line}"
             hint = "one `end` closes the whole statement; put it behind the last clause"
@@ -268,12 +269,12 @@ class _BlockReader:
         self._header(block, line, code, deeper_follows)
 
     def _orphan(self, line: LogicalLine, deeper_follows: bool) -> None:
-        takers = [word for word, clauses in _CLAUSES_OF.items() if line.word in clauses and word != "async"]
-        near = next((block for block in reversed(self.blocks) if line.word in _CLAUSES_OF.get(block.word, ())), None)
+        takers = [word for word, clauses in CLAUSES_OF.items() if line.word in clauses and word != "async"]
+        near = next((block for block in reversed(self.blocks) if line.word in CLAUSES_OF.get(block.word, ())), None)
         left = self.left.get(line.column)
         if near:
             hint = f"the `{near.word}` of line {near.opener.line} starts in column {near.column + 1}"
-        elif left and line.word in _CLAUSES_OF.get(left[0].word, ()):
+        elif left and line.word in CLAUSES_OF.get(left[0].word, ()):
             hint = f"the `{left[0].word}` of line {left[0].opener.line} ended before line {left[1].line}"
         else:
             hint = "check the indentation of the lines above"

@@ -1,7 +1,7 @@
 import json
 from math import inf, nan
 
-from elitescript.cli.output.jsonlines import line, plain
+from elitescript.json_records.jsonlines import line, plain
 
 
 def test_what_json_has_stays_as_it_is():

@@ -6,9 +6,9 @@ from typing import get_args
 
 import pytest
 
-from elitescript.cli.output.event_records import RECORDS, record_of
 from elitescript.cli.output.report import TextRunReport, parse_logs
 from elitescript.errors import UsageError
+from elitescript.json_records.events import RECORDS, record_of
 from elitescript.messages import events
 from elitescript.messages.events import ChannelActivity, Event, SignalChanged, Warned
 from tools.events_page import EXAMPLES, events_page, field_texts

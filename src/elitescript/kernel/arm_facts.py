@@ -1,4 +1,4 @@
-"""Facts of the arm for `check`: its model, and the limits of its safety configuration."""
+"""Facts of the arm for `check` and editors: its model, and the limits of its safety configuration."""
 
 from __future__ import annotations
 

@@ -1,0 +1,65 @@
+// The debug adapter: `elitescript dap` on standard input and output.
+
+import * as vscode from "vscode";
+import { folderOf, needElitescript, settings } from "./program";
+
+export const TYPE = "elitescript";
+
+/** Starts one process of the adapter for each session. */
+export class AdapterFactory implements vscode.DebugAdapterDescriptorFactory {
+  async createDebugAdapterDescriptor(session: vscode.DebugSession): Promise<vscode.DebugAdapterDescriptor | undefined> {
+    const program: unknown = session.configuration["program"];
+    const uri = typeof program === "string" ? vscode.Uri.file(program) : session.workspaceFolder?.uri;
+    const found = await needElitescript(uri);
+    if (!found) {
+      return undefined;
+    }
+    const folder = session.workspaceFolder?.uri.fsPath ?? folderOf(uri);
+    return new vscode.DebugAdapterExecutable(found.command, ["dap"], folder ? { cwd: folder } : {});
+  }
+}
+
+/** Completes what a launch configuration leaves out. */
+export class Configurations implements vscode.DebugConfigurationProvider {
+  provideDebugConfigurations(): vscode.DebugConfiguration[] {
+    return [launchOf("${file}")];
+  }
+
+  resolveDebugConfiguration(
+    _folder: vscode.WorkspaceFolder | undefined,
+    given: vscode.DebugConfiguration,
+  ): vscode.DebugConfiguration | undefined {
+    if (given.type || given.request || given.name) {
+      return given;
+    }
+    // F5 without a launch.json.
+    return vscode.window.activeTextEditor?.document.languageId === TYPE ? launchOf("${file}") : undefined;
+  }
+
+  resolveDebugConfigurationWithSubstitutedVariables(
+    folder: vscode.WorkspaceFolder | undefined,
+    given: vscode.DebugConfiguration,
+  ): vscode.DebugConfiguration {
+    if (given.request !== "launch") {
+      return given;
+    }
+    const program: unknown = given["program"];
+    const section = settings(typeof program === "string" ? vscode.Uri.file(program) : folder?.uri);
+    const resolved = { ...given };
+    for (const name of ["robot", "firmware", "world"]) {
+      const value = section.get<string>(name, "").trim();
+      if (resolved[name] === undefined && value) {
+        resolved[name] = value;
+      }
+    }
+    if (resolved["strict"] === undefined && section.get<boolean>("strict", false)) {
+      resolved["strict"] = true;
+    }
+    return resolved;
+  }
+}
+
+/** A configuration that debugs one program. */
+export function launchOf(program: string): vscode.DebugConfiguration {
+  return { type: TYPE, request: "launch", name: "EliteScript: current program", program, stopOnEntry: true };
+}

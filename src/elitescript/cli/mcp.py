@@ -1,0 +1,26 @@
+"""`elitescript mcp`: the tools of this package for agents, on standard input and output."""
+
+from __future__ import annotations
+
+from elitescript.errors import UsageError
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    import argparse
+
+
+def mcp(options: argparse.Namespace) -> int:
+    """Serve one client until it closes standard input; return the exit code."""
+    from elitescript.mcp.folder import Folder
+
+    folder = Folder(options.folder)
+    if not options.max_wall > 0.0:
+        raise UsageError(f"--max-wall must be > 0 s, got {options.max_wall:g}")
+    try:
+        from elitescript.mcp.server import make_server
+    except ModuleNotFoundError as error:
+        raise UsageError(
+            f"the package {error.name!r} is missing; install it with: pip install 'elitescript[mcp]'"
+        ) from error
+    make_server(folder, options.max_wall).run("stdio")
+    return 0

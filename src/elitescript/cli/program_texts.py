@@ -1,0 +1,110 @@
+"""Programs that a command line names: files, folders, standard input; and writing them anew."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Final
+
+from elitescript.environment.program_file import SUFFIX
+from elitescript.errors import UsageError
+from elitescript.paths import why_no_file
+from elitescript.records import NamedTuple
+
+STANDARD_INPUT: Final = "-"
+
+
+class ProgramText(NamedTuple):
+    """A text that a command line names.
+
+    Attributes:
+        name: in reports.
+        path: the file; None for standard input.
+        data: its bytes; None if it cannot be read.
+        why_not: why it cannot be read.
+        is_named: whether it is on the command line itself.
+    """
+
+    name: str
+    path: Path | None
+    data: bytes | None
+    why_not: str
+    is_named: bool
+
+
+def program_texts(names: Iterable[str], command: str) -> Iterator[ProgramText]:
+    """Yield the texts of a command line, each once, and those of its folders, by name.
+
+    Args:
+        names: files, folders, `-`.
+        command: that reads them, for messages about folders that cannot be read.
+    """
+
+    def refuse(error: OSError) -> None:
+        print(f"elitescript {command}: {error.filename}: {error.strerror or error}; it is left out", file=sys.stderr)
+
+    seen: set[str] = set()
+    for name in names:
+        if name == STANDARD_INPUT:
+            yield ProgramText("<stdin>", None, sys.stdin.buffer.read(), "", True)
+            continue
+        path = Path(name)
+        if not path.is_dir():
+            yield from _read(path, seen, is_named=True)
+            continue
+        found = False
+        for home, folders, files in os.walk(path, onerror=refuse):
+            folders[:] = sorted(name for name in folders if not name.startswith("."))
+            for file in sorted(files):
+                if file.endswith(SUFFIX):
+                    found = True
+                    yield from _read(Path(home, file), seen, is_named=False)
+        if not found:
+            yield ProgramText(name, path, None, f"no *{SUFFIX} file in this folder", True)
+
+
+def _read(path: Path, seen: set[str], *, is_named: bool) -> Iterator[ProgramText]:
+    real = os.path.realpath(path)
+    if real in seen:
+        return
+    seen.add(real)
+    if why := why_no_file(path, is_stream_allowed=True):
+        yield ProgramText(str(path), path, None, f"cannot read {path}: it {why}", is_named)
+        return
+    try:
+        yield ProgramText(str(path), path, path.read_bytes(), "", is_named)
+    except OSError as error:
+        why_not = f"cannot read {path}: {error.strerror or error}"
+        yield ProgramText(str(path), path, None, why_not, is_named)
+
+
+def write_out(data: bytes) -> None:
+    """Write bytes to standard output."""
+    sys.stdout.flush()
+    sys.stdout.buffer.write(data)
+    sys.stdout.buffer.flush()
+
+
+def rewrite(path: Path, data: bytes) -> None:
+    """Replace the contents of a file atomically; its permissions stay.
+
+    Raises:
+        UsageError: it cannot be written.
+    """
+    import shutil
+    import tempfile
+
+    real = Path(os.path.realpath(path))
+    temporary = ""
+    try:
+        handle, temporary = tempfile.mkstemp(dir=real.parent, prefix=f".{real.name}.")
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+        shutil.copymode(real, temporary)
+        Path(temporary).replace(real)
+    except OSError as error:
+        if temporary:
+            Path(temporary).unlink(missing_ok=True)
+        raise UsageError(f"cannot write {path}: {error.strerror or error}") from error

@@ -1,0 +1,37 @@
+"""What a feature of the server is: one request of the protocol, answered from one version of a text."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final
+
+from lsprotocol import types
+
+from elitescript.assist.diagnostics import Tag
+from elitescript.records import NamedTuple
+
+
+class Feature(NamedTuple):
+    """One request.
+
+    Attributes:
+        answer: called with the server, the text (None if the request names none) and the parameters. It returns the
+            result, or, if it is slow, a coroutine.
+        options: what the client is told about it; None for the usual.
+        is_slow: it waits for findings, for files or for a run, and holds no other request up.
+    """
+
+    answer: Callable[..., Any]
+    options: Any = None
+    is_slow: bool = False
+
+
+TAGS: Final = {
+    Tag.UNNECESSARY: types.DiagnosticTag.Unnecessary,
+    Tag.DEPRECATED: types.DiagnosticTag.Deprecated,
+}
+
+
+def markup(text: str) -> types.MarkupContent:
+    """Return a Markdown text as the protocol has it."""
+    return types.MarkupContent(types.MarkupKind.Markdown, text)

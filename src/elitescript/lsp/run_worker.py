@@ -1,0 +1,145 @@
+"""The process of one run: a request as JSON on standard input, the outcome on standard output.
+
+It is killed when its outcome has no use any more, or takes too long. Nothing outside the robot is real: the task folder
+is a copy in memory, connections lead to the devices of the world file or nowhere, and on Linux the process is in the
+jail of served robots before the program is compiled.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from time import perf_counter
+from typing import Any, Final
+
+from elitescript.devices.surroundings import VIRTUAL
+from elitescript.devices.world import World
+from elitescript.errors import ElitescriptError, ProgramError
+from elitescript.language.text.source import SourceFile
+from elitescript.lsp.last_run import last_run_of
+from elitescript.lsp.recorder import CallRecorder
+from elitescript.lsp.run_data import encoded
+from elitescript.plotting.line_times import ThreadLines
+from elitescript.plotting.page import Recording, page
+from elitescript.plotting.sampling import Sampling
+from elitescript.robot import VirtualRobot
+from elitescript.run import Run
+from elitescript.services.child.jail import enter_jail
+from elitescript.world_file import load_world_file
+
+UNTIL_S: Final = 300.0
+"""Most robot time of a run, s."""
+WALL_S: Final = 5.0
+"""Most wall time of a run, unless the request names another, s."""
+MEMORY_BYTES: Final = 1 << 30
+FILES_MAX: Final = 200
+"""Files of the task folder that are copied; so many of their bytes in all:"""
+FILES_BYTES_MAX: Final = 10_000_000
+MESSAGES_MAX: Final = 100
+"""Messages in the report."""
+
+
+def outcome_of(request: Mapping[str, Any], *, is_jailed: bool = True) -> dict[str, Any]:
+    """Run a program.
+
+    Args:
+        request: `text`, `name`, `folder` (of the task, or None), `world` (path, or None), `options` of the robot, and
+            `with_page`; `wall_s`, after which it is cut short.
+        is_jailed: lock this process in first.
+
+    Returns:
+        `report`: how it ended, or what keeps it from running; `last`: what editors show of it, None if it did not run;
+        `page`: the text of the page that shows it, if that is asked for.
+    """
+    try:
+        robot = _robot(request)
+        if is_jailed:
+            enter_jail(memory_max=MEMORY_BYTES)
+        unit = robot.compile(SourceFile(request["name"], request["text"]))
+    except ProgramError as error:
+        return {"report": {"state": "does_not_compile", "problems": [str(found) for found in error.problems[:20]]}}
+    except ElitescriptError as error:
+        return {"report": {"state": "does_not_run", "problems": [str(error)]}}
+    threads = ThreadLines()
+    sampling = Sampling() if request.get("with_page") else None
+
+    limit_s = perf_counter() + float(request.get("wall_s", WALL_S))
+
+    def watch(robot: VirtualRobot) -> None:
+        if perf_counter() > limit_s:
+            robot.interrupt("time_limit")
+        threads.record(robot.time_s, [(thread.name, thread.line) for thread in robot.threads()])
+
+    with CallRecorder(unit) as calls:
+        run = robot.run(unit, until_s=UNTIL_S, trace=sampling or False, watch=watch)
+    main, *others = threads.stretches(run.time_s).items() or [("", [])]
+    last = last_run_of(run, request["text"], stretches=main[1], counts=calls.counts, values=calls.values())
+    found: dict[str, Any] = {"report": _report(run), "last": encoded(last)}
+    if sampling is not None:
+        title = Path(request["name"]).name
+        recording = Recording(
+            title, robot.model, sampling.rows, unit.source, run.events, run.state, sampling.step_s, dict(others)
+        )
+        found["page"] = page(recording)
+    return found
+
+
+def _robot(request: Mapping[str, Any]) -> VirtualRobot:
+    """Return the robot of a request."""
+    world = None
+    settings = None
+    if request.get("world"):
+        settings = load_world_file(request["world"], network=VIRTUAL, is_trusted=False)
+        world = settings.world
+    if world is None:
+        world = World(network=VIRTUAL)
+        world.settings = settings
+    folder = request.get("folder")
+    files = dict(_files(Path(folder))) if folder else {}
+    robot = VirtualRobot(world=world, task_dir=files, **request.get("options", {}))
+    robot.reports_signals = False
+    return robot
+
+
+def _files(folder: Path) -> Iterator[tuple[str, bytes]]:
+    """Yield name and content of the files of a folder, within the limits; without hidden ones and links."""
+    count = size = 0
+    for home, inner, names in os.walk(folder):
+        inner[:] = sorted(name for name in inner if not name.startswith(".") and name != "node_modules")
+        for name in sorted(names):
+            path = Path(home, name)
+            if name.startswith(".") or path.is_symlink() or not path.is_file():
+                continue
+            count += 1
+            size += path.stat().st_size
+            if count > FILES_MAX or size > FILES_BYTES_MAX:
+                return
+            yield path.relative_to(folder).as_posix(), path.read_bytes()
+
+
+def _report(run: Run) -> dict[str, Any]:
+    return {
+        "state": run.state,
+        "time_s": run.time_s,
+        "log": run.log[-MESSAGES_MAX:],
+        "warnings": run.warnings[-MESSAGES_MAX:],
+        "alarms": [{"line": alarm.line, "code": alarm.code, "text": alarm.text} for alarm in run.alarms],
+    }
+
+
+def _main() -> None:
+    answers = os.fdopen(os.dup(1), "wb")
+    # What a program prints is not the outcome.
+    os.dup2(2, 1)
+    request = json.loads(sys.stdin.buffer.read())
+    answers.write(json.dumps(outcome_of(request)).encode())
+    answers.flush()
+    # No destructor of a program's object is to run now.
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    _main()

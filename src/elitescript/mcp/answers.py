@@ -1,0 +1,116 @@
+"""The form of every answer. Their JSON schemas are made of these."""
+
+from __future__ import annotations
+
+from typing import Any, NotRequired
+
+from typing_extensions import TypedDict
+
+Six = list[float]
+
+
+class Problem(TypedDict):
+    """A finding of the check; line and column from 1, columns in characters."""
+
+    severity: str
+    code: str
+    line: int
+    column: int
+    text: str
+    hint: str
+    fix: NotRequired[str]
+    """Title of a repair that `elitescript check --fix` makes."""
+
+
+class Findings(TypedDict):
+    """What the check finds."""
+
+    starts: bool
+    """Whether the program would start."""
+    errors: int
+    warnings: int
+    problems: list[Problem]
+    problems_left_out: int
+
+
+class Move(TypedDict):
+    """A motion of the arm."""
+
+    begin_s: float
+    end_s: float
+    kind: str
+    line: int
+
+
+class Thread(TypedDict):
+    """A script thread of a program that did not end by itself."""
+
+    name: str
+    line: int
+    doing: str
+
+
+class Outcome(TypedDict):
+    """How a run ended and what it did; times in s of robot time, angles in rad, lengths in m."""
+
+    check: Findings
+    state: str
+    """`finished`, `alarm`, `stopped`, `time_limit`, `stuck` or `does_not_compile`."""
+    time_s: float
+    cut_by_wall_time: NotRequired[bool]
+    """Whether the run was ended because it took too much of this computer's time."""
+    alarm: NotRequired[dict[str, Any] | None]
+    threads: NotRequired[list[Thread]]
+    messages: NotRequired[list[dict[str, Any]]]
+    """Messages, prints, popups and warnings: the last ones."""
+    messages_left_out: NotRequired[int]
+    moves: NotRequired[list[Move]]
+    moves_left_out: NotRequired[int]
+    signal_changes: NotRequired[list[dict[str, Any]]]
+    signal_changes_left_out: NotRequired[int]
+    globals: NotRequired[dict[str, Any]]
+    signals: NotRequired[dict[str, Any]]
+    """Those not at their default at the end."""
+    joints: NotRequired[Six]
+    tcp_pose: NotRequired[Six]
+
+
+class Row(TypedDict):
+    """The robot at one moment."""
+
+    t: float
+    line: int
+    joints: Six
+    joint_speeds: Six
+    tcp_pose: Six
+    state: str
+    signals: dict[str, Any]
+
+
+class Trace(Outcome):
+    """Rows of a stretch of time, and how the run ended."""
+
+    rows: NotRequired[list[Row]]
+
+
+class Explanation(TypedDict):
+    """What a code means."""
+
+    code: str
+    title: str
+    text: str
+
+
+class Commands(TypedDict):
+    """Commands that were found: all facts of one, or the names and summaries of several."""
+
+    commands: list[dict[str, Any]]
+    commands_left_out: int
+
+
+class Programs(TypedDict):
+    """Programs in the folder."""
+
+    folder: str
+    programs: list[str]
+    programs_left_out: int

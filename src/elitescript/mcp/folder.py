@@ -1,0 +1,69 @@
+"""The folder that a server was started for: every file that a call names is inside it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+from elitescript.errors import UsageError
+
+FILE_BYTES_MAX: Final = 2 * 1024 * 1024
+"""Largest program or world file that is read."""
+
+
+class Folder:
+    """A folder.
+
+    Args:
+        path: of it.
+
+    Attributes:
+        path: without links.
+
+    Raises:
+        UsageError: it is no folder.
+    """
+
+    __slots__ = ("path",)
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path).resolve()
+        if not self.path.is_dir():
+            raise UsageError(f"{path} is no folder")
+
+    def file(self, name: str, *suffixes: str) -> Path:
+        """Return the path of a file, without links.
+
+        Args:
+            name: relative to the folder, or absolute.
+            suffixes: one of which it must have.
+
+        Raises:
+            UsageError: it is outside the folder, no ordinary file, of another kind, or too large.
+        """
+        try:
+            found = (self.path / name).resolve()
+            is_inside = found.is_relative_to(self.path)
+            if is_inside and found.suffix not in suffixes:
+                raise UsageError(f"{name}: a file with the suffix {' or '.join(suffixes)} is needed")
+            if is_inside and not found.is_file():
+                raise UsageError(f"{name}: there is no such file in {self.path}")
+        except (OSError, ValueError, RuntimeError) as error:
+            raise UsageError(f"{name!r:.200} is no path: {error}") from None
+        if not is_inside:
+            raise UsageError(f"{name} is outside {self.path}: only files in this folder can be named")
+        if (size := found.stat().st_size) > FILE_BYTES_MAX:
+            raise UsageError(f"{name} has {size} bytes; at most {FILE_BYTES_MAX} are read")
+        return found
+
+    def programs(self, most: int) -> tuple[list[str], int]:
+        """Return the programs inside, relative to the folder and by name, and how many there are in all.
+
+        Hidden folders are left out.
+        """
+        found = sorted(
+            str(path.relative_to(self.path))
+            for path in self.path.rglob("*.script")
+            if not any(part.startswith(".") for part in path.relative_to(self.path).parts)
+        )
+        return found[:most], len(found)

@@ -1,0 +1,208 @@
+"""What calls about a program ask for: checked, run, sampled. Called in a worker process, which may be killed.
+
+Everything goes in and out as plain values. Nothing outside the robot is real: no network, no serial port.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from typing import Any, Final
+
+from elitescript.devices.surroundings import VIRTUAL
+from elitescript.devices.world import World
+from elitescript.errors import UsageError
+from elitescript.json_records.events import record_of
+from elitescript.json_records.jsonlines import plain
+from elitescript.language.diagnostics import Diagnostic
+from elitescript.language.options import Options
+from elitescript.language.text.source import SourceFile
+from elitescript.lint.engine import CheckResult, compile_checked
+from elitescript.messages.signals import SIGNALS, Value
+from elitescript.plotting.events import moves
+from elitescript.robot import VirtualRobot
+from elitescript.run import Run
+from elitescript.world_file import load_world_file
+
+FINDINGS_MAX: Final = 100
+MESSAGES_MAX: Final = 100
+MOVES_MAX: Final = 200
+ROWS_MAX: Final = 500
+VALUE_MAX: Final = 2000
+"""Characters of a text or of the value of a variable."""
+UNTIL_S: Final = 3600.0
+"""Most virtual time of a run that names none, s."""
+WALL_S: Final = 10.0
+"""Wall time of a run whose caller names none, s."""
+
+_TEXT_KINDS: Final = frozenset(("log", "print", "popup", "warning", "device", "safety"))
+"""Records of events that are messages for people."""
+
+
+def check(request: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what `check` finds in a program."""
+    robot = _robot(request)
+    return _findings(_checked(request, robot))
+
+
+def run(request: Mapping[str, Any]) -> dict[str, Any]:
+    """Run a program; return how it ended and what it did."""
+    return _run(request, None)
+
+
+def trace(request: Mapping[str, Any]) -> dict[str, Any]:
+    """Run a program; return rows of the time between `from_s` and `to_s`, and how it ended."""
+    begin, end, step = (float(request[name]) for name in ("from_s", "to_s", "step_s"))
+    if not 0.0 <= begin <= end:
+        raise UsageError(f"from_s and to_s: from {begin:g} to {end:g} s is no stretch of time")
+    if not step > 0.0:
+        raise UsageError(f"step_s must be > 0 s, got {step:g}")
+    if (end - begin) / step > ROWS_MAX:
+        raise UsageError(f"{(end - begin) / step:.0f} rows are too many: at most {ROWS_MAX}; take a larger step_s")
+    return _run(request, (begin, end, step))
+
+
+def robot_and_presets(request: Mapping[str, Any]) -> tuple[VirtualRobot, dict[str, Any]]:
+    """Return the robot of a call, its signals set, and the program globals that have a value before the program."""
+    robot = _robot(request)
+    levels: dict[str, Value] = {}
+    presets: dict[str, Any] = {}
+    for name, value in dict(request.get("set") or {}).items():
+        (levels if name.partition("[")[0] in SIGNALS or "[" in name else presets)[name] = value
+    robot.set_start(levels)
+    return robot, presets
+
+
+def _robot(request: Mapping[str, Any]) -> VirtualRobot:
+    world = None
+    settings = None
+    if request.get("world"):
+        settings = load_world_file(request["world"], network=VIRTUAL, is_trusted=False)
+        world = settings.world
+    if world is None:
+        world = World(network=VIRTUAL)
+        world.settings = settings
+    keywords = {
+        name: request[name] for name in ("firmware", "seed", "joints", "strict") if request.get(name) is not None
+    }
+    return VirtualRobot(request.get("robot") or None, world=world, task_dir=request.get("task_dir"), **keywords)
+
+
+def _checked(request: Mapping[str, Any], robot: VirtualRobot, presets: Mapping[str, Any] | None = None) -> CheckResult:
+    source = SourceFile(request["name"], request["text"])
+    options = Options(strict=robot.options.strict)
+    return compile_checked(source, robot.profile, options, presets=presets or (), arm=robot.model)
+
+
+def _findings(checked: CheckResult) -> dict[str, Any]:
+    problems = checked.problems
+    return {
+        "starts": not checked.is_refused,
+        "errors": sum(problem.is_error for problem in problems),
+        "warnings": sum(not problem.is_error for problem in problems),
+        "problems": [_finding(problem) for problem in problems[:FINDINGS_MAX]],
+        "problems_left_out": max(0, len(problems) - FINDINGS_MAX),
+    }
+
+
+def _finding(problem: Diagnostic) -> dict[str, Any]:
+    found: dict[str, Any] = {
+        "severity": str(problem.severity),
+        "code": problem.code,
+        "line": problem.line,
+        "column": problem.column,
+        "text": problem.text,
+        "hint": problem.hint,
+    }
+    if problem.fix is not None:
+        found["fix"] = problem.fix.title
+    return found
+
+
+def _run(request: Mapping[str, Any], window: tuple[float, float, float] | None) -> dict[str, Any]:
+    robot, presets = robot_and_presets(request)
+    checked = _checked(request, robot, presets)
+    found = {"check": _findings(checked)}
+    if checked.unit is None or checked.is_refused:
+        return {"state": "does_not_compile", "time_s": 0.0, **found}
+    rows: dict[str, Any] = {}
+    if window is not None:
+        begin, end, step = window
+        rows = {"trace": True, "trace_step_s": step, "trace_window_s": (begin, end)}
+    until_s = request.get("until_s")
+    clock = _Clock(float(request.get("wall_s", WALL_S)))
+    made = robot.run(
+        checked.unit, presets=presets, until_s=UNTIL_S if until_s is None else until_s, watch=clock.watch, **rows
+    )
+    answer = found | {"cut_by_wall_time": clock.is_over} | _outcome(made)
+    if window is not None:
+        answer["rows"] = [
+            {
+                "t": row.t,
+                "line": row.line,
+                "joints": list(row.q),
+                "joint_speeds": list(row.qd),
+                "tcp_pose": list(row.tcp_pose),
+                "state": row.state,
+                "signals": plain(dict(row.signals)),
+            }
+            for row in made.trace[:ROWS_MAX]
+        ]
+    return answer
+
+
+class _Clock:
+    """Ends a run that takes too much wall time, so that there is an answer that says how far it came."""
+
+    def __init__(self, wall_s: float) -> None:
+        self._end_s = time.monotonic() + wall_s
+        self.is_over = False
+
+    def watch(self, robot: VirtualRobot) -> None:
+        if time.monotonic() > self._end_s:
+            self.is_over = True
+            robot.interrupt("time_limit")
+
+
+def _outcome(run: Run) -> dict[str, Any]:
+    """Return how a run ended and what it did."""
+    records = [record for event in run.events if (record := record_of(event)) is not None]
+    messages = [record for record in records if record["type"] in _TEXT_KINDS]
+    signals = [record for record in records if record["type"] == "signal"]
+    stretches = moves(run.events, run.time_s)
+    alarms = [record for record in records if record["type"] == "alarm"]
+    return {
+        "state": run.state,
+        "time_s": run.time_s,
+        "alarm": plain(alarms[-1]) if alarms else None,
+        "threads": [
+            {"name": thread.name, "line": thread.line, "doing": thread.doing} for thread in run.threads[:MESSAGES_MAX]
+        ],
+        "messages": [_short(record) for record in messages[-MESSAGES_MAX:]],
+        "messages_left_out": max(0, len(messages) - MESSAGES_MAX),
+        "moves": [
+            {"begin_s": begin, "end_s": end, "kind": kind, "line": line}
+            for begin, end, kind, line in stretches[:MOVES_MAX]
+        ],
+        "moves_left_out": max(0, len(stretches) - MOVES_MAX),
+        "signal_changes": [_short(record) for record in signals[-MESSAGES_MAX:]],
+        "signal_changes_left_out": max(0, len(signals) - MESSAGES_MAX),
+        "globals": {name: _short_value(value) for name, value in plain(run.globals).items()},
+        "signals": plain(dict(run.signals)),
+        "joints": list(run.joints),
+        "tcp_pose": list(run.tcp_pose),
+    }
+
+
+def _short(record: dict[str, Any]) -> dict[str, Any]:
+    return {name: _short_value(value) for name, value in plain(record).items()}
+
+
+def _short_value(value: Any) -> Any:
+    """Return a plain value, or the begin of its text if that is long."""
+    if isinstance(value, (list, dict)):
+        text = str(value)
+        return value if len(text) <= VALUE_MAX else {"repr": text[:VALUE_MAX] + "..."}
+    if isinstance(value, str) and len(value) > VALUE_MAX:
+        return value[:VALUE_MAX] + "..."
+    return value

@@ -1,0 +1,219 @@
+"""`elitescript mcp`: checks, runs and explains programs for agents, over the Model Context Protocol on stdio."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable
+from functools import wraps
+from typing import Annotated, Any, Final, ParamSpec, TypeVar, cast
+
+from mcp.server.mcpserver import MCPServer
+from mcp.server.mcpserver.exceptions import ToolError
+from mcp_types import ToolAnnotations
+from pydantic import Field
+
+from elitescript import __version__
+from elitescript.commands.catalogue import CATALOGUE
+from elitescript.commands.definition.page import matches, record
+from elitescript.errors import CODES, ElitescriptError, ProgramError, UsageError
+from elitescript.language.text.source import SourceFile
+from elitescript.lint.explanations import body
+from elitescript.mcp.answers import Commands, Explanation, Findings, Outcome, Programs, Trace
+from elitescript.mcp.folder import Folder
+from elitescript.mcp.workers import ask_once
+
+COMMANDS_MAX: Final = 30
+PROGRAMS_MAX: Final = 500
+TEXT_MAX: Final = 500_000
+"""Longest text of a program that comes with a call, characters."""
+
+INSTRUCTIONS: Final = """\
+EliteScript is the language of the Elite Robots CS arms: Python in which a block may also end with `end`. Programs run
+here on a virtual robot: no arm moves, no network is reached. Angles are rad, lengths m, times s of robot time; the same
+call gives the same answer. Check a program before running it; look commands up instead of guessing arguments."""
+
+_READS: Final = ToolAnnotations(read_only_hint=True, open_world_hint=False, idempotent_hint=True)
+_RUNS: Final = ToolAnnotations(
+    read_only_hint=False, destructive_hint=False, open_world_hint=False, idempotent_hint=True
+)
+"""A program may write files of its folder."""
+
+ProgramFile = Annotated[str | None, Field(description="program in the folder; or give its text")]
+ProgramText = Annotated[str | None, Field(description="the program itself, if it is in no file")]
+Arm = Annotated[str | None, Field(description="arm: CS63, CS66 (default), CS612, CS616, CS620, CS625, or a TOML file")]
+Firmware = Annotated[str | None, Field(description="of the controller, such as 2.14 (default) or 2.10")]
+WorldPath = Annotated[str | None, Field(description="TOML file with devices, wires, faults, inputs, robot options")]
+Strict = Annotated[bool, Field(description="refuse what only warns otherwise")]
+Levels = Annotated[
+    dict[str, Any] | None,
+    Field(description='signals and globals at the start, such as {"standard_digital_in[3]": true, "parts": 4}'),
+]
+Joints = Annotated[list[float] | None, Field(description="joint positions at the start, six angles, rad")]
+Seed = Annotated[int | None, Field(description="of random numbers")]
+Until = Annotated[float | None, Field(description="stop after so much robot time, s; an hour if not given")]
+Step = Annotated[float, Field(description="time between two rows, s; at most 500 rows")]
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+
+def make_server(folder: Folder, wall_s: float) -> MCPServer:
+    """Return a server.
+
+    Args:
+        folder: in which all files are that can be named.
+        wall_s: most wall time of one call.
+    """
+    server = MCPServer(
+        "elitescript", title="EliteScript", version=__version__, instructions=INSTRUCTIONS, log_level="WARNING"
+    )
+    tool = _registrar(server)
+
+    def program(
+        file: str | None,
+        text: str | None,
+        robot: str | None = None,
+        world: str | None = None,
+        **settings: Any,
+    ) -> dict[str, Any]:
+        if (file is None) == (text is None):
+            raise UsageError("name a program by `file`, or give its `text`: one of them")
+        request: dict[str, Any] = {name: value for name, value in settings.items() if value is not None}
+        if file is not None:
+            path = folder.file(file, ".script", ".task", ".txt")
+            source = SourceFile.from_bytes(file, path.read_bytes())
+            request |= {"name": file, "text": source.text, "task_dir": str(path.parent)}
+        else:
+            assert text is not None
+            if len(text) > TEXT_MAX:
+                raise UsageError(f"the text has {len(text)} characters; at most {TEXT_MAX} are read")
+            request |= {"name": "<text>", "text": text}
+        if robot is not None:
+            request["robot"] = str(folder.file(robot, ".toml")) if robot.endswith(".toml") else robot
+        if world is not None:
+            request["world"] = str(folder.file(world, ".toml"))
+        return request
+
+    @tool(_READS)
+    async def programs() -> Programs:
+        """List the robot programs (*.script) in the folder that this server was started for."""
+        found, count = folder.programs(PROGRAMS_MAX)
+        return {"folder": str(folder.path), "programs": found, "programs_left_out": count - len(found)}
+
+    @tool(_READS)
+    async def check(
+        file: ProgramFile = None,
+        text: ProgramText = None,
+        robot: Arm = None,
+        firmware: Firmware = None,
+        world: WorldPath = None,
+        strict: Strict = False,
+    ) -> Findings:
+        """Find every mistake of a program without running it."""
+        request = program(file, text, robot, world, firmware=firmware, strict=strict)
+        return cast("Findings", await ask_once({"do": "check", **request}, wall_s))
+
+    @tool(_RUNS)
+    async def run(
+        file: ProgramFile = None,
+        text: ProgramText = None,
+        robot: Arm = None,
+        firmware: Firmware = None,
+        world: WorldPath = None,
+        set: Levels = None,
+        joints: Joints = None,
+        seed: Seed = None,
+        until_s: Until = None,
+        strict: Strict = False,
+    ) -> Outcome:
+        """Run a program to its end on a virtual robot, and return how it ended and what it did."""
+        request = program(
+            file,
+            text,
+            robot,
+            world,
+            firmware=firmware,
+            set=set,
+            joints=joints,
+            seed=seed,
+            until_s=until_s,
+            strict=strict,
+        )
+        return cast("Outcome", await ask_once({"do": "run", **request}, wall_s))
+
+    @tool(_RUNS)
+    async def trace(
+        from_s: Annotated[float, Field(description="begin, s of robot time")],
+        to_s: Annotated[float, Field(description="end, s of robot time")],
+        step_s: Step = 0.1,
+        file: ProgramFile = None,
+        text: ProgramText = None,
+        robot: Arm = None,
+        firmware: Firmware = None,
+        world: WorldPath = None,
+        set: Levels = None,
+        joints: Joints = None,
+        seed: Seed = None,
+        strict: Strict = False,
+    ) -> Trace:
+        """Run a program and return the robot in a stretch of its time: line, joints, speeds, TCP pose, signals."""
+        request = program(
+            file,
+            text,
+            robot,
+            world,
+            firmware=firmware,
+            set=set,
+            joints=joints,
+            seed=seed,
+            strict=strict,
+        )
+        window = {"from_s": from_s, "to_s": to_s, "step_s": step_s, "until_s": to_s}
+        return cast("Trace", await ask_once({"do": "trace", **request, **window}, wall_s))
+
+    @tool(_READS)
+    async def explain(code: Annotated[str, Field(description="such as W203")]) -> Explanation:
+        """Explain the code of a finding or an alarm, such as E301, W203 or R110: what it means, why, what to do."""
+        name = code.strip().upper()
+        if name not in CODES:
+            raise UsageError(f"there is no code {code!r}; codes look like E301, W203 and R110")
+        return {"code": name, "title": CODES[name].title, "text": body(name)}
+
+    @tool(_READS)
+    async def commands(
+        words: Annotated[str, Field(description="a name such as movej, or words such as 'digital output'")],
+    ) -> Commands:
+        """Look up robot commands: all facts of the one with this name, or those that words find."""
+        exact = CATALOGUE.get(words.strip())
+        if exact is not None:
+            return {"commands": [record(exact)], "commands_left_out": 0}
+        found = matches(CATALOGUE, words)
+        if not found:
+            raise UsageError(f"no command has {words!r} in its name, parameters or description")
+        brief = [
+            {name: value for name, value in record(item).items() if name in ("name", "signature", "summary", "since")}
+            for item in found[:COMMANDS_MAX]
+        ]
+        return {"commands": brief, "commands_left_out": max(0, len(found) - COMMANDS_MAX)}
+
+    return server
+
+
+def _registrar(server: MCPServer) -> Callable[[ToolAnnotations], Callable[[Callable[_P, Awaitable[_R]]], None]]:
+    """Return a decorator that makes tools of functions; what a user did wrong becomes the text of the tool's error."""
+
+    def registered(annotations: ToolAnnotations) -> Callable[[Callable[_P, Awaitable[_R]]], None]:
+        def register(function: Callable[_P, Awaitable[_R]]) -> None:
+            @wraps(function)
+            async def call(*args: _P.args, **keywords: _P.kwargs) -> _R:
+                try:
+                    return await function(*args, **keywords)
+                except ProgramError as error:
+                    raise ToolError("\n".join(map(str, error.problems))) from error
+                except ElitescriptError as error:
+                    raise ToolError(str(error)) from error
+
+            server.tool(annotations=annotations, structured_output=True)(call)
+
+        return register
+
+    return registered

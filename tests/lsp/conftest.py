@@ -1,0 +1,26 @@
+"""Clients for the tests of the language server."""
+
+from __future__ import annotations
+
+import pytest
+
+pytest.importorskip("pygls", reason="needs the extra lsp")
+
+from elitescript.lsp import background
+from tests.lsp.memory_client import MemoryClient
+
+
+@pytest.fixture
+def bare(monkeypatch):
+    """A client before `initialize`; nothing runs in the background unless a test wants it."""
+    monkeypatch.setattr(background, "QUIET_S", 3600.0)
+    client = MemoryClient()
+    yield client
+    client.close()
+
+
+@pytest.fixture
+def client(bare):
+    """A client after `initialize`, which asks for nothing special."""
+    bare.initialize()
+    return bare

@@ -1,0 +1,128 @@
+"""The server as a client of the protocol's own library sees it; calls about programs go through a real worker."""
+
+import asyncio
+import json
+import sys
+
+import pytest
+
+pytest.importorskip("mcp.server.mcpserver")
+
+from mcp.client.client import Client
+from mcp.client.stdio import StdioServerParameters, stdio_client
+
+from elitescript.mcp.folder import Folder
+from elitescript.mcp.server import make_server
+
+TOOLS = {"programs", "check", "run", "trace", "explain", "commands"}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "a.script").write_text("def a():\n  textmsg('hello')\nend\n")
+    (tmp_path / "bad.script").write_bytes(b"def a():\n  textmsg('\xff')\nend\n")
+    return tmp_path
+
+
+def calls(server, *wanted):
+    """Return the answer to each call, as (is error, structured content or text)."""
+
+    async def run():
+        async with Client(server) as client:
+            answers = [await client.call_tool(name, arguments) for name, arguments in wanted]
+        return [(answer.is_error, answer.structured_content or answer.content[0].text) for answer in answers]
+
+    return asyncio.run(run())
+
+
+def call(folder, name, wall_s=20.0, **arguments):
+    return calls(make_server(Folder(folder), wall_s), (name, arguments))[0]
+
+
+def test_every_tool_describes_itself_and_what_it_returns():
+    async def run():
+        async with Client(make_server(Folder("."), 1.0)) as client:
+            return (await client.list_tools()).tools
+
+    tools = asyncio.run(run())
+    assert {tool.name for tool in tools} == TOOLS
+    for tool in tools:
+        assert tool.description.endswith("."), tool.name
+        assert tool.output_schema["properties"], tool.name
+        for name, schema in tool.input_schema["properties"].items():
+            assert schema["description"], (tool.name, name)
+
+
+def test_programs_of_the_folder_are_listed(folder):
+    is_error, found = call(folder, "programs")
+    assert not is_error
+    assert found == {"folder": str(folder), "programs": ["a.script", "bad.script"], "programs_left_out": 0}
+
+
+def test_codes_are_explained(folder):
+    is_error, found = call(folder, "explain", code=" w203")
+    assert not is_error
+    assert (found["code"], found["title"]) == ("W203", "name of a robot command used for something else")
+    assert "sleep = 5" in found["text"]
+
+
+def test_a_command_is_shown_in_full_and_words_find_several(folder):
+    (_, one), (_, several) = calls(
+        make_server(Folder(folder), 1.0),
+        ("commands", {"words": "movej"}),
+        ("commands", {"words": "digital output"}),
+    )
+    assert [parameter["name"] for parameter in one["commands"][0]["parameters"]] == ["q", "a", "v", "t", "r"]
+    assert "set_standard_digital_out" in {command["name"] for command in several["commands"]}
+    assert "parameters" not in several["commands"][0]
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments", "text"),
+    [
+        ("check", {}, "one of them"),
+        ("check", {"file": "a.script", "text": "x"}, "one of them"),
+        ("check", {"file": "../a.script"}, "outside"),
+        ("check", {"file": "no.script"}, "no such file"),
+        ("check", {"file": "bad.script"}, "line 2, column 12: error E002"),
+        ("check", {"text": "x" * 500_001}, "characters"),
+        ("run", {"file": "a.script", "world": "cell.json"}, "suffix"),
+        ("run", {"file": "a.script", "robot": "../arm.toml"}, "outside"),
+        ("run", {"file": 5}, "file"),
+        ("explain", {"code": "X1"}, "no code"),
+        ("commands", {"words": "wrumpf"}, "no command"),
+        ("nothing", {}, "nothing"),
+    ],
+)
+def test_a_call_that_makes_no_sense_is_answered_with_the_reason(folder, name, arguments, text):
+    is_error, found = call(folder, name, **arguments)
+    assert is_error
+    assert text in found
+
+
+def test_a_program_is_run_and_what_is_wrong_with_a_call_is_said(folder):
+    server = make_server(Folder(folder), 20.0)
+    (_, found), (is_error, why) = calls(
+        server, ("run", {"file": "a.script"}), ("run", {"file": "a.script", "robot": "CS99"})
+    )
+    assert (found["state"], found["messages"][0]["text"]) == ("finished", "hello")
+    assert is_error
+    assert "CS99" in why
+
+
+def test_a_worker_that_does_not_answer_is_ended(folder):
+    # One call of Python that takes for ever: no clock of a run can end it.
+    is_error, why = call(folder, "run", wall_s=0.2, text="x = 10 ** 10 ** 9\n")
+    assert is_error
+    assert "was ended" in why
+
+
+def test_the_command_line_serves_standard_input_and_output(folder):
+    async def run():
+        server = StdioServerParameters(command=sys.executable, args=["-m", "elitescript", "mcp", str(folder)])
+        async with Client(stdio_client(server)) as client:
+            return await client.call_tool("check", {"text": "movj(1)\n"})
+
+    found = asyncio.run(run()).structured_content
+    assert found["problems"][0]["code"] == "E301"
+    assert json.dumps(found)
