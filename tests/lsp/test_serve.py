@@ -11,9 +11,8 @@ import sys
 from pathlib import Path
 
 import pytest
-import pytest_lsp
 from lsprotocol import types
-from pytest_lsp import ClientServerConfig, LanguageClient
+from pytest_lsp import ClientServerConfig, LanguageClient, client_capabilities
 
 from elitescript.cli.main import main
 from elitescript.lsp import serve
@@ -24,24 +23,33 @@ SERVER = [sys.executable, "-m", "elitescript", "lsp"]
 PROGRAM = "def cell():\n  height = 0.2\n  movej([0, -1.5, 0, -1.57, 0, 0], v=1.0)\n  textmesg(height)\nend\n"
 
 
-@pytest_lsp.fixture(config=ClientServerConfig(server_command=SERVER))
-async def editor(lsp_client: LanguageClient, tmp_path: Path):
-    folder = types.WorkspaceFolder(tmp_path.as_uri(), "cell")
-    capabilities = pytest_lsp.client_capabilities("visual-studio-code")
-    params = types.InitializeParams(capabilities, process_id=os.getpid(), workspace_folders=[folder])
+async def opened_client(folder: Path) -> LanguageClient:
+    """Return the client of pytest-lsp with a session. Its pytest plugin is off: it takes tests for functions."""
+    client = await ClientServerConfig(server_command=SERVER).start()
+    capabilities = client_capabilities("visual-studio-code")
+    roots = [types.WorkspaceFolder(folder.as_uri(), "cell")]
+    params = types.InitializeParams(capabilities, process_id=os.getpid(), workspace_folders=roots)
     # Nothing runs in the background: a test has no time to wait.
-    lsp_client.set_configuration({"elitescript": {"hints": {"run": False}}})
+    client.set_configuration({"elitescript": {"hints": {"run": False}}})
     # It has no answer of its own to that.
-    lsp_client.feature(types.CLIENT_REGISTER_CAPABILITY)(lambda params: None)
-    await lsp_client.initialize_session(params)
-    yield
-    await lsp_client.shutdown_session()
+    client.feature(types.CLIENT_REGISTER_CAPABILITY)(lambda params: None)
+    await client.initialize_session(params)
+    return client
 
 
-@pytest.mark.asyncio
-async def test_a_journey_with_an_independent_client(editor: LanguageClient, tmp_path: Path):
+def test_a_journey_with_an_independent_client(tmp_path: Path):
     """Opens a program, sees its mistake, repairs it, renames, lays out; the client checks the types of all answers."""
-    uri = f"{tmp_path.as_uri()}/cell.script"
+
+    async def journey() -> None:
+        editor = await opened_client(tmp_path)
+        await _journey(editor, f"{tmp_path.as_uri()}/cell.script")
+        await editor.shutdown_session()
+        await editor.stop()
+
+    asyncio.run(journey())
+
+
+async def _journey(editor: LanguageClient, uri: str) -> None:
     editor.text_document_did_open(
         types.DidOpenTextDocumentParams(types.TextDocumentItem(uri, "elitescript", 1, PROGRAM))
     )
