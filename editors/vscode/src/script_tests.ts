@@ -134,7 +134,12 @@ function report(run: vscode.TestRun, item: vscode.TestItem, outcome: Outcome | u
   } else if (outcome?.word === "SKIPPED") {
     run.skipped(item);
   } else if (outcome?.word === "FAILED") {
-    run.failed(item, new vscode.TestMessage(sectionOf(output, item.label) ?? outcome.text));
+    const message = new vscode.TestMessage(sectionOf(output, item.label) ?? outcome.text);
+    const line = /\.script:(\d+): /.exec(`${message.message as string}`)?.[1];
+    if (line && item.uri) {
+      message.location = new vscode.Location(item.uri, new vscode.Position(Number(line) - 1, 0));
+    }
+    run.failed(item, message);
   } else {
     run.errored(item, new vscode.TestMessage(outcome?.text || output));
   }

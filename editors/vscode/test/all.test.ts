@@ -277,7 +277,7 @@ describe("tests in the language", onPosix, () => {
   const COLLECTED = "test_a.py::test_python\ntest_cell.script::test_grip\nsub/test_b.script::test_x\n\n3 tests collected in 0.1s";
   const RAN = `
 ____________________ test_grip ____________________
-line 3: the gripper is open
+test_cell.script:3: in test_grip
 =========================== short test summary info ============================
 PASSED sub/test_b.script::test_x
 FAILED test_cell.script::test_grip - line 3: the gripper
@@ -307,7 +307,7 @@ ERROR test_c.script::test_y`;
     assert.equal([...roots[0]!.children][0]![1].range?.startLine, 1);
     const token = { onCancellationRequested: () => undefined };
     await controller.run({}, token);
-    assert.deepEqual(fake.results, ["failed test_grip: line 3: the gripper is open", "passed test_x", "end"]);
+    assert.deepEqual(fake.results, ["failed | test_grip | test_cell.script:3: in test_grip | line 2", "passed | test_x", "end"]);
     assert.match(readFileSync(file, "utf8"), / test_cell\.script::test_grip sub\/test_b\.script::test_x\n$/);
     tests.dispose();
   });

@@ -107,7 +107,22 @@ export class SnippetString {
   }
 }
 
+export class Position {
+  constructor(
+    readonly line: number,
+    readonly character: number,
+  ) {}
+}
+
+export class Location {
+  constructor(
+    readonly uri: Uri,
+    readonly place: Position,
+  ) {}
+}
+
 export class TestMessage {
+  location: Location | undefined;
   constructor(readonly message: string) {}
 }
 
@@ -216,7 +231,9 @@ export class FakeController {
     const say =
       (word: string) =>
       (item: FakeItem, message?: TestMessage): number =>
-        fake.results.push(`${word} ${item.label}${message ? `: ${message.message}` : ""}`);
+        fake.results.push(
+          [word, item.label, ...(message ? [message.message, `line ${message.location?.place.line}`] : [])].join(" | "),
+        );
     return {
       started: () => undefined,
       appendOutput: () => undefined,
