@@ -39,6 +39,7 @@ from elitescript.messages.signals import Value
 from elitescript.messages.state import RobotState
 from elitescript.messages.timing import seconds, ticks_for
 from elitescript.models.model import RobotModel
+from elitescript.observer import OBSERVATION
 from elitescript.run import NOT_DELIVERED, EndState, Look, Run
 from elitescript.runtime.environment import ProgramEnvironment
 
@@ -365,6 +366,8 @@ class VirtualRobot:
             from elitescript.controller.views.trace_rows import TraceRecorder
 
             self._trace = TraceRecorder(trace_step_s, TraceSignals(trace_signals), trace_window_s, run.trace)
+        if OBSERVATION.observer is not None:
+            self._trace = OBSERVATION.observer.started(self, run, values, self._trace)
         if unit.kind == SECONDARY and self._run is run:
             self._host.start_secondary(unit, world=world)
         else:
