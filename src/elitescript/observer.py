@@ -1,4 +1,4 @@
-"""The observer of every run of this process, which a test tool sets: it knows then what the arm of a failed test did."""
+"""How test tools watch robots: the observer of every run of this process, and the folder of coverage records."""
 
 from __future__ import annotations
 
@@ -12,6 +12,10 @@ if TYPE_CHECKING:
 
         def started(self, robot: Any, run: Any, presets: Mapping[str, object], trace: Any) -> Any:
             """Note that a robot starts a program with these presets; return the trace that its rows go to, or None."""
+
+
+COVERAGE_VARIABLE: Final = "ELITESCRIPT_COVERAGE"
+"""Environment variable with the folder in which `run`, `plot`, `serve` and `replay` record what programs run."""
 
 
 class Observation:

@@ -42,7 +42,7 @@ from elitescript.models.model import RobotModel
 from elitescript.observer import OBSERVATION
 from elitescript.run import NOT_DELIVERED, EndState, Look, Run
 from elitescript.runtime.environment import ProgramEnvironment
-from elitescript.runtime.probe import Probe, noted, probed
+from elitescript.runtime.probe import Probe, noted, probed, witness
 
 if TYPE_CHECKING:
     from typing import Unpack
@@ -265,8 +265,11 @@ class VirtualRobot:
             UsageError: no such file.
         """
         source = program if isinstance(program, SourceFile) else source_of(program)
-        probe = self._kernel.probe
-        return noted(probe, compile_task(source, probed(probe, Options(strict=self.options.strict))))
+        return noted(self._kernel.probe, compile_task(source, self.text_options(source)))
+
+    def text_options(self, source: SourceFile, kind: str | None = None) -> Options:
+        """Return the options to compile a text with for this robot, one that is compiled elsewhere too."""
+        return probed(self._kernel.probe, Options(strict=self.options.strict, kind=kind), source)
 
     def run(
         self,
@@ -386,9 +389,8 @@ class VirtualRobot:
         Raises:
             ProgramError: the text does not compile.
         """
-        probe = self._kernel.probe
-        options = probed(probe, Options(strict=self.options.strict, kind="secondary"))
-        unit = noted(probe, compile_unit(SourceFile("<secondary>", program), options))
+        source = SourceFile("<secondary>", program)
+        unit = noted(self._kernel.probe, compile_unit(source, self.text_options(source, SECONDARY)))
         if self._run is not None and unit.shows_hash_order:
             self._run.is_alone = False
         self._host.start_secondary(unit)
@@ -570,6 +572,8 @@ class VirtualRobot:
             self.controller.emit(Warned(self.tick, NOT_DELIVERED + text, code=UNDELIVERED))
         if self._outside.surroundings is not None:
             self._outside.surroundings.run_ended()
+            if (observing := witness(self._kernel.probe)) is not None:
+                observing.faults(self._outside.surroundings.fault_places(), self._outside.surroundings.faults_so_far())
         run.close(SignalRecord(self.controller.non_default_signals()))
         self._choose_record()
 

@@ -26,7 +26,7 @@ class Counter:
         self.entries: list[object] = []
         self.log: list[int] = []
 
-    def options(self, options):
+    def options(self, options, source):
         return replace(options, probes=self.kind, first_probe=self.size)
 
     def compiled(self, unit):

@@ -20,7 +20,6 @@ from elitescript.controller.views.trace import Trace, step_ticks
 from elitescript.controller.views.trace_signals import TraceSignals
 from elitescript.environment.program_file import source_of
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
-from elitescript.language.options import Options
 from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import DeviceNoted
@@ -71,7 +70,8 @@ def run(options: argparse.Namespace) -> int:
         return DOES_NOT_COMPILE
     from elitescript.lint.engine import check_parsed
 
-    parsed = options.parsed or parse(source, Options(strict=robot.options.strict))
+    language = robot.text_options(source)
+    parsed = (options.parsed or parse(source, language))._replace(options=language)
     checked = check_parsed(parsed, robot.profile, presets=presets, arm=robot.model)
     report.problems(checked.problems, source)
     unit = checked.unit

@@ -127,7 +127,9 @@ def _program(program: ProgramCoverage) -> str:
         )
     body.append("</table></div>")
     if program.functions:
-        body.append('<h2>Functions</h2><div class="wide"><table class="numbers"><tr><th>Function</th><th>Calls</th></tr>')
+        body.append(
+            '<h2>Functions</h2><div class="wide"><table class="numbers"><tr><th>Function</th><th>Calls</th></tr>'
+        )
         for function in program.functions:
             link = f'<a href="#L{function.line}">{escape(function.name)}</a>'
             body.append(f"<tr><td>{link}</td><td>{function.hits}</td></tr>")

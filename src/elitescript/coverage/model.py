@@ -106,7 +106,7 @@ class Numbers:
 
     @property
     def percent(self) -> float:
-        """Share of lines and branches together that were run, 0 to 100, as coverage.py counts; 100 if there are none."""
+        """Share of lines and branches together that were run, as coverage.py counts, 0 to 100; 100 of nothing."""
         all_of_them = self.lines + self.branches
         return 100.0 * (self.lines_hit + self.branches_hit) / all_of_them if all_of_them else 100.0
 

@@ -34,7 +34,7 @@ from elitescript.models.model import RobotModel
 from elitescript.records import replace
 from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.host import ScriptHost
-from elitescript.runtime.probe import default_probe
+from elitescript.runtime.probe import default_probe, witness
 
 if TYPE_CHECKING:
     from elitescript.controller.views.snapshots import SnapshotBuilder
@@ -97,6 +97,7 @@ class Kernel:
         "_requests",
         "_seen",
         "_snapshots",
+        "_witness",
         "controller",
         "host",
         "model",
@@ -123,6 +124,7 @@ class Kernel:
         self.model = model_of(options) if model is None else model
         self.profile = profile(options.firmware)
         self.popup = PopupWindow(options.confirms_popups)
+        self._witness = witness(self.probe)
         self._on_event = self._record if on_event is None else on_event
         self.on_change: Callable[[Change], None] | None = None
         self._on_end = on_end
@@ -420,6 +422,8 @@ class Kernel:
         if type(event) in _IN_WINDOW:
             self.popup.take(event)
         self.host.spend_event()
+        if self._witness is not None:
+            self._witness.event(event)
         self._on_event(event)
 
     def _change(self, change: Change) -> None:

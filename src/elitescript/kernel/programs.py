@@ -125,7 +125,8 @@ class Programs:
         Raises:
             ProgramError: it does not compile, or strictness refuses it.
         """
-        source, options = SourceFile(name, text), probed(self._probe, Options(strict=self._is_strict, kind=kind))
+        source = SourceFile(name, text)
+        options = probed(self._probe, Options(strict=self._is_strict, kind=kind), source)
         if kind == LINE:
             unit = compile_unit(source, options)
             self._tell(unit.diagnostics)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -64,10 +64,11 @@ def robot_arguments(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]
     arguments = dict(settings)
     if ROBOT in arguments:
         arguments["model"] = _model(arguments.pop(ROBOT), folder)
-    if isinstance(world := arguments.get(WORLD), str | Path):
+    world = arguments.get(WORLD)
+    if isinstance(world, str | Path):
         arguments[WORLD] = folder / world
-    elif isinstance(world, Callable):  # type: ignore[arg-type]
-        arguments[WORLD] = world()  # type: ignore[operator]
+    elif callable(world):
+        arguments[WORLD] = world()
     for name, section in SECTIONS.items():
         if isinstance(table := arguments.get(name), Mapping):
             arguments[name] = section.from_table(table)

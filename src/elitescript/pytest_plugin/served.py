@@ -90,7 +90,9 @@ class ServedRobot:
                 text = self._lines.get(timeout=max(0.0, deadline_s - monotonic()))
             except Empty:
                 wanted = f"{kind!r} with {fields}" if fields else repr(kind)
-                raise TimeoutError(f"no line of type {wanted} within {within_s:g} s; the log holds {self.log}") from None
+                raise TimeoutError(
+                    f"no line of type {wanted} within {within_s:g} s; the log holds {self.log}"
+                ) from None
             if text == _ENDED:
                 self._lines.put(_ENDED)
                 raise self._ended()

@@ -24,6 +24,7 @@ from elitescript.runtime.names.bindings import Bindings
 from elitescript.runtime.names.context import Context, ProgramControl
 from elitescript.runtime.names.guards import Identities
 from elitescript.runtime.names.modules import Facade, ModuleShelf
+from elitescript.runtime.probe import witness
 from elitescript.runtime.program_globals import ProgramGlobals
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand
@@ -106,6 +107,7 @@ class Program:
             evaluate=self._evaluator(),
             execute=self._executor(),
             probe_hooks={} if probe is None else probe.hooks(),
+            refused=None if (observing := witness(probe)) is None else observing.refused,
         )
         self.builtins = self.bindings.names
         self.globals = ProgramGlobals({"__name__": "__main__", "__builtins__": self.builtins, **presets})
