@@ -30,12 +30,14 @@ class AnalysedProgram(NamedTuple):
 
     Attributes:
         source: the text.
+        kind: `program`, `secondary` or `script`.
         table: what the numbers of its counters mean.
         handlers: in the order of the text.
         calls: line of the first call of every name that it calls.
     """
 
     source: SourceFile
+    kind: str
     table: ProbeTable
     handlers: tuple[HandlerText, ...]
     calls: Mapping[str, int]
@@ -59,7 +61,7 @@ def analyse(source: SourceFile) -> AnalysedProgram:
     handlers.sort()
     # Compiling uses up the tree.
     unit = compile_parsed(parsed)
-    return AnalysedProgram(source, unit.probes, tuple(handlers), calls)
+    return AnalysedProgram(source, unit.kind, unit.probes, tuple(handlers), calls)
 
 
 def added(counts: Iterable[Sequence[int]]) -> list[int]:

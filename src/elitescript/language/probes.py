@@ -17,7 +17,8 @@ statement each time it is computed.
 which no statement stands has a counter of its own, in an `else` or a `case _` that is put in.
 
 Statements are numbered in the order of the text, from `Options.first_probe`; the counters of sides follow. Counted are
-all but `global`, `nonlocal`, constants on lines of their own (docstrings) and `$ LINE` marks.
+all but `global`, `nonlocal`, constants on lines of their own (docstrings), `$ LINE` marks, and statements in line 0,
+which are not of the text.
 """
 
 from __future__ import annotations
@@ -287,7 +288,7 @@ def _walk(body: list[ast.stmt]) -> tuple[list[tuple[list[ast.stmt], str]], list[
 
 
 def _is_counted(statement: ast.stmt) -> bool:
-    if isinstance(statement, ast.Global | ast.Nonlocal) or is_text(statement):
+    if isinstance(statement, ast.Global | ast.Nonlocal) or is_text(statement) or not statement.lineno:
         return False
     if not isinstance(statement, ast.Expr):
         return True

@@ -72,7 +72,9 @@ def _about(watched: WatchedRun) -> str:
 
 def _alarm_lines(alarm: Alarm, source: SourceFile, start_tick: int) -> list[str]:
     place = f"{source.name}:{alarm.line}:{alarm.column}" if alarm.line else source.name
-    lines = [f"{seconds(alarm.tick - start_tick):.3f} s  {place}: {alarm.code} {alarm.class_name}: {alarm.text}"]
+    first, *more = alarm.text.split("\n")
+    lines = [f"{seconds(alarm.tick - start_tick):.3f} s  {place}: {alarm.code} {alarm.class_name}: {first}"]
+    lines += [f"    {text}" for text in more]
     if alarm.source_line:
         lines.append(f"    {alarm.source_line.strip()}")
     if alarm.details.get("hint"):

@@ -14,12 +14,13 @@ from elitescript.environment.program_file import source_of
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
 from elitescript.kernel.options import OPTIONS, Number, Switch, Whole
 from elitescript.language.compiler import CompiledUnit, compile_parsed
-from elitescript.language.options import SECONDARY, Options
+from elitescript.language.options import DEFAULT, PROGRAM, SCRIPT, SECONDARY, Options
 from elitescript.language.parser import Parsed, parse
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Alarm, Event
 from elitescript.pytest_plugin.marker import ROBOT, WORLD, check_setting, robot_arguments
-from elitescript.pytest_plugin.script_program import RETURNED, make_test, tests_of, why_not_called
+from elitescript.pytest_plugin.script_program import PREFIX, RETURNED, make_test, tests_of, why_not_called
+from elitescript.records import replace
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
 
@@ -38,7 +39,7 @@ class ScriptFile(pytest.File):
         try:
             source = source_of(self.path)
             self.settings = header_settings(source)
-            parsed = parse(source)
+            parsed = read_tests(source, DEFAULT)
             if parsed.kind == SECONDARY:
                 return
             if parsed.has_errors:
@@ -82,7 +83,7 @@ class ScriptTest(pytest.Item):
             raise ScriptFailure(self.name, run, tuple(stack))
 
     def _unit(self, source: SourceFile, robot: VirtualRobot) -> CompiledUnit:
-        parsed: Parsed = parse(source, Options(strict=robot.options.strict))
+        parsed = read_tests(source, robot.text_options(source))
         make_test(parsed, self.name)
         return compile_parsed(parsed)
 
@@ -139,6 +140,14 @@ class ScriptFailure(Exception):
         if run.state == "finished":
             return [f"the file has returned before {self.test} was called"]
         return [f"the program has ended before {self.test} returned: {run.state}"]
+
+
+def read_tests(source: SourceFile, options: Options) -> Parsed:
+    """Return a file of tests; one that holds a single test is no program of that name."""
+    parsed = parse(source, options)
+    if parsed.kind == PROGRAM and parsed.name.startswith(PREFIX):
+        return parse(source, replace(options, kind=SCRIPT))
+    return parsed
 
 
 def _stack(error: BaseException | None, file: str) -> Iterator[tuple[int, str]]:

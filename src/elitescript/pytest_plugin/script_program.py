@@ -63,18 +63,21 @@ def make_test(parsed: Parsed, name: str) -> None:
                 near = did_you_mean(command, CATALOGUE.names())
                 raise UsageError(f"line {statement.lineno}: {statement.name} is the mock of no command{near}")
             mocked.append(command)
-            statements.append(_assign(command, ast.Name(statement.name, _LOAD), statement))
-    test = next(node for node in reversed(tests_of(parsed)) if node.name == name)
-    call = ast.copy_location(ast.Expr(ast.Call(ast.Name(name, _LOAD), [], [])), test)
+            statements.append(_added(_assign(command, ast.Name(statement.name, _LOAD))))
+    call = ast.Expr(ast.Call(ast.Name(name, _LOAD), [], []))
     declared = ast.Global([*dict.fromkeys(mocked), RETURNED])
-    body[:] = [declared, *statements, call, _assign(RETURNED, ast.Constant(True), test)]
-    for added in (declared, call):
-        ast.copy_location(added, test)
-    ast.fix_missing_locations(parsed.tree)
+    body[:] = [_added(declared), *statements, _added(call), _added(_assign(RETURNED, ast.Constant(True)))]
 
 
-def _assign(name: str, value: ast.expr, where: ast.stmt) -> ast.Assign:
-    return ast.copy_location(ast.Assign([ast.Name(name, ast.Store())], value), where)
+def _assign(name: str, value: ast.expr) -> ast.Assign:
+    return ast.Assign([ast.Name(name, ast.Store())], value)
+
+
+def _added(statement: ast.stmt) -> ast.stmt:
+    """Put a statement that is not of the text into line 0, where nothing counts it."""
+    for node in ast.walk(statement):
+        node.lineno = node.end_lineno = node.col_offset = node.end_col_offset = 0  # type: ignore[attr-defined]
+    return statement
 
 
 def _explain(node: ast.Assert) -> None:

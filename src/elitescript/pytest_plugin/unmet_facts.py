@@ -12,9 +12,13 @@ from elitescript.coverage.model import ProgramCoverage
 from elitescript.coverage.probe import ALARM, FAULT, PLACE, REFUSAL, SAFETY, TASK
 from elitescript.coverage.unmet import Refusal, Unmet, UnmetFault, UnmetHandler
 from elitescript.devices.channels.faults import TABLE
+from elitescript.language.options import SECONDARY
 from elitescript.messages.enums import SafetyMode, TaskState
 
 TASK_STATES: Final = (TaskState.PLAYING, TaskState.PAUSED, TaskState.STOPPED)
+
+IN_SECONDARY: Final = "called in a secondary program"
+"""Begin of the catalogue's text about a refusal that only secondary programs meet."""
 
 
 def unmet_of(
@@ -58,7 +62,8 @@ def _refusals(analysed: Iterable[tuple[str, AnalysedProgram]], met: set[tuple[st
             if command is None:
                 continue
             for error, text in command.details.raises.items():
-                if (name, error) not in met:
+                is_elsewhere = text.startswith(IN_SECONDARY) and program.kind != SECONDARY
+                if (name, error) not in met and not is_elsewhere:
                     yield Refusal(path, line, name, error, text.rstrip("."))
 
 
