@@ -39,8 +39,10 @@ class TestSection:
                 "*- elitescript -*",
                 "<program> on CS66: alarm after 1.428 s",
                 "last lines:",
+                "      0.000 s     2  set_standard_digital_out(0, True)",
                 "      0.000 s     3  movej(*",
-                "      0.928 s     4  sleep(0.5)",
+                "      1.428 s     5  textmsg(*",
+                "      1.428 s     6  movel(*",
                 "signals that changed:",
                 "      0.000 s  standard_digital_out[[]0[]] = True  (line 2)",
                 "      0.200 s  standard_digital_in[[]3[]] = True  by schedule",
@@ -72,8 +74,29 @@ class TestSection:
             """
         shown = run(pytester, text).stdout.str()
         assert shown.count("finished after 30.000 s") == 5
-        assert "set_flag(8, True)" not in shown  # it takes no time
-        assert shown.count("sleep(0.1)") <= 12 * 5 + 1
+        assert "finished after" not in shown.partition("set_flag(4, True)")[0].partition("- elitescript -")[2]
+
+    def test_lines_are_those_that_took_time_if_pages_are_asked_for(self, pytester):
+        result = run(pytester, FAILING, "--script-record=pages")
+        lines = [
+            "last lines:",
+            "      0.000 s     3  movej(*",
+            "      0.928 s     4  sleep(0.5)",
+            "signals that changed:",
+        ]
+        result.stdout.fnmatch_lines(lines, consecutive=True)
+
+    def test_a_run_that_is_dropped_is_known_by_its_events(self, pytester):
+        text = """
+            from elitescript import VirtualRobot
+
+            def time_of(text):
+                return VirtualRobot().run(text).time_s
+
+            def test_it():
+                assert time_of("sleep(2)\\n") < 1
+            """
+        run(pytester, text).stdout.fnmatch_lines(["<program> on CS66: finished after 2.000 s"])
 
     def test_a_passing_test_has_no_section_and_a_trace_of_its_own_is_kept(self, pytester):
         text = """

@@ -189,6 +189,7 @@ class TestWithoutEffort:
                 "elitescript",
                 "elitescript.observer",
                 "elitescript.pytest_plugin",
+                "elitescript.pytest_plugin.file_names",
                 "elitescript.pytest_plugin.plugin",
                 "elitescript.pytest_plugin.watching",
             ]

@@ -7,7 +7,6 @@ import shutil
 import tempfile
 import time
 from collections.abc import Generator, Iterable, Iterator
-from fnmatch import fnmatch
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -27,7 +26,7 @@ from elitescript.environment.coverage_file import records_in
 from elitescript.errors import ProgramError
 from elitescript.language.text.source import SourceFile
 from elitescript.observer import COVERAGE_VARIABLE
-from elitescript.pytest_plugin.plugin import SUFFIX, TEST_FILES
+from elitescript.pytest_plugin.file_names import SUFFIX, holds_tests
 from elitescript.pytest_plugin.unmet_facts import unmet_of
 from elitescript.runtime.probe import set_default
 from elitescript.services.coverage import count_programs
@@ -195,7 +194,7 @@ class Measuring:
         if not self._paths:
             for name in names:
                 path = Path(name)
-                if path.is_file() and self._root in path.parents and not _is_test(path):
+                if path.is_file() and self._root in path.parents and not holds_tests(path.name):
                     found[path.resolve()] = None
         return sorted(found, key=self._shown)
 
@@ -243,10 +242,5 @@ def _programs_below(folder: Path) -> Iterator[Path]:
             if not name.startswith(".") and name not in _NOT_SEARCHED and not Path(place, name, "pyvenv.cfg").exists()
         )
         for name in files:
-            if name.endswith(SUFFIX) and not _is_test(Path(name)):
+            if name.endswith(SUFFIX) and not holds_tests(name):
                 yield Path(place, name)
-
-
-def _is_test(path: Path) -> bool:
-    """Return whether a file holds tests, which reports do not show unless they are asked for it."""
-    return any(fnmatch(path.name, name) for name in TEST_FILES)

@@ -6,12 +6,12 @@ Every pytest run of an environment loads this module, so it imports nothing of t
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
-from fnmatch import fnmatch
 from typing import TYPE_CHECKING, Final
 
 import pytest
 
 from elitescript.observer import OBSERVATION
+from elitescript.pytest_plugin.file_names import SUFFIX, holds_tests
 from elitescript.pytest_plugin.watching import RunWatcher
 
 if TYPE_CHECKING:
@@ -24,11 +24,6 @@ MARKER_TEXT: Final = (
     "elitescript(robot=, firmware=, world=, plant=, safety=, ...): options of the fixtures `robot` and `served_robot`, "
     "by the keywords of VirtualRobot; robot= is the arm, and paths are relative to the test file"
 )
-
-SUFFIX: Final = ".script"
-
-TEST_FILES: Final = ("test_*.script", "*_test.script")
-"""Names of files whose functions `test_...` are collected without being named on the command line."""
 
 _WATCHER: Final[pytest.StashKey[RunWatcher]] = pytest.StashKey()
 
@@ -164,7 +159,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
     """Collect the tests of a script: of one that is named like a test, or that the command line names."""
     if file_path.suffix != SUFFIX:
         return None
-    if not any(fnmatch(file_path.name, name) for name in TEST_FILES) and not parent.session.isinitpath(file_path):
+    if not holds_tests(file_path.name) and not parent.session.isinitpath(file_path):
         return None
     from elitescript.pytest_plugin.script_files import ScriptFile
 

@@ -17,7 +17,7 @@ def warnings_of(watched: Iterable[WatchedRun]) -> list[str]:
     """Return what `check` finds in the programs of these runs, and what the runs have warned about; each once."""
     found: dict[str, None] = {}
     for watch in watched:
-        unit = watch.run.unit
+        unit = watch.unit
         options = Options(strict=watch.is_strict, kind=unit.kind)
         checked = compile_checked(unit.source, watch.profile, options, presets=watch.presets, arm=watch.model)
         problems = [*checked.problems, *unit.diagnostics]
@@ -27,7 +27,7 @@ def warnings_of(watched: Iterable[WatchedRun]) -> list[str]:
         known = set(map(str, problems))
         for problem in problems:
             found[f"{unit.source.name}: {problem}"] = None
-        for text in watch.run.warnings:
+        for text in watch.warnings:
             if text not in known:
                 found[f"{unit.source.name}: {text}"] = None
     return list(found)

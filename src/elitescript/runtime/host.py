@@ -244,6 +244,16 @@ class ScriptHost:
     # ---------------------------------------------------------------- reading
 
     @property
+    def scheduler(self) -> Scheduler:
+        """What runs its threads."""
+        return self._scheduler
+
+    @property
+    def program(self) -> Program | None:
+        """The program that runs or ran last."""
+        return self._program
+
+    @property
     def is_running(self) -> bool:
         """Whether a program runs; a paused one does."""
         return self._main is not None
