@@ -49,19 +49,14 @@ def _about(watched: WatchedRun) -> str:
 
     out = [f"{source.name} on {watched.model.name}: {_ending(watched, events)}"]
     if lines := _lines(watched, events)[-LINES_SHOWN:]:
-        out.append("last lines:")
+        out.append("last lines:" if watched.rows is not None else "last lines with an effect:")
         out += [at(tick, f"{line:4}  {source.line(line).strip()}") for tick, line in lines]
     signals = [event for event in events if isinstance(event, SignalChanged)]
     if signals:
         out.append("signals that changed:")
-        out += [
-            at(
-                event.tick,
-                f"{event.name} = {event.value}{'' if event.by == 'program' else f'  by {event.by}'}",
-                event.line,
-            )
-            for event in signals[-SIGNALS_SHOWN:]
-        ]
+        for event in signals[-SIGNALS_SHOWN:]:
+            by = "" if event.by == "program" else f"  by {event.by}"
+            out.append(at(event.tick, f"{event.name} = {event.value}{by}", event.line))
         if len(signals) > SIGNALS_SHOWN:
             out[-SIGNALS_SHOWN - 1] = f"signals that changed, the last {SIGNALS_SHOWN} of {len(signals)}:"
     texts = [event for event in events if isinstance(event, TextMessage | Printed | Popup | Warned)]
