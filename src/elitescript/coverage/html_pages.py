@@ -21,13 +21,16 @@ _STYLE: Final = """
 body { margin: 0 auto; max-width: 75rem; padding: 1rem; color: var(--text); background: var(--back);
   font: 1rem/1.5 system-ui, sans-serif; }
 a { color: var(--link); }
-h1 { font-size: 1.4rem; overflow-wrap: anywhere; } h2 { font-size: 1.1rem; margin-top: 2rem; }
+h1 { font-size: 1.4rem; overflow-wrap: anywhere; } h2 { font-size: 1.15rem; margin-top: 2rem; }
+h3 { font-size: 1rem; margin-bottom: .3rem; } ul { margin: 0; padding-left: 1.2rem; }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
-.numbers th, .numbers td { padding: .3rem .8rem; border-bottom: 1px solid var(--line); text-align: right; }
+.numbers th, .numbers td { padding: .3rem .8rem; border-bottom: 1px solid var(--line); text-align: right;
+  white-space: nowrap; }
 .numbers th:first-child, .numbers td:first-child { text-align: left; padding-left: 0; }
 .numbers tfoot td { font-weight: 600; border-bottom: 0; }
 .bar { display: inline-block; width: 6rem; height: .6rem; margin-right: .5rem; background: var(--miss); }
+.share { display: inline-block; min-width: 3rem; }
 .bar i { display: block; height: 100%; background: var(--hit); }
 .code { width: 100%; font: .85rem/1.45 ui-monospace, monospace; tab-size: 2; }
 .code td { padding: 0 .6rem; vertical-align: top; white-space: pre; }
@@ -93,7 +96,8 @@ def _index(programs: Sequence[ProgramCoverage], names: Sequence[str], unmet: Unm
 
 
 def _row(name: str, numbers: Numbers) -> str:
-    share = f'<span class="bar"><i style="width:{numbers.percent:.1f}%"></i></span>{percent_text(numbers.percent)}'
+    share = f'<span class="bar"><i style="width:{numbers.percent:.1f}%"></i></span>'
+    share += f'<span class="share">{percent_text(numbers.percent)}</span>'
     counts = (
         f"{numbers.lines_hit} of {numbers.lines}",
         f"{numbers.branches_hit} of {numbers.branches}",
