@@ -5,9 +5,8 @@ from __future__ import annotations
 from elitescript import VirtualRobot
 from elitescript.messages import enums, events, motion, path_offset, yielding
 
-NAMES = {
-    name: value for module in (enums, events, motion, path_offset, yielding) for name, value in vars(module).items()
-}
+MODULES = (enums, events, motion, path_offset, yielding)
+NAMES = {name: value for module in MODULES for name, value in vars(module).items()}
 CELL = """def cell():
   movej([0.3, -1.4, -1.7, -1.6, 1.57, 0], a=1.4, v=1.05)
   set_standard_digital_out(0, True)

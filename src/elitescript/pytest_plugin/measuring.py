@@ -58,6 +58,10 @@ class Measuring:
         for path in self._paths:
             if not path.exists():
                 raise pytest.UsageError(f"--script-cov={path}: there is no such file or folder")
+            if path.is_file() and path.suffix != SUFFIX:
+                raise pytest.UsageError(
+                    f"--script-cov={path}: this is no program; --script-cov without PATH stands behind the test files"
+                )
         self._reports = [_report(text, self._start) for text in options.script_cov_report or [TERM]]
         self._fail_under: float | None = options.script_cov_fail_under
         self._programs: list[ProgramCoverage] = []
