@@ -107,7 +107,7 @@ def _not_there(*_: object) -> None:
 
 def main(platform: str, piece: str, arguments: list[str]) -> int:
     if piece == "record":
-        # What other people's packages look at when they are imported is not ours.
+        # What packages of others look at when they are imported is not ours.
         for name in ("asyncssh", "pytest"):
             if find_spec(name):
                 import_module(name)

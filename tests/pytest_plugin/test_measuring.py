@@ -224,7 +224,7 @@ class TestPaths:
             ("--script-cov=missing", "*--script-cov=*missing: there is no such file or folder*"),
             (
                 "--script-cov=test_cell.py",
-                "*test_cell.py: this is no program; --script-cov without PATH stands behind*",
+                "*test_cell.py: this is no program; --script-cov without PATH*",
             ),
             ("--script-cov-report=pdf:a", "*--script-cov-report=pdf:a: there are term, term-missing, lcov:PATH,*"),
             ("--script-cov-report=lcov", "*--script-cov-report=lcov: write lcov:PATH*"),
