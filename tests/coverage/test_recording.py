@@ -78,7 +78,7 @@ class TestRoom:
 
     def test_every_program_fits_its_counters(self):
         generator = random.Random(7)
-        for _ in range(200):
+        for _ in range(40):
             text = random_program(generator)
             unit = compile_unit(SourceFile("a", text), Options(probes="coverage"))
             assert unit.probes.size <= counters_max(text)
@@ -101,7 +101,7 @@ class TestDamage:
         record.fact("alarm", "R110")
         generator = random.Random(3)
         refused = 0
-        for _ in range(2000):
+        for _ in range(600):
             damaged = bytearray(block)
             for _ in range(generator.randrange(1, 4)):
                 damaged[generator.randrange(8, 200)] = generator.randrange(256)
@@ -109,4 +109,4 @@ class TestDamage:
                 read_record(bytes(damaged))
             except ValueError:
                 refused += 1
-        assert refused > 500
+        assert refused > 150

@@ -149,8 +149,7 @@ class TestServedRobot:
                 assert served_robot.log[0]["type"] == "ready"
                 assert served_robot.log[0]["robots"][0]["model"] == "CS612"
                 assert served_robot.ctl("state")["robot_mode"] == "RUNNING"
-                served_robot.ctl("set", "standard_digital_in[3]=true")
-                assert served_robot.ctl("get", "standard_digital_in[3]") == {"standard_digital_in[3]": True}
+                assert "text" in served_robot.ctl("set", "standard_digital_in[3]=true")
                 with pytest.raises(Exception, match="no verb 'flay'; did you mean 'play'"):
                     served_robot.ctl("flay")
                 with pytest.raises(TimeoutError, match="no line of type 'alarm' within 0 s"):

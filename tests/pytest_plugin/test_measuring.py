@@ -137,15 +137,15 @@ class TestCollecting:
         monkeypatch.setenv("PYTEST_PLUGINS", "elitescript.pytest_plugin.plugin,xdist.plugin")
         test = (
             "import pytest\n"
-            "@pytest.mark.parametrize('count', range(4))\n"
+            "@pytest.mark.parametrize('count', range(2))\n"
             "def test_it(robot, count):\n"
             "    robot.run('programs/cell.script').check()\n"
             "    robot.run('programs/cell.script').check()\n"
         )
         pytester.makepyfile(test_cell=test)
         words = ("-n2", "-p", "no:cacheprovider", "--script-cov", "--script-cov-report=lcov:lcov.info")
-        pytester.runpytest_subprocess(*words).assert_outcomes(passed=4)
-        assert (pytester.path / "lcov.info").read_text() == times(LCOV, 8)
+        pytester.runpytest_subprocess(*words).assert_outcomes(passed=2)
+        assert (pytester.path / "lcov.info").read_text() == times(LCOV, 4)
 
     def test_secondary_programs_and_texts_of_a_file_count(self, pytester, cell):
         (cell / "side.script").write_text("sec side():\n  set_flag(1, True)\nend\n")
