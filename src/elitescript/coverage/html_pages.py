@@ -78,7 +78,7 @@ def _page(title: str, body: Iterable[str]) -> str:
 
 def _index(programs: Sequence[ProgramCoverage], names: Sequence[str], unmet: Unmet) -> str:
     body = ["<h1>Coverage of robot programs</h1>", '<div class="wide"><table class="numbers">', "<thead><tr>"]
-    body += [f"<th>{title}</th>" for title in ("Program", "Lines", "Branches", "Functions", "Cover")]
+    body += [f"<th>{title}</th>" for title in ("Program", "Cover", "Lines", "Branches", "Functions")]
     body.append("</tr></thead><tbody>")
     for program, name in zip(programs, names, strict=True):
         body.append(_row(f'<a href="{escape(name)}">{escape(program.path)}</a>', program.numbers))
@@ -99,10 +99,10 @@ def _row(name: str, numbers: Numbers) -> str:
     share = f'<span class="bar"><i style="width:{numbers.percent:.1f}%"></i></span>'
     share += f'<span class="share">{percent_text(numbers.percent)}</span>'
     counts = (
+        share,
         f"{numbers.lines_hit} of {numbers.lines}",
         f"{numbers.branches_hit} of {numbers.branches}",
         f"{numbers.functions_hit} of {numbers.functions}",
-        share,
     )
     return f"<tr><td>{name}</td>{''.join(f'<td>{cell}</td>' for cell in counts)}</tr>"
 
