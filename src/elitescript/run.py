@@ -102,6 +102,7 @@ class Run:
     """
 
     __slots__ = (
+        "__weakref__",
         "_end",
         "_signals",
         "_trace",

@@ -11,6 +11,7 @@ import sys
 from functools import partial
 
 from elitescript.cli.watched import MARK, can_watch, run_watched
+from elitescript.observer import COVERAGE_VARIABLE
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -26,6 +27,9 @@ INTERRUPTED = 130
 
 HASH_SEED = "0"
 """The order of a set of strings depends on it, so every process has the same."""
+
+_RUNNING = ("run", "plot", "serve", "replay")
+"""Commands that run programs."""
 
 _AT_WORK = frozenset(("elitescript.world_file", "_lsprof", "bdb"))
 """Modules that have something to do when a call is over."""
@@ -44,11 +48,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(arguments: list[str], *, is_process: bool = False) -> int:
     try:
-        if (
-            is_process
-            and arguments[:1] in (["run"], ["plot"], ["serve"], ["replay"])
-            and _needs_another_process(arguments)
-        ):
+        if is_process and arguments[:1] and arguments[0] in _RUNNING and _needs_another_process(arguments):
             return _run_again(arguments)
         return _run_here(arguments, is_process=is_process)
     except KeyboardInterrupt:
@@ -131,6 +131,10 @@ def _has_screen(options: argparse.Namespace) -> bool:
 def _dispatch(options: argparse.Namespace, *, is_process: bool) -> int:
     from importlib import import_module
 
+    if is_process and options.command in _RUNNING and (folder := os.environ.get(COVERAGE_VARIABLE)):
+        from elitescript.services.coverage import count_programs
+
+        count_programs(folder)
     command: Callable[[argparse.Namespace], int]
     command = getattr(import_module(f"elitescript.cli.{options.command}"), options.command)
     if is_process:

@@ -22,7 +22,6 @@ from elitescript.environment.process import limit_memory
 from elitescript.environment.program_file import source_of
 from elitescript.environment.start_values import check_presets, parse_settings
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
-from elitescript.language.options import Options
 from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import DeviceNoted
@@ -73,7 +72,8 @@ def run(options: argparse.Namespace) -> int:
         return DOES_NOT_COMPILE
     from elitescript.lint.engine import check_parsed
 
-    parsed = options.parsed or parse(source, Options(strict=robot.options.strict))
+    language = robot.text_options(source)
+    parsed = (options.parsed or parse(source, language))._replace(options=language)
     checked = check_parsed(parsed, robot.profile, presets=presets, arm=robot.model)
     report.problems(checked.problems, source)
     unit = checked.unit

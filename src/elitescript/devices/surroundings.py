@@ -100,6 +100,14 @@ class Surroundings:
         """Faults of inputs that the robot has from its start."""
         return ()
 
+    def fault_places(self) -> Sequence[tuple[str, str, str]]:
+        """Return what can have faults: each place, its kind in the table of faults, and the device there."""
+        return ()
+
+    def faults_so_far(self) -> Sequence[tuple[str, str]]:
+        """Return place and kind of every fault that has been asked for."""
+        return ()
+
     def lead_outside(self, channels: Channels) -> None:
         """Let what is not declared here be reached through other channels."""
 

@@ -145,6 +145,14 @@ class World(Surroundings):
         """The faults of inputs among them, for the robot that has not begun."""
         return [input_request(fault) for fault in self._faults if is_of_input(fault)]
 
+    def fault_places(self) -> list[tuple[str, str, str]]:
+        places = [(place, device) for device in self.devices for place in self.network.places(device)]
+        places += [(name, device) for device in self.devices for name in device.driven_inputs]
+        return [(str(place), place_of(place)[0], device.name or device.title) for place, device in places]
+
+    def faults_so_far(self) -> list[tuple[str, str]]:
+        return [(str(fault.on), fault.kind) for fault in self._faults]
+
     def add_fault(self, fault: Fault) -> None:
         """Let something go wrong at its time.
 

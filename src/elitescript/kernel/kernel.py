@@ -34,6 +34,7 @@ from elitescript.models.model import RobotModel
 from elitescript.records import replace
 from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.host import ScriptHost
+from elitescript.runtime.probe import default_probe, witness
 
 if TYPE_CHECKING:
     from elitescript.controller.views.snapshots import SnapshotBuilder
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
     from elitescript.messages.snapshot import RobotDescription, Snapshot
     from elitescript.protocol.connection import Connection
     from elitescript.protocol.ports import Connect
+    from elitescript.runtime.probe import Probe
 
 
 class Kernel:
@@ -60,6 +62,7 @@ class Kernel:
         on_event: receives every event when it happens, and calls `publish_event` for those that clients get. By default
             clients get all of them, but for warnings beyond their limit.
         on_end: called with `finished`, `alarm` or `stopped` when a program is over.
+        probe: counts the statements of its programs.
 
     Attributes:
         options: see above.
@@ -69,6 +72,7 @@ class Kernel:
         host: runs programs.
         on_change: receives the changes of signals instead of `on_event`, while that needs none of their events.
         popup: the message window.
+        probe: see above.
 
     Raises:
         UsageError: an option that makes no sense.
@@ -93,12 +97,14 @@ class Kernel:
         "_requests",
         "_seen",
         "_snapshots",
+        "_witness",
         "controller",
         "host",
         "model",
         "on_change",
         "options",
         "popup",
+        "probe",
         "profile",
     )
 
@@ -111,11 +117,14 @@ class Kernel:
         has_network: bool = False,
         on_event: Callable[[Event], None] | None = None,
         on_end: Callable[[str], None] | None = None,
+        probe: Probe | None = None,
     ) -> None:
         self.options = options
+        self.probe = default_probe() if probe is None else probe
         self.model = model_of(options) if model is None else model
         self.profile = profile(options.firmware)
         self.popup = PopupWindow(options.confirms_popups)
+        self._witness = witness(self.probe)
         self._on_event = self._record if on_event is None else on_event
         self.on_change: Callable[[Change], None] | None = None
         self._on_end = on_end
@@ -164,6 +173,7 @@ class Kernel:
             work_per_tick=options.work_per_tick,
             rpc_timeout_s=options.rpc_timeout_s,
             is_rtsi_input=_is_rtsi_input,
+            probe=self.probe,
         )
         self.controller.attach(self.host)
         if not has_network:
@@ -193,7 +203,7 @@ class Kernel:
     def _made_handlers(self, has_logs: bool) -> InputHandlers:
         from elitescript.kernel.handlers import InputHandlers
 
-        parts = RobotParts(self.options, self.model, self.profile, self.controller, self.host, self.popup)
+        parts = RobotParts(self.options, self.model, self.profile, self.controller, self.host, self.popup, self.probe)
         return InputHandlers(parts, self._environment, self._faulty, has_logs=has_logs)
 
     @property
@@ -412,6 +422,8 @@ class Kernel:
         if type(event) in _IN_WINDOW:
             self.popup.take(event)
         self.host.spend_event()
+        if self._witness is not None:
+            self._witness.event(event)
         self._on_event(event)
 
     def _change(self, change: Change) -> None:

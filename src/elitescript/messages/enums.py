@@ -8,7 +8,14 @@ from __future__ import annotations
 from enum import IntEnum
 
 
-class RobotMode(IntEnum):
+class Mode(IntEnum):
+    """Named numbers whose `repr` is Python, as that of the events that hold them."""
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}.{self.name}"
+
+
+class RobotMode(Mode):
     """State of the arm's power and brakes."""
 
     NO_CONTROLLER = -1
@@ -28,7 +35,7 @@ POWERED = frozenset({RobotMode.POWER_ON, RobotMode.BOOTING, RobotMode.IDLE, Robo
 """Modes in which the arm has power."""
 
 
-class SafetyMode(IntEnum):
+class SafetyMode(Mode):
     """What the safety system allows."""
 
     NORMAL = 1
@@ -47,7 +54,7 @@ class SafetyMode(IntEnum):
     TP_THREE_POSITION_ENABLING_STOP = 14
 
 
-class TaskState(IntEnum):
+class TaskState(Mode):
     """State of the program."""
 
     UNKNOWN = 0
@@ -56,7 +63,7 @@ class TaskState(IntEnum):
     STOPPED = 3
 
 
-class AnalogDomain(IntEnum):
+class AnalogDomain(Mode):
     """Electrical meaning of an analog channel (manual, I/O chapter)."""
 
     CURRENT = 0
@@ -65,7 +72,7 @@ class AnalogDomain(IntEnum):
     """0 to 10 V."""
 
 
-class RunstateChoice(IntEnum):
+class RunstateChoice(Mode):
     """Level of an output while no program runs (manual, `set_runstate_..._to_value`)."""
 
     KEEP = 0
@@ -75,7 +82,7 @@ class RunstateChoice(IntEnum):
     """Low while no program runs, high while one runs."""
 
 
-class ToolPinMode(IntEnum):
+class ToolPinMode(Mode):
     """Driver of a tool digital pin (manual 2.14, `set_tool_digital_io_config`)."""
 
     PUSH_PULL = 0
@@ -83,7 +90,7 @@ class ToolPinMode(IntEnum):
     NPN = 2
 
 
-class PulseDecoder(IntEnum):
+class PulseDecoder(Mode):
     """Which edges of an incremental encoder count (manual 2.14, 3.1.25)."""
 
     QUADRATURE = 1
@@ -94,7 +101,7 @@ class PulseDecoder(IntEnum):
     FALLING = 4
 
 
-class DiscardReason(IntEnum):
+class DiscardReason(Mode):
     """Why a statement of interpreter mode will not run; the numbers are ours."""
 
     COMPILE_ERROR = 1
@@ -110,7 +117,7 @@ class DiscardReason(IntEnum):
     """It waited when `clear_interpreter()` was executed."""
 
 
-class ChannelError(IntEnum):
+class ChannelError(Mode):
     """Why a channel does not open or breaks: errno of Linux, which programs see."""
 
     NOTHING_BOUND = -1

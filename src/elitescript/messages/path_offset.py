@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
-
+from elitescript.messages.enums import Mode
 from elitescript.messages.motion import Six
 from elitescript.records import record
 
 
-class OffsetFrame(IntEnum):
+class OffsetFrame(Mode):
     """Frame of a path offset; the numbers that scripts use."""
 
     BASE = 1

@@ -9,7 +9,7 @@ name that it can look up is in its code objects.
 from __future__ import annotations
 
 import builtins
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from types import CodeType, FunctionType
 from typing import Any, Final, NoReturn
@@ -17,7 +17,7 @@ from typing import Any, Final, NoReturn
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.registry import Command
 from elitescript.commands.definition.vocabulary import newer_firmware_hint, newer_firmware_text
-from elitescript.errors import FirmwareError, ScriptPermissionError, ScriptStateError
+from elitescript.errors import FirmwareError, ScriptError, ScriptPermissionError, ScriptStateError
 from elitescript.language.builtin_names import REFUSED_BUILTINS, WITHHELD_ERRORS
 from elitescript.language.hooks import CHECKPOINT, FORMAT, LINE, PAY, RANGE, STOP, TICK
 from elitescript.messages.profile import Profile, release_of
@@ -66,6 +66,9 @@ _REAL: Final[dict[str, Any]] = {
 """Objects that no script can change; all runs share them."""
 
 
+Refused = Callable[[str, ScriptError], None]
+
+
 class Bindings:
     """The built-ins of one run.
 
@@ -76,12 +79,14 @@ class Bindings:
         identities: numbers its objects.
         evaluate: `eval`.
         execute: `exec`.
+        probe_hooks: of what counts its statements; empty without.
+        refused: called with the name of a command that refuses a call, and the error; None for nothing.
 
     Attributes:
         names: the dict that its code runs with; grows as code is bound.
     """
 
-    __slots__ = ("context", "evaluate", "execute", "files", "identities", "names", "shelf")
+    __slots__ = ("context", "evaluate", "execute", "files", "identities", "names", "refused", "shelf")
 
     def __init__(
         self,
@@ -92,6 +97,8 @@ class Bindings:
         identities: Identities,
         evaluate: Callable[..., Any],
         execute: Callable[..., None],
+        probe_hooks: Mapping[str, object],
+        refused: Refused | None = None,
     ) -> None:
         self.context = context
         self.shelf = shelf
@@ -99,6 +106,7 @@ class Bindings:
         self.identities = identities
         self.evaluate = evaluate
         self.execute = execute
+        self.refused = refused
         scheduler = context.scheduler
         self.names: dict[str, Any] = {
             **_REAL,
@@ -111,6 +119,7 @@ class Bindings:
             STOP: UNCATCHABLE,
             FORMAT: checked_format_method,
             LINE: _line(context),
+            **probe_hooks,
         }
 
     def bind(self, code: CodeType) -> None:
@@ -128,7 +137,7 @@ class Bindings:
         """Make the object of a predefined name."""
         command, make = CATALOGUE.get(name), _MADE.get(name)
         if command is not None:
-            self.names[name] = command_function(command, name, self.context)
+            self.names[name] = command_function(command, name, self.context, self.refused)
         elif make is not None:
             self.names[name] = make(self)
 
@@ -142,7 +151,9 @@ def is_known(name: str) -> bool:
     return name in _REAL or name in _MADE or CATALOGUE.get(name) is not None
 
 
-def command_function(command: Command, name: str, context: Context) -> Callable[..., Any]:
+def command_function(
+    command: Command, name: str, context: Context, refused: Refused | None = None
+) -> Callable[..., Any]:
     """Return the function of a command for scripts; one of a newer firmware raises `FirmwareError`."""
     if release_of(command.since) > context.profile.release:
         return _newer(name, command, context.profile)
@@ -153,8 +164,19 @@ def command_function(command: Command, name: str, context: Context) -> Callable[
             scheduler.refuse_if_stopped()
         return run(context, args, kwargs)
 
-    call.__name__ = call.__qualname__ = name
-    return call
+    def watched(*args: Any, **kwargs: Any) -> Any:
+        if scheduler.is_ending or scheduler.current is None:
+            scheduler.refuse_if_stopped()
+        try:
+            return run(context, args, kwargs)
+        except ScriptError as error:
+            if refused is not None:
+                refused(name, error)
+            raise
+
+    function = call if refused is None else watched
+    function.__name__ = function.__qualname__ = name
+    return function
 
 
 def _newer(name: str, command: Command, profile: Profile) -> Callable[..., NoReturn]:

@@ -82,14 +82,18 @@ def serve(line: frames.BlockingLine) -> None:
             raise UsageError(f"no message {letter!r} is expected here")
 
 
-def main(descriptor: int) -> None:
-    """Serve at the inherited socket; never returns."""
+def main(descriptor: int, coverage: int | None = None) -> None:
+    """Serve at the inherited socket, and count in the inherited file if there is one; never returns."""
     # The parent asks with this signal where a program is that does not answer. Not even a call into C delays it.
     faulthandler.register(signal.SIGUSR1, all_threads=False)
     # A crash leaves the same trace.
     faulthandler.enable(all_threads=False)
     # Ctrl-C reaches the whole group of the terminal; the parent decides what it means.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if coverage is not None:
+        from elitescript.services.coverage import count_programs_in
+
+        count_programs_in(coverage)
     line = frames.BlockingLine(descriptor)
     try:
         serve(line)
@@ -107,4 +111,4 @@ def main(descriptor: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]))
+    main(*map(int, sys.argv[1:]))

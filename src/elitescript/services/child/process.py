@@ -17,10 +17,11 @@ from typing import Final
 
 import elitescript
 from elitescript.codec.values import CodecError
+from elitescript.observer import COVERAGE_VARIABLE
 from elitescript.services.child.frames import QUESTION, READ_BYTES, UP_MAX, FrameReader, frame
 
 COMMAND: Final = (sys.executable, "-P", "-s", "-m", "elitescript.services.child")
-"""The command line; the number of the child's socket is the last argument."""
+"""The command line; then comes the number of the child's socket, and of the file of its coverage if there is one."""
 HASH_SEED: Final = "0"
 """The order of a set of strings depends on it; every process that runs programs has the same."""
 LOG_MAX: Final = 1 << 16
@@ -75,10 +76,15 @@ class ChildProcess:
         self._log = bytearray()
         self._is_over = False
         self._socket, theirs = socket.socketpair()
+        given = [theirs.fileno()]
         try:
+            if folder := os.environ.get(COVERAGE_VARIABLE):
+                from elitescript.services.coverage import coverage_descriptor
+
+                given.append(coverage_descriptor(folder))
             self._process = subprocess.Popen(
-                [*COMMAND, str(theirs.fileno())],
-                pass_fds=[theirs.fileno()],
+                [*COMMAND, *map(str, given)],
+                pass_fds=given,
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,
@@ -91,6 +97,8 @@ class ChildProcess:
             raise
         finally:
             theirs.close()
+            for descriptor in given[1:]:
+                os.close(descriptor)
         self._socket.setblocking(False)
         assert self._process.stdout is not None
         self._log_fd = self._process.stdout.fileno()

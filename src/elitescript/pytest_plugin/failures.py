@@ -1,0 +1,145 @@
+"""What a report of a failed test says of its robots: last lines, signals, messages, alarm, and a page of the run."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Final
+
+from elitescript.language.text.source import SourceFile
+from elitescript.messages.events import (
+    Alarm,
+    Event,
+    Popup,
+    Printed,
+    SignalChanged,
+    TaskStateChanged,
+    TextMessage,
+    Warned,
+)
+from elitescript.messages.timing import TICKS_PER_S, seconds
+from elitescript.plotting.line_times import stretches
+from elitescript.plotting.page import Recording, page
+from elitescript.pytest_plugin.watching import WatchedRun
+
+LINES_SHOWN: Final = 12
+SIGNALS_SHOWN: Final = 12
+MESSAGES_SHOWN: Final = 8
+TEXT_MAX: Final = 160
+"""Characters of one text."""
+NAME_MAX: Final = 120
+"""Characters of the name of a page."""
+
+
+def section(watched: Iterable[WatchedRun], pages: Iterable[Path] = ()) -> str:
+    """Return the section of a report about the runs of a test."""
+    parts = [_about(run) for run in watched]
+    parts += [f"page: {path}" for path in pages]
+    return "\n".join(parts)
+
+
+def _about(watched: WatchedRun) -> str:
+    source, start = watched.unit.source, watched.start_tick
+    events = watched.record.read()
+
+    def at(tick: int, text: str, line: int = 0) -> str:
+        place = f"  (line {line})" if line else ""
+        return f"  {seconds(tick - start):9.3f} s  {_short(text)}{place}"
+
+    out = [f"{source.name} on {watched.model.name}: {_ending(watched, events)}"]
+    if lines := _lines(watched, events)[-LINES_SHOWN:]:
+        out.append("last lines:" if watched.rows is not None else "last lines with an effect:")
+        out += [at(tick, f"{line:4}  {source.line(line).strip()}") for tick, line in lines]
+    signals = [event for event in events if isinstance(event, SignalChanged)]
+    if signals:
+        out.append("signals that changed:")
+        for event in signals[-SIGNALS_SHOWN:]:
+            by = "" if event.by == "program" else f"  by {event.by}"
+            out.append(at(event.tick, f"{event.name} = {event.value}{by}", event.line))
+        if len(signals) > SIGNALS_SHOWN:
+            out[-SIGNALS_SHOWN - 1] = f"signals that changed, the last {SIGNALS_SHOWN} of {len(signals)}:"
+    texts = [event for event in events if isinstance(event, TextMessage | Printed | Popup | Warned)]
+    if texts:
+        out.append("last messages:")
+        for message in texts[-MESSAGES_SHOWN:]:
+            text = str(message.text).rstrip("\n")
+            out.append(at(message.tick, f"warning: {text}" if isinstance(message, Warned) else text, message.line))
+    for alarm in watched.alarms:
+        out.append("alarm:")
+        out += [f"  {line}" for line in _alarm_lines(alarm, source, start)]
+    run = watched.run()
+    waiting = () if run is None else run.threads
+    if waiting:
+        out.append("threads:")
+        out += [f"  {row.name}: line {row.line}, waits for {row.waits_for or 'its turn'}" for row in waiting]
+    return "\n".join(out)
+
+
+def _ending(watched: WatchedRun, events: Sequence[Event]) -> str:
+    """Return how and when a run ended, in words."""
+    if (run := watched.run()) is not None:
+        said = {"": "still running", "time_limit": "still running at the time limit"}.get(run.state, run.state)
+        return f"{said} after {run.time_s:.3f} s"
+    ends = [event for event in events if isinstance(event, TaskStateChanged) and event.ending]
+    if not ends:
+        return "dropped before its end"
+    return f"{ends[-1].ending} after {seconds(ends[-1].tick - watched.start_tick):.3f} s"
+
+
+def _lines(watched: WatchedRun, events: Sequence[Event]) -> list[tuple[int, int]]:
+    """Return tick and line of the last lines, each once in a row: all that took time, or those that did something."""
+    found: list[tuple[int, int]] = []
+    if watched.rows is not None:
+        rows = watched.rows.rows
+        spans = stretches(rows) if len(rows) else []
+        found = [(round(span.start_s * TICKS_PER_S), span.line) for span in spans if span.line]
+    else:
+        found = [(event.tick, line) for event in events if (line := getattr(event, "line", 0))]
+    return [here for before, here in zip([(0, 0), *found], found, strict=False) if before[1] != here[1]]
+
+
+def _alarm_lines(alarm: Alarm, source: SourceFile, start_tick: int) -> list[str]:
+    place = f"{source.name}:{alarm.line}:{alarm.column}" if alarm.line else source.name
+    first, *more = alarm.text.split("\n")
+    lines = [f"{seconds(alarm.tick - start_tick):.3f} s  {place}: {alarm.code} {alarm.class_name}: {first}"]
+    lines += [f"    {text}" for text in more]
+    if alarm.source_line:
+        lines.append(f"    {alarm.source_line.strip()}")
+    if alarm.details.get("hint"):
+        lines.append(f"hint: {alarm.details['hint']}")
+    return lines
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= TEXT_MAX else f"{text[: TEXT_MAX - 3]}..."
+
+
+def write_pages(folder: Path, test: str, watched: Iterable[WatchedRun]) -> list[Path]:
+    """Write a page for each run that has rows; return their paths.
+
+    Args:
+        folder: is made if it is missing.
+        test: id of the test, which names the files.
+        watched: the runs.
+    """
+    found = [run for run in watched if run.rows is not None and len(run.rows.rows)]
+    stem = re.sub(r"[^\w.]+", "-", test).strip("-.")[-NAME_MAX:]
+    paths = []
+    for number, watch in enumerate(found, 1):
+        assert watch.rows is not None
+        run = watch.run()
+        recording = Recording(
+            f"{test}: {Path(watch.unit.source.name).name}",
+            watch.model,
+            watch.rows.rows,
+            watch.unit.source,
+            watch.record.read(),
+            "" if run is None else run.state,
+            watch.rows.step_s,
+        )
+        path = folder / (f"{stem}.html" if len(found) == 1 else f"{stem}.{number}.html")
+        folder.mkdir(parents=True, exist_ok=True)
+        path.write_text(page(recording), encoding="utf-8", errors="backslashreplace", newline="\n")
+        paths.append(path)
+    return paths

@@ -1,0 +1,166 @@
+"""The pytest plugin `elitescript`: fixtures, a marker, options, tests in the language itself.
+
+Every pytest run of an environment loads this module, so it imports nothing of the robot before a test needs it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator
+from typing import TYPE_CHECKING, Final
+
+import pytest
+
+from elitescript.observer import OBSERVATION
+from elitescript.pytest_plugin.file_names import SUFFIX, holds_tests
+from elitescript.pytest_plugin.watching import RunWatcher
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from elitescript.pytest_plugin.served import ServedRobot
+    from elitescript.robot import VirtualRobot
+
+MARKER_TEXT: Final = (
+    "elitescript(robot=, firmware=, world=, plant=, safety=, ...): options of the fixtures `robot` and `served_robot`, "
+    "by the keywords of VirtualRobot; robot= is the arm, and paths are relative to the test file"
+)
+
+_WATCHER: Final[pytest.StashKey[RunWatcher]] = pytest.StashKey()
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    group = parser.getgroup("elitescript", "programs of Elite Robots arms")
+    group.addoption(
+        "--script-cov",
+        action="append",
+        nargs="?",
+        const="",
+        default=[],
+        metavar="PATH",
+        help="measure what tests run of robot programs; PATH is a folder or a file of programs to report, also those "
+        "that no test runs (may be repeated; without it those below the root folder that tests run)",
+    )
+    group.addoption(
+        "--script-cov-report",
+        action="append",
+        default=[],
+        metavar="TYPE",
+        help="term, term-missing, lcov:FILE, xml:FILE (Cobertura), html:FOLDER or json:FILE (may be repeated; default: "
+        "term)",
+    )
+    group.addoption(
+        "--script-cov-fail-under",
+        type=float,
+        metavar="PERCENT",
+        help="fail if less of lines and branches of all reported programs was run",
+    )
+    group.addoption(
+        "--script-record",
+        metavar="FOLDER",
+        help="write a page that shows the run of each failing test into this folder",
+    )
+    group.addoption(
+        "--script-strict",
+        action="store_true",
+        help="let a test fail if `check` or the run warns about one of its programs",
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", MARKER_TEXT)
+    if _measures(config):
+        from elitescript.pytest_plugin.measuring import Measuring
+
+        config.pluginmanager.register(Measuring(config), "elitescript-coverage")
+
+
+def _measures(config: pytest.Config) -> bool:
+    """Return whether the coverage of programs is measured; reports and a limit ask for it too."""
+    options = config.option
+    asked = options.script_cov or options.script_cov_report or options.script_cov_fail_under is not None
+    return bool(asked)
+
+
+# ---------------------------------------------------------------- fixtures
+
+
+@pytest.fixture
+def robot(request: pytest.FixtureRequest) -> VirtualRobot:
+    """A fresh robot in virtual time, with the options of the marker `elitescript`."""
+    from elitescript.pytest_plugin.marker import robot_arguments, settings_of
+    from elitescript.robot import VirtualRobot
+
+    return VirtualRobot(**robot_arguments(settings_of(request.node), request.path.parent))
+
+
+@pytest.fixture
+def served_robot(request: pytest.FixtureRequest) -> Iterator[ServedRobot]:
+    """A controller in a process of its own on free ports of this computer, with the options of the marker."""
+    from elitescript.pytest_plugin.marker import serve_arguments, settings_of
+    from elitescript.pytest_plugin.served import ServedRobot
+
+    served = ServedRobot(serve_arguments(settings_of(request.node), request.path.parent))
+    try:
+        yield served
+    finally:
+        served.close()
+    if request.config.option.script_strict:
+        _refuse(served.warnings)
+
+
+# ---------------------------------------------------------------- runs of a test
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, bool, bool]:
+    """Have the runs of a test watched."""
+    before = OBSERVATION.observer
+    watcher = RunWatcher(keeps_rows=item.config.option.script_record is not None)
+    OBSERVATION.observer = item.stash[_WATCHER] = watcher
+    try:
+        return (yield)
+    finally:
+        OBSERVATION.observer = before
+        del item.stash[_WATCHER]
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
+    """Let a test fail whose programs are warned about, if that is asked for."""
+    yield
+    if item.config.option.script_strict and (runs := item.stash[_WATCHER].runs):
+        from elitescript.pytest_plugin.strictness import warnings_of
+
+        _refuse(warnings_of(runs))
+
+
+def _refuse(warnings: list[str]) -> None:
+    if warnings:
+        pytest.fail("\n".join(["warnings, which --script-strict refuses:", *warnings]), pytrace=False)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Add to the report of a failed test what its robots did."""
+    report = yield
+    if report.failed and (runs := item.stash[_WATCHER].runs):
+        from elitescript.pytest_plugin.failures import section, write_pages
+
+        folder: str | None = item.config.option.script_record
+        pages = [] if folder is None else write_pages(item.config.invocation_params.dir / folder, item.nodeid, runs)
+        report.sections.append(("elitescript", section(runs, pages)))
+    return report
+
+
+# ---------------------------------------------------------------- tests in the language
+
+
+def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
+    """Collect the tests of a script: of one that is named like a test, or that the command line names."""
+    if file_path.suffix != SUFFIX:
+        return None
+    if not holds_tests(file_path.name) and not parent.session.isinitpath(file_path):
+        return None
+    from elitescript.pytest_plugin.script_files import ScriptFile
+
+    return ScriptFile.from_parent(parent, path=file_path)

@@ -1,0 +1,106 @@
+"""What the robots of one test do, kept until the test has passed."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Final
+from weakref import ref
+
+if TYPE_CHECKING:
+    from elitescript.messages.profile import Profile
+    from elitescript.models.model import RobotModel
+    from elitescript.plotting.sampling import Sampling
+    from elitescript.robot import VirtualRobot
+    from elitescript.run import Run
+
+RUNS_MAX: Final = 5
+"""Runs of a test that are kept: the last ones."""
+
+
+class WatchedRun:
+    """One run of a test. It keeps what has happened, and not the robot, which a test may drop.
+
+    Attributes:
+        run: returns its record; None if nobody has it any more.
+        unit: the program.
+        start_tick: its first tick.
+        record: its events.
+        alarms: what stopped it.
+        warnings: texts.
+        model: the arm.
+        profile: the firmware.
+        is_strict: whether the robot refuses what only warns otherwise.
+        presets: names of program globals that had a value before.
+        rows: of its page; None if none is written.
+    """
+
+    __slots__ = (
+        "alarms",
+        "is_strict",
+        "model",
+        "presets",
+        "profile",
+        "record",
+        "rows",
+        "run",
+        "start_tick",
+        "unit",
+        "warnings",
+    )
+
+    def __init__(self, robot: VirtualRobot, run: Run, presets: Mapping[str, object], rows: Sampling | None) -> None:
+        self.run: ref[Run] = ref(run)
+        self.unit = run.unit
+        self.start_tick = run.start_tick
+        self.record = run.record
+        self.alarms = run.alarms
+        self.warnings = run.warnings
+        self.model: RobotModel = robot.model
+        self.profile: Profile = robot.profile
+        self.is_strict = robot.options.strict
+        self.presets = tuple(presets)
+        self.rows = rows
+
+
+class RunWatcher:
+    """Keeps the last runs of a test. Implements `observer.RunObserver`.
+
+    Args:
+        keeps_rows: whether each run keeps the rows that its page is made of.
+    """
+
+    __slots__ = ("_keeps_rows", "runs")
+
+    def __init__(self, *, keeps_rows: bool) -> None:
+        self._keeps_rows = keeps_rows
+        self.runs: deque[WatchedRun] = deque(maxlen=RUNS_MAX)
+
+    def started(self, robot: Any, run: Any, presets: Mapping[str, object], trace: Any) -> Any:
+        """Keep a run; see `RunObserver.started`."""
+        rows = None
+        if self._keeps_rows:
+            from elitescript.plotting.sampling import Sampling
+
+            rows = Sampling()
+        self.runs.append(WatchedRun(robot, run, presets, rows))
+        if rows is None:
+            return trace
+        return rows if trace is None else _Traces(trace, rows)
+
+
+class _Traces:
+    """Several traces of one run."""
+
+    __slots__ = ("_traces",)
+
+    def __init__(self, *traces: Any) -> None:
+        self._traces = traces
+
+    def record(self, controller: Any, until_tick: int) -> None:
+        for trace in self._traces:
+            trace.record(controller, until_tick)
+
+    def finish(self, controller: Any) -> None:
+        for trace in self._traces:
+            trace.finish(controller)

@@ -1,0 +1,220 @@
+"""What the report of a failed test says of its robots, and what `--script-strict` makes of warnings."""
+
+from __future__ import annotations
+
+import textwrap
+
+import pytest
+
+FAILING = """
+import pytest
+
+CELL = '''def cell():
+  set_standard_digital_out(0, True)
+  movej([0.3, -1.4, -1.7, -1.6, 1.57, 0], a=1.4, v=1.05)
+  sleep(0.5)
+  textmsg("at the part")
+  movel([9, 0, 0, 0, 0, 0])
+end
+'''
+
+def test_it(robot):
+    robot.at(0.2, "standard_digital_in[3]", True)
+    robot.run(CELL).check()
+"""
+
+
+def run(pytester: pytest.Pytester, text: str, *words: str) -> pytest.RunResult:
+    """Run one test file."""
+    pytester.makepyfile(test_cell=textwrap.dedent(text))
+    return pytester.runpytest_inprocess("-p", "no:cacheprovider", *words)
+
+
+class TestSection:
+    def test_lines_signals_messages_and_the_alarm(self, pytester):
+        result = run(pytester, FAILING)
+        result.assert_outcomes(failed=1)
+        result.stdout.fnmatch_lines(
+            [
+                "*- elitescript -*",
+                "<program> on CS66: alarm after 1.428 s",
+                "last lines with an effect:",
+                "      0.000 s     2  set_standard_digital_out(0, True)",
+                "      0.000 s     3  movej(*",
+                "      1.428 s     5  textmsg(*",
+                "      1.428 s     6  movel(*",
+                "signals that changed:",
+                "      0.000 s  standard_digital_out[[]0[]] = True  (line 2)",
+                "      0.200 s  standard_digital_in[[]3[]] = True  by schedule",
+                "last messages:",
+                "      1.428 s  at the part  (line 5)",
+                "alarm:",
+                "  1.428 s  <program>:6:3: R111 RuntimeError: movel: *",
+                "      movel([[]9, 0, 0, 0, 0, 0[]])",
+            ],
+            consecutive=True,
+        )
+
+    def test_a_program_that_goes_on_shows_where_its_threads_are(self, pytester):
+        text = """
+            def test_it(robot):
+                run = robot.run("while True:\\n  sleep(0.3)\\nend\\n", until_s=1)
+                assert run.state == "finished"
+            """
+        result = run(pytester, text)
+        result.stdout.fnmatch_lines(["<program> on CS66: still running at the time limit after 1.000 s", "threads:"])
+        result.stdout.fnmatch_lines(["  main: line 2, waits for *"])
+
+    def test_the_last_of_many_runs_and_lines_are_shown(self, pytester):
+        text = """
+            def test_it(robot):
+                for number in range(9):
+                    run = robot.run(f"for n in range(300):\\n  sleep(0.1)\\n  set_flag({number}, True)\\nend\\n")
+                assert 0
+            """
+        shown = run(pytester, text).stdout.str()
+        assert shown.count("finished after 30.000 s") == 5
+        assert "    3  set_flag(3, True)" not in shown
+        assert "    3  set_flag(8, True)" in shown
+
+    def test_lines_are_those_that_took_time_if_pages_are_asked_for(self, pytester):
+        result = run(pytester, FAILING, "--script-record=pages")
+        lines = [
+            "last lines:",
+            "      0.000 s     3  movej(*",
+            "      0.928 s     4  sleep(0.5)",
+            "signals that changed:",
+        ]
+        result.stdout.fnmatch_lines(lines, consecutive=True)
+
+    def test_a_run_that_is_dropped_is_known_by_its_events(self, pytester):
+        text = """
+            from elitescript import VirtualRobot
+
+            def time_of(text):
+                return VirtualRobot().run(text).time_s
+
+            def test_it():
+                assert time_of("sleep(2)\\n") < 1
+            """
+        run(pytester, text).stdout.fnmatch_lines(["<program> on CS66: finished after 2.000 s"])
+
+    def test_a_passing_test_has_no_section_and_a_trace_of_its_own_is_kept(self, pytester):
+        text = """
+            def test_it(robot):
+                run = robot.run("sleep(1)\\n", trace=True)
+                assert len(run.trace) == 251
+            """
+        result = run(pytester, text, "-rA")
+        result.assert_outcomes(passed=1)
+        assert "- elitescript -" not in result.stdout.str()
+
+    def test_no_section_without_a_robot(self, pytester):
+        assert "- elitescript -" not in run(pytester, "def test_it(): assert 0").stdout.str()
+
+    def test_robots_of_other_threads_are_seen(self, pytester):
+        text = """
+            from threading import Thread
+            from elitescript import VirtualRobot
+
+            def test_it():
+                thread = Thread(target=lambda: VirtualRobot("CS63").run("sleep(1)\\n"))
+                thread.start()
+                thread.join()
+                assert 0
+            """
+        run(pytester, text).stdout.fnmatch_lines(["<program> on CS63: finished after 1.000 s"])
+
+    def test_nothing_of_a_test_is_kept(self, pytester):
+        text = """
+            import gc
+            import weakref
+            from elitescript import VirtualRobot
+
+            kept = []
+
+            def test_one():
+                robot = VirtualRobot()
+                robot.start("sleep(10)\\n")
+                kept.append(weakref.ref(robot))
+
+            def test_two():
+                gc.collect()
+                assert kept[0]() is None
+            """
+        run(pytester, text).assert_outcomes(passed=2)
+
+
+class TestPages:
+    def test_a_failing_test_leaves_a_page(self, pytester):
+        result = run(pytester, FAILING + "\ndef test_well(robot): robot.run(CELL)\n", "--script-record=pages")
+        (page,) = (pytester.path / "pages").iterdir()
+        assert page.name == "test_cell.py-test_it.html"
+        result.stdout.fnmatch_lines([f"page: {page}"])
+        text = page.read_text(encoding="utf-8")
+        assert 'textmsg(\\"at the part\\")' in text
+        assert "R111" in text
+
+    def test_each_run_has_one(self, pytester):
+        text = "def test_it(robot):\n    robot.run('sleep(1)\\n')\n    robot.run('sleep(2)\\n')\n    assert 0\n"
+        run(pytester, text, "--script-record=pages")
+        assert sorted(path.name for path in (pytester.path / "pages").iterdir()) == [
+            "test_cell.py-test_it.1.html",
+            "test_cell.py-test_it.2.html",
+        ]
+
+    def test_passing_tests_leave_nothing(self, pytester):
+        run(pytester, "def test_it(robot): robot.run('sleep(1)\\n')\n", "--script-record=pages").assert_outcomes(
+            passed=1
+        )
+        assert not (pytester.path / "pages").exists()
+
+    def test_a_test_in_the_language_has_one(self, pytester):
+        (pytester.path / "test_it.script").write_text("def test_it():\n  sleep(1)\n  assert 1 == 2\nend\n")
+        pytester.runpytest_inprocess("-p", "no:cacheprovider", "--script-record=pages").assert_outcomes(failed=1)
+        assert [path.name for path in (pytester.path / "pages").iterdir()] == ["test_it.script-test_it.html"]
+
+
+class TestStrict:
+    CHECKED = "def test_it(robot): robot.run('x = 1\\nmovej([90, 0, 0, 0, 0, 0])\\n', until_s=1)\n"
+
+    def test_what_check_finds_makes_a_test_fail(self, pytester):
+        run(pytester, self.CHECKED).assert_outcomes(passed=1)
+        result = run(pytester, self.CHECKED, "--script-strict")
+        result.assert_outcomes(failed=1)
+        result.stdout.fnmatch_lines(
+            ["warnings, which --script-strict refuses:", "<program>: line 2, column 8: warning W230: *"]
+        )
+
+    def test_what_the_run_warns_about_does_so_once(self, pytester):
+        (pytester.path / "cell.script").write_text("def cell():\n  set_flag(3, True)\n  raise SystemExit\nend\n")
+        text = "def test_it(robot):\n    for _ in range(2): robot.run('cell.script')\n"
+        run(pytester, text).assert_outcomes(passed=1)
+        result = run(pytester, text, "--script-strict")
+        result.assert_outcomes(failed=1)
+        assert result.stdout.str().count("SystemExit ends the program") == 3  # and among the messages of two runs
+
+    def test_programs_without_warnings_pass(self, pytester):
+        text = "def test_it(robot): robot.run('g = count + 1\\nset_flag(g, True)\\n', presets={'count': 1})\n"
+        run(pytester, text, "--script-strict").assert_outcomes(passed=1)
+
+    def test_tests_in_the_language(self, pytester):
+        (pytester.path / "test_it.script").write_text("def test_it():\n  set_flag(1, True)\nend\n")
+        pytester.runpytest_inprocess("-p", "no:cacheprovider", "--script-strict").assert_outcomes(passed=1)
+
+    def test_a_failure_of_the_test_itself_is_shown_alone(self, pytester):
+        result = run(pytester, self.CHECKED.replace("robot): ", "robot):\n    ") + "    assert 0\n", "--script-strict")
+        result.assert_outcomes(failed=1)
+        assert "which --script-strict refuses" not in result.stdout.str()
+
+    def test_a_served_robot(self, pytester):
+        text = """
+            import socket
+            def test_it(served_robot):
+                with socket.create_connection((served_robot.host, served_robot.ports["primary"])) as primary:
+                    primary.sendall(b"def a():\\n  set_flag(3, True)\\n  raise SystemExit\\nend\\n")
+                    served_robot.wait_for("warning")
+            """
+        result = run(pytester, text, "--script-strict")
+        result.assert_outcomes(passed=1, errors=1)
+        result.stdout.fnmatch_lines(["warnings, which --script-strict refuses:", "SystemExit ends *"])
