@@ -6,6 +6,7 @@ import asyncio
 import logging
 from collections.abc import Callable, Coroutine, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
@@ -29,6 +30,12 @@ from elitescript.lsp.token_results import TokenResults
 _Result = TypeVar("_Result")
 
 _log = logging.getLogger(__name__)
+
+
+@cache
+def _converter() -> Any:
+    """Return what turns messages into objects and back; it writes its functions when they are first used."""
+    return default_converter()  # type: ignore[no-untyped-call]
 
 
 class Runs(Protocol):
@@ -59,7 +66,7 @@ class Session(LanguageServer):
     runs: Runs
 
     def __init__(self) -> None:
-        super().__init__(SECTION, __version__, protocol_cls=Connection, converter_factory=default_converter)
+        super().__init__(SECTION, __version__, protocol_cls=Connection, converter_factory=_converter)
         self.client = Client()
         self.texts = Texts()
         self.files = WorkspaceFiles()
