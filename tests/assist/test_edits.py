@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import re
+from itertools import pairwise
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -147,6 +148,8 @@ def spans_in(value: Any) -> list[Span]:
 
 
 def check_places(document: Document, found: Any) -> None:
+    for token, following in pairwise(tokens.semantic_tokens(document)):
+        assert (token.line, token.column + token.length) <= following[:2]
     for span in spans_in(found):
         assert 1 <= span.line <= span.end_line <= document.line_count, span
         assert span[:2] <= span[2:], span

@@ -37,6 +37,10 @@ TYPED = [
     ("  if v\n    work(1)\n  end", [("6:7", "E001", "colon behind `if` is missing")]),
     ("  if v > 1:\n    x = 1\n  else", [("8:7", "E001", "colon behind `else` is missing")]),
     ("  if v > 1:\n    x = 1\n  else:", [("9:3", "E001", BODY)]),
+    (
+        "  if v:\n    work(1)\n  else: +\n    work(2)\n  end",
+        [("8:10", "E001", "missing behind `+`"), ("9:5", "E001", "no block begins here")],
+    ),
     ("  else\n    work(1)\n  end", [("6:3", "E001", "`else` belongs to no")]),
     ("  while True:\n    mov", [("7:5", "W201", "`mov` is not defined")]),
     ("  while True:\n    movej(\n  end", [("7:10", "E001", OPEN)]),

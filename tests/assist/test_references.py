@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import ast
+
 import pytest
 
 from elitescript.assist.document import Document
-from elitescript.assist.names import Access
+from elitescript.assist.names import Access, Names
 from elitescript.assist.references import definition, highlights, references
 from tests.assist.reading import cut, marked
 
@@ -156,6 +158,15 @@ def test_a_name_in_a_line_that_cannot_be_read_yet(broken: str) -> None:
     document, line, column = marked(f"def job():\n  speed = 1\n{broken}\n  sleep(1)\nend\n")
     assert [cut(document, span) for span in definition(document, line, column)] == ["2:speed"]
     assert [item.access for item in references(document, line, column)] == [Access.WRITE]
+
+
+def test_names_whose_places_are_the_same_are_not_located() -> None:
+    # In some formatted strings Python gives two names one place.
+    program = Document("cell.script", "a = 1\ntextmsg(f'{a:{a}}')\n").program
+    first, second = (node for node in program.nodes(ast.Name) if node.lineno == 2 and node.id == "a")
+    assert Names(program).unlocated == set()
+    second.col_offset, second.end_col_offset = first.col_offset, first.end_col_offset
+    assert Names(program).unlocated == {"a"}
 
 
 def test_strings_and_comments_hold_no_names() -> None:

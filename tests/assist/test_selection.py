@@ -40,6 +40,12 @@ def test_from_inside_out(text: str, expected: list[str]) -> None:
         assert inner != outer
 
 
+def test_a_line_that_cannot_be_read_has_no_ranges_of_what_stands_for_it() -> None:
+    document, line, column = marked("x = (\n¦= 1\ny = 2\n")
+    (spans,) = selection_ranges(document, [(line, column)])
+    assert texts(document, spans) == ["= 1", document.text]
+
+
 def test_each_place_has_its_ranges() -> None:
     document = Document("cell.script", "a = 1\nb = 2\n")
     first, second, outside = selection_ranges(document, [(1, 1), (2, 1), (99, 99)])

@@ -14,6 +14,7 @@ from elitescript.language.policy import (
     COMPREHENSION_DEPTH_MAX,
     DENIED_ATTRIBUTES,
     GUARDED_ATTRIBUTES,
+    first_too_deep,
     guard_formats,
     is_attribute_allowed,
     is_dunder,
@@ -321,3 +322,16 @@ def test_comprehensions_are_not_nested_without_end():
     assert (problem.code, problem.line) == ("E115", 2)
     with pytest.raises(ProgramError, match="nested"):
         compile_expression(SourceFile("a", bad))
+
+
+def test_the_depth_of_comprehensions_does_not_depend_on_their_places():
+    # In some formatted strings Python gives wrong places: here the inner ones seem to come first.
+    text = "0"
+    for _ in range(COMPREHENSION_DEPTH_MAX + 1):
+        text = f"[{text} for _ in ()]"
+    tree = ast.parse(text)
+    for place, node in enumerate(reversed([node for node in ast.walk(tree) if isinstance(node, ast.ListComp)])):
+        node.col_offset = place
+    assert first_too_deep(Census(tree)) is not None
+    tree.body[0].value = tree.body[0].value.elt
+    assert first_too_deep(Census(tree)) is None

@@ -107,12 +107,7 @@ def semantic_tokens(document: Document, span: Span | None = None) -> tuple[Token
 
 
 def _tokens(document: Document) -> tuple[Token, ...]:
-    found = sorted([*_keywords(document), *_names(document)])
-    kept: list[Token] = []
-    for token in found:
-        if not kept or (kept[-1].line, kept[-1].column + kept[-1].length) <= (token.line, token.column):
-            kept.append(token)
-    return tuple(kept)
+    return tuple(sorted([*_keywords(document), *_names(document)]))
 
 
 # ---------------------------------------------------------------- words of the language
