@@ -52,11 +52,9 @@ TABLE = [
 ]  # fmt: skip
 
 
-def actions(lines: str, kinds=(ActionKind.QUICK_FIX, ActionKind.REWRITE)):
+def actions(lines: str):
     document, line, column = marked(HEAD + lines + TAIL)
-    return document, {
-        action.title: action for action in code_actions(document, Span(line, column, line, column), kinds)
-    }
+    return document, {action.title: action for action in code_actions(document, Span(line, column, line, column))}
 
 
 @pytest.mark.parametrize(("lines", "title", "after"), TABLE)
@@ -108,7 +106,7 @@ class TestFixAll:
         after = apply_fixes(self.TEXT, [Fix("", action.edits, True)])
         assert after == repaired("cell.script", self.TEXT, PROFILES[DEFAULT_FIRMWARE])[0]
         assert "print('a')" in after
-        assert action.title == "Make 4 safe repairs"
+        assert (action.title, action.kind) == ("Make 4 safe repairs", ActionKind.FIX_ALL)
 
     def test_line_ends_and_mark_stay(self):
         text = "\ufeff" + self.TEXT.replace("\n", "\r\n")
@@ -119,9 +117,3 @@ class TestFixAll:
 
     def test_there_is_none_without_safe_repairs(self):
         assert fix_all(Document("cell.script", "def job():\n  movl(1)\nend\n")) is None
-
-    def test_it_is_only_made_when_it_is_asked_for(self):
-        _, found = actions("  syn¦c\n")
-        assert all(action.kind is not ActionKind.FIX_ALL for action in found.values())
-        _, found = actions("  syn¦c\n", [ActionKind.FIX_ALL])
-        assert [action.kind for action in found.values()] == [ActionKind.FIX_ALL]

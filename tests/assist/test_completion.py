@@ -127,6 +127,7 @@ TABLE: list[tuple[str, str, str]] = [
     ("while True:\n  ¦\nend\n", "break continue end", "elif"),
     ("while True:\n  def f():\n    ¦\n  end\nend\n", "end return", "break"),
     ("if x:\n  sync()\n¦", "if", "break"),
+    ("¦while True:\n  sync()\nend\n", "while", "break end"),
     ("if x:\n  sync()\n  ¦\nend\n", "elif else end", "except"),
     ("try:\n  sync()\n  ¦\nend\n", "except finally end", "elif"),
     ("x = 3 ¦", "and or if in is not", "movej while"),
@@ -294,6 +295,14 @@ class TestItems:
         assert "scale" in labels('socket_close("¦")', settings)
         assert "10.0.0.7" in labels('socket_open("¦")', settings)
         assert labels('load_micro_line_file("¦")', settings)["seam.txt"].kind is ItemKind.FILE
+
+    def test_globals_that_have_a_value_before_the_program_are_offered(self):
+        found = labels("x = ¦", Settings(presets=frozenset({"tray", "x"})))
+        assert found["tray"].detail == "global"
+
+    def test_remains_of_python_2_are_marked(self):
+        found = labels("x = ¦")
+        assert [name for name, item in found.items() if item.is_deprecated] == ["long", "unichr"]
 
     def test_blocks_follow_the_indentation_of_the_text(self):
         wide = labels("def job():\n    sync()\n    ¦\nend\n")["while … end"].snippet

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from difflib import SequenceMatcher
 from enum import StrEnum
 
@@ -42,26 +42,21 @@ class CodeAction:
     is_preferred: bool = False
 
 
-def code_actions(
-    document: Document,
-    span: Span,
-    kinds: Collection[ActionKind] = (ActionKind.QUICK_FIX, ActionKind.REWRITE),
-) -> tuple[CodeAction, ...]:
-    """Return the actions for a range, the preferred ones first. Never raises.
+def code_actions(document: Document, span: Span) -> tuple[CodeAction, ...]:
+    """Return repairs and rewritings for a range, the preferred ones first; `fix_all` is apart. Never raises.
 
     Args:
         document: the text.
         span: the range. An empty one, a cursor, stands for its whole line where it touches no finding.
-        kinds: those that are wanted; `FIX_ALL` checks the text several times, so it is only made when it is asked for.
     """
-    found = [action for action in _actions(document, span) if action.kind in kinds]
-    if ActionKind.FIX_ALL in kinds and (all_fixes := fix_all(document)) is not None:
-        found.append(all_fixes)
-    return tuple(sorted(found, key=lambda action: not action.is_preferred))
+    return tuple(sorted(_actions(document, span), key=lambda action: not action.is_preferred))
 
 
 def fix_all(document: Document) -> CodeAction | None:
-    """Return the action that makes every safe fix of the text, as `check --fix`; None if there is none."""
+    """Return the action that makes every safe fix of the text, as `check --fix`; None if there is none.
+
+    It checks the text several times, so it is only made when it is asked for.
+    """
     if not any(problem.fix is not None and problem.fix.safe for problem in document.problems):
         return None
     settings = document.settings

@@ -205,6 +205,9 @@ class _Offers:
             if not self._is_only_here(own):
                 rank = _EXPECTED if wanted and self.facts.kind(own) == wanted else _OWN
                 yield self._own(own, f"{rank}{min(own.distance, 9)}{own.name}")
+        for name in sorted(self.document.settings.presets):
+            if self.scope.resolve(name) is Resolution.BUILTIN:
+                yield Completion(name, ItemKind.VARIABLE, self.span, name, "", "global", f"{_OWN}9{name}")
 
     def _wanted_kind(self) -> str:
         """Return `joints` or `pose` if the argument at the place takes such a list; else empty."""
@@ -270,8 +273,17 @@ class _Offers:
                 kind = ItemKind.CLASS if is_class else ItemKind.FUNCTION
                 detail = "Python" if is_class else python_signature(name, found)
                 snippet = "" if is_class or self.is_called or found is None else f"{name}($0)"
+                is_old = name in _PYTHON2
                 yield Completion(
-                    name, kind, self.span, name, snippet, detail, _PYTHON + name, source=f"python:builtins.{name}"
+                    name,
+                    kind,
+                    self.span,
+                    name,
+                    snippet,
+                    "Python 2" if is_old else detail,
+                    (_MISSING if is_old else _PYTHON) + name,
+                    is_deprecated=is_old,
+                    source=f"python:builtins.{name}",
                 )
 
     # ---------------------------------------------------------------- calls
@@ -584,11 +596,14 @@ _BUILTINS: Final = tuple(
         if name[0].isalpha()
         and name not in REFUSED_BUILTINS
         and name not in WITHHELD_ERRORS
-        and name not in ("True", "False", "None", "copyright", "credits", "license", "input", "long", "unichr")
+        and name not in ("True", "False", "None", "copyright", "credits", "license", "input")
         and CATALOGUE.get(name) is None
     )
 )
 """Names of Python that programs find."""
+
+_PYTHON2: Final = frozenset(name for name in PRELOADED if name not in AVAILABLE and not hasattr(builtins, name))
+"""Names that only Python 2 has; they still work here."""
 
 
 # -------------------------------------------------------------------- texts

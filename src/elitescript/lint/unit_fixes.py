@@ -1,7 +1,7 @@
 """Writes repairs of numbers in other units: `d2r(-90)` for -90, 0.4 for 400.
 
-With a doubtful number those of the same list are converted that have the same unit, but not the ones that plainly are in
-it already: lengths below 1 and quarters of a turn (*assumed*). No such repair is safe: it changes where the arm goes.
+With a doubtful number those of its list are converted that have the same unit, but not the ones that plainly are in it
+already: lengths below 1 and quarters of a turn (*assumed*). None of these repairs is safe: the arm goes elsewhere.
 """
 
 from __future__ import annotations
