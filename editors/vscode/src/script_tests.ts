@@ -4,6 +4,8 @@ import * as path from "node:path";
 import * as vscode from "vscode";
 import { findElitescript, runToEnd } from "./program";
 
+/** Exit codes of pytest: there are tests, there are none. */
+const COLLECTED = [0, 5];
 const OPTIONS = ["-q", "--no-header", "-p", "no:cacheprovider", "--color=no"];
 
 /** Collects and runs through pytest, with the Python beside `elitescript`. Tests in Python are the Python extension's. */
@@ -34,11 +36,22 @@ export class ScriptTests implements vscode.Disposable {
       }
       const python = await pythonOf(folder.uri);
       if (python) {
-        const ended = await runToEnd(python, ["-m", "pytest", "--collect-only", ...OPTIONS], folder.uri.fsPath);
-        roots.push(...(await this.items(folder, namesIn(ended.output))));
+        roots.push(...(await this.collected(folder, python)));
       }
     }
     this.controller.items.replace(roots);
+  }
+
+  private async collected(folder: vscode.WorkspaceFolder, python: string): Promise<vscode.TestItem[]> {
+    const words = ["-m", "pytest", "--collect-only", ...OPTIONS];
+    const ended = await runToEnd(python, words, folder.uri.fsPath).catch((error) => ({ code: -1, output: "", error: String(error) }));
+    const roots = await this.items(folder, namesIn(ended.output));
+    if (!COLLECTED.includes(ended.code)) {
+      const failed = this.controller.createTestItem(`${folder.uri.toString()}#`, `pytest in ${folder.name}`);
+      failed.error = `${ended.error}${ended.output}`;
+      roots.push(failed);
+    }
+    return roots;
   }
 
   private async items(folder: vscode.WorkspaceFolder, names: string[]): Promise<vscode.TestItem[]> {
@@ -58,12 +71,16 @@ export class ScriptTests implements vscode.Disposable {
     return [...byFile.values()];
   }
 
+  private all(): vscode.TestItem[] {
+    return [...this.controller.items].map(([, item]) => item).filter((item) => !item.error);
+  }
+
   private async run(request: vscode.TestRunRequest, token: vscode.CancellationToken): Promise<void> {
     const run = this.controller.createTestRun(request);
     const stop = new AbortController();
     token.onCancellationRequested(() => stop.abort());
     try {
-      for (const [folder, items] of byFolder(request.include ?? [...this.controller.items].map(([, item]) => item))) {
+      for (const [folder, items] of byFolder(request.include ?? this.all())) {
         const asked = items.filter((item) => !request.exclude?.includes(item));
         asked.forEach((item) => run.started(item));
         const uri = vscode.Uri.parse(folder);
@@ -117,7 +134,12 @@ function report(run: vscode.TestRun, item: vscode.TestItem, outcome: Outcome | u
   } else if (outcome?.word === "SKIPPED") {
     run.skipped(item);
   } else if (outcome?.word === "FAILED") {
-    run.failed(item, new vscode.TestMessage(sectionOf(output, item.label) ?? outcome.text));
+    const message = new vscode.TestMessage(sectionOf(output, item.label) ?? outcome.text);
+    const line = /\.script:(\d+): /.exec(`${message.message as string}`)?.[1];
+    if (line && item.uri) {
+      message.location = new vscode.Location(item.uri, new vscode.Position(Number(line) - 1, 0));
+    }
+    run.failed(item, message);
   } else {
     run.errored(item, new vscode.TestMessage(outcome?.text || output));
   }

@@ -4,6 +4,32 @@ import * as vscode from "vscode";
 import { LanguageClient, State } from "vscode-languageclient/node";
 import { Found, findElitescript, folderOf, offerInstall, reportMissing } from "./program";
 
+/**
+ * Makes an edit that adds lines at the cursor, and returns the others. VS Code would put the cursor behind the added
+ * lines: below the `end` of a new block instead of into its body.
+ */
+export async function keepCursor(
+  document: vscode.TextDocument,
+  position: vscode.Position,
+  edits: vscode.TextEdit[] | null | undefined,
+): Promise<vscode.TextEdit[]> {
+  const [edit, ...others] = edits ?? [];
+  const editor = vscode.window.activeTextEditor;
+  if (!edit || others.length > 0 || editor?.document !== document) {
+    return edits ?? [];
+  }
+  const cut = edit.newText.indexOf("\n");
+  if (cut < 0 || !edit.range.contains(position)) {
+    return [edit];
+  }
+  const snippet = new vscode.SnippetString().appendText(edit.newText.slice(0, cut)).appendTabstop(0);
+  await editor.insertSnippet(snippet.appendText(edit.newText.slice(cut)), edit.range, {
+    undoStopBefore: false,
+    undoStopAfter: true,
+  });
+  return [];
+}
+
 /** Starts and stops the server, and starts it again when its command changes. */
 export class Server implements vscode.Disposable {
   private client: LanguageClient | undefined;
@@ -55,6 +81,10 @@ export class Server implements vscode.Disposable {
         ],
         synchronize: { configurationSection: "elitescript" },
         initializationFailedHandler: () => false,
+        middleware: {
+          provideOnTypeFormattingEdits: async (document, position, character, options, token, next) =>
+            keepCursor(document, position, await next(document, position, character, options, token)),
+        },
       },
     );
     this.client = client;

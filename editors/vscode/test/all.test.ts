@@ -11,9 +11,10 @@ import { AdapterFactory, Configurations } from "../src/debugging";
 import { PathPages } from "../src/path_page";
 import { findElitescript, installCommand, robotOptions } from "../src/program";
 import { namesIn, outcomesIn, ScriptTests } from "../src/script_tests";
+import { keepCursor } from "../src/server";
 import { Tasks } from "../src/tasks";
 import { behaviour, started } from "./fake_client";
-import { fake, reset, Task, Uri } from "./fake_vscode";
+import { fake, Range, reset, Task, Uri } from "./fake_vscode";
 import { describeGrammar } from "./grammar";
 
 const HERE = process.cwd();
@@ -276,7 +277,7 @@ describe("tests in the language", onPosix, () => {
   const COLLECTED = "test_a.py::test_python\ntest_cell.script::test_grip\nsub/test_b.script::test_x\n\n3 tests collected in 0.1s";
   const RAN = `
 ____________________ test_grip ____________________
-line 3: the gripper is open
+test_cell.script:3: in test_grip
 =========================== short test summary info ============================
 PASSED sub/test_b.script::test_x
 FAILED test_cell.script::test_grip - line 3: the gripper
@@ -306,9 +307,50 @@ ERROR test_c.script::test_y`;
     assert.equal([...roots[0]!.children][0]![1].range?.startLine, 1);
     const token = { onCancellationRequested: () => undefined };
     await controller.run({}, token);
-    assert.deepEqual(fake.results, ["failed test_grip: line 3: the gripper is open", "passed test_x", "end"]);
+    assert.deepEqual(fake.results, ["failed | test_grip | test_cell.script:3: in test_grip | line 2", "passed | test_x", "end"]);
     assert.match(readFileSync(file, "utf8"), / test_cell\.script::test_grip sub\/test_b\.script::test_x\n$/);
     tests.dispose();
+  });
+
+  test("say why they cannot be collected", async () => {
+    executable(".venv/bin/elitescript");
+    executable(".venv/bin/python", "echo 'No module named pytest' >&2; exit 1");
+    fake.files = [program("test_a.script")];
+    const tests = new ScriptTests();
+    await tests.refresh();
+    const [[, item]] = [...fake.controllers[0]!.items] as any;
+    assert.deepEqual([item.label, item.error], ["pytest in cell", "No module named pytest\n"]);
+    tests.dispose();
+  });
+});
+
+describe("lines that are typed for the author", () => {
+  const document: any = {};
+  const cursor: any = { line: 1, character: 0 };
+  const inserted: unknown[][] = [];
+
+  beforeEach(() => {
+    inserted.length = 0;
+    fake.editor = { document, insertSnippet: async (...given: unknown[]) => inserted.push(given) };
+  });
+
+  test("leave the cursor in the body of the new block", async () => {
+    const range = new Range(1, 0, 1, 0);
+    assert.deepEqual(await keepCursor(document, cursor, [{ range, newText: "  \nend" }] as any), []);
+    assert.deepEqual(inserted.map(([snippet, where]) => [(snippet as any).value, where]), [["  $0\nend", range]]);
+  });
+
+  test("are made by the editor where the cursor is not", async () => {
+    for (const edits of [
+      [],
+      [{ range: new Range(1, 0, 1, 4), newText: "  " }],
+      [{ range: new Range(2, 0, 2, 0), newText: "end\n" }],
+      [{ range: new Range(1, 0, 1, 0), newText: "  " }, { range: new Range(2, 0, 2, 0), newText: "end\n" }],
+    ]) {
+      assert.deepEqual(await keepCursor(document, cursor, edits as any), edits);
+    }
+    assert.deepEqual(await keepCursor(document, cursor, null), []);
+    assert.deepEqual(inserted, []);
   });
 });
 

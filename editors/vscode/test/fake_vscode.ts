@@ -51,6 +51,14 @@ export class Range {
     readonly endLine: number,
     readonly endCharacter: number,
   ) {}
+  contains(place: { line: number; character: number }): boolean {
+    const at = [place.line, place.character];
+    return isOrdered([this.startLine, this.startCharacter], at) && isOrdered(at, [this.endLine, this.endCharacter]);
+  }
+}
+
+function isOrdered(one: number[], other: number[]): boolean {
+  return one[0]! < other[0]! || (one[0] === other[0] && one[1]! <= other[1]!);
 }
 
 export class RelativePattern {
@@ -89,7 +97,32 @@ export class Task {
   ) {}
 }
 
+export class SnippetString {
+  constructor(readonly value = "") {}
+  appendText(text: string): SnippetString {
+    return new SnippetString(this.value + text.replace(/[$}\\]/g, "\\$&"));
+  }
+  appendTabstop(number: number): SnippetString {
+    return new SnippetString(`${this.value}$${number}`);
+  }
+}
+
+export class Position {
+  constructor(
+    readonly line: number,
+    readonly character: number,
+  ) {}
+}
+
+export class Location {
+  constructor(
+    readonly uri: Uri,
+    readonly place: Position,
+  ) {}
+}
+
 export class TestMessage {
+  location: Location | undefined;
   constructor(readonly message: string) {}
 }
 
@@ -106,6 +139,7 @@ export const fake = {
   folders: [] as { uri: Uri; name: string }[],
   documents: [] as { uri: Uri; isDirty: boolean; languageId: string; save(): Promise<boolean> }[],
   active: undefined as { uri: Uri; languageId: string } | undefined,
+  editor: undefined as unknown,
   isTrusted: true,
   python: undefined as string | undefined,
   answer: undefined as string | undefined,
@@ -127,7 +161,7 @@ export const fake = {
 /** Forgets everything. */
 export function reset(): void {
   Object.assign(fake, {
-    settings: {}, folders: [], documents: [], active: undefined, isTrusted: true, python: undefined, answer: undefined,
+    settings: {}, folders: [], documents: [], active: undefined, editor: undefined, isTrusted: true, python: undefined, answer: undefined,
     files: [], commands: new Map(), executed: [], messages: [], terminals: [], tasks: [], debugged: [], panels: [],
     controllers: [], results: [], onSaved: new EventEmitter(), onTrusted: new EventEmitter(), onSettings: new EventEmitter(),
   });
@@ -153,12 +187,13 @@ export class FakePanel {
 }
 
 export class FakeItem {
+  error: string | undefined;
   range: Range | undefined;
   readonly children = new FakeItems();
   constructor(
     readonly id: string,
     readonly label: string,
-    readonly uri: Uri,
+    readonly uri?: Uri,
   ) {}
 }
 
@@ -186,7 +221,7 @@ export class FakeItems {
 export class FakeController {
   readonly items = new FakeItems();
   run: (request: unknown, token: unknown) => Promise<void> = async () => undefined;
-  createTestItem(id: string, label: string, uri: Uri): FakeItem {
+  createTestItem(id: string, label: string, uri?: Uri): FakeItem {
     return new FakeItem(id, label, uri);
   }
   createRunProfile(_name: string, _kind: number, run: typeof this.run): void {
@@ -196,7 +231,9 @@ export class FakeController {
     const say =
       (word: string) =>
       (item: FakeItem, message?: TestMessage): number =>
-        fake.results.push(`${word} ${item.label}${message ? `: ${message.message}` : ""}`);
+        fake.results.push(
+          [word, item.label, ...(message ? [message.message, `line ${message.location?.place.line}`] : [])].join(" | "),
+        );
     return {
       started: () => undefined,
       appendOutput: () => undefined,
@@ -244,7 +281,7 @@ async function ask(text: string): Promise<string | undefined> {
 
 export const window = {
   get activeTextEditor(): unknown {
-    return fake.active && { document: fake.active };
+    return fake.editor ?? (fake.active && { document: fake.active });
   },
   showWarningMessage: ask,
   showErrorMessage: ask,
