@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from elitescript.assist import actions, outline
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.lsp import findings
@@ -107,3 +108,30 @@ def test_all_safe_repairs_are_one_action(bare):
     changes = action["edit"]["changes"][URI]
     bare.change(*[{"range": one["range"], "text": one["newText"]} for one in reversed(changes)])
     assert bare.text() == text.replace("local ", "")
+
+
+def test_the_thread_has_texts_of_its_own(bare, monkeypatch):
+    """What is known of a text is found without locks, so two threads may not share it."""
+    seen = []
+
+    def seeing(result):
+        def see(first, *_):
+            seen.extend([first] if hasattr(first, "text") else first)
+            return result
+
+        return see
+
+    monkeypatch.setattr(findings, "diagnostics", seeing(()))
+    monkeypatch.setattr(actions, "code_actions", seeing(()))
+    monkeypatch.setattr(outline, "workspace_symbols", seeing(()))
+    bare.initialize()
+    bare.open(WRONG)
+    pushed(bare)
+    named = {"textDocument": {"uri": URI}}
+    bare.result("textDocument/diagnostic", named)
+    bare.result("textDocument/codeAction", {**named, "range": span(0, 0, 0, 0), "context": {"diagnostics": []}})
+    bare.result("workspace/diagnostic", {"previousResultIds": []})
+    bare.result("workspace/symbol", {"query": ""})
+    assert [document.text for document in seen] == [WRONG] * 5
+    assert bare.server.texts.open[URI] not in seen
+    assert len(set(map(id, seen))) == 1
