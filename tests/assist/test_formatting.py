@@ -147,6 +147,10 @@ class TestLayout:
             "end\n"
         )
 
+    def test_rows_aligned_with_a_bracket_move_with_it(self):
+        text = "def job():\n    x=f(a,\n        g(b,\n          [1,\n           2]),\n      c)\nend\n"
+        assert laid_out(text) == ("def job():\n  x = f(a,\n        g(b,\n          [1,\n           2]),\n    c)\nend\n")
+
     def test_strings_over_several_lines_stay_as_they_are(self):
         text = "def job():\n    s='''a  \n      b   \n\t''' % (1,2)\n    t=1\nend\n"
         assert laid_out(text) == "def job():\n  s = '''a  \n      b   \n\t''' % (1,2)\n  t = 1\nend\n"
@@ -246,7 +250,7 @@ class TestNothingChanges:
         for variant in (text, mangled(rng, text), "\ufeff" + text.replace("\n", "\r\n")):
             check_that_nothing_changes(variant)
 
-    @pytest.mark.parametrize("seed", range(100))
+    @pytest.mark.parametrize("seed", range(60))
     def test_in_random_programs(self, seed):
         rng = Random(seed)
         write = rng.choice((random_program, random_robot_program))

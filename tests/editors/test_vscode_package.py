@@ -91,4 +91,6 @@ def test_nothing_of_other_people_is_committed():
     if git is None or not (FOLDER.parents[1] / ".git").exists():
         pytest.skip("this is no clone")
     files = subprocess.run([git, "ls-files", "."], cwd=FOLDER, capture_output=True, text=True, check=True).stdout
-    assert not [file for file in files.splitlines() if file.startswith(("node_modules", "dist", "build", "syntaxes"))]
+    assert not [
+        file for file in files.splitlines() if file.startswith(("node_modules/", "dist/", "build/", "syntaxes/"))
+    ]

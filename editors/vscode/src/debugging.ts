@@ -40,10 +40,11 @@ export class Configurations implements vscode.DebugConfigurationProvider {
     folder: vscode.WorkspaceFolder | undefined,
     given: vscode.DebugConfiguration,
   ): vscode.DebugConfiguration {
-    if (given.request !== "launch") {
+    const program: unknown = given["program"];
+    // A robot that is attached to, and a journal, have their options.
+    if (given.request !== "launch" || String(program).endsWith(".journal")) {
       return given;
     }
-    const program: unknown = given["program"];
     const section = settings(typeof program === "string" ? vscode.Uri.file(program) : folder?.uri);
     const resolved = { ...given };
     for (const name of ["robot", "firmware", "world"]) {

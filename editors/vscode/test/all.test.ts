@@ -167,6 +167,8 @@ describe("debugging", onPosix, () => {
     const given = { type: "elitescript", request: "launch", name: "x", program: "/a.script", robot: "CS66" };
     const resolved = new Configurations().resolveDebugConfigurationWithSubstitutedVariables(undefined, given);
     assert.deepEqual(resolved, { ...given, world: "cell.toml", strict: true });
+    const journal = { type: "elitescript", request: "launch", name: "x", program: "/day.journal" };
+    assert.deepEqual(new Configurations().resolveDebugConfigurationWithSubstitutedVariables(undefined, journal), journal);
     const attach = { type: "elitescript", request: "attach", name: "x", socket: "/s" };
     assert.deepEqual(new Configurations().resolveDebugConfigurationWithSubstitutedVariables(undefined, attach), attach);
   });
