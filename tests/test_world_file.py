@@ -51,6 +51,12 @@ def test_a_file_sets_limits_and_signals(cell):
     assert robot.run("def p():\n  textmsg(is_within_safety_limits([0.5, -0.1, -0.1, 0, 0, 0]))\nend\n").log == ["False"]
 
 
+def test_what_is_beside_the_robot_can_be_left_out(cell):
+    read = load_world_file(cell('[robot]\nstrict = true\n[[device]]\nclass = "no.py:Such"\n'), with_world=False)
+    assert (read.world, read.options) == (None, {"strict": True})
+    assert read.beside == {"device": [{"class": "no.py:Such"}]}
+
+
 def test_the_example_of_the_reference_is_read(cell):
     page = Path(__file__).parents[1] / "docs" / "reference" / "safety.md"
     example = page.read_text(encoding="utf-8").partition("```toml\n")[2].partition("```")[0]

@@ -10,6 +10,7 @@ from elitescript.controller.safety.limits import SafetyBounds, SafetyLimits
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import MotionEnded, SignalChanged, TaskStateChanged, Warned
 from elitescript.messages.plant import PlantConfig
+from elitescript.testing.world import World
 
 HOME = (0.0, -1.5707963267948966, -1.5707963267948966, -1.5707963267948966, 1.5707963267948966, 0.0)
 
@@ -352,6 +353,14 @@ def test_a_missing_task_folder_leaves_the_robot_usable(tmp_path):
         robot.run("def a():\n  pass\nend\n")
     (tmp_path / "missing").mkdir()
     assert robot.run("def a():\n  pass\nend\n").state == "finished"
+
+
+@pytest.mark.parametrize("world", [None, World()])
+def test_a_task_folder_in_memory_is_a_new_one_for_each_program(world):
+    robot = VirtualRobot(task_dir={"points.csv": b"12"}, world=world)
+    program = 'def a():\n  f = open("points.csv", "r+")\n  textmsg(f.read())\n  f.write("3")\n  f.close()\nend\n'
+    assert robot.run(program).log == ["12"]
+    assert robot.run(program).log == ["12"]
 
 
 def test_a_run_begins_powered_on(robot):

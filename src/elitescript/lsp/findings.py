@@ -111,7 +111,8 @@ class Findings:
         started_s = perf_counter()
         if self._session.texts.open.get(uri) is not document:
             return
-        found = await self._session.in_thread(lambda: findings_of(self._session, uri, document))
+        twin = self._session.twin(document)
+        found = await self._session.in_thread(findings_of, self._session, uri, twin)
         self._last_s = perf_counter() - started_s
         if self._session.texts.open.get(uri) is document:
             self._session.text_document_publish_diagnostics(
@@ -138,7 +139,7 @@ async def _document_diagnostic(
     number = result_id(document, session.texts.generation)
     if number == params.previous_result_id:
         return types.RelatedUnchangedDocumentDiagnosticReport(number)
-    found = await session.in_thread(lambda: findings_of(session, params.text_document.uri, document))
+    found = await session.in_thread(findings_of, session, params.text_document.uri, session.twin(document))
     return types.RelatedFullDocumentDiagnosticReport(found, result_id=number)
 
 
@@ -147,7 +148,7 @@ async def _workspace_diagnostic(
 ) -> types.WorkspaceDiagnosticReport:
     known = {previous.uri: previous.value for previous in params.previous_result_ids}
     generation = session.texts.generation
-    opened = dict(session.texts.open)
+    opened = session.twins()
 
     def look() -> list[tuple[str, Document]]:
         return list(session.all_texts(opened))

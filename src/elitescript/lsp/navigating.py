@@ -118,7 +118,7 @@ async def _workspace_symbols(
             found.append(_information(symbol.symbol, symbol.container, uri, session.positions(text)))
         return found
 
-    opened = dict(session.texts.open)
+    opened = session.twins()
     return await session.in_thread(search)
 
 

@@ -6,8 +6,10 @@ import asyncio
 import logging
 from collections.abc import Callable, Coroutine, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
+from weakref import WeakKeyDictionary
 
 from lsprotocol import types
 from pygls.exceptions import JsonRpcException
@@ -31,6 +33,12 @@ _Result = TypeVar("_Result")
 _log = logging.getLogger(__name__)
 
 
+@cache
+def _converter() -> Any:
+    """Return what turns messages into objects and back; it writes its functions when they are first used."""
+    return default_converter()  # type: ignore[no-untyped-call]
+
+
 class Runs(Protocol):
     """Runs programs when somebody asks for it; see `background`."""
 
@@ -45,7 +53,7 @@ class Session(LanguageServer):
     """Holds it.
 
     All of it is used in the thread of the event loop. What is called in the thread of slow requests gets all that it
-    needs handed over, and reads nothing here that changes.
+    needs handed over, texts from `twin`, and reads nothing here that changes.
 
     Attributes:
         client: what the client can do.
@@ -59,12 +67,13 @@ class Session(LanguageServer):
     runs: Runs
 
     def __init__(self) -> None:
-        super().__init__(SECTION, __version__, protocol_cls=Connection, converter_factory=default_converter)
+        super().__init__(SECTION, __version__, protocol_cls=Connection, converter_factory=_converter)
         self.client = Client()
         self.texts = Texts()
         self.files = WorkspaceFiles()
         self.tokens = TokenResults()
         self.last_runs: dict[str, LastRun] = {}
+        self._twins: WeakKeyDictionary[Document, Document] = WeakKeyDictionary()
         self._thread = ThreadPoolExecutor(1, "findings")
         self._tasks: set[asyncio.Task[Any]] = set()
 
@@ -86,7 +95,7 @@ class Session(LanguageServer):
         """Yield the open texts, and the programs of the workspace that are not open; slow.
 
         Args:
-            opened: the open texts when the request came.
+            opened: the open texts when the request came, from `twins`.
         """
         yield from opened.items()
         paths = {path_of(uri) for uri in opened}
@@ -96,6 +105,21 @@ class Session(LanguageServer):
                 yield uri, document
 
     # ---------------------------------------------------------------- work
+
+    def twin(self, document: Document) -> Document:
+        """Return the same version of a text for the thread of slow requests.
+
+        What is known of a text is found when it is first asked for, without locks, so each thread has its own copy.
+        """
+        found = self._twins.get(document)
+        if found is None:
+            found = Document(document.name, document.text, document.version, document.settings)
+            self._twins[document] = found
+        return found
+
+    def twins(self) -> dict[str, Document]:
+        """Return the open texts for the thread of slow requests, by URI."""
+        return {uri: self.twin(document) for uri, document in self.texts.open.items()}
 
     async def in_thread(self, function: Callable[..., _Result], *arguments: Any) -> _Result:
         """Call a function in the thread of slow requests, after those that wait there already."""

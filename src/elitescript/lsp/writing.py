@@ -80,13 +80,15 @@ async def _code_actions(
 ) -> Sequence[types.CodeAction]:
     uri, only = params.text_document.uri, params.context.only
 
+    text = session.twin(document)
+
     def find() -> Sequence[types.CodeAction]:
-        positions = session.positions(document)
+        positions = session.positions(text)
         found: list[CodeAction] = []
         if _is_wanted(ActionKind.QUICK_FIX, only) or _is_wanted(ActionKind.REWRITE, only):
-            found += actions.code_actions(document, positions.span(params.range))
+            found += actions.code_actions(text, positions.span(params.range))
         # Without a wish it would stand in the menu of every line.
-        if only and _is_wanted(ActionKind.FIX_ALL, only) and (all_fixes := actions.fix_all(document)) is not None:
+        if only and _is_wanted(ActionKind.FIX_ALL, only) and (all_fixes := actions.fix_all(text)) is not None:
             found.append(all_fixes)
         return [
             types.CodeAction(
@@ -95,7 +97,7 @@ async def _code_actions(
                 diagnostics=[shown(Problem(problem, (), (), ""), positions, uri) for problem in action.problems]
                 or None,
                 is_preferred=action.is_preferred or None,
-                edit=_workspace_edit(session, uri, document, action.edits),
+                edit=_workspace_edit(session, uri, text, action.edits),
             )
             for action in found
             if _is_wanted(action.kind, only)

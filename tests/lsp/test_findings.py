@@ -1,0 +1,137 @@
+"""Findings are pushed to clients that do not ask: at once for a new text, after a pause while somebody types."""
+
+from __future__ import annotations
+
+import pytest
+
+from elitescript.assist import actions, outline
+from elitescript.language.text.source import SourceFile
+from elitescript.lint.engine import check_source
+from elitescript.lsp import findings
+from elitescript.messages.profile import profile
+from tests.lsp.memory_client import URI, span
+
+PUSHED = "textDocument/publishDiagnostics"
+WRONG = 'def p():\n  textmesg("\U0001f916", nonsense)\n  x = 1\n  print "x"\nend\n'
+RELATED = {"textDocument": {"publishDiagnostics": {"relatedInformation": True}}}
+
+
+def pushed(client):
+    return client.notification(PUSHED)
+
+
+def test_they_are_those_of_check(bare):
+    bare.initialize(RELATED)
+    bare.open(WRONG)
+    found = pushed(bare)
+    expected = check_source(SourceFile("a.script", WRONG), profile())
+    assert (found["uri"], found["version"]) == (URI, 1)
+    assert [(one["code"], one["message"]) for one in found["diagnostics"]] == [
+        (problem.code, problem.text) for problem in expected
+    ]
+    assert {one["source"] for one in found["diagnostics"]} == {"elitescript"}
+    assert {one["severity"] for one in found["diagnostics"] if one["code"].startswith("E3")} == {1}
+    nonsense = next(one for one in found["diagnostics"] if "nonsense" in one["message"])
+    assert nonsense["range"] == span(1, 17, 1, 25)
+    textmesg = next(one for one in found["diagnostics"] if "textmesg" in one["message"])
+    [hint] = [one["message"] for one in textmesg["relatedInformation"]]
+    assert "textmsg" in hint
+
+
+def test_the_hint_is_in_the_message_if_the_client_shows_no_related_places(bare):
+    bare.initialize()
+    bare.open(WRONG)
+    textmesg = next(one for one in pushed(bare)["diagnostics"] if "textmesg" in one["message"])
+    assert "relatedInformation" not in textmesg
+    assert "\nhint: " in textmesg["message"]
+
+
+def test_only_the_newest_version_is_pushed(bare):
+    bare.initialize()
+    bare.open(WRONG)
+    bare.change({"text": "def p():\n  x = 1\nend\n"}, version=2)
+    bare.change({"text": "def p():\n  y = 2\nend\n"}, version=3)
+    found = pushed(bare)
+    assert (found["version"], found["diagnostics"]) == (3, [])
+
+
+def test_they_wait_while_somebody_types(bare, monkeypatch):
+    monkeypatch.setattr(findings, "PAUSE_S", 3600.0)
+    monkeypatch.setattr(findings, "PAUSE_MAX_S", 3600.0)
+    bare.initialize()
+    bare.open(WRONG)
+    assert pushed(bare)["version"] == 1
+    bare.change({"text": "def p():\n  x = 1\nend\n"})
+    assert bare.result("textDocument/foldingRange", {"textDocument": {"uri": URI}})
+    assert not [message for message in bare.received if message.get("method") == PUSHED]
+
+
+def test_a_closed_text_has_none_any_more(bare):
+    bare.initialize()
+    bare.open(WRONG)
+    assert pushed(bare)["diagnostics"]
+    bare.notify("textDocument/didClose", {"textDocument": {"uri": URI}})
+    assert pushed(bare) == {"uri": URI, "diagnostics": []}
+
+
+def test_settings_that_change_are_a_reason_to_look_again(bare):
+    bare.initialize()
+    bare.open('def p():\n  print "x"\nend\n')
+    assert {one["severity"] for one in pushed(bare)["diagnostics"]} == {2}
+    bare.notify("workspace/didChangeConfiguration", {"settings": {"elitescript": {"strict": True}}})
+    assert {one["severity"] for one in pushed(bare)["diagnostics"]} == {1}
+
+
+@pytest.mark.parametrize("refreshes", [True, False])
+def test_nothing_is_pushed_to_a_client_that_asks(bare, refreshes):
+    refresh = {"diagnostics": {"refreshSupport": refreshes}}
+    bare.initialize({"textDocument": {"diagnostic": {}}, "workspace": refresh})
+    bare.open('def p():\n  print "x"\nend\n')
+    first = bare.result("textDocument/diagnostic", {"textDocument": {"uri": URI}})
+    bare.received.clear()
+    bare.notify("workspace/didChangeConfiguration", {"settings": {"elitescript": {"strict": True}}})
+    asked = {"textDocument": {"uri": URI}, "previousResultId": first["resultId"]}
+    assert bare.result("textDocument/diagnostic", asked)["kind"] == "full"
+    assert [message["method"] for message in bare.received if "method" in message] == (
+        ["workspace/diagnostic/refresh"] if refreshes else []
+    )
+
+
+def test_all_safe_repairs_are_one_action(bare):
+    bare.initialize()
+    text = "def p():\n  local x = 1\n  local y = x\n  textmsg(y)\nend\n"
+    bare.open(text)
+    context = {"diagnostics": [], "only": ["source.fixAll"]}
+    asked = {"textDocument": {"uri": URI}, "range": span(0, 0, 0, 0), "context": context}
+    [action] = bare.result("textDocument/codeAction", asked)
+    assert action["kind"] == "source.fixAll"
+    changes = action["edit"]["changes"][URI]
+    bare.change(*[{"range": one["range"], "text": one["newText"]} for one in reversed(changes)])
+    assert bare.text() == text.replace("local ", "")
+
+
+def test_the_thread_has_texts_of_its_own(bare, monkeypatch):
+    """What is known of a text is found without locks, so two threads may not share it."""
+    seen = []
+
+    def seeing(result):
+        def see(first, *_):
+            seen.extend([first] if hasattr(first, "text") else first)
+            return result
+
+        return see
+
+    monkeypatch.setattr(findings, "diagnostics", seeing(()))
+    monkeypatch.setattr(actions, "code_actions", seeing(()))
+    monkeypatch.setattr(outline, "workspace_symbols", seeing(()))
+    bare.initialize()
+    bare.open(WRONG)
+    pushed(bare)
+    named = {"textDocument": {"uri": URI}}
+    bare.result("textDocument/diagnostic", named)
+    bare.result("textDocument/codeAction", {**named, "range": span(0, 0, 0, 0), "context": {"diagnostics": []}})
+    bare.result("workspace/diagnostic", {"previousResultIds": []})
+    bare.result("workspace/symbol", {"query": ""})
+    assert [document.text for document in seen] == [WRONG] * 5
+    assert bare.server.texts.open[URI] not in seen
+    assert len(set(map(id, seen))) == 1
