@@ -46,7 +46,7 @@ from elitescript.records import replace
 
 WINDOW: Final = 2000
 """Statements before the present stop in which a search for an earlier one begins."""
-WINDOW_OF_SNAPSHOTS: Final = 200
+WINDOW_OF_SNAPSHOTS: Final = 50
 _WIDER: Final = 50
 _WIDE_ENOUGH: Final = 5
 """A search may begin at a copy that stands so many times the width before the present stop."""
@@ -80,6 +80,7 @@ class DebugSession:
         self._furthest = Position(0, 0, 0, BEFORE_STATEMENT)
         self._next_id = 1
         self._is_closed = False
+        self._is_pausing = False
         self._lines: list[CodeRule] = []
         self._functions: list[CodeRule] = []
         self._data: list[DataRule] = []
@@ -198,6 +199,7 @@ class DebugSession:
 
     def pause(self) -> None:
         """Let the run that goes on stop at its next statement or tick. Called from any thread or signal handler."""
+        self._is_pausing = True
         self._engine.pause()
 
     def close(self) -> None:
@@ -430,6 +432,7 @@ class DebugSession:
         assert stop is not None
         if stop.result:
             return self._arrived(stop)
+        self._is_pausing = False
         again = self._new_engine()
         self._replace_engine(again)
         arrived = again.run(Goal(stop.position))
@@ -440,6 +443,8 @@ class DebugSession:
         self._engine.close()
         self._engine = engine
         engine.is_heard = True
+        if self._is_pausing:
+            engine.pause()
 
     def _hear(self, number: int, output: Output) -> None:
         """Pass on what the run says for the first time on this branch."""
@@ -455,6 +460,7 @@ class DebugSession:
 
     def _arrived(self, stop: Stop | None) -> Stop:
         assert stop is not None
+        self._is_pausing = False
         self._stop = stop
         if self._furthest.is_before(stop.position):
             self._furthest = stop.position
@@ -509,7 +515,7 @@ class DebugSession:
         while True:
             start = 0 if self._rules.count_hits and goal.heeds else max(0, end - width)
             near = self._snapshots.nearest(bound)
-            if end - _WIDE_ENOUGH * width <= near < end:
+            if near >= 0 and end - _WIDE_ENOUGH * width <= near < end:
                 start = near
             engine = self._engine_before(Position(start + 1, 0, 0, BEFORE_STATEMENT))
             engine.is_heard = False
@@ -520,7 +526,7 @@ class DebugSession:
                 found = engine.run(goal)
             finally:
                 engine.close()
-            if found is not None or start == 0:
+            if found is not None or start <= 0:
                 self._snapshots.thin(bound)
                 return found
             width *= _WIDER
