@@ -44,6 +44,7 @@ from elitescript.language.diagnostics import Diagnostic
 from elitescript.messages.timing import ticks_for
 from elitescript.records import replace
 
+REAL_NETWORK: Final = "the program may have real connections: when the run goes back, their peers do not, and what they have sent is used again"
 WINDOW: Final = 2000
 """Statements before the present stop in which a search for an earlier one begins."""
 WINDOW_OF_SNAPSHOTS: Final = 50
@@ -86,7 +87,7 @@ class DebugSession:
         self._data: list[DataRule] = []
         self._filters: frozenset[str] = frozenset((ALARM_FILTER,))
         self._has_stale_hits = False
-        self._snapshots = snapshots(self._hear, forks=forks)
+        self._snapshots = snapshots(self._hear, forks=forks and source.may_fork)
         self._engine = self._new_engine(is_heard=True)
         self._table = self._engine.unit()
         self._statements = self._table.statements
@@ -101,6 +102,8 @@ class DebugSession:
             stop_on_entry: stop before the first statement.
             no_debug: run to the end; breakpoints and filters are not heeded.
         """
+        if not self._source.may_fork and self._on_output is not None:
+            self._on_output(Output("console", REAL_NETWORK, 0, "", self._engine.position, 0.0))
         if no_debug:
             return self._run_plainly(frozenset())
         if stop_on_entry:
