@@ -1,85 +1,122 @@
 """The process that debugs: requests as lines of JSON on standard input, responses and events on standard output.
 
-It is started by `dap.worker_process`: `python -P -m elitescript.dap.worker DESCRIPTOR`, with a pipe whose end is the end
-of its parent. Calls of programs must not reach standard output, so the messages have a descriptor of their own.
+`dap.worker_process` starts it with the descriptor of a pipe whose end is the end of its parent. Calls of programs must
+not reach standard output, so the messages have a descriptor of their own.
 """
 
 from __future__ import annotations
 
 import faulthandler
 import os
+import select
+import signal
 import sys
+from _thread import interrupt_main
 from collections import deque
+from collections.abc import Callable
+from contextlib import suppress
+from queue import SimpleQueue
+from threading import Thread
 from typing import Final
 
 from elitescript.codec.json_text import from_text, to_text
 from elitescript.dap.adapter import Adapter
 from elitescript.dap.messages import Message
+from elitescript.dap.requests.catalogue import HANDLERS
 from elitescript.environment.process import limit_memory
 
 MEMORY: Final = 4 << 30
 """Bytes of memory that a debugged program may have, with its snapshots each: as `elitescript run`."""
 
+READ_BYTES: Final = 1 << 16
+
 
 class Incoming:
-    """Reads requests from a descriptor, and says without waiting whether there are some.
+    """Reads requests from a descriptor; implements `adapter.Requests`.
 
     Args:
         descriptor: where to read.
     """
 
-    __slots__ = ("_descriptor", "_messages", "_rest", "_waits")
+    __slots__ = ("_descriptor", "_messages", "_poll", "_rest")
 
     def __init__(self, descriptor: int) -> None:
         self._descriptor = descriptor
         self._messages: deque[Message] = deque()
         self._rest = b""
-        self._waits = _waiting_data(descriptor)
+        self._poll = select.poll()
+        self._poll.register(descriptor, select.POLLIN | select.POLLHUP)
 
-    def next(self) -> Message | None:
-        """Wait for a request; None at the end of the input."""
+    def begin(self, interrupt: Callable[[], None]) -> None:
+        """Have a function called in this thread when requests may have arrived: the parent sends a signal with each."""
+        signal.signal(signal.SIGURG, lambda *_: interrupt())
+
+    def next(self) -> Message:
+        """Return the next request when it has arrived.
+
+        Raises:
+            EOFError: there will be none.
+        """
         while not self._messages:
-            if not self._read():
-                return None
+            data = os.read(self._descriptor, READ_BYTES)
+            if not data:
+                raise EOFError
+            *lines, self._rest = (self._rest + data).split(b"\n")
+            self._messages.extend(from_text(line) for line in lines)
         return self._messages.popleft()
 
-    def arrived(self) -> Message | None:
-        """Return a request if one has arrived. The end of the input ends the process."""
-        if not self._messages and self._waits() and not self._read():
-            os._exit(0)
-        return self._messages.popleft() if self._messages else None
-
-    def _read(self) -> bool:
-        data = os.read(self._descriptor, 1 << 16)
-        *lines, self._rest = (self._rest + data).split(b"\n")
-        self._messages.extend(from_text(line) for line in lines)
-        return bool(data)
+    def has_next(self) -> bool:
+        """Return whether `next` returns at once."""
+        return bool(self._messages or self._poll.poll(0))
 
 
-def _waiting_data(descriptor: int):  # type: ignore[no-untyped-def]
-    """Return a function that says whether a descriptor can be read without waiting."""
-    import select
+class ThreadedIncoming:
+    """Does the same in a thread of its own, for systems where pipes cannot be polled; there is no fork there."""
 
-    if hasattr(select, "poll"):
-        poll = select.poll()
-        poll.register(descriptor, select.POLLIN | select.POLLHUP)
-        return lambda: bool(poll.poll(0))
-    import msvcrt
-    from ctypes import byref, c_ulong, windll
+    __slots__ = ("_descriptor", "_messages")
 
-    handle, count = msvcrt.get_osfhandle(descriptor), c_ulong()
-    peek = windll.kernel32.PeekNamedPipe
-    return lambda: not peek(handle, None, 0, None, byref(count), None) or count.value > 0
+    def __init__(self, descriptor: int) -> None:
+        self._descriptor = descriptor
+        self._messages: SimpleQueue[Message | None] = SimpleQueue()
+
+    def begin(self, interrupt: Callable[[], None]) -> None:
+        """Have a function called in the main thread when requests have arrived."""
+        signal.signal(signal.SIGINT, lambda *_: interrupt())
+        Thread(target=self._read, daemon=True).start()
+
+    def next(self) -> Message:
+        """Return the next request when it has arrived.
+
+        Raises:
+            EOFError: there will be none.
+        """
+        message = self._messages.get()
+        if message is None:
+            raise EOFError
+        return message
+
+    def has_next(self) -> bool:
+        """Return whether `next` returns at once."""
+        return not self._messages.empty()
+
+    def _read(self) -> None:
+        rest = b""
+        while data := os.read(self._descriptor, READ_BYTES):
+            *lines, rest = (rest + data).split(b"\n")
+            for line in lines:
+                self._messages.put(from_text(line))
+                interrupt_main()
+        self._messages.put(None)
+        interrupt_main()
 
 
 def _end_with_parent(descriptor: int) -> None:
     """Let the system end this process and its copies when the parent's end of a pipe closes, where it can."""
     try:
         import fcntl
-        from signal import SIG_DFL, SIGIO, signal
     except ImportError:
         return
-    signal(SIGIO, SIG_DFL)
+    signal.signal(signal.SIGIO, signal.SIG_DFL)
     fcntl.fcntl(descriptor, fcntl.F_SETOWN, -os.getpgrp())
     fcntl.fcntl(descriptor, fcntl.F_SETFL, fcntl.fcntl(descriptor, fcntl.F_GETFL) | os.O_ASYNC)
 
@@ -102,11 +139,20 @@ def main() -> None:
         while data:
             data = data[os.write(responses, data) :]
 
-    incoming = Incoming(requests)
-    adapter = Adapter(send, incoming.arrived)
-    while (message := incoming.next()) is not None:
-        adapter.handle(message)
-    # Nothing is left to do, and taking a deep stack of script threads apart takes time.
+    incoming = Incoming(requests) if hasattr(select, "poll") else ThreadedIncoming(requests)
+    adapter = Adapter(send, incoming, HANDLERS)
+
+    def interrupt() -> None:
+        try:
+            adapter.interrupt()
+        except EOFError:
+            os._exit(0)
+
+    incoming.begin(interrupt)
+    with suppress(EOFError):
+        while True:
+            adapter.handle(incoming.next())
+    # Taking a deep stack of script threads apart takes time, and nothing is left to do.
     os._exit(0)
 
 

@@ -112,6 +112,9 @@ class WorkerProcess:
             while data := self._outgoing.get():
                 while data:
                     data = data[pipe.write(data) :]
+                if hasattr(signal, "SIGURG"):
+                    # While its program runs it looks for requests when it gets one.
+                    self._process.send_signal(signal.SIGURG)
 
     def _end_group(self, *, only_if_alive: bool = False) -> None:
         if only_if_alive:
