@@ -10,7 +10,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -264,8 +264,6 @@ def socket_client(port: int) -> Iterator[Client]:
         reader = threading.Thread(target=read, daemon=True)
         reader.start()
         yield client
-        try:
+        with suppress(OSError):
             connection.shutdown(socket.SHUT_RDWR)
-        except OSError:
-            pass
         reader.join(5)

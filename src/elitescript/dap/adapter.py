@@ -40,6 +40,9 @@ from elitescript.run import EXIT_CODES
 
 STOPPED_EXIT: Final = EXIT_CODES["stopped"]
 
+MAIN_THREAD: Final = 1
+"""Number of the thread that every program begins with."""
+
 ENDING: Final = ("terminate", "disconnect", "restart")
 """Requests that do not wait until a way back in history is done."""
 
@@ -182,7 +185,7 @@ class Adapter:
             near = did_you_mean(command, self._handlers)
             raise RequestError(UNKNOWN_REQUEST, f"there is no request {command!r}{near}")
         if self.state not in handler.states:
-            raise RequestError(OUT_OF_ORDER, f"{command} makes no sense {self.state.value}")
+            raise RequestError(OUT_OF_ORDER, f"{command} is not possible {self.state.value}")
         if self.state is State.RUNNING and handler.while_running is WhileRunning.REFUSE:
             raise RequestError(IS_RUNNING, f"{command}: the program runs; pause it first")
         return handler.answer(self, Arguments(arguments, command))
@@ -223,6 +226,8 @@ class Adapter:
             opening, self._opening = self._opening, None
             self.send(response(opening["seq"], opening["command"]))
         self.event("process", {"name": self.launch.program, "isLocalProcess": True, "startMethod": "launch"})
+        # A client can pause what it knows; the others are reported with the first stop.
+        self._report_threads({MAIN_THREAD: "main"})
         self.go(Goal.start(stop_on_entry=self.launch.stop_on_entry, no_debug=self.launch.no_debug))
 
     @property

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final
 
+from elitescript.commands.catalogue import CATALOGUE
 from elitescript.dap.adapter import Adapter
 from elitescript.dap.handler import STANDING, Handler, State
 from elitescript.dap.messages import Arguments, Body
@@ -59,7 +60,7 @@ def completions(adapter: Adapter, arguments: Arguments) -> Body:
     typed = lines[min(max(line, 1), len(lines)) - 1][: max(column - 1, 0)]
     word = _WORD.search(typed)
     begin = word.group() if word else ""
-    kinds = dict.fromkeys((command.name for command in CATALOGUE), "function") | dict.fromkeys(SIGNALS, "value")
+    kinds = dict.fromkeys(CATALOGUE.names(), "function") | dict.fromkeys(SIGNALS, "value")
     for scope in adapter.session.scopes(arguments.number("frameId", 0)):
         if scope.name != "Robot":
             kinds |= {one.name: "variable" for one in adapter.session.variables(scope.reference)}
