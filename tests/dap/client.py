@@ -14,7 +14,9 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from elitescript.dap.adapter import Adapter
 from elitescript.dap.framing import Decoder, Malformed, framed
+from elitescript.dap.requests.catalogue import HANDLERS
 
 WAIT_S = 30.0
 
@@ -47,6 +49,9 @@ class Client:
         self.answers: dict[int, list[dict[str, Any]]] = {}
         self.commands: dict[int, str] = {}
         self.is_closed = False
+        self.launched = 0
+        self.launch_outputs = ""
+        self.all_events: list[dict[str, Any]] = []
 
     def receive(self, data: bytes) -> None:
         """Take bytes of the adapter; an empty text is their end."""
@@ -81,6 +86,7 @@ class Client:
             return False
         if message["type"] == "event":
             self.events.append(message)
+            self.all_events.append(message)
         else:
             self.answers.setdefault(message["request_seq"], []).append(message)
         return True
@@ -108,6 +114,14 @@ class Client:
                     return message
             assert self.pump(), f"the adapter ended without {names}"
 
+    def bodies(self, name: str) -> list[dict[str, Any]]:
+        """Return the bodies of all events of a name that have come since the begin."""
+        return [one["body"] for one in self.all_events if one["event"] == name]
+
+    def texts(self) -> list[str]:
+        """Return the texts of all output events that have come since the begin."""
+        return [body["output"] for body in self.bodies("output")]
+
     def outputs(self) -> str:
         """Return the texts of output events that have come and were not taken."""
         return "".join(one["body"]["output"] for one in self.events if one["event"] == "output")
@@ -124,10 +138,11 @@ class Client:
             assert self.pump()
         if seq in self.answers:
             self.answer(seq)
+        self.launched, self.launch_outputs = seq, self.outputs()
         self.event("initialized")
         return seq
 
-    def run(self, seq: int) -> dict[str, Any]:
+    def stop_of(self, seq: int) -> dict[str, Any]:
         """Let the program that was launched begin; return the event of its first stop or its end."""
         self.request("configurationDone")
         self.answer(seq)
@@ -147,7 +162,7 @@ class Client:
             self.set_breakpoints(program, *lines)
         if filters:
             self.request("setExceptionBreakpoints", filters=list(filters))
-        return self.run(seq)
+        return self.stop_of(seq)
 
     def set_breakpoints(self, program: Path | str, *lines: int | dict[str, Any]) -> list[dict[str, Any]]:
         breakpoints = [{"line": line} if isinstance(line, int) else line for line in lines]
@@ -267,3 +282,47 @@ def socket_client(port: int) -> Iterator[Client]:
         with suppress(OSError):
             connection.shutdown(socket.SHUT_RDWR)
         reader.join(5)
+
+
+class MemoryRequests:
+    """Requests that a test lets arrive while the program runs; implements `adapter.Requests`."""
+
+    def __init__(self) -> None:
+        self.waiting: list[dict[str, Any]] = []
+
+    def next(self) -> dict[str, Any]:
+        return self.waiting.pop(0)
+
+    def has_next(self) -> bool:
+        return bool(self.waiting)
+
+
+class MemoryClient(Client):
+    """A client whose adapter is an object of this process: each request is carried out before `send` returns.
+
+    What is sent inside `meanwhile` arrives when the next request has let the program go on.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(self._deliver)
+        self.requests = MemoryRequests()
+        self.adapter = Adapter(self._inbox.put, self.requests, HANDLERS)
+        self._is_meanwhile = False
+
+    @contextmanager
+    def meanwhile(self) -> Iterator[None]:
+        self._is_meanwhile = True
+        yield
+        self._is_meanwhile = False
+
+    def _deliver(self, data: bytes) -> None:
+        (message,) = Decoder().feed(data)
+        assert isinstance(message, dict)
+        if self._is_meanwhile:
+            self.requests.waiting.append(message)
+        else:
+            self.adapter.handle(message)
+
+    def pump(self) -> bool:
+        assert not self._inbox.empty(), "no message comes any more"
+        return super().pump()

@@ -7,6 +7,7 @@ stop between two statements for the rest, which the client does not notice.
 
 from __future__ import annotations
 
+import os
 import sys
 from collections import deque
 from collections.abc import Callable
@@ -225,7 +226,8 @@ class Adapter:
         if self._opening is not None:
             opening, self._opening = self._opening, None
             self.send(response(opening["seq"], opening["command"]))
-        self.event("process", {"name": self.launch.program, "isLocalProcess": True, "startMethod": "launch"})
+        process = {"name": self.launch.program, "systemProcessId": os.getpid(), "isLocalProcess": True}
+        self.event("process", {**process, "startMethod": "launch"})
         # A client can pause what it knows; the others are reported with the first stop.
         self._report_threads({MAIN_THREAD: "main"})
         self.go(Goal.start(stop_on_entry=self.launch.stop_on_entry, no_debug=self.launch.no_debug))
