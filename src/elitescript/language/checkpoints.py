@@ -88,6 +88,14 @@ def is_checkpoint(statement: ast.stmt) -> bool:
     return isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == TICK
 
 
+def is_payment(statement: ast.stmt) -> bool:
+    """Return whether a statement stands for a short loop: paid for at its start, or else with a checkpoint a pass."""
+    if not isinstance(statement, ast.If) or not isinstance(statement.test, ast.BoolOp):
+        return False
+    paying = statement.test.values[-1]
+    return isinstance(paying, ast.Call) and isinstance(paying.func, ast.Name) and paying.func.id == PAY
+
+
 def _call(name: str, where: ast.expr | ast.stmt) -> ast.Call:
     """Return a call of a hook, at the start of `where` and without extent."""
     line, offset = where.lineno, where.col_offset
