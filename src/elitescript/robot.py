@@ -41,6 +41,7 @@ from elitescript.messages.timing import seconds, ticks_for
 from elitescript.models.model import RobotModel
 from elitescript.run import NOT_DELIVERED, EndState, Look, Run
 from elitescript.runtime.environment import ProgramEnvironment
+from elitescript.runtime.probe import Probe, noted, probed
 
 if TYPE_CHECKING:
     from typing import Unpack
@@ -83,6 +84,7 @@ class VirtualRobot:
         state_file: a file with the registers, flags and general Modbus values that the robot remembers: read now,
             written when `run` or `advance` returns. Nothing is remembered if None.
         on_event: receives every event at the moment it happens.
+        probe: counts the statements of programs, for a debugger or coverage; see `runtime.probe`.
         **options: the options of the robot, each by its name (docs/reference/options.md). What is not given, or None,
             is what the world file says, else the default.
 
@@ -101,6 +103,7 @@ class VirtualRobot:
         drain_s: float = DRAIN_S,
         state_file: str | Path | None = None,
         on_event: Callable[[Event], None] | None = None,
+        probe: Probe | None = None,
         **options: Unpack[RobotKeywords],
     ) -> None:
         check_keywords(options)
@@ -126,6 +129,7 @@ class VirtualRobot:
             has_network=True,
             on_event=_weakly(self._event),
             on_end=_weakly(self._program_ended),
+            probe=probe,
         )
         self.profile = self._kernel.profile
         self.controller = self._kernel.controller
@@ -260,7 +264,8 @@ class VirtualRobot:
             UsageError: no such file.
         """
         source = program if isinstance(program, SourceFile) else source_of(program)
-        return compile_task(source, Options(strict=self.options.strict))
+        probe = self._kernel.probe
+        return noted(probe, compile_task(source, probed(probe, Options(strict=self.options.strict))))
 
     def run(
         self,
@@ -378,7 +383,9 @@ class VirtualRobot:
         Raises:
             ProgramError: the text does not compile.
         """
-        unit = compile_unit(SourceFile("<secondary>", program), Options(strict=self.options.strict, kind="secondary"))
+        probe = self._kernel.probe
+        options = probed(probe, Options(strict=self.options.strict, kind="secondary"))
+        unit = noted(probe, compile_unit(SourceFile("<secondary>", program), options))
         if self._run is not None and unit.shows_hash_order:
             self._run.is_alone = False
         self._host.start_secondary(unit)

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from elitescript.controller.controller import Controller
-from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.events import Event
 from elitescript.messages.signals import Value
 from elitescript.runtime.host import ScriptHost

@@ -10,7 +10,8 @@ A body of a loop or function that is short and has no loop or function inside is
         ...              the body with probes
 
 So loops that only compute, which are what takes time, run without probes. Loops that pay at their start are left as
-they are: while a debugger looks, payments are refused, and the loop below with its checkpoints runs.
+they are: while a debugger looks, payments are refused, and the loop below with its checkpoints runs. A `while` has its probe
+before it and at the end of each pass; a `continue` goes without.
 
 The tree itself stays as it is: `with_switches` returns another one, which shares all nodes that it does not change.
 """
@@ -19,20 +20,21 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Mapping
-from typing import Final
+from typing import Final, TypeVar
 
 from elitescript.language.checkpoints import body_start, is_checkpoint, is_payment
 from elitescript.language.hooks import AT, WATCHED
+from elitescript.records import NamedTuple
 
 TWICE_MAX: Final = 100
 """Most statements of a body that is there twice."""
 
+Node = TypeVar("Node", bound=ast.AST)
 _LOAD: Final = ast.Load()
-_REPEATED: Final = (ast.For, ast.While)
-_INNER: Final = (*_REPEATED, ast.FunctionDef, ast.ClassDef)
+_INNER: Final = (ast.For, ast.While, ast.FunctionDef, ast.ClassDef)
+_BODIES: Final = ("body", "orelse", "finalbody", "handlers", "cases")
 _DECLARATIONS: Final = (ast.Global, ast.Nonlocal)
 
-_Lists = list[tuple[list[ast.stmt], list[ast.stmt], bool]]
 
 
 def with_switches(module: ast.Module, numbers: Mapping[ast.stmt, int]) -> ast.Module:
@@ -42,63 +44,92 @@ def with_switches(module: ast.Module, numbers: Mapping[ast.stmt, int]) -> ast.Mo
         module: a program that has its checkpoints.
         numbers: of the statements that get a probe.
     """
-    made: list[ast.stmt] = []
-    lists: _Lists = [(module.body, made, False)]
-    while lists:
-        body, target, is_second = lists.pop()
-        for statement in body:
+    return ast.Module(body=_Copier(numbers).copied(module.body), type_ignores=[])
+
+
+class _Waiting(NamedTuple):
+    """A body that is to be copied."""
+
+    body: list[ast.stmt]
+    target: list[ast.stmt]
+    is_second: bool
+    """Whether the body is there without probes, too."""
+    last: ast.If | None
+    """Probe at its end."""
+
+
+class _Copier:
+    """Copies bodies, not deeper by its own calls than one, however deep they are nested."""
+
+    def __init__(self, numbers: Mapping[ast.stmt, int]) -> None:
+        self._numbers = numbers
+        self._waiting: list[_Waiting] = []
+
+    def copied(self, body: list[ast.stmt]) -> list[ast.stmt]:
+        made = self._later(body, False)
+        while self._waiting:
+            self._fill(self._waiting.pop())
+        return made
+
+    def _fill(self, waiting: _Waiting) -> None:
+        target, is_second = waiting.target, waiting.is_second
+        for statement in waiting.body:
             if is_second and isinstance(statement, _DECLARATIONS):
                 # The first copy of the body has it, which counts for the whole function.
                 target.append(ast.copy_location(ast.Pass(), statement))
                 continue
-            number = numbers.get(statement)
+            number = self._numbers.get(statement)
             if number is not None:
                 target.append(_probe(statement, number))
-            target.append(_copy(statement, lists, is_second))
-    return ast.Module(body=made, type_ignores=[])
+            target.append(self._copy(statement, is_second))
+        if waiting.last is not None:
+            target.append(waiting.last)
 
+    def _later(self, body: list[ast.stmt], is_second: bool, last: ast.If | None = None) -> list[ast.stmt]:
+        """Return the list that the copy of a body will be in."""
+        target: list[ast.stmt] = []
+        self._waiting.append(_Waiting(body, target, is_second, last))
+        return target
 
-def _copy(statement: ast.stmt, lists: _Lists, is_second: bool) -> ast.stmt:
-    """Return a statement whose bodies are new lists, and add these to what is to be filled."""
-    if is_checkpoint(statement):
+    def _copy(self, statement: ast.stmt, is_second: bool) -> ast.stmt:
+        """Return a statement whose bodies are copies."""
+
+        def copied(name: str, owner: ast.AST = statement) -> list[ast.stmt]:
+            return self._later(getattr(owner, name), is_second)
+
+        if is_checkpoint(statement):
+            return statement
+        match statement:
+            case ast.While() | ast.For():
+                number = self._numbers.get(statement) if isinstance(statement, ast.While) else None
+                last = None if number is None else _probe(statement, number)
+                return _with(statement, body=self._switched(statement.body, 0, last), orelse=copied("orelse"))
+            case ast.FunctionDef():
+                return _with(statement, body=self._switched(statement.body, body_start(statement.body)))
+            case ast.If():
+                body = statement.body if is_payment(statement) else copied("body")
+                return _with(statement, body=body, orelse=copied("orelse"))
+            case ast.With() | ast.ClassDef():
+                return _with(statement, body=copied("body"))
+            case ast.Try():
+                handlers = [_with(handler, body=copied("body", handler)) for handler in statement.handlers]
+                bodies = {name: copied(name) for name in ("body", "orelse", "finalbody")}
+                return _with(statement, handlers=handlers, **bodies)
+            case ast.Match():
+                return _with(statement, cases=[_with(case, body=copied("body", case)) for case in statement.cases])
         return statement
-    if isinstance(statement, _REPEATED):
-        body = _switched(statement.body, 0, lists, is_second)
-        return _with(statement, body=body, orelse=_later(statement.orelse, lists, is_second))
-    if isinstance(statement, ast.FunctionDef):
-        return _with(statement, body=_switched(statement.body, body_start(statement.body), lists, is_second))
-    if isinstance(statement, ast.If):
-        body = statement.body if is_payment(statement) else _later(statement.body, lists, is_second)
-        return _with(statement, body=body, orelse=_later(statement.orelse, lists, is_second))
-    if isinstance(statement, ast.With | ast.ClassDef):
-        return _with(statement, body=_later(statement.body, lists, is_second))
-    if isinstance(statement, ast.Try):
-        handlers = [_with(handler, body=_later(handler.body, lists, is_second)) for handler in statement.handlers]
-        bodies = {name: _later(getattr(statement, name), lists, is_second) for name in ("body", "orelse", "finalbody")}
-        return _with(statement, handlers=handlers, **bodies)
-    if isinstance(statement, ast.Match):
-        cases = [_with(case, body=_later(case.body, lists, is_second)) for case in statement.cases]
-        return _with(statement, cases=cases)
-    return statement
 
-
-def _later(body: list[ast.stmt], lists: _Lists, is_second: bool) -> list[ast.stmt]:
-    target: list[ast.stmt] = []
-    lists.append((body, target, is_second))
-    return target
-
-
-def _switched(body: list[ast.stmt], at: int, lists: _Lists, is_second: bool) -> list[ast.stmt]:
-    """Return the body of a loop or function that has its checkpoint at an index, twice if it may be."""
-    rest = body[at + 1 :]
-    if at >= len(body) or not is_checkpoint(body[at]) or not _may_be_twice(rest):
-        return _later(body, lists, is_second)
-    checkpoint = body[at]
-    assert isinstance(checkpoint, ast.If)
-    assert isinstance(checkpoint.test, ast.UnaryOp)
-    probed: list[ast.stmt] = list(checkpoint.body)
-    lists.append((rest, probed, True))
-    return [*body[:at], ast.copy_location(ast.If(checkpoint.test.operand, rest, probed), checkpoint)]
+    def _switched(self, body: list[ast.stmt], at: int, last: ast.If | None = None) -> list[ast.stmt]:
+        """Return the body of a loop or function that has its checkpoint at an index, twice if it may be."""
+        rest = body[at + 1 :]
+        if at >= len(body) or not is_checkpoint(body[at]) or not _may_be_twice(rest):
+            return self._later(body, False, last)
+        checkpoint = body[at]
+        assert isinstance(checkpoint, ast.If)
+        assert isinstance(checkpoint.test, ast.UnaryOp)
+        probed = [*checkpoint.body]
+        self._waiting.append(_Waiting(rest, probed, True, last))
+        return [*body[:at], ast.copy_location(ast.If(checkpoint.test.operand, rest, probed), checkpoint)]
 
 
 def _may_be_twice(body: list[ast.stmt]) -> bool:
@@ -115,10 +146,7 @@ def _may_be_twice(body: list[ast.stmt]) -> bool:
     return bool(body)
 
 
-_BODIES: Final = ("body", "orelse", "finalbody", "handlers", "cases")
-
-
-def _with(node: ast.AST, **changed: object) -> ast.AST:
+def _with(node: Node, **changed: object) -> Node:
     """Return a node like another one, with other fields."""
     fields = {name: getattr(node, name, None) for name in node._fields}
     return ast.copy_location(type(node)(**{**fields, **changed}), node)
@@ -127,6 +155,6 @@ def _with(node: ast.AST, **changed: object) -> ast.AST:
 def _probe(statement: ast.stmt, number: int) -> ast.If:
     """Return `if @watched: @at(number)`, at the start of a statement and without extent."""
     line, offset = statement.lineno, statement.col_offset
-    place = {"lineno": line, "col_offset": offset, "end_lineno": line, "end_col_offset": offset}
+    place: dict[str, int] = {"lineno": line, "col_offset": offset, "end_lineno": line, "end_col_offset": offset}
     call = ast.Call(ast.Name(AT, _LOAD, **place), [ast.Constant(number, **place)], [], **place)
     return ast.If(ast.Name(WATCHED, _LOAD, **place), [ast.Expr(call, **place)], [], **place)

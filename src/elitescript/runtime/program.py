@@ -29,6 +29,7 @@ from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand
 
 if TYPE_CHECKING:
+    from elitescript.runtime.probe import Probe
     from elitescript.runtime.stdlib.subprocess_module import ProcessTable
 
 SOURCES_MAX: Final = 256
@@ -49,6 +50,7 @@ class Program:
         seed: of its random numbers.
         port: the host.
         presets: program globals that have a value before it begins.
+        probe: counts its statements.
 
     Attributes:
         context: for the bodies of commands.
@@ -84,6 +86,7 @@ class Program:
         seed: int,
         port: ProgramControl,
         presets: dict[str, object],
+        probe: Probe | None = None,
     ) -> None:
         self.scheduler = scheduler
         self._profile = profile
@@ -102,6 +105,7 @@ class Program:
             identities=self._identities,
             evaluate=self._evaluator(),
             execute=self._executor(),
+            probe_hooks={} if probe is None else probe.hooks(),
         )
         self.builtins = self.bindings.names
         self.globals = ProgramGlobals({"__name__": "__main__", "__builtins__": self.builtins, **presets})

@@ -9,7 +9,7 @@ name that it can look up is in its code objects.
 from __future__ import annotations
 
 import builtins
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from types import CodeType, FunctionType
 from typing import Any, Final, NoReturn
@@ -91,6 +91,7 @@ class Bindings:
         identities: numbers its objects.
         evaluate: `eval`.
         execute: `exec`.
+        probe_hooks: of what counts its statements; empty without.
 
     Attributes:
         names: the dict that its code runs with; grows as code is bound.
@@ -107,6 +108,7 @@ class Bindings:
         identities: Identities,
         evaluate: Callable[..., Any],
         execute: Callable[..., None],
+        probe_hooks: Mapping[str, object],
     ) -> None:
         self.context = context
         self.shelf = shelf
@@ -128,6 +130,7 @@ class Bindings:
             AT: scheduler.at_statement,
             FORMAT: checked_format_method,
             LINE: _line(context),
+            **probe_hooks,
         }
 
     def bind(self, code: CodeType) -> None:
