@@ -1,15 +1,18 @@
 """Lets a debugger attach to a program that runs, at next to no cost while none is attached.
 
 A probe is `if @watched: @at(n)` before statement n: nothing is counted, and while `@watched` is empty nothing is called.
-A body of a loop or function that is short and has no loop or function inside is there twice, below its checkpoint:
+The statements with which a body of a loop or function begins, as far as they only compute, are there twice, below its
+checkpoint:
 
-    if @tick():          work is paid for: the body as it is
+    if @tick():          work is paid for: the statements as they are
         ...
     else:                each `@tick()` is refused while a debugger looks; rarely otherwise
         @cp()
-        ...              the body with probes
+        ...              the statements with probes, and the probe of the one behind them
+    ...                  the rest of the body, with probes from its second statement on
 
-So loops that only compute, which are what takes time, run without probes. Loops that pay at their start are left as
+So what takes most of the time runs without probes. A thread that waits stands in no statement that only computes, so
+that no probe is missed when it goes on. Loops that pay at their start are left as
 they are: while a debugger looks, payments are refused, and the loop below with its checkpoints runs. A `while` has its probe
 before it and at the end of each pass; a `continue` goes without.
 
@@ -22,12 +25,12 @@ import ast
 from collections.abc import Mapping
 from typing import Final, TypeVar
 
-from elitescript.language.checkpoints import body_start, is_checkpoint, is_payment
+from elitescript.language.checkpoints import body_start, is_checkpoint, is_closed, is_payment
 from elitescript.language.hooks import AT, WATCHED
 from elitescript.records import NamedTuple
 
 TWICE_MAX: Final = 100
-"""Most statements of a body that is there twice."""
+"""Most statements of a body that are there twice."""
 
 Node = TypeVar("Node", bound=ast.AST)
 _LOAD: Final = ast.Load()
@@ -54,8 +57,10 @@ class _Waiting(NamedTuple):
     target: list[ast.stmt]
     is_second: bool
     """Whether the body is there without probes, too."""
-    last: ast.If | None
+    last: ast.If | None = None
     """Probe at its end."""
+    skips_first: bool = False
+    """Whether the probe of its first statement stands elsewhere."""
 
 
 class _Copier:
@@ -78,9 +83,8 @@ class _Copier:
                 # The first copy of the body has it, which counts for the whole function.
                 target.append(ast.copy_location(ast.Pass(), statement))
                 continue
-            number = self._numbers.get(statement)
-            if number is not None:
-                target.append(_probe(statement, number))
+            if not waiting.skips_first or statement is not waiting.body[0]:
+                target += self._probes(statement)
             target.append(self._copy(statement, is_second))
         if waiting.last is not None:
             target.append(waiting.last)
@@ -90,6 +94,11 @@ class _Copier:
         target: list[ast.stmt] = []
         self._waiting.append(_Waiting(body, target, is_second, last))
         return target
+
+    def _probes(self, statement: ast.stmt) -> list[ast.stmt]:
+        """Return the probe of a statement; none for one that is not counted."""
+        number = self._numbers.get(statement)
+        return [] if number is None else [_probe(statement, number)]
 
     def _copy(self, statement: ast.stmt, is_second: bool) -> ast.stmt:
         """Return a statement whose bodies are copies."""
@@ -120,30 +129,40 @@ class _Copier:
         return statement
 
     def _switched(self, body: list[ast.stmt], at: int, last: ast.If | None = None) -> list[ast.stmt]:
-        """Return the body of a loop or function that has its checkpoint at an index, twice if it may be."""
-        rest = body[at + 1 :]
-        if at >= len(body) or not is_checkpoint(body[at]) or not _may_be_twice(rest):
+        """Return the body of a loop or function that has its checkpoint at an index; its begin is there twice."""
+        if at >= len(body) or not is_checkpoint(body[at]):
             return self._later(body, False, last)
-        checkpoint = body[at]
+        checkpoint, begin = body[at], _computing(body[at + 1 :])
+        rest = body[at + 1 + len(begin) :]
         assert isinstance(checkpoint, ast.If)
         assert isinstance(checkpoint.test, ast.UnaryOp)
         probed = [*checkpoint.body]
-        self._waiting.append(_Waiting(rest, probed, True, last))
-        return [*body[:at], ast.copy_location(ast.If(checkpoint.test.operand, rest, probed), checkpoint)]
+        switch = ast.If(checkpoint.test.operand, begin or [ast.copy_location(ast.Pass(), checkpoint)], probed)
+        made = [*body[:at], ast.copy_location(switch, checkpoint)]
+        if rest:
+            (first,) = self._probes(rest[0]) or (None,)
+            self._waiting.append(_Waiting(begin, probed, True, first))
+            self._waiting.append(_Waiting(rest, made, False, last, skips_first=True))
+        else:
+            self._waiting.append(_Waiting(begin, probed, True, last))
+        return made
 
 
-def _may_be_twice(body: list[ast.stmt]) -> bool:
-    """Return whether a body is short, and has no loop, function or class inside."""
+def _computing(body: list[ast.stmt]) -> list[ast.stmt]:
+    """Return the statements with which a body begins that only compute and have no loop, function or class inside."""
     count = 0
-    stack: list[ast.AST] = [*body]
-    while stack:
-        node = stack.pop()
-        count += isinstance(node, ast.stmt)
-        if isinstance(node, _INNER) or count > TWICE_MAX:
-            return False
-        if isinstance(node, ast.stmt | ast.ExceptHandler | ast.match_case):
-            stack += [item for name in _BODIES for item in getattr(node, name, ())]
-    return bool(body)
+    for index, statement in enumerate(body):
+        stack: list[ast.AST] = [statement]
+        while stack:
+            node = stack.pop()
+            count += isinstance(node, ast.stmt)
+            if isinstance(node, _INNER) or count > TWICE_MAX:
+                return body[:index]
+            if isinstance(node, ast.stmt | ast.ExceptHandler | ast.match_case):
+                stack += [item for name in _BODIES for item in getattr(node, name, ())]
+        if not is_closed(statement):
+            return body[:index]
+    return body
 
 
 def _with(node: Node, **changed: object) -> Node:

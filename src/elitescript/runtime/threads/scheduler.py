@@ -37,6 +37,9 @@ STARTS_PER_TICK: Final = 1000
 PORTION: Final = 500
 """Checkpoints that are paid out at a time."""
 
+DEBUGGER: Final = "the debugger"
+"""What a thread waits for that is held before a statement."""
+
 _ORPHAN_WORK: Final = 1000
 """Checkpoints for script code that no thread runs: `finally` blocks of generators that are collected."""
 
