@@ -8,7 +8,7 @@ their own calls.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from types import CodeType, FrameType
 from typing import Any, Final
 
@@ -253,6 +253,18 @@ class Strand:
                 inner = inner or frame
             frame = frame.f_back
         return inner
+
+    def script_frames(self) -> Iterator[FrameType]:
+        """Yield its frames of script text, the innermost one first; also while it waits or is frozen."""
+        frame, builtins = self._top_frame(), self._builtins
+        while frame is not None:
+            if frame.f_builtins is builtins:
+                yield frame
+            frame = frame.f_back
+
+    def is_script_frame(self, frame: FrameType) -> bool:
+        """Return whether a frame belongs to script text that it runs."""
+        return frame.f_builtins is self._builtins
 
     def called_from_script(self) -> FrameType | None:
         """Return the frame that the innermost script frame has called; None if there is none."""

@@ -1,0 +1,562 @@
+"""Debugs the programs of a robot that lives: forward only, while its ports are served.
+
+A stop is a pause of the task: the arm brakes, clients see a paused task, time goes on. The thread that stops stays
+before its statement, the others stay where they are; secondary programs run on, as in any pause. Whoever resumes the
+task lets the program go on.
+
+What a debugger asks for comes as inputs (`messages.inputs.Debug`), the text of which is an object of JSON: `do` names a
+method of `LivingDebugger`, the rest are its arguments. One debugger is attached at a time; what happens meanwhile goes to
+it as replies to its session, objects with `event`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Callable, Sequence
+from hashlib import blake2b
+from math import inf
+from typing import Any, Final
+
+from elitescript.controller.controller import Controller
+from elitescript.debugger import wire
+from elitescript.debugger.api import (
+    AFTER_TICK,
+    BEFORE_STATEMENT,
+    BREAKPOINT,
+    DATA_BREAKPOINT,
+    EXCEPTION,
+    EXCEPTION_FILTERS,
+    FUNCTION_BREAKPOINT,
+    PAUSE,
+    REASONS,
+    STEP,
+    BreakpointState,
+    Change,
+    DataBreakpoint,
+    DataInfo,
+    DebugError,
+    Frame,
+    FunctionBreakpoint,
+    ExceptionInfo,
+    LineBreakpoint,
+    Output,
+    Place,
+    Position,
+    Scope,
+    State,
+    Stop,
+    ThreadInfo,
+    Variable,
+)
+from elitescript.debugger.living_breakpoints import Breakpoint, LivingBreakpoints, Text
+from elitescript.errors import ScriptError, UsageError
+from elitescript.kernel.debugging import Debugging
+from elitescript.language.compiler import CompiledUnit
+from elitescript.messages.enums import TaskState
+from elitescript.messages.events import (
+    Alarm,
+    DeviceNoted,
+    Event,
+    Popup,
+    Printed,
+    SignalChanged,
+    TaskStateChanged,
+    TextMessage,
+    Warned,
+)
+from elitescript.messages.inputs import Debug
+from elitescript.messages.machine import PauseTask, ResumeTask
+from elitescript.messages.outcomes import Debugged, Outcome, Refused
+from elitescript.messages.timing import seconds
+from elitescript.records import NamedTuple, record
+from elitescript.runtime.host import ScriptHost
+from elitescript.runtime.threads.scheduler import DEBUGGER
+from elitescript.runtime.threads.strand import Strand, state_of
+
+PART_MAX: Final = 200_000
+"""Characters of a text that are sent at once."""
+
+
+@record
+class SourceInfo:
+    """The text of a program.
+
+    Attributes:
+        name: as of `Frame.source`.
+        size: characters.
+        digest: see `digest_of`.
+    """
+
+    name: str
+    size: int
+    digest: str
+
+
+@record
+class SourcePart:
+    """A part of a text; `size` is that of the whole."""
+
+    text: str
+    size: int
+
+
+def digest_of(text: str) -> str:
+    """Return what is the same for texts that differ only in their line ends and in blanks at the ends of lines."""
+    lines = [line.rstrip() for line in text.splitlines()]
+    while lines and not lines[-1]:
+        lines.pop()
+    return blake2b("\n".join(lines).encode("utf-8", "replace"), digest_size=16).hexdigest()
+
+
+class Step(NamedTuple):
+    """A step that is under way: it ends at the next statement of a thread that is not deeper than a depth."""
+
+    strand: Strand
+    depth: float
+
+
+class _News(NamedTuple):
+    """Why the program is to stop."""
+
+    reason: str
+    text: str
+    breakpoint: int = 0
+    change: Change | None = None
+    exception: ExceptionInfo | None = None
+
+
+class LivingDebugger:
+    """Debugs the programs of one robot. Implements `kernel.debugging.Debugger`.
+
+    Args:
+        controller: the machine.
+        host: runs its programs.
+        debugging: knows their texts.
+        reply: sends an outcome to an origin.
+    """
+
+    def __init__(
+        self, controller: Controller, host: ScriptHost, debugging: Debugging, reply: Callable[[str, Outcome], None]
+    ) -> None:
+        self._controller = controller
+        self._host = host
+        self._scheduler = host.scheduler
+        self._debugging = debugging
+        self._reply = reply
+        self._session = ""
+        self._texts: dict[int, Text] = {}
+        self._breakpoints = LivingBreakpoints()
+        self._filters: frozenset[str] = frozenset()
+        self._step: Step | None = None
+        self._awaits_statement = False
+        """Whether a pause was asked for while no program ran: the next statement stops."""
+        self._news: list[_News] = []
+        """What has happened that stops the program as soon as it may."""
+        self._stop: Stop | None = None
+        self._held: Strand | None = None
+        """The thread that waits before a statement."""
+        self._held_tick = 0
+        self._statements = 0
+        self._is_watching = False
+
+    # ---------------------------------------------------------------- `kernel.debugging.Debugger`
+
+    @property
+    def is_attached(self) -> bool:
+        """Whether a debugger is there."""
+        return bool(self._session)
+
+    def take(self, item: Debug) -> None:
+        """Do what is asked, and answer."""
+        self._refresh()
+        try:
+            if self._session and item.session != self._session:
+                raise DebugError(f"another debugger is attached: {self._session}")
+            name, arguments = _request_of(item.text)
+            if not self._session:
+                if name == "detach":
+                    raise DebugError("no debugger is attached")
+                self._session = item.session
+                for unit in reversed(self._debugging.units()):
+                    self._note(unit)
+            result = getattr(self, name)(**wire.arguments_of(getattr(LivingDebugger, name), arguments))
+        except (DebugError, ScriptError, UsageError) as error:
+            self._reply(item.origin, Refused(str(error)))
+        else:
+            self._reply(item.origin, Debugged(json.dumps({"result": wire.written(result)})))
+        self._watch()
+
+    def arrived(self, unit: CompiledUnit) -> None:
+        """Take note of a unit that will run, and find its statements for the breakpoints."""
+        text = self._note(unit)
+        self._tell("source", source=self._info(unit, text))
+        for state in self._breakpoints.add(text):
+            self._tell("breakpoint", state=state)
+        self._watch()
+
+    def event(self, event: Event) -> None:
+        """Tell what programs say; stop at what a filter or a data breakpoint names."""
+        if (output := output_of(event, self._position(AFTER_TICK))) is not None:
+            self._tell("output", output=output)
+        if isinstance(event, TaskStateChanged) and event.state is TaskState.STOPPED:
+            self._let_go()
+            self._step = None
+            self._tell("ended", result=event.ending)
+        elif isinstance(event, SignalChanged):
+            self._signal_changed(event)
+        elif isinstance(event, Alarm | Warned):
+            self._exception(event)
+
+    def after_tick(self) -> None:
+        """See whether somebody else has resumed the task; stop for what has happened beside the programs."""
+        self._refresh()
+        self._look_at_data(None)
+        if self._stop is None and self._news and self._controller.task_state is TaskState.PLAYING:
+            news, self._news = self._news, []
+            self._controller.request(PauseTask())
+            self._stopped(news, None)
+        self._watch()
+
+    def next_tick(self, tick: int) -> int | None:
+        """Return the next tick while values are watched that change with time; see `Debugger.next_tick`."""
+        return tick + 1 if self._news or (self._breakpoints.data and self._stop is None) else None
+
+    # ---------------------------------------------------------------- going on
+
+    def attach(self) -> None:
+        """Do nothing: the first request of a session attaches it."""
+
+    def detach(self, leaves_paused: bool = False) -> None:
+        """Remove all breakpoints, let a program that was stopped go on, and forget the debugger.
+
+        Args:
+            leaves_paused: leave it paused; whoever resumes the task lets it go on.
+        """
+        self._session = ""
+        self._breakpoints = LivingBreakpoints()
+        self._filters, self._step, self._awaits_statement = frozenset(), None, False
+        self._news.clear()
+        if self._stop is not None:
+            with contextlib.suppress(ScriptError):
+                # What the safety system refuses stays paused, as any task does then.
+                if not leaves_paused and self._controller.task_state is TaskState.PAUSED:
+                    self._controller.request_from(ResumeTask(), "client")
+            self._let_go()
+
+    def pause(self) -> None:
+        """Pause the task; if none runs, stop before the first statement of the next program."""
+        if self._stop is not None:
+            raise DebugError("the program is stopped already")
+        if not self._host.is_running:
+            self._awaits_statement = True
+            return
+        if self._controller.task_state is TaskState.PLAYING:
+            self._controller.request_from(PauseTask(), "client")
+        self._stopped([_News(PAUSE, "paused")], None)
+
+    def resume(self) -> None:
+        """Let the program go on to the next stop."""
+        self._go_on(None)
+
+    def next(self, thread: int) -> None:
+        """Go on until a thread is at its next statement of the same call or of a caller; other threads run, too."""
+        strand = self._strand(thread)
+        self._go_on(Step(strand, _depth(strand)))
+
+    def step_in(self, thread: int) -> None:
+        """Go on to the next statement of a thread, also in a function that it calls."""
+        self._go_on(Step(self._strand(thread), inf))
+
+    def step_out(self, thread: int) -> None:
+        """Go on until a thread has left its present function."""
+        strand = self._strand(thread)
+        self._go_on(Step(strand, _depth(strand) - 1))
+
+    def _go_on(self, step: Step | None) -> None:
+        if self._stop is None:
+            raise DebugError("the program is not stopped")
+        if self._controller.task_state is TaskState.PAUSED:
+            self._controller.request_from(ResumeTask(), "client")
+        self._step = step
+        self._let_go()
+
+    # ---------------------------------------------------------------- breakpoints
+
+    def set_breakpoints(
+        self, requests: Sequence[LineBreakpoint], path: str = "", digest: str = ""
+    ) -> tuple[BreakpointState, ...]:
+        """Replace the breakpoints of lines in one text.
+
+        Args:
+            requests: in their order.
+            path: of its file, or its name; empty for any.
+            digest: of the text, see `digest_of`; empty for any.
+        """
+        return self._breakpoints.set_lines(path, digest, requests, self._texts.values())
+
+    def set_function_breakpoints(self, requests: Sequence[FunctionBreakpoint]) -> tuple[BreakpointState, ...]:
+        """Replace the breakpoints of functions and commands."""
+        return self._breakpoints.set_functions(requests, self._texts.values())
+
+    def set_exception_filters(self, filters: Sequence[str]) -> None:
+        """Replace the filters: `alarm`, `warning`. At first there is none."""
+        for name in filters:
+            if name not in EXCEPTION_FILTERS:
+                raise DebugError(f"a filter is one of {', '.join(EXCEPTION_FILTERS)}, not {name!r}")
+        self._filters = frozenset(filters)
+
+    def breakpoint_locations(
+        self, line: int, end_line: int = 0, path: str = "", digest: str = ""
+    ) -> tuple[Place, ...]:
+        """Return the statements that begin in lines of a text, the last line included."""
+        for text in reversed(self._texts.values()):
+            if text.is_of(path, digest):
+                return tuple(
+                    Place(item.line, item.column, item.end_line, item.end_column)
+                    for item in text.table.statements
+                    if line <= item.line <= max(line, end_line)
+                )
+        return ()
+
+    # ---------------------------------------------------------------- looking
+
+    def threads(self) -> tuple[ThreadInfo, ...]:
+        """Return the script threads in the order of their start."""
+        return tuple(
+            ThreadInfo(strand.order + 1, strand.name, strand.is_secondary, state_of(strand).waits_for, strand.line)
+            for strand in self._scheduler.strands
+        )
+
+    def state(self) -> State:
+        """Return the robot at this moment."""
+        controller = self._controller
+        joints = controller.joints()
+        return State(
+            seconds(controller.tick), controller.tick, joints.q_actual, controller.tcp_pose(joints.q_actual)
+        )
+
+    def sources(self) -> tuple[SourceInfo, ...]:
+        """Return the texts of programs, the newest first."""
+        return tuple(self._info(unit, self._texts[unit.probes.first]) for unit in self._debugging.units())
+
+    def source_text(self, name: str, start: int = 0) -> SourcePart:
+        """Return a part of the text of a program.
+
+        Raises:
+            DebugError: no text has that name.
+        """
+        for unit in self._debugging.units():
+            if self._texts[unit.probes.first].name == name:
+                text = unit.source.text
+                return SourcePart(text[max(start, 0) : max(start, 0) + PART_MAX], len(text))
+        raise DebugError(f"there is no program {name!r}")
+
+    # ---------------------------------------------------------------- statements
+
+    def _look(self, strand: Strand, number: int) -> None:
+        """Look at the next statement of the running thread; returns when it may run."""
+        self._refresh()
+        self._statements += 1
+        if self._stop is not None:
+            # A secondary program beside a program that is stopped.
+            return
+        self._look_at_data(strand)
+        news, self._news = self._news, []
+        step = self._step
+        if step is not None and step.strand is strand and _depth(strand) <= step.depth:
+            news.append(_News(STEP, "step"))
+        if self._awaits_statement:
+            news.append(_News(PAUSE, "paused"))
+        for item in self._breakpoints.at.get(number, ()):
+            self._reached(item, news)
+        if news:
+            self._hold(strand, news)
+
+    def _reached(self, item: Breakpoint, news: list[_News]) -> None:
+        """Add a stop to the news if a breakpoint stops here, or write its message."""
+        if not self._is_true(item) or not item.is_hit():
+            return
+        if item.log_message:
+            self._tell("output", output=Output("console", self._filled(item.log_message), 0, "", self._position(BEFORE_STATEMENT), seconds(self._controller.tick)))
+        else:
+            news.append(_News(item.reason, f"breakpoint {item.id}", item.id))
+
+    def _hold(self, strand: Strand, news: list[_News]) -> None:
+        """Pause the task, and hold the running thread until it goes on."""
+        if self._controller.task_state is TaskState.PLAYING:
+            self._controller.request(PauseTask())
+        self._held, self._held_tick = strand, self._controller.tick
+        self._stopped(news, strand)
+        try:
+            if strand.is_secondary:
+                self._scheduler.wait(DEBUGGER)
+            else:
+                self._scheduler.give_way(DEBUGGER)
+        finally:
+            if self._held is strand:
+                self._held = None
+
+    def _stopped(self, news: list[_News], strand: Strand | None) -> None:
+        """Tell the debugger that the program stands.
+
+        Args:
+            news: why; the most particular reason is shown.
+            strand: the thread that has stopped before a statement; None if none has.
+        """
+        first = min(news, key=lambda item: REASONS.index(item.reason))
+        shown = strand or self._main
+        self._step, self._awaits_statement = None, False
+        self._stop = Stop(
+            first.reason,
+            first.text,
+            0 if shown is None else shown.order + 1,
+            self._position(AFTER_TICK if strand is None else BEFORE_STATEMENT),
+            seconds(self._controller.tick),
+            tuple(item.breakpoint for item in news if item.breakpoint),
+            tuple(item.change for item in news if item.change is not None),
+            next((item.exception for item in news if item.exception is not None), None),
+            0 if shown is None else shown.line,
+        )
+        self._tell("stopped", stop=self._stop)
+
+    def _refresh(self) -> None:
+        """Follow whoever else has resumed the task."""
+        if self._stop is None or self._controller.task_state is not TaskState.PLAYING:
+            return
+        self._let_go()
+        self._tell("continued")
+
+    def _let_go(self) -> None:
+        """Forget the stop; a secondary program that was held goes on."""
+        self._stop = None
+        if (strand := self._held) is not None:
+            self._held = None
+            if strand.is_secondary:
+                self._host.prolong_secondary(self._controller.tick - self._held_tick)
+                self._scheduler.wake(strand)
+
+    def _watch(self) -> None:
+        """Look at statements only while something may stop at one."""
+        needs = self._session and (
+            self._breakpoints.at or self._breakpoints.data or self._step or self._awaits_statement or self._news
+        )
+        if bool(needs) is not self._is_watching:
+            self._is_watching = bool(needs)
+            self._scheduler.watch(self._look if needs else None)
+
+    # ---------------------------------------------------------------- what has happened
+
+    def _signal_changed(self, event: SignalChanged) -> None:
+        pass
+
+    def _exception(self, event: Alarm | Warned) -> None:
+        pass
+
+    def _look_at_data(self, strand: Strand | None) -> None:
+        pass
+
+    def _is_true(self, item: Breakpoint) -> bool:
+        return True
+
+    def _filled(self, text: str) -> str:
+        return text
+
+    # ---------------------------------------------------------------- internal
+
+    @property
+    def _main(self) -> Strand | None:
+        return next((strand for strand in self._scheduler.strands if not strand.is_secondary), None)
+
+    def _strand(self, thread: int) -> Strand:
+        for strand in self._scheduler.strands:
+            if strand.order + 1 == thread:
+                return strand
+        raise DebugError(f"there is no thread {thread}")
+
+    def _position(self, kind: str) -> Position:
+        return Position(self._statements, 0, self._controller.tick, kind)
+
+    def _note(self, unit: CompiledUnit) -> Text:
+        """Take note of the text of a unit."""
+        name = unit.source.name
+        names = {text.name for text in self._texts.values()}
+        number = 2
+        while name in names:
+            name = f"{unit.source.name} ({number})"
+            number += 1
+        table = self._debugging.table(unit)
+        text = self._texts[unit.probes.first] = Text(name, digest_of(unit.source.text), table, {})
+        known = {item.probes.first for item in self._debugging.units()}
+        for first in [first for first in self._texts if first not in known]:
+            del self._texts[first]
+        return text
+
+    def _info(self, unit: CompiledUnit, text: Text) -> SourceInfo:
+        return SourceInfo(text.name, len(unit.source.text), text.digest)
+
+    def _tell(self, event: str, **content: Any) -> None:
+        """Tell the debugger what happens."""
+        if self._session:
+            values = {name: wire.written(value) for name, value in content.items()}
+            self._reply(self._session, Debugged(json.dumps({"event": event, **values})))
+
+
+def _depth(strand: Strand) -> int:
+    """Return the number of calls of script code that a thread is in."""
+    return sum(1 for _ in strand.script_frames())
+
+
+def _request_of(text: str) -> tuple[str, dict[str, Any]]:
+    """Return the name of a method and its arguments.
+
+    Raises:
+        DebugError: the text is no request.
+    """
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError):
+        data = None
+    if not isinstance(data, dict) or data.get("do") not in REQUESTS:
+        raise DebugError(f"a request is an object of JSON in which \"do\" is one of {', '.join(REQUESTS)}")
+    return data.pop("do"), data
+
+
+def output_of(event: Event, position: Position) -> Output | None:
+    """Return what an event says to people; None for an event that says nothing."""
+    time_s = seconds(event.tick)
+    match event:
+        case Printed(_, text, thread, line):
+            return Output("stdout", text, line, thread, position, time_s)
+        case TextMessage(_, text, thread, line):
+            return Output("stdout", text, line, thread, position, time_s)
+        case Popup():
+            return Output("important", event.text, event.line, event.thread, position, time_s)
+        case Warned():
+            return Output("important", event.text, event.line, event.thread, position, time_s)
+        case Alarm():
+            text = f"{event.code} {event.class_name}: {event.text}"
+            return Output("stderr", text, event.line, event.thread, position, time_s)
+        case DeviceNoted():
+            return Output("console", f"{event.device}: {event.text}", 0, "", position, time_s)
+    return None
+
+
+REQUESTS: Final = (
+    "attach",
+    "detach",
+    "pause",
+    "resume",
+    "next",
+    "step_in",
+    "step_out",
+    "set_breakpoints",
+    "set_function_breakpoints",
+    "set_exception_filters",
+    "breakpoint_locations",
+    "threads",
+    "state",
+    "sources",
+    "source_text",
+)
+"""What can be asked."""
