@@ -296,6 +296,9 @@ class MemoryRequests:
     def has_next(self) -> bool:
         return bool(self.waiting)
 
+    def post(self, call: Callable[[], None]) -> None:
+        raise AssertionError("nothing here has a thread of its own")
+
 
 class MemoryClient(Client):
     """A client whose adapter is an object of this process: each request is carried out before `send` returns.

@@ -11,14 +11,13 @@ import os
 import sys
 from collections import deque
 from collections.abc import Callable
-from typing import Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from elitescript.dap.breakpoints import Breakpoints
-from elitescript.dap.capabilities import CAPABILITIES
 from elitescript.dap.client import ClientSettings
+from elitescript.dap.debuggee import Debuggee, Session
 from elitescript.dap.goals import Goal
 from elitescript.dap.handler import LATER, Handler, State, WhileRunning
-from elitescript.dap.launch import Launch
 from elitescript.dap.messages import (
     FAULT,
     IS_RUNNING,
@@ -34,10 +33,14 @@ from elitescript.dap.messages import (
     response,
 )
 from elitescript.dap.sources import Sources
-from elitescript.debugger.api import END, EXCEPTION, PAUSE, DebugError, Frame, Output, Stop
+from elitescript.debugger.api import END, PAUSE, BreakpointState, DebugError, Frame, Output, Stop
 from elitescript.debugger.session import DebugSession
+from elitescript.debugger.wire import read
 from elitescript.errors import ElitescriptError, did_you_mean
 from elitescript.run import EXIT_CODES
+
+if TYPE_CHECKING:
+    from elitescript.services.control.debugging import ServedSession
 
 STOPPED_EXIT: Final = EXIT_CODES["stopped"]
 
@@ -57,6 +60,9 @@ class Requests(Protocol):
     def has_next(self) -> bool:
         """Return whether `next` returns at once."""
 
+    def post(self, call: Callable[[], None]) -> None:
+        """Have something called in the thread of `next`, while it waits. May be called from any thread."""
+
 
 class Adapter:
     """One debug session, from `initialize` to its end.
@@ -69,13 +75,13 @@ class Adapter:
     Attributes:
         state: what the session is doing.
         client: what the client understands.
-        launch: what it has launched; None before.
         sources: texts without a file.
         breakpoints: what it has set.
         references: what it can point to by a number until the program goes on: targets of `goto` and `stepIn`.
     """
 
     __slots__ = (
+        "_debuggee",
         "_deferred",
         "_goal",
         "_handlers",
@@ -87,11 +93,9 @@ class Adapter:
         "_requests",
         "_running",
         "_send",
-        "_session",
         "_threads",
         "breakpoints",
         "client",
-        "launch",
         "references",
         "sources",
         "state",
@@ -106,7 +110,6 @@ class Adapter:
         self._send = send
         self._requests = requests
         self._handlers = handlers
-        self._session: DebugSession | None = None
         self._goal: Goal | None = None
         """What the program is to do next."""
         self._running: Goal | None = None
@@ -123,7 +126,7 @@ class Adapter:
         """Threads that the client knows, by number."""
         self.state = State.NEW
         self.client = ClientSettings()
-        self.launch: Launch | None = None
+        self._debuggee: Debuggee | None = None
         self.sources = Sources()
         self.breakpoints = Breakpoints()
         self.references: dict[int, Any] = {}
@@ -194,59 +197,100 @@ class Adapter:
     # ---------------------------------------------------------------- the session
 
     @property
-    def session(self) -> DebugSession:
-        """The debugged run."""
-        if self._session is None:
+    def debuggee(self) -> Debuggee:
+        """What is debugged."""
+        if self._debuggee is None:
             raise RequestError(OUT_OF_ORDER, "nothing has been launched")
-        return self._session
+        return self._debuggee
 
-    def open(self, launch: Launch, *, is_restart: bool = False) -> None:
-        """Begin to debug what a client launches; the run begins with `begin`.
+    @property
+    def session(self) -> Session:
+        """The run, or what speaks to it."""
+        return self.debuggee.session
+
+    @property
+    def run(self) -> DebugSession:
+        """The run, if it can go back.
 
         Raises:
-            ProgramError: the program does not compile; nothing has changed then.
-            ElitescriptError: something else is wrong; likewise.
+            RequestError: it is that of a living robot.
         """
-        session = launch.session(self._report_output)
-        if self._session is not None:
-            self._session.close()
-        self._session, self.launch = session, launch
-        session.set_exception_filters(self.breakpoints.filters)
+        session = self.session
+        if not isinstance(session, DebugSession):
+            raise RequestError(REFUSED, "a robot that lives cannot go back in time; launch its journal for that")
+        return session
+
+    @property
+    def stop(self) -> Stop:
+        """The present stop."""
+        stop = self.session.stop
+        if stop is None:
+            raise RequestError(IS_RUNNING, "the program runs again")
+        return stop
+
+    def open(self, debuggee: Debuggee, *, is_restart: bool = False) -> None:
+        """Begin to debug something; it goes on with `begin`."""
+        if self._debuggee is not None:
+            self._debuggee.session.close()
+        self._debuggee = debuggee
+        debuggee.session.set_exception_filters(self.breakpoints.filters)
         if is_restart:
-            for body in self.breakpoints.renew(session, self.client):
+            for body in self.breakpoints.renew(debuggee, self.client):
                 self.event("breakpoint", {"reason": "changed", "breakpoint": body})
-        self._show_findings(launch)
-        if not is_restart:
+        else:
             self.state = State.CONFIGURING
             self.event("initialized")
 
-    def begin(self) -> None:
-        """Begin the run, after the response to what was asked."""
-        assert self.launch is not None
+    def begin(self, goal: Goal) -> None:
+        """Let it begin, after the response to what was asked."""
         if self._opening is not None:
             opening, self._opening = self._opening, None
             self.send(response(opening["seq"], opening["command"]))
-        process = {"name": self.launch.program, "systemProcessId": os.getpid(), "isLocalProcess": True}
-        self.event("process", {**process, "startMethod": "launch"})
-        # A client can pause what it knows; the others are reported with the first stop.
-        self._report_threads({MAIN_THREAD: "main"})
-        self.go(Goal.start(stop_on_entry=self.launch.stop_on_entry, no_debug=self.launch.no_debug))
+        process: Body = {"name": self.debuggee.name, "startMethod": self.debuggee.start_method, "isLocalProcess": True}
+        if self.debuggee.start_method == "launch":
+            process["systemProcessId"] = os.getpid()
+            # A client can pause what it knows; the others are reported with the first stop.
+            self._report_threads({MAIN_THREAD: "main"})
+        self.event("process", process)
+        self.go(goal)
 
-    @property
-    def program(self) -> str:
-        """Path of the program that is debugged."""
-        if self.launch is None:
-            raise RequestError(OUT_OF_ORDER, "nothing has been launched")
-        return self.launch.program
+    def go(self, goal: Goal) -> None:
+        """Let the program go on once the present request is answered."""
+        self._goal = goal
 
-    def programs(self) -> list[str]:
-        """Return the names of the texts that are debugged."""
-        return [self.program]
+    def travel(self, run: Callable[[DebugSession], Stop]) -> None:
+        """Go back in history, or to a moment, once the present request is answered."""
+        # Refused now if there is no history.
+        assert self.run is not None
+        self.go(Goal.travel(run))
 
-    def text_of(self, name: str) -> str:
-        """Return a text by its name."""
-        assert self.launch is not None
-        return self.launch.text
+    def pause(self) -> None:
+        """Have the run that goes on stop, and report that."""
+        self._is_pause_wanted = True
+        self.session.pause()
+
+    def close(self, exit_code: int | None, *, terminates: bool = False, leaves_paused: bool = False) -> None:
+        """End the session.
+
+        Args:
+            exit_code: reported to the client with the end, unless that was reported before; None for no report.
+            terminates: stop the task of a robot that lives.
+            leaves_paused: let it stay paused.
+        """
+        self._goal = None
+        if self.state is State.ENDED or self._debuggee is None:
+            self.state = State.ENDED
+            return
+        self.state = State.ENDED
+        session = self.session
+        if isinstance(session, DebugSession):
+            session.close()
+        else:
+            session.close(terminates=terminates, leaves_paused=leaves_paused)
+        if exit_code is not None:
+            if self.debuggee.start_method == "launch":
+                self.event("exited", {"exitCode": exit_code})
+            self.event("terminated")
 
     def frame(self, number: int) -> Frame:
         """Return a call by its number.
@@ -265,62 +309,55 @@ class Adapter:
         self.references[len(self.references) + 1] = target
         return len(self.references)
 
-    def go(self, goal: Goal) -> None:
-        """Let the program go on once the present request is answered."""
-        self._goal = goal
-
-    def pause(self) -> None:
-        """Have the run that goes on stop, and report that."""
-        self._is_pause_wanted = True
-        self.session.pause()
-
-    def close(self, exit_code: int | None) -> None:
-        """End the session.
-
-        Args:
-            exit_code: reported to the client with the end, unless that was reported before; None for no report.
-        """
-        self._goal = None
-        if self._session is not None:
-            self._session.close()
-        if exit_code is not None and self.state is not State.ENDED:
-            self.event("exited", {"exitCode": exit_code})
-            self.event("terminated")
-        self.state = State.ENDED
-
     # ---------------------------------------------------------------- the run
 
     def _go(self, goal: Goal) -> None:
-        """Let the program go on to a stop, and report it."""
+        """Let the program go on; to a stop, which is reported, if it is run here."""
         self._goal, self._running = None, goal
         self.references.clear()
+        session = self.session
+        if not isinstance(session, DebugSession):
+            self._go_on_elsewhere(session, goal)
+            return
         self.state = State.RUNNING
         # Their signals came before there was a run to interrupt.
         self.interrupt()
         try:
-            stop = goal.run(self.session)
+            stop = goal.run(session)
         except (DebugError, ElitescriptError) as error:
-            self.event("output", {"category": "important", "output": f"{error}\n"})
-            stop = self.session.stop
+            self.note(str(error), "important")
+            stop = session.stop
         self.state = State.STOPPED
         if stop.reason == PAUSE and not self._is_pause_wanted:
             # It stopped for the requests alone.
-            self._answer_deferred()
-            if self._goal is None and self.state is State.STOPPED:
+            if self._answer_deferred() and self.state is State.STOPPED:
                 self._goal = goal.rest()
             return
         self._is_pause_wanted = False
         self._report_stop(stop)
         self._answer_deferred()
 
-    def _answer_deferred(self) -> None:
+    def _go_on_elsewhere(self, session: ServedSession, goal: Goal) -> None:
+        self.state = State.RUNNING
+        try:
+            if goal.how == "pause":
+                session.pause()
+            elif goal.how:
+                session.proceed(goal.how, goal.thread)
+        except DebugError as error:
+            self.state = State.STOPPED
+            self.note(str(error), "important")
+            self._report_stop(self.stop)
+
+    def _answer_deferred(self) -> bool:
+        """Answer what came while the program ran; return whether nothing of that lets it go on."""
         while self._deferred and self._goal is None:
             self._respond(self._deferred.popleft())
+        return self._goal is None
 
     def _report_stop(self, stop: Stop) -> None:
-        assert self.launch is not None
-        if stop.reason == END and not self.launch.stops_on_end:
-            self.event("output", {"category": "console", "output": f"{stop.text}\n"})
+        if stop.reason == END and not self.debuggee.stops_on_end:
+            self.note(stop.text, "console")
             self._report_threads({})
             self.close(EXIT_CODES.get(stop.result, 1))
             return
@@ -329,7 +366,7 @@ class Adapter:
         body: Body = {"reason": stop.reason, "description": stop.text, "allThreadsStopped": True}
         if thread := stop.thread or next(iter(threads), 0):
             body["threadId"] = thread
-        if stop.reason == EXCEPTION and stop.exception is not None:
+        if stop.exception is not None:
             body["text"] = stop.exception.text
         if hits := self.breakpoints.numbers(stop.hits):
             body["hitBreakpointIds"] = hits
@@ -345,6 +382,37 @@ class Adapter:
     def known_threads(self) -> dict[int, str]:
         """Return the threads of the last stop; can be asked while the program runs."""
         return self._threads
+
+    # ---------------------------------------------------------------- a robot that lives
+
+    def heard(self, kind: str, content: dict[str, Any]) -> None:
+        """Take what has happened to a living robot, in its own thread; see `services.control.debugging`."""
+        self._requests.post(lambda: self._take_news(kind, content))
+
+    def heard_output(self, output: Output) -> None:
+        """Take what a living robot's programs say, in its own thread."""
+        self._requests.post(lambda: self.report_output(output))
+
+    def _take_news(self, kind: str, content: dict[str, Any]) -> None:
+        if self.state is State.ENDED:
+            return
+        if kind == "stopped" and self.session.stop is not None:
+            self.state = State.STOPPED
+            self._report_stop(self.session.stop)
+        elif kind == "continued":
+            self.state = State.RUNNING
+            self.event("continued", {"threadId": MAIN_THREAD, "allThreadsContinued": True})
+        elif kind == "ended":
+            self.state = State.RUNNING
+            self._report_threads({})
+            self.note(f"the program has ended: {content.get('result', '')}", "console")
+        elif kind == "breakpoint":
+            for body in self.breakpoints.changed(read(BreakpointState, content.get("state")), self.client):
+                self.event("breakpoint", {"reason": "changed", "breakpoint": body})
+        elif kind == "detached":
+            self.note(f"nothing is debugged any more: {content.get('reason', '')}", "important")
+            self._report_threads({})
+            self.close(STOPPED_EXIT)
 
     # ---------------------------------------------------------------- messages
 
@@ -369,28 +437,14 @@ class Adapter:
         finally:
             self._is_sending = False
 
-    def capabilities(self) -> Body:
-        """Return what this adapter can do."""
-        return dict(CAPABILITIES)
+    def note(self, text: str, category: str) -> None:
+        """Write a line to the client's console."""
+        self.event("output", {"category": category, "output": f"{text}\n"})
 
-    def _report_output(self, output: Output) -> None:
-        assert self.launch is not None
+    def report_output(self, output: Output) -> None:
+        """Write what a program says to the client's console."""
         body: Body = {"category": output.category, "output": f"{output.text}\n"}
-        if output.line:
-            body["source"] = self.sources.shown(self.launch.program)
+        if output.line and self._debuggee is not None:
+            body["source"] = self.sources.shown(self._debuggee.texts()[0])
             body.update(self.client.place(output.line, 0))
         self.event("output", body)
-
-    def _show_findings(self, launch: Launch) -> None:
-        for problem in launch.problems:
-            self.event("output", self.finding(launch.program, problem))
-
-    def finding(self, program: str, problem: Any) -> Body:
-        """Return a finding of `check` as an `output` event that the editor can jump to."""
-        hint = f"\n    hint: {problem.hint}" if problem.hint else ""
-        return {
-            "category": "stderr" if problem.is_error else "console",
-            "output": f"{problem}{hint}\n",
-            "source": self.sources.shown(program),
-            **self.client.place(problem.line, problem.column),
-        }

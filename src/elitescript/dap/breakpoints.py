@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, TypeVar
+from collections.abc import Callable, Sequence
+from typing import Any, Final
 
 from elitescript.dap.client import ClientSettings
+from elitescript.dap.debuggee import Debuggee
 from elitescript.dap.messages import Body
-from elitescript.debugger.api import (
-    STEP,
-    BreakpointState,
-    DataBreakpoint,
-    FunctionBreakpoint,
-    LineBreakpoint,
-    Stop,
-)
+from elitescript.debugger.api import STEP, BreakpointState, FunctionBreakpoint, Stop
 from elitescript.debugger.session import DebugSession
 from elitescript.records import replace
 
-Request = TypeVar("Request", LineBreakpoint, FunctionBreakpoint, DataBreakpoint)
+LINES: Final = "lines of "
+FUNCTIONS: Final = "functions"
+DATA: Final = "data"
+"""Keys of groups; that of lines is followed by the text's path."""
+
+Apply = Callable[[Debuggee, Sequence[Any]], tuple[BreakpointState, ...] | None]
 
 
 class Breakpoints:
@@ -28,45 +27,57 @@ class Breakpoints:
         filters: of exceptions.
     """
 
-    __slots__ = ("_last", "_numbers", "_requests", "filters")
+    __slots__ = ("_groups", "_last", "filters")
 
     def __init__(self) -> None:
-        self._requests: dict[type, list[tuple[int, Any]]] = {}
-        """What was asked for, by kind, with numbers."""
-        self._numbers: dict[type, dict[int, int]] = {}
-        """Our numbers by those of the debugged run, by kind."""
+        self._groups: dict[str, _Group] = {}
+        """What replaces each other, by kind and text."""
         self._last = 0
         self.filters: list[str] = []
 
     def set(
-        self, session: DebugSession, client: ClientSettings, kind: type[Request], requests: Sequence[Request]
-    ) -> list[Body]:
-        """Replace the breakpoints of a kind; return what the client is told of each."""
-        known = list(self._requests.get(kind, ()))
-        numbered = []
-        for request in requests:
-            place = next((at for at, (_, one) in enumerate(known) if one == request), None)
-            if place is None:
-                self._last += 1
-                numbered.append((self._last, request))
-            else:
-                numbered.append(known.pop(place))
-        self._requests[kind] = numbered
-        return self._apply(session, client, kind)
+        self, debuggee: Debuggee, client: ClientSettings, key: str, requests: Sequence[Any], apply: Apply
+    ) -> list[Body] | None:
+        """Replace the breakpoints of a group; return what the client is told of each.
 
-    def renew(self, session: DebugSession, client: ClientSettings) -> list[Body]:
+        Args:
+            debuggee: what they are for.
+            client: that sets them.
+            key: of the group.
+            requests: records of `debugger.api`.
+            apply: sets them; its result is None if they cannot be set at all, and so is this one then.
+        """
+        group = self._groups.setdefault(key, _Group(apply))
+        group.apply = apply
+        known, group.rows = group.rows, []
+        for request in requests:
+            row = next((row for row in known if row.request == request), None)
+            if row is None:
+                self._last += 1
+                row = _Row(self._last, request)
+            else:
+                known.remove(row)
+            group.rows.append(row)
+        return group.set(debuggee, client)
+
+    def renew(self, debuggee: Debuggee, client: ClientSettings) -> list[Body]:
         """Set everything again, for a new run; return what the client is told of each."""
-        self._numbers.clear()
-        return [body for kind in self._requests for body in self._apply(session, client, kind)]
+        return [body for group in self._groups.values() for body in group.set(debuggee, client) or ()]
+
+    def changed(self, state: BreakpointState, client: ClientSettings) -> list[Body]:
+        """Return what the client is told of a breakpoint that has changed."""
+        rows = [row for group in self._groups.values() for row in group.rows if row.theirs == state.id]
+        return [_body(row.number, state, client) for row in rows]
 
     def numbers(self, hits: Sequence[int]) -> list[int]:
         """Return our numbers of the breakpoints of a run."""
-        known = {theirs: ours for numbers in self._numbers.values() for theirs, ours in numbers.items()}
-        return sorted(known[hit] for hit in hits if hit in known)
+        return sorted(row.number for group in self._groups.values() for row in group.rows if row.theirs in hits)
 
     def step_into(self, session: DebugSession, thread: int, name: str) -> Stop:
         """Go on to the begin of a function that the present statement of a thread calls, or to its next statement."""
-        requests = [request for _, request in self._requests.get(FunctionBreakpoint, ())]
+        group = self._groups.get(FUNCTIONS)
+        rows = group.rows if group else []
+        requests = [row.request for row in rows]
         *_, wanted = session.set_function_breakpoints([*requests, FunctionBreakpoint(name)])
         try:
             stop = session.next(thread)
@@ -74,25 +85,35 @@ class Breakpoints:
                 # Another thread has called it.
                 stop = session.next(thread)
         finally:
-            states = session.set_function_breakpoints(requests)
-            self._note(FunctionBreakpoint, states)
+            for row, state in zip(rows, session.set_function_breakpoints(requests), strict=True):
+                row.theirs = state.id
         return replace(stop, reason=STEP, hits=()) if stop.hits == (wanted.id,) else stop
 
-    def _note(self, kind: type, states: Sequence[BreakpointState]) -> None:
-        numbers = [number for number, _ in self._requests.get(kind, ())]
-        self._numbers[kind] = {state.id: number for number, state in zip(numbers, states, strict=True)}
 
-    def _apply(self, session: DebugSession, client: ClientSettings, kind: type) -> list[Body]:
-        numbered = self._requests[kind]
-        requests = [request for _, request in numbered]
-        if kind is LineBreakpoint:
-            states = session.set_breakpoints(requests)
-        elif kind is FunctionBreakpoint:
-            states = session.set_function_breakpoints(requests)
-        else:
-            states = session.set_data_breakpoints(requests)
-        self._note(kind, states)
-        return [_body(number, state, client) for (number, _), state in zip(numbered, states, strict=True)]
+class _Row:
+    __slots__ = ("number", "request", "theirs")
+
+    def __init__(self, number: int, request: Any) -> None:
+        self.number = number
+        self.request = request
+        self.theirs = 0
+        """Number in the debugged run."""
+
+
+class _Group:
+    __slots__ = ("apply", "rows")
+
+    def __init__(self, apply: Apply) -> None:
+        self.apply = apply
+        self.rows: list[_Row] = []
+
+    def set(self, debuggee: Debuggee, client: ClientSettings) -> list[Body] | None:
+        states = self.apply(debuggee, [row.request for row in self.rows])
+        if states is None:
+            return None
+        for row, state in zip(self.rows, states, strict=True):
+            row.theirs = state.id
+        return [_body(row.number, state, client) for row, state in zip(self.rows, states, strict=True)]
 
 
 def _body(number: int, state: BreakpointState, client: ClientSettings) -> Body:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from elitescript.debugger.api import STEP, Position, Stop
+from elitescript.dap.debuggee import Session
+from elitescript.debugger.api import STEP, Stop
 from elitescript.debugger.session import DebugSession
-from elitescript.records import record
+from elitescript.records import record, replace
 
 Run = Callable[[DebugSession], Stop]
 
@@ -19,11 +20,15 @@ class Goal:
         run: carries it out.
         rest: returns what is left of it after it stopped halfway.
         is_interruptible: whether it stops halfway to answer requests.
+        how: method of `ServedSession.proceed`, for a robot that lives; empty to let it be.
+        thread: that takes a step.
     """
 
     run: Run
     rest: Callable[[], Goal]
     is_interruptible: bool = True
+    how: str = ""
+    thread: int = 0
 
     @staticmethod
     def start(*, stop_on_entry: bool, no_debug: bool) -> Goal:
@@ -34,16 +39,20 @@ class Goal:
         )
 
     @staticmethod
-    def resume() -> Goal:
-        """Go on to the next stop."""
-        return Goal(DebugSession.resume, Goal.resume)
+    def wait(*, stop_on_entry: bool) -> Goal:
+        """Let a robot that lives go on, or pause it."""
+        return replace(Goal.resume(), how="pause" if stop_on_entry else "")
 
     @staticmethod
-    def step(kind: Callable[[DebugSession, int], Stop], session: DebugSession, thread: int) -> Goal:
-        """Make a step of a thread: `DebugSession.next`, `step_in` or `step_out`."""
-        depth = len(session.stack(thread))
-        if kind is DebugSession.step_out:
-            depth -= 1
+    def resume() -> Goal:
+        """Go on to the next stop."""
+        return Goal(DebugSession.resume, Goal.resume, how="resume")
+
+    @staticmethod
+    def step(how: str, session: Session, thread: int) -> Goal:
+        """Make a step of a thread: `next`, `step_in` or `step_out`."""
+        kind: Callable[[DebugSession, int], Stop] = getattr(DebugSession, how)
+        depth = len(session.stack(thread)) - (how == "step_out")
 
         def rest(session: DebugSession) -> Stop:
             # Calls that the step goes over have begun: leave them first.
@@ -53,19 +62,12 @@ class Goal:
                     return stop
             return session.next(thread)
 
-        again = Goal(lambda session: kind(session, thread), lambda: again)
-        if kind is not DebugSession.step_in:
-            remaining = Goal(rest, lambda: remaining)
-            return Goal(lambda session: kind(session, thread), lambda: remaining)
-        return again
+        remaining = Goal(rest, lambda: remaining)
+        whole = Goal(lambda session: kind(session, thread), lambda: remaining, how=how, thread=thread)
+        return replace(whole, rest=lambda: whole) if how == "step_in" else whole
 
     @staticmethod
     def travel(run: Run) -> Goal:
         """Go back in history, or to a moment; it does not stop halfway to answer requests."""
         goal = Goal(run, lambda: goal, is_interruptible=False)
         return goal
-
-    @staticmethod
-    def to(position: Position) -> Goal:
-        """Go to a position."""
-        return Goal.travel(lambda session: session.run_to(position))

@@ -1,19 +1,19 @@
-"""What a client launches: the arguments of `launch`, checked, as something that can be debugged."""
+"""What a client launches: the arguments of `launch`, checked, and the run that they describe."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from elitescript.dap.messages import WRONG_ARGUMENTS, Arguments, RequestError
-from elitescript.debugger.api import Output
+from elitescript.dap.sources import Sources
+from elitescript.debugger.api import BreakpointState, LineBreakpoint, Output, Place
 from elitescript.debugger.session import DebugSession
 from elitescript.debugger.source import ProgramSource, Source
 from elitescript.environment.start_values import check_presets, parse_settings
 from elitescript.errors import did_you_mean
 from elitescript.kernel.options import OPTIONS, accept
-from elitescript.language.diagnostics import Diagnostic
 from elitescript.messages.signals import SIGNALS, Value
 
 RENAMED: Final = {"robot": "model"}
@@ -21,55 +21,79 @@ RENAMED: Final = {"robot": "model"}
 OWN: Final = ("program", "world", "set", "until", "taskDir", "stopOnEntry", "stopOnEnd", "noDebug", *RENAMED)
 
 
-class Launch:
+class Launched:
     """What is debugged, and how it begins.
+
+    Implements `Debuggee`.
 
     Args:
         arguments: of `launch`.
+        sources: takes note of its texts.
+        on_output: receives what the run says.
 
     Raises:
         RequestError: an argument that makes no sense.
-        UsageError: likewise.
+        ProgramError: the program does not compile.
+        ElitescriptError: the robot, the world or an option is wrong.
 
     Attributes:
         arguments: as they were given.
-        program: path of the program, or name of its text.
+        advice: arguments that are probably misspelt, in words.
+        name: path of the program.
+        no_debug: run it without stops.
+        problems: what was found in the program.
+        session: the run.
+        start_method: `launch`.
         stop_on_entry: stop before the first statement.
         stops_on_end: stay when the program has ended, so that one can go back.
-        no_debug: run it without stops.
-        advice: arguments that are probably misspelt, in words.
-        problems: what was found in the program when it was last read.
     """
 
-    __slots__ = ("_source", "advice", "arguments", "no_debug", "problems", "program", "stop_on_entry", "stops_on_end")
+    __slots__ = (
+        "_source",
+        "_sources",
+        "advice",
+        "arguments",
+        "name",
+        "no_debug",
+        "problems",
+        "session",
+        "start_method",
+        "stop_on_entry",
+        "stops_on_end",
+    )
 
-    def __init__(self, arguments: Arguments) -> None:
-        self.arguments = arguments
-        self.program = arguments.text("program")
-        if not self.program:
+    def __init__(self, arguments: Arguments, sources: Sources, on_output: Callable[[Output], None]) -> None:
+        program = arguments.text("program")
+        if not program:
             arguments.refuse("program", "the path of a program", "")
+        self.arguments = arguments
+        self.start_method = "launch"
         self.stop_on_entry = arguments.flag("stopOnEntry")
         self.no_debug = arguments.flag("noDebug")
         self.stops_on_end = arguments.flag("stopOnEnd") and not self.no_debug
         self.advice = _advice(arguments)
-        self.problems: tuple[Diagnostic, ...] = ()
-        self._source = _source(arguments, self.program)
+        self._source = _source(arguments, program)
+        self._sources = sources
+        self.name = self._source.name
+        self.problems = self._source.problems
+        sources.found(self.name, self.name)
+        self.session = DebugSession(self._source, on_output, forks=os.name == "posix")
 
-    @property
-    def text(self) -> str:
-        """The program as it was read."""
+    def texts(self) -> list[str]:
+        """Return the names of its texts."""
+        return [self.name]
+
+    def text_of(self, name: str) -> str:
+        """Return a text by its name."""
         return self._source.text
 
-    def session(self, on_output: Callable[[Output], None]) -> DebugSession:
-        """Return a debugged run that has not begun.
+    def set_lines(self, source: Arguments, requests: Sequence[LineBreakpoint]) -> tuple[BreakpointState, ...] | None:
+        """Replace the breakpoints of the program; None for any other text."""
+        return self.session.set_breakpoints(requests) if self._sources.named(source) == self.name else None
 
-        Raises:
-            ProgramError: the program does not compile.
-            ElitescriptError: the robot, the world or an option is wrong.
-        """
-        session = DebugSession(self._source, on_output, forks=os.name == "posix")
-        self.problems = session.problems
-        return session
+    def places(self, source: Arguments, line: int, end_line: int) -> tuple[Place, ...]:
+        """Return the statements that begin in lines of the program, the last line included."""
+        return self.session.breakpoint_locations(line, end_line) if self._sources.named(source) == self.name else ()
 
 
 def _source(arguments: Arguments, program: str) -> Source:

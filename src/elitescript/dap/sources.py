@@ -1,4 +1,4 @@
-"""Texts of programs, as a client finds them: by path, or by a number if no file has them."""
+"""Texts of programs, as a client finds them: by the path of their file, or by a number if no file has them."""
 
 from __future__ import annotations
 
@@ -9,39 +9,40 @@ from elitescript.dap.messages import Arguments, Body
 
 
 class Sources:
-    """Gives texts without a file a number, from 1."""
+    """Knows which texts have a file here; the others get a number, from 1."""
 
-    __slots__ = ("_texts",)
+    __slots__ = ("_numbered", "_paths")
 
     def __init__(self) -> None:
-        self._texts: dict[str, str] = {}
+        self._numbered: list[str] = []
+        self._paths: dict[str, str] = {}
 
-    def add(self, name: str, text: str) -> None:
-        """Note a text without a file."""
-        self._texts[name] = text
+    def found(self, name: str, path: str) -> None:
+        """Note the file of a text."""
+        self._paths[name] = str(Path(path).absolute())
 
     def shown(self, name: str) -> Body:
         """Return the `Source` of a text."""
-        if name in self._texts:
-            return {"name": name, "sourceReference": list(self._texts).index(name) + 1}
-        return {"name": Path(name).name, "path": str(Path(name).absolute())}
+        if path := self._paths.get(name):
+            return {"name": Path(path).name, "path": path}
+        if name not in self._numbered:
+            self._numbered.append(name)
+        return {"name": name, "sourceReference": self._numbered.index(name) + 1}
 
-    def text(self, reference: int) -> str | None:
-        """Return a text by its number; None if there is none."""
-        return dict(enumerate(self._texts.values(), 1)).get(reference)
-
-    def is_named(self, source: Arguments, name: str) -> bool:
-        """Return whether a `Source` of a client is the text of this name."""
+    def named(self, source: Arguments) -> str | None:
+        """Return the name of the text that a `Source` of a client is; None for a file that is none of them."""
         if reference := source.number("sourceReference", 0):
-            return list(self._texts)[reference - 1 : reference] == [name]
-        path = source.text("path", "")
-        if not path or name in self._texts:
-            return bool(path) and path == name
-        return _key(path) == _key(name)
+            return self.numbered(reference)
+        key = _key(source.text("path", ""))
+        return next((name for name, path in self._paths.items() if _key(path) == key), None)
+
+    def numbered(self, reference: int) -> str | None:
+        """Return the name of the text with a number; None if there is none."""
+        return next(iter(self._numbered[reference - 1 : reference]), None)
 
 
 def _key(path: str) -> str:
     try:
-        return os.path.normcase(Path(path).resolve())
+        return os.path.normcase(Path(path).resolve()) if path else ""
     except (OSError, ValueError, RuntimeError):
         return path

@@ -38,7 +38,7 @@ class Incoming:
         descriptor: where to read.
     """
 
-    __slots__ = ("_descriptor", "_messages", "_poll", "_rest")
+    __slots__ = ("_calls", "_descriptor", "_messages", "_poll", "_rest", "_wake", "_woken")
 
     def __init__(self, descriptor: int) -> None:
         self._descriptor = descriptor
@@ -46,6 +46,8 @@ class Incoming:
         self._rest = b""
         self._poll = select.poll()
         self._poll.register(descriptor, select.POLLIN | select.POLLHUP)
+        self._calls: SimpleQueue[Callable[[], None]] = SimpleQueue()
+        self._woken, self._wake = os.pipe()
 
     def begin(self, interrupt: Callable[[], None]) -> None:
         """Have a function called in this thread when requests may have arrived: the parent sends a signal with each."""
@@ -58,12 +60,22 @@ class Incoming:
             EOFError: there will be none.
         """
         while not self._messages:
-            data = os.read(self._descriptor, READ_BYTES)
-            if not data:
-                raise EOFError
-            *lines, self._rest = (self._rest + data).split(b"\n")
-            self._messages.extend(from_text(line) for line in lines)
+            readable, _, _ = select.select([self._descriptor, self._woken], [], [])
+            if self._woken in readable:
+                os.read(self._woken, 1)
+                self._calls.get()()
+            if self._descriptor in readable:
+                data = os.read(self._descriptor, READ_BYTES)
+                if not data:
+                    raise EOFError
+                *lines, self._rest = (self._rest + data).split(b"\n")
+                self._messages.extend(from_text(line) for line in lines)
         return self._messages.popleft()
+
+    def post(self, call: Callable[[], None]) -> None:
+        """Have something called in the thread of `next`, while it waits. May be called from any thread."""
+        self._calls.put(call)
+        os.write(self._wake, b"!")
 
     def has_next(self) -> bool:
         """Return whether `next` returns at once."""
@@ -77,7 +89,7 @@ class ThreadedIncoming:
 
     def __init__(self, descriptor: int) -> None:
         self._descriptor = descriptor
-        self._messages: SimpleQueue[Message | None] = SimpleQueue()
+        self._messages: SimpleQueue[Message | Callable[[], None] | None] = SimpleQueue()
 
     def begin(self, interrupt: Callable[[], None]) -> None:
         """Have a function called in the main thread when requests have arrived."""
@@ -90,10 +102,15 @@ class ThreadedIncoming:
         Raises:
             EOFError: there will be none.
         """
-        message = self._messages.get()
+        while callable(message := self._messages.get()):
+            message()
         if message is None:
             raise EOFError
         return message
+
+    def post(self, call: Callable[[], None]) -> None:
+        """Have something called in the thread of `next`, while it waits. May be called from any thread."""
+        self._messages.put(call)
 
     def has_next(self) -> bool:
         """Return whether `next` returns at once."""

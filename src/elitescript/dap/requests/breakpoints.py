@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Final
+from collections.abc import Callable, Sequence
+from typing import Any, Final
 
 from elitescript.dap.adapter import Adapter
+from elitescript.dap.breakpoints import DATA, FUNCTIONS, LINES, Apply
 from elitescript.dap.handler import WITH_PROGRAM, Handler, State, WhileRunning
 from elitescript.dap.messages import WRONG_ARGUMENTS, Arguments, Body, RequestError
 from elitescript.debugger.api import EXCEPTION_FILTERS, DataBreakpoint, FunctionBreakpoint, LineBreakpoint
@@ -32,12 +33,13 @@ def set_breakpoints(adapter: Adapter, arguments: Arguments) -> Body:
         )
         for item in items
     ]
-    program = adapter.program
-    if not adapter.sources.is_named(source, program):
+    key = f"{LINES}{source.text('path', '')}#{source.number('sourceReference', 0)}"
+    bodies = adapter.breakpoints.set(
+        adapter.debuggee, client, key, requests, lambda debuggee, requests: debuggee.set_lines(source, requests)
+    )
+    if bodies is None:
         return {"breakpoints": [{"verified": False, "message": OTHER_TEXT, "reason": "failed"} for _ in requests]}
-    bodies = adapter.breakpoints.set(adapter.session, client, LineBreakpoint, requests)
-    shown = adapter.sources.shown(program)
-    return {"breakpoints": [{**body, "source": shown} for body in bodies]}
+    return {"breakpoints": [{**body, "source": source.data} for body in bodies]}
 
 
 def breakpoint_locations(adapter: Adapter, arguments: Arguments) -> Body:
@@ -45,9 +47,7 @@ def breakpoint_locations(adapter: Adapter, arguments: Arguments) -> Body:
     source, client = arguments.inner("source"), adapter.client
     line = client.line_from(arguments.number("line"))
     end_line = client.line_from(arguments.number("endLine")) if arguments.has("endLine") else line
-    if not adapter.sources.is_named(source, adapter.program):
-        return {"breakpoints": []}
-    places = adapter.session.breakpoint_locations(line, end_line)
+    places = adapter.debuggee.places(source, line, end_line)
     return {"breakpoints": [client.place(*place) for place in places]}
 
 
@@ -57,7 +57,7 @@ def set_function_breakpoints(adapter: Adapter, arguments: Arguments) -> Body:
         FunctionBreakpoint(item.text("name"), item.text("condition", ""), item.text("hitCondition", ""))
         for item in arguments.items("breakpoints")
     ]
-    return {"breakpoints": adapter.breakpoints.set(adapter.session, adapter.client, FunctionBreakpoint, requests)}
+    return _set(adapter, FUNCTIONS, requests, lambda it, requests: it.session.set_function_breakpoints(requests))
 
 
 def data_breakpoint_info(adapter: Adapter, arguments: Arguments) -> Body:
@@ -79,7 +79,11 @@ def set_data_breakpoints(adapter: Adapter, arguments: Arguments) -> Body:
         if (access := item.text("accessType", "write")) != "write":
             item.refuse("accessType", "'write': reading changes nothing", access)
         requests.append(DataBreakpoint(item.text("dataId"), item.text("condition", ""), item.text("hitCondition", "")))
-    return {"breakpoints": adapter.breakpoints.set(adapter.session, adapter.client, DataBreakpoint, requests)}
+    return _set(adapter, DATA, requests, lambda it, requests: it.session.set_data_breakpoints(requests))
+
+
+def _set(adapter: Adapter, key: str, requests: Sequence[Any], apply: Apply) -> Body:
+    return {"breakpoints": adapter.breakpoints.set(adapter.debuggee, adapter.client, key, requests, apply)}
 
 
 def set_exception_breakpoints(adapter: Adapter, arguments: Arguments) -> Body:

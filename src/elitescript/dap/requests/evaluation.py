@@ -22,11 +22,10 @@ _WORD: Final = re.compile(r"[^\W\d]\w*\Z")
 def evaluate(adapter: Adapter, arguments: Arguments) -> Body:
     """Return the value of an expression. Only what is typed into the console may change anything."""
     may_change = arguments.text("context", "") in CONTEXTS_THAT_CHANGE
-    before = adapter.session.furthest
     found = adapter.session.evaluate(
         arguments.text("expression"), arguments.number("frameId", 0), may_change=may_change
     )
-    if may_change and adapter.session.furthest != before:
+    if may_change:
         adapter.changed("variables", "stacks", "threads")
     return {"result": found.value, **about(found, adapter.client)}
 

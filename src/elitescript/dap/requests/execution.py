@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable
 from typing import Final
 
 from elitescript.dap.adapter import Adapter
 from elitescript.dap.goals import Goal
 from elitescript.dap.handler import BEGUN, STANDING, Handler, State, WhileRunning
 from elitescript.dap.messages import REFUSED, Arguments, Body, RequestError
-from elitescript.debugger.api import Position, Stop
+from elitescript.debugger.api import Position
 from elitescript.debugger.session import DebugSession
 from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
@@ -31,37 +30,37 @@ def continue_(adapter: Adapter, arguments: Arguments) -> Body:
 
 def next_(adapter: Adapter, arguments: Arguments) -> None:
     """Go on to the next statement of the same call."""
-    _step(adapter, arguments, DebugSession.next)
+    _step(adapter, arguments, "next")
 
 
 def step_in(adapter: Adapter, arguments: Arguments) -> None:
     """Go on to the next statement, also in a function that is called; in that of `targetId` alone, if it is given."""
     if not arguments.has("targetId"):
-        _step(adapter, arguments, DebugSession.step_in)
+        _step(adapter, arguments, "step_in")
         return
     name = adapter.references.get(arguments.number("targetId"))
     if not isinstance(name, str):
         arguments.refuse("targetId", "one of the last `stepInTargets`", arguments.data["targetId"])
     thread = _thread(adapter, arguments)
-    adapter.go(Goal.travel(lambda session: adapter.breakpoints.step_into(session, thread, name)))
+    adapter.travel(lambda session: adapter.breakpoints.step_into(session, thread, name))
 
 
 def step_out(adapter: Adapter, arguments: Arguments) -> None:
     """Go on until the present function has been left."""
-    _step(adapter, arguments, DebugSession.step_out)
+    _step(adapter, arguments, "step_out")
 
 
 def step_back(adapter: Adapter, arguments: Arguments) -> None:
     """Go back to the previous statement of the thread, over calls."""
     _granularity(arguments)
     thread = _thread(adapter, arguments)
-    adapter.go(Goal.travel(lambda session: session.step_back(thread)))
+    adapter.travel(lambda session: session.step_back(thread))
 
 
 def reverse_continue(adapter: Adapter, arguments: Arguments) -> None:
     """Go back to the last hit of a breakpoint, else to the start."""
     _thread(adapter, arguments)
-    adapter.go(Goal.travel(DebugSession.reverse))
+    adapter.travel(DebugSession.reverse)
 
 
 def pause(adapter: Adapter, arguments: Arguments) -> None:
@@ -74,17 +73,17 @@ def pause(adapter: Adapter, arguments: Arguments) -> None:
 def step_in_targets(adapter: Adapter, arguments: Arguments) -> Body:
     """Return the functions of the program that the statement of a frame calls."""
     frame = adapter.frame(arguments.number("frameId"))
-    calls = _calls(adapter.text_of(frame.source), frame.line, frame.end_line)
+    calls = _calls(adapter.debuggee.text_of(frame.source), frame.line, frame.end_line)
     return {"targets": [{"id": adapter.refer_to(name), "label": f"{name}()"} for name in calls]}
 
 
 def goto_targets(adapter: Adapter, arguments: Arguments) -> Body:
     """Return earlier and later moments at which a line was about to run: going there is going in history."""
     line = adapter.client.line_from(arguments.number("line"))
-    if not adapter.sources.is_named(arguments.inner("source"), adapter.program):
+    if adapter.sources.named(arguments.inner("source")) != adapter.debuggee.name:
         return {"targets": []}
-    now = adapter.session.stop.position
-    passes = [position for position in adapter.session.passes(line) if position != now]
+    now = adapter.stop.position
+    passes = [position for position in adapter.run.passes(line) if position != now]
     near = sorted(passes, key=lambda position: abs(position.statement - now.statement))[:GOTO_MAX]
     targets = []
     for position in sorted(near):
@@ -101,12 +100,12 @@ def goto(adapter: Adapter, arguments: Arguments) -> None:
     position = adapter.references.get(arguments.number("targetId"))
     if not isinstance(position, Position):
         arguments.refuse("targetId", "one of the last `gotoTargets`", arguments.data["targetId"])
-    adapter.go(Goal.to(position))
+    adapter.travel(lambda session: session.run_to(position))
 
 
-def _step(adapter: Adapter, arguments: Arguments, kind: Callable[[DebugSession, int], Stop]) -> None:
+def _step(adapter: Adapter, arguments: Arguments, how: str) -> None:
     _granularity(arguments)
-    adapter.go(Goal.step(kind, adapter.session, _thread(adapter, arguments)))
+    adapter.go(Goal.step(how, adapter.session, _thread(adapter, arguments)))
 
 
 def _granularity(arguments: Arguments) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Final
 
 from elitescript.dap.adapter import Adapter
-from elitescript.dap.goals import Goal
 from elitescript.dap.handler import STANDING, Handler, State
 from elitescript.dap.messages import WRONG_ARGUMENTS, Arguments, Body, RequestError
 from elitescript.debugger.api import Change, Position
@@ -24,21 +23,21 @@ def goto(adapter: Adapter, arguments: Arguments) -> None:
         raise RequestError(WRONG_ARGUMENTS, "elitescript/goto: give one of tick, t and statement")
     if given == ["tick"]:
         tick = arguments.number("tick")
-        adapter.go(Goal.travel(lambda session: session.run_to_tick(tick)))
+        adapter.travel(lambda session: session.run_to_tick(tick))
     elif given == ["t"]:
         time_s = arguments.real("t")
         if not 0.0 <= time_s <= 1e9:
             arguments.refuse("t", "a time in s, 0 or more", time_s)
-        adapter.go(Goal.travel(lambda session: session.run_to_time(time_s)))
+        adapter.travel(lambda session: session.run_to_time(time_s))
     else:
         statement = arguments.number("statement", least=1)
-        adapter.go(Goal.travel(lambda session: session.run_to_statement(statement)))
+        adapter.travel(lambda session: session.run_to_statement(statement))
 
 
 def history(adapter: Adapter, arguments: Arguments) -> Body:
     """Return every change of a variable or a signal, with what has made it."""
     name, function = arguments.text("name"), arguments.text("function", "")
-    changes = adapter.session.history(name, function=function)
+    changes = adapter.run.history(name, function=function)
     return {"changes": [_change(adapter, change) for change in changes]}
 
 
@@ -53,7 +52,7 @@ def _change(adapter: Adapter, change: Change) -> Body:
         "statement": change.position.statement,
     }
     if change.line:
-        body["source"] = adapter.sources.shown(adapter.program)
+        body["source"] = adapter.sources.shown(adapter.debuggee.name)
         body.update(adapter.client.place(change.line, 0))
     if change.cause is not None:
         body["cause"] = _position(change.cause)

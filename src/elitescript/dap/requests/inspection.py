@@ -79,7 +79,7 @@ def about(variable: Variable, client: ClientSettings) -> Body:
 def exception_info(adapter: Adapter, arguments: Arguments) -> Body:
     """Return the alarm or the warning at which the program has stopped."""
     arguments.number("threadId")
-    found = adapter.session.stop.exception
+    found = adapter.stop.exception
     if found is None:
         raise RequestError(REFUSED, "the program has not stopped at an alarm or a warning")
     text = f"{found.text}\nhint: {found.hint}" if found.hint else found.text

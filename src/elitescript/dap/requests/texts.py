@@ -11,20 +11,16 @@ from elitescript.dap.messages import REFUSED, Arguments, Body, RequestError
 
 def loaded_sources(adapter: Adapter, _: Arguments) -> Body:
     """Return the texts that are debugged."""
-    return {"sources": [adapter.sources.shown(name) for name in adapter.programs()]}
+    return {"sources": [adapter.sources.shown(name) for name in adapter.debuggee.texts()]}
 
 
 def source(adapter: Adapter, arguments: Arguments) -> Body:
     """Return a text: as it was when it was launched."""
-    given = arguments.inner("source")
     reference = arguments.number("sourceReference", 0)
-    text = adapter.sources.text(reference) if reference else None
-    if text is None:
-        named = next((name for name in adapter.programs() if adapter.sources.is_named(given, name)), "")
-        text = adapter.text_of(named) if named else None
-    if text is None:
+    name = adapter.sources.numbered(reference) or adapter.sources.named(arguments.inner("source"))
+    if name is None:
         raise RequestError(REFUSED, "there is no such text")
-    return {"content": text}
+    return {"content": adapter.debuggee.text_of(name)}
 
 
 HANDLERS: Final = {
