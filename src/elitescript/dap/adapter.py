@@ -19,6 +19,7 @@ from elitescript.dap.debuggee import Debuggee, Session
 from elitescript.dap.goals import Goal
 from elitescript.dap.handler import LATER, Handler, State, WhileRunning
 from elitescript.dap.messages import (
+    ENDED,
     FAULT,
     IS_RUNNING,
     OUT_OF_ORDER,
@@ -77,6 +78,7 @@ class Adapter:
         client: what the client understands.
         sources: texts without a file.
         breakpoints: what it has set.
+        frames: the calls that it was shown since the program stopped, by their numbers.
         references: what it can point to by a number until the program goes on: targets of `goto` and `stepIn`.
     """
 
@@ -96,6 +98,7 @@ class Adapter:
         "_threads",
         "breakpoints",
         "client",
+        "frames",
         "references",
         "sources",
         "state",
@@ -129,6 +132,7 @@ class Adapter:
         self._debuggee: Debuggee | None = None
         self.sources = Sources()
         self.breakpoints = Breakpoints()
+        self.frames: dict[int, Frame] = {}
         self.references: dict[int, Any] = {}
 
     # ---------------------------------------------------------------- requests
@@ -278,6 +282,10 @@ class Adapter:
             leaves_paused: let it stay paused.
         """
         self._goal = None
+        if self._opening is not None:
+            opening, self._opening = self._opening, None
+            error = RequestError(ENDED, "the session was ended before configurationDone")
+            self.send(error_response(opening["seq"], opening["command"], error))
         if self.state is State.ENDED or self._debuggee is None:
             self.state = State.ENDED
             return
@@ -292,18 +300,6 @@ class Adapter:
                 self.event("exited", {"exitCode": exit_code})
             self.event("terminated")
 
-    def frame(self, number: int) -> Frame:
-        """Return a call by its number.
-
-        Raises:
-            RequestError: it is none of the stopped program.
-        """
-        for thread in self._threads:
-            for frame in self.session.stack(thread):
-                if frame.id == number:
-                    return frame
-        raise RequestError(REFUSED, f"there is no frame {number} any more")
-
     def refer_to(self, target: object) -> int:
         """Return a number for something that a later request names, until the program goes on."""
         self.references[len(self.references) + 1] = target
@@ -315,6 +311,7 @@ class Adapter:
         """Let the program go on; to a stop, which is reported, if it is run here."""
         self._goal, self._running = None, goal
         self.references.clear()
+        self.frames.clear()
         session = self.session
         if not isinstance(session, DebugSession):
             self._go_on_elsewhere(session, goal)
@@ -362,6 +359,9 @@ class Adapter:
             self.close(EXIT_CODES.get(stop.result, 1))
             return
         threads = {thread.id: thread.name for thread in self.session.threads()}
+        if stop.reason == END:
+            # What a client goes back from.
+            threads = {MAIN_THREAD: "main"}
         self._report_threads(threads)
         body: Body = {"reason": stop.reason, "description": stop.text, "allThreadsStopped": True}
         if thread := stop.thread or next(iter(threads), 0):

@@ -773,7 +773,8 @@ def _merged(stops: list[Stop]) -> Stop:
     return replace(best, hits=hits, changes=changes) if len(stops) > 1 else best
 
 
-_WEIGHT: Final = {EXCEPTION: 0, BREAKPOINT: 1, DATA_BREAKPOINT: 1, PAUSE: 2, STEP: 3, GOTO: 4}
+_WEIGHT: Final = {EXCEPTION: 0, BREAKPOINT: 1, DATA_BREAKPOINT: 1, STEP: 3, GOTO: 4, PAUSE: 5}
+"""A pause comes last: where something else stops the run too, that is what its caller waits for."""
 
 _END_TEXTS: Final = {
     "finished": "the program has finished",

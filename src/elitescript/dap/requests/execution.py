@@ -72,7 +72,9 @@ def pause(adapter: Adapter, arguments: Arguments) -> None:
 
 def step_in_targets(adapter: Adapter, arguments: Arguments) -> Body:
     """Return the functions of the program that the statement of a frame calls."""
-    frame = adapter.frame(arguments.number("frameId"))
+    frame = adapter.frames.get(arguments.number("frameId"))
+    if frame is None:
+        arguments.refuse("frameId", "that of a call of the stopped program", arguments.data["frameId"])
     calls = _calls(adapter.debuggee.text_of(frame.source), frame.line, frame.end_line)
     return {"targets": [{"id": adapter.refer_to(name), "label": f"{name}()"} for name in calls]}
 

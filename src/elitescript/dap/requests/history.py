@@ -7,7 +7,7 @@ from typing import Final
 from elitescript.dap.adapter import Adapter
 from elitescript.dap.handler import STANDING, Handler, State
 from elitescript.dap.messages import WRONG_ARGUMENTS, Arguments, Body, RequestError
-from elitescript.debugger.api import Change, Position
+from elitescript.debugger.api import BEFORE_STATEMENT, Change, Position
 
 
 def state(adapter: Adapter, _: Arguments) -> Body:
@@ -31,7 +31,8 @@ def goto(adapter: Adapter, arguments: Arguments) -> None:
         adapter.travel(lambda session: session.run_to_time(time_s))
     else:
         statement = arguments.number("statement", least=1)
-        adapter.travel(lambda session: session.run_to_statement(statement))
+        position = Position(statement, 0, 0, BEFORE_STATEMENT)
+        adapter.travel(lambda session: session.run_to(position))
 
 
 def history(adapter: Adapter, arguments: Arguments) -> Body:

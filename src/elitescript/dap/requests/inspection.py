@@ -8,7 +8,7 @@ from elitescript.dap.adapter import Adapter
 from elitescript.dap.client import ClientSettings
 from elitescript.dap.handler import BEGUN, STANDING, Handler, State, WhileRunning
 from elitescript.dap.messages import REFUSED, Arguments, Body, RequestError
-from elitescript.debugger.api import Frame, Variable
+from elitescript.debugger.api import END, Frame, Variable
 
 FILTERS: Final = ("", "named", "indexed")
 
@@ -21,7 +21,9 @@ def threads(adapter: Adapter, _: Arguments) -> Body:
 def stack_trace(adapter: Adapter, arguments: Arguments) -> Body:
     """Return the calls of a thread, the innermost one first, or a part of them."""
     start, levels = arguments.number("startFrame", 0), arguments.number("levels", 0)
-    frames = adapter.session.stack(arguments.number("threadId"))
+    thread = arguments.number("threadId")
+    frames = () if adapter.stop.reason == END else adapter.session.stack(thread)
+    adapter.frames |= {frame.id: frame for frame in frames}
     shown = frames[start : start + levels if levels else None]
     return {"stackFrames": [_frame(adapter, frame) for frame in shown], "totalFrames": len(frames)}
 
