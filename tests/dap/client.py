@@ -211,6 +211,15 @@ class Client:
         self.request("disconnect")
         self.check_answers()
 
+    def disconnect_among_others(self) -> None:
+        """End the session while requests wait for their answers, and check that each got one."""
+        seq = self.send("disconnect")
+        while seq not in self.answers:
+            assert self.pump()
+        self.answers.pop(0, None)
+        for number, command in self.commands.items():
+            assert number in self.answers, f"{command} got no answer"
+
     def check_answers(self) -> None:
         for seq, command in self.commands.items():
             assert len(self.answers.get(seq, ())) == 1, f"{command} got {len(self.answers.get(seq, ()))} answers"

@@ -120,16 +120,17 @@ class TestRunningPrograms:
             running(client, tmp_path / "cell.script", ENDLESS)
             with pytest.raises(Failed, match="notStopped"):
                 client.request("stackTrace", threadId=1)
+            client.set_breakpoints(tmp_path / "cell.script", 4)
+            assert client.stop()["body"]["reason"] == "breakpoint"
+            client.set_breakpoints(tmp_path / "cell.script")
             seen = []
             for _ in range(3):
+                client.request("continue", threadId=1)
                 client.request("pause", threadId=1)
                 assert client.stop()["body"]["reason"] == "pause"
                 seen.append(int(client.evaluate("x")))
-                client.request("continue", threadId=1)
             assert seen == sorted(seen)
             assert len(set(seen)) > 1
-            client.set_breakpoints(tmp_path / "cell.script", 4)
-            assert client.stop()["body"]["reason"] == "breakpoint"
             client.disconnect()
 
     def test_an_endless_one_is_ended(self, tmp_path):
