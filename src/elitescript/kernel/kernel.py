@@ -207,9 +207,7 @@ class Kernel:
         from elitescript.kernel.handlers import InputHandlers
 
         parts = RobotParts(self.options, self.model, self.profile, self.controller, self.host, self.popup, self.probe)
-        return InputHandlers(
-            parts, self._environment, self._faulty, has_logs=has_logs, debugging=self._debugging
-        )
+        return InputHandlers(parts, self._environment, self._faulty, has_logs=has_logs, debugging=self._debugging)
 
     @property
     def handlers(self) -> InputHandlers:
