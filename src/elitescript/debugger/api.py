@@ -24,7 +24,7 @@ AT_END: Final = "end"
 
 
 class Position(NamedTuple):
-    """A place in the history of a run; positions of one run compare as they follow each other.
+    """A place in the history of a run.
 
     Attributes:
         statement: statements of all threads that have begun, with the one that is next at a stop before it.
@@ -37,6 +37,17 @@ class Position(NamedTuple):
     events: int
     tick: int
     kind: str
+
+    def is_before(self, other: Position) -> bool:
+        """Return whether the run comes to this position before another one."""
+        return self._order < other._order
+
+    @property
+    def _order(self) -> tuple[int, int, int, int]:
+        return self.statement, self.events, self.tick, _ORDER.index(self.kind)
+
+
+_ORDER: Final = (BEFORE_STATEMENT, IN_STATEMENT, AFTER_TICK, AT_END)
 
 
 # ---------------------------------------------------------------- stops

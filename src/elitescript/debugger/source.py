@@ -7,12 +7,23 @@ and new devices each time. `ProgramSource` is a program as `elitescript run` tak
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
 from elitescript.controller.controller import Controller
+from elitescript.environment.program_file import source_of
+from elitescript.errors import ProgramError
+from elitescript.language.compiler import CompiledUnit
+from elitescript.language.diagnostics import Diagnostic
+from elitescript.language.options import Options
+from elitescript.language.parser import parse
+from elitescript.language.probes import STEPS_PROBES
+from elitescript.language.text.source import SourceFile
+from elitescript.lint.engine import check_parsed
 from elitescript.messages.events import Event
 from elitescript.messages.signals import Value
+from elitescript.robot import VirtualRobot
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.probe import Probe
 
@@ -47,7 +58,11 @@ class Source(Protocol):
     Attributes:
         name: of the program's text: its path.
         text: the program.
+        problems: what was found in it before it ran.
     """
+
+    @property
+    def problems(self) -> tuple[Diagnostic, ...]: ...
 
     @property
     def name(self) -> str: ...
@@ -90,6 +105,13 @@ class ProgramSource:
         lines: serial ports, as `VirtualRobot` takes them.
         task_dir: folder of the program's files; that of the program if None.
         options: of the robot, by their names: `model`, `firmware`, `joints`, `seed`, ...
+
+    Attributes:
+        problems: what was found in the program.
+
+    Raises:
+        ProgramError: the program does not compile, or is refused.
+        ElitescriptError: the robot, the world or an option is wrong.
     """
 
     def __init__(
@@ -104,4 +126,68 @@ class ProgramSource:
         lines: Mapping[str, str] | None = None,
         task_dir: str | Path | None = None,
         **options: Any,
-    ) -> None: ...
+    ) -> None:
+        source = source_of(Path(path)) if text is None else SourceFile(str(path), text)
+        self.name, self.text = source.name, source.text
+        self._presets = dict(presets or {})
+        self._until_s = until_s
+        self._levels = dict(levels or {})
+        if task_dir is None and text is None:
+            task_dir = Path(path).resolve().parent
+        self._robot = partial(VirtualRobot, task_dir=task_dir, world=world, lines=lines, **options)
+        robot = self._robot()
+        read = Options(strict=robot.options.strict, probes=STEPS_PROBES)
+        checked = check_parsed(parse(source, read), robot.profile, presets=self._presets, arm=robot.model)
+        self.problems = checked.problems
+        if checked.unit is None or checked.is_refused:
+            raise ProgramError(checked.problems)
+        self._unit = checked.unit
+
+    def begin(
+        self,
+        probe: Probe,
+        *,
+        on_event: Callable[[Event], None],
+        after_tick: Callable[[], None],
+        next_stop: Callable[[int], int | None],
+    ) -> ProgramExecution:
+        """See `Source.begin`."""
+        robot = self._robot(on_event=on_event, probe=probe)
+        robot.set_start(self._levels)
+        robot.next_stop = next_stop
+        probe.compiled(self._unit)
+        return ProgramExecution(robot, self._unit, self._presets, self._until_s, after_tick)
+
+
+class ProgramExecution:
+    """One execution of a `ProgramSource`."""
+
+    __slots__ = ("_after_tick", "_presets", "_robot", "_unit", "_until_s", "controller", "host")
+
+    def __init__(
+        self,
+        robot: VirtualRobot,
+        unit: CompiledUnit,
+        presets: Mapping[str, object],
+        until_s: float | None,
+        after_tick: Callable[[], None],
+    ) -> None:
+        self._robot: VirtualRobot | None = robot
+        self._unit = unit
+        self._presets = presets
+        self._until_s = until_s
+        self._after_tick = after_tick
+        self.controller = robot.controller
+        self.host = robot.host
+
+    def run(self) -> str:
+        """See `Execution.run`."""
+        robot, after_tick = self._robot, self._after_tick
+        assert robot is not None
+        robot.start(self._unit, presets=self._presets)
+        return str(robot.run_started(until_s=self._until_s, watch=lambda robot: after_tick()).state)
+
+    def close(self) -> None:
+        """See `Execution.close`."""
+        self.host.forget_threads()
+        self._robot = None

@@ -134,7 +134,7 @@ class Program:
 
     def monitor(self) -> dict[str, Any]:
         """Return the variable monitor: program globals that have a value, in the order of their first assignment."""
-        return {name: value for name, value in self.globals.own().items() if not isinstance(value, _NOT_SHOWN)}
+        return {name: value for name, value in self.globals.own().items() if is_shown(value)}
 
     def execute(self, statement: Statement, names: Any) -> None:
         """Run a statement of interpreter mode; `names` maps its variables."""
@@ -145,6 +145,10 @@ class Program:
     def value_of(self, code: CodeType) -> Any:
         """Evaluate a compiled expression; it sees the program globals and changes none by assignment."""
         return self._value(code, _Scope(self.globals.values, {}))
+
+    def value_in(self, code: CodeType, names: dict[str, Any]) -> Any:
+        """Evaluate a compiled expression with variables before the program globals."""
+        return self._value(code, _Scope(self.globals.values, names))
 
     def _value(self, code: CodeType, names: _Scope) -> Any:
         self.bindings.bind(code)
@@ -270,6 +274,11 @@ class Program:
 
             self._processes = ProcessTable()
         return self._processes
+
+
+def is_shown(value: object) -> bool:
+    """Return whether the variable monitor shows a value."""
+    return not isinstance(value, _NOT_SHOWN)
 
 
 class _LazyGenerator:
