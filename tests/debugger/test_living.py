@@ -147,7 +147,10 @@ def test_a_log_message_stops_nothing() -> None:
         output = living.until("output")["output"]
         texts += [output["text"]] if output["category"] == "console" else []
     n = living.n
-    assert texts == [f"n is {n - 1}, {{x}} <there is no variable 'y' here>", f"n is {n}, {{x}} <there is no variable 'y' here>"]
+    assert texts == [
+        f"n is {n - 1}, {{x}} <there is no variable 'y' here>",
+        f"n is {n}, {{x}} <there is no variable 'y' here>",
+    ]
     assert living.task is TaskState.PLAYING
 
 
@@ -419,7 +422,9 @@ def test_a_program_that_is_stopped_may_be_ended() -> None:
 def test_new_programs_get_the_breakpoints() -> None:
     living = Living()
     text = COUNT.replace("\n", "  \r\n")
-    (state,) = living.ask("set_breakpoints", requests=[{"line": 5}], path="/home/me/count.script", digest=digest_of(text))
+    (state,) = living.ask(
+        "set_breakpoints", requests=[{"line": 5}], path="/home/me/count.script", digest=digest_of(text)
+    )
     assert (state["verified"], state["message"]) == (False, "no program has it yet")
     living.run("def other():\n  a = 1\n  sync()\n  a = 2\n  a = 3\n  a = 4\nend\n")
     living.tick(count=20)
@@ -500,3 +505,67 @@ def test_requests_that_make_no_sense_are_refused(text: str) -> None:
     living.tick(Debug("ctl#1/1", "ctl#1", text))
     (reply,) = living.last.replies
     assert isinstance(reply.outcome, Refused) and reply.outcome.reason
+
+
+def test_changes_at_a_stop() -> None:
+    living = Living()
+    living.run(FUNCTIONS)
+    living.ask("set_breakpoints", requests=[{"line": 4}])
+    living.stop()
+    (inner, outer) = living.ask("stack", thread=1)
+    (scope, *_) = living.ask("scopes", frame=inner["id"])
+    assert living.ask("set_variable", reference=scope["reference"], name="k", text="40 + 2")["value"] == "42"
+    (inner, outer) = living.ask("stack", thread=1)
+    assert living.ask("evaluate", text="k", frame=inner["id"])["value"] == "42"
+    assert living.ask("set_expression", target="k", text="2", frame=outer["id"])["value"] == "2"
+    (inner, outer) = living.ask("stack", thread=1)
+    assert living.ask("evaluate", text="set_standard_digital_out(6, True)", frame=inner["id"], may_change=True)
+    assert living.kernel.controller.read("standard_digital_out", 6) is True
+    assert living.task is TaskState.PAUSED
+    living.ask("resume")
+    stop = living.stop()
+    (inner, _) = living.ask("stack", thread=1)
+    assert (stop["line"], living.ask("evaluate", text="k", frame=inner["id"])["value"]) == (4, "3")
+
+
+def test_nothing_that_a_user_runs_may_wait() -> None:
+    living = Living()
+    living.run()
+    living.ask("set_breakpoints", requests=[{"line": 6}])
+    living.stop()
+    (frame,) = living.ask("stack", thread=1)
+    for text in ("sleep(1)", "movej([0, -1.5, 0, -1.5, 0, 0])", "[0 for k in iter(int, 1)]", "sync()"):
+        answer = living.ask("evaluate", text=text, frame=frame["id"], may_change=True)
+        assert str(answer).startswith("refused: "), text
+        (frame,) = living.ask("stack", thread=1)
+    assert living.rests()
+    living.ask("resume")
+    assert living.stop()["line"] == 6
+
+
+def test_signals_are_set_at_any_time() -> None:
+    living = Living()
+    assert living.ask("set_signal", name="standard_digital_in[3]", text="True")["value"] == "True"
+    assert living.kernel.controller.read("standard_digital_in", 3) is True
+    assert living.ask("set_signal", name="standard_digital_in[99]", text="True").startswith("refused: ")
+    living.run()
+    assert living.ask("set_signal", name="input_float_register[1]", text="1.5")["value"] == "1.5"
+    assert living.task is TaskState.PLAYING
+
+
+def test_what_can_be_watched() -> None:
+    living = Living()
+    living.run()
+    assert living.ask("data_breakpoint_info", name="standard_digital_in[3]")["data_id"] == "standard_digital_in[3]"
+    assert living.ask("data_breakpoint_info", name="n >")["data_id"] is None
+    living.ask("pause")
+    scopes = living.ask("scopes", frame=0)
+    assert living.ask("data_breakpoint_info", name="n", reference=scopes[0]["reference"])["data_id"] == "n"
+
+
+def test_breakpoint_locations() -> None:
+    living = Living()
+    assert living.ask("breakpoint_locations", line=5) == []
+    living.run()
+    places = living.ask("breakpoint_locations", line=5, end_line=6)
+    assert [(place["line"], place["column"]) for place in places] == [(5, 5), (6, 5)]

@@ -48,6 +48,8 @@ from elitescript.debugger.api import (
     ThreadInfo,
     Variable,
 )
+from elitescript.debugger.inputs import Input as UserChange
+from elitescript.debugger.inputs import apply_input
 from elitescript.debugger.living_breakpoints import Breakpoint, LivingBreakpoints, Text
 from elitescript.debugger.looking import CallFrame, Look, Names
 from elitescript.debugger.places import Places
@@ -184,6 +186,9 @@ class LivingDebugger:
             result = getattr(self, name)(**wire.arguments_of(getattr(LivingDebugger, name), arguments))
         except (DebugError, ScriptError, UsageError) as error:
             self._reply(item.origin, Refused(str(error)))
+        except Exception as error:
+            # A robot does not end by a mistake of its debugger.
+            self._reply(item.origin, Refused(f"a mistake of ours, please report it: {type(error).__name__}: {error}"))
         else:
             self._reply(item.origin, Debugged(json.dumps({"result": wire.written(result)})))
         self._watch()
@@ -203,6 +208,7 @@ class LivingDebugger:
         if isinstance(event, TaskStateChanged) and event.state is TaskState.STOPPED:
             self._let_go()
             self._step = None
+            self._news.clear()
             self._tell("ended", result=event.ending)
         elif isinstance(event, SignalChanged):
             self._signal_changed(event)
@@ -313,7 +319,7 @@ class LivingDebugger:
             if text.is_of(path, digest):
                 return tuple(
                     Place(item.line, item.column, item.end_line, item.end_column)
-                    for item in text.table.statements
+                    for item in text.unit.statements
                     if line <= item.line <= max(line, end_line)
                 )
         return ()
@@ -359,11 +365,62 @@ class LivingDebugger:
         """Return what a scope or a value holds; see `DebugSession.variables`."""
         return self._stopped_look.variables(reference, kind, start, count)
 
-    def evaluate(self, text: str, frame: int = 0) -> Variable:
-        """Return the value of an expression, which changes nothing; without a frame also while the program runs."""
-        look = self._stopped_look if frame else self._look_now or self._fresh_look()
+    def evaluate(self, text: str, frame: int = 0, may_change: bool = False) -> Variable:
+        """Return the value of an expression; without a frame and changes also while the program runs.
+
+        Args:
+            text: an expression; with `may_change` also statements.
+            frame: whose variables it sees; 0 for program globals alone.
+            may_change: let it change the program and the robot. Nothing in it may wait.
+        """
+        look = self._stopped_look if frame or may_change else self._look_now or self._fresh_look()
         call = look.call(frame)
-        return look.variable(text, look.value(text, call), call, text)
+        try:
+            value = look.value(text, call)
+        except DebugError:
+            if not may_change:
+                raise
+            return self._changed_variable(text, self._change_by(call, "", text))
+        return look.variable(text, value, call, text)
+
+    def set_variable(self, reference: int, name: str, text: str) -> Variable:
+        """Set a child of a scope or of a value to the value of an expression."""
+        target, call = self._stopped_look.expression_of(reference, name)
+        return self._changed_variable(name, self._change_by(call, target, text))
+
+    def set_expression(self, target: str, text: str, frame: int = 0) -> Variable:
+        """Assign the value of an expression to a variable, an item or a signal; without a frame at any time."""
+        look = self._stopped_look if frame else self._look_now or self._fresh_look()
+        return self._changed_variable(target, self._change_by(look.call(frame), target, text))
+
+    def set_signal(self, name: str, text: str) -> Variable:
+        """Set an input, output or register of the robot, at any time."""
+        return self.set_expression(name, text)
+
+    def _change_by(self, call: CallFrame | None, target: str, text: str) -> Any:
+        """Make a change; return the value.
+
+        Commands that move or wait are refused before they begin, as in a secondary program.
+        """
+        strand = None if call is None else call.strand
+        thread, depth = (0, 0) if call is None else (call.strand.order + 1, call.depth)
+        change = UserChange(self._position(AFTER_TICK), thread, depth, target, text)
+        scheduler = self._scheduler
+        fuel, is_secondary = list(scheduler.fuel), strand is not None and strand.is_secondary
+        if strand is not None:
+            strand.is_secondary = True
+        try:
+            return apply_input(change, self._look_now or self._fresh_look(), self._controller, self._host)
+        finally:
+            scheduler.fuel[:] = fuel
+            if strand is not None:
+                strand.is_secondary = is_secondary
+
+    def _changed_variable(self, name: str, value: Any) -> Variable:
+        """Return a value behind a change, which ends what was shown before it."""
+        if self._look_now is not None:
+            self._look_now = self._fresh_look()
+        return (self._look_now or self._fresh_look()).variable(name, value)
 
     def threads(self) -> tuple[ThreadInfo, ...]:
         """Return the script threads in the order of their start."""
@@ -499,6 +556,7 @@ class LivingDebugger:
         news = _News(EXCEPTION, info.text, exception=info)
         if isinstance(event, Warned):
             self._news.append(news)
+            self._watch()
         elif next(strand.script_frames(), None) is None:
             self._error = sys.exception()
             self._hold(strand, [news])
@@ -675,6 +733,9 @@ REQUESTS: Final = (
     "scopes",
     "variables",
     "evaluate",
+    "set_variable",
+    "set_expression",
+    "set_signal",
     "threads",
     "state",
     "sources",

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import ast
-from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from hashlib import blake2b
 from pathlib import PurePosixPath
@@ -17,10 +15,9 @@ from elitescript.debugger.api import (
     FunctionBreakpoint,
     LineBreakpoint,
 )
+from elitescript.debugger.calls import calls_by_statement
 from elitescript.debugger.rules import Watch, hit_condition
-from elitescript.language.compiler import CompiledUnit, column_of
-from elitescript.language.options import Options
-from elitescript.language.parser import parse
+from elitescript.language.compiler import CompiledUnit
 from elitescript.language.probes import CountedStatement
 
 Request = LineBreakpoint | FunctionBreakpoint | DataBreakpoint
@@ -43,13 +40,14 @@ class Text:
         self.name = name
         self.unit = unit
         self.digest = digest_of(unit.source.text)
-        self._calls: dict[str, set[int]] | None = None
+        self._calls: dict[str, frozenset[int]] | None = None
 
-    def calls(self, name: str) -> set[int]:
+    def calls(self, name: str) -> frozenset[int]:
         """Return the statements that call a name."""
         if self._calls is None:
-            self._calls = _calls_of(self.unit)
-        return self._calls.get(name, set())
+            source = self.unit.source
+            self._calls = calls_by_statement(source.name, source.text, self.unit.statements)
+        return self._calls.get(name, frozenset())
 
     def is_of(self, path: str, digest: str) -> bool:
         """Return whether it is the text of a file, by its name or by what is in it; of any without both."""
@@ -221,19 +219,6 @@ def digest_of(text: str) -> str:
     while lines and not lines[-1]:
         lines.pop()
     return blake2b("\n".join(lines).encode("utf-8", "replace"), digest_size=16).hexdigest()
-
-
-def _calls_of(unit: CompiledUnit) -> dict[str, set[int]]:
-    """Return the statements of a program that call a name, by name."""
-    places = [(row.line, row.column) for row in unit.statements]
-    found: dict[str, set[int]] = {}
-    for node in ast.walk(parse(unit.source, Options(kind=unit.kind)).tree):
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-            column = column_of(unit.source, node.lineno, node.col_offset)
-            index = bisect_right(places, (node.lineno, column)) - 1
-            if index >= 0:
-                found.setdefault(node.func.id, set()).add(unit.statements[index].number)
-    return found
 
 
 def _is_named(name: str, wanted: str) -> bool:
