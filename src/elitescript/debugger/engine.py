@@ -43,6 +43,7 @@ from elitescript.debugger.looking import CallFrame, Look, Names
 from elitescript.debugger.places import Places
 from elitescript.debugger.rules import NO_RULES, CodeRule, DataRule, Rules, Watch, hit_condition
 from elitescript.debugger.source import Source
+from elitescript.debugger.telling import exception_of, filled, logged, output_of
 from elitescript.debugger.values import shown
 from elitescript.language.compiler import CompiledUnit
 from elitescript.language.hooks import STEP as STEP_HOOK
@@ -51,14 +52,10 @@ from elitescript.language.options import Options
 from elitescript.language.probes import STEPS_PROBES
 from elitescript.messages.events import (
     Alarm,
-    DeviceNoted,
     Event,
-    Popup,
-    Printed,
     RobotModeChanged,
     SafetyModeChanged,
     SignalChanged,
-    TextMessage,
     Warned,
 )
 from elitescript.messages.timing import seconds
@@ -480,7 +477,7 @@ class Engine:
     def _log(self, rule: CodeRule, strand: Strand) -> None:
         look = self._new_look()
         call = self._innermost(look, strand)
-        text = filled(rule.log_message, lambda expression: _logged(look, expression, call))
+        text = filled(rule.log_message, lambda expression: logged(look, expression, call))
         line = self.places.statement(self._number).line
         self._say(Output("console", text, line, strand.name, self.position, self._time_s), is_log=True)
 
@@ -604,7 +601,7 @@ class Engine:
         if is_alarm or is_warning:
             self._events += 1
         self._kind = IN_STATEMENT
-        output = _output(event, self.position, self._time_s)
+        output = output_of(event, self.position, self._time_s)
         self._kind = ""
         if output is not None:
             self._say(output)
@@ -621,7 +618,7 @@ class Engine:
             return
         self._kind, self._strand = IN_STATEMENT, strand
         self._error = sys.exception() if strand is not None and isinstance(event, Alarm) else None
-        info = _exception_info(event, kind)
+        info = exception_of(event)
         if is_input:
             self._apply_inputs()
         found = []
@@ -783,55 +780,3 @@ _END_TEXTS: Final = {
     "time_limit": "the time is up",
     "stuck": "nothing can ever happen again",
 }
-
-
-def filled(message: str, value: Callable[[str], str]) -> str:
-    """Return a log message with the values of its `{expressions}`; `{{` is a bracket."""
-    parts, at = [], 0
-    while at < len(message):
-        sign = message[at]
-        if message[at : at + 2] in ("{{", "}}"):
-            parts.append(sign)
-            at += 2
-        elif sign == "{" and (end := message.find("}", at)) > 0:
-            parts.append(value(message[at + 1 : end]))
-            at = end + 1
-        else:
-            parts.append(sign)
-            at += 1
-    return "".join(parts)
-
-
-def _logged(look: Look, expression: str, call: CallFrame | None) -> str:
-    try:
-        value = look.value(expression, call)
-    except DebugError as error:
-        return f"<{error}>"
-    return value if type(value) is str else shown(value)
-
-
-def _exception_info(event: Alarm | Warned, kind: str) -> ExceptionInfo:
-    if isinstance(event, Alarm):
-        hint = str(event.details.get("hint", ""))
-        return ExceptionInfo(
-            kind, event.code, event.class_name, event.text, hint, event.line, event.column, event.thread
-        )
-    return ExceptionInfo(kind, event.code, "", event.text, event.hint, event.line, event.column, event.thread)
-
-
-def _output(event: Event, position: Position, time_s: float) -> Output | None:
-    if isinstance(event, TextMessage | Printed):
-        return Output("stdout", event.text.removesuffix("\n"), event.line, event.thread, position, time_s)
-    if isinstance(event, Popup):
-        title = f"{event.title}: " if event.title else ""
-        return Output("important", f"{title}{event.text}", event.line, event.thread, position, time_s)
-    if isinstance(event, Warned):
-        code = f"{event.code} " if event.code else ""
-        return Output("important", f"{code}{event.text}", event.line, event.thread, position, time_s)
-    if isinstance(event, Alarm):
-        return Output(
-            "stderr", f"{event.code} {event.class_name}: {event.text}", event.line, event.thread, position, time_s
-        )
-    if isinstance(event, DeviceNoted):
-        return Output("console", f"{event.device}: {event.text}", 0, "", position, time_s)
-    return None

@@ -13,8 +13,8 @@ from __future__ import annotations
 
 import contextlib
 import json
+import sys
 from collections.abc import Callable, Sequence
-from hashlib import blake2b
 from math import inf
 from typing import Any, Final
 
@@ -29,16 +29,15 @@ from elitescript.debugger.api import (
     EXCEPTION_FILTERS,
     FUNCTION_BREAKPOINT,
     PAUSE,
-    REASONS,
     STEP,
     BreakpointState,
     Change,
     DataBreakpoint,
     DataInfo,
     DebugError,
+    ExceptionInfo,
     Frame,
     FunctionBreakpoint,
-    ExceptionInfo,
     LineBreakpoint,
     Output,
     Place,
@@ -49,30 +48,32 @@ from elitescript.debugger.api import (
     ThreadInfo,
     Variable,
 )
+from elitescript.debugger.inputs import Input as UserChange
+from elitescript.debugger.inputs import apply_input
 from elitescript.debugger.living_breakpoints import Breakpoint, LivingBreakpoints, Text
+from elitescript.debugger.looking import CallFrame, Look, Names
+from elitescript.debugger.places import Places
+from elitescript.debugger.rules import Watch
+from elitescript.debugger.telling import exception_of, filled, logged, output_of
 from elitescript.errors import ScriptError, UsageError
 from elitescript.kernel.debugging import Debugging
 from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import (
     Alarm,
-    DeviceNoted,
     Event,
-    Popup,
-    Printed,
     SignalChanged,
     TaskStateChanged,
-    TextMessage,
     Warned,
 )
 from elitescript.messages.inputs import Debug
 from elitescript.messages.machine import PauseTask, ResumeTask
 from elitescript.messages.outcomes import Debugged, Outcome, Refused
 from elitescript.messages.timing import seconds
-from elitescript.records import NamedTuple, record
+from elitescript.records import NamedTuple, record, replace
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.threads.scheduler import DEBUGGER
-from elitescript.runtime.threads.strand import Strand, state_of
+from elitescript.runtime.threads.strand import Strand
 
 PART_MAX: Final = 200_000
 """Characters of a text that are sent at once."""
@@ -99,14 +100,6 @@ class SourcePart:
 
     text: str
     size: int
-
-
-def digest_of(text: str) -> str:
-    """Return what is the same for texts that differ only in their line ends and in blanks at the ends of lines."""
-    lines = [line.rstrip() for line in text.splitlines()]
-    while lines and not lines[-1]:
-        lines.pop()
-    return blake2b("\n".join(lines).encode("utf-8", "replace"), digest_size=16).hexdigest()
 
 
 class Step(NamedTuple):
@@ -158,6 +151,16 @@ class LivingDebugger:
         """The thread that waits before a statement."""
         self._held_tick = 0
         self._statements = 0
+        self._last: Strand | None = None
+        """The thread whose statement was looked at last; None behind a tick."""
+        self._last_line = 0
+        self._causes: dict[str, tuple[int, str, int]] = {}
+        """Thread, name and line that have changed a signal since the last look, by its name."""
+        self._error: BaseException | None = None
+        """With which the thread that is held has failed."""
+        self._look_now: Look | None = None
+        """What the present stop shows."""
+        self._places = Places()
         self._is_watching = False
 
     # ---------------------------------------------------------------- `kernel.debugging.Debugger`
@@ -183,6 +186,9 @@ class LivingDebugger:
             result = getattr(self, name)(**wire.arguments_of(getattr(LivingDebugger, name), arguments))
         except (DebugError, ScriptError, UsageError) as error:
             self._reply(item.origin, Refused(str(error)))
+        except Exception as error:
+            # A robot does not end by a mistake of its debugger.
+            self._reply(item.origin, Refused(f"a mistake of ours, please report it: {type(error).__name__}: {error}"))
         else:
             self._reply(item.origin, Debugged(json.dumps({"result": wire.written(result)})))
         self._watch()
@@ -197,11 +203,12 @@ class LivingDebugger:
 
     def event(self, event: Event) -> None:
         """Tell what programs say; stop at what a filter or a data breakpoint names."""
-        if (output := output_of(event, self._position(AFTER_TICK))) is not None:
+        if (output := output_of(event, self._position(AFTER_TICK), self._time_s)) is not None:
             self._tell("output", output=output)
         if isinstance(event, TaskStateChanged) and event.state is TaskState.STOPPED:
             self._let_go()
             self._step = None
+            self._news.clear()
             self._tell("ended", result=event.ending)
         elif isinstance(event, SignalChanged):
             self._signal_changed(event)
@@ -306,35 +313,124 @@ class LivingDebugger:
                 raise DebugError(f"a filter is one of {', '.join(EXCEPTION_FILTERS)}, not {name!r}")
         self._filters = frozenset(filters)
 
-    def breakpoint_locations(
-        self, line: int, end_line: int = 0, path: str = "", digest: str = ""
-    ) -> tuple[Place, ...]:
+    def breakpoint_locations(self, line: int, end_line: int = 0, path: str = "", digest: str = "") -> tuple[Place, ...]:
         """Return the statements that begin in lines of a text, the last line included."""
         for text in reversed(self._texts.values()):
             if text.is_of(path, digest):
                 return tuple(
                     Place(item.line, item.column, item.end_line, item.end_column)
-                    for item in text.table.statements
+                    for item in text.unit.statements
                     if line <= item.line <= max(line, end_line)
                 )
         return ()
 
+    def set_data_breakpoints(self, requests: Sequence[DataBreakpoint]) -> tuple[BreakpointState, ...]:
+        """Replace the data breakpoints."""
+        items = self._breakpoints.set_data(requests)
+        for item in items:
+            item.value = self._watched(item)
+        return tuple(item.state for item in items)
+
+    def data_breakpoint_info(self, name: str, reference: int = 0, frame: int = 0) -> DataInfo:
+        """Return what a data breakpoint can watch; see `DebugSession.data_breakpoint_info`."""
+        if reference:
+            for variable in self._stopped_look.variables(reference):
+                if variable.name == name:
+                    name = variable.data_id
+                    break
+            if not name:
+                return DataInfo(None, "only signals, program globals, the robot mode and the safety mode are watched")
+        try:
+            return DataInfo(Watch(name).data_id, f"changes of {name}")
+        except DebugError as error:
+            return DataInfo(None, str(error))
+
     # ---------------------------------------------------------------- looking
+
+    @property
+    def _stopped_look(self) -> Look:
+        if self._look_now is None:
+            raise DebugError("the program runs; pause it first")
+        return self._look_now
+
+    def stack(self, thread: int) -> tuple[Frame, ...]:
+        """Return the calls of a thread, the innermost one first; empty before it has begun."""
+        return self._stopped_look.stack(thread)
+
+    def scopes(self, frame: int) -> tuple[Scope, ...]:
+        """Return the scopes of a frame: `Locals`, `Globals`, `Robot`. With frame 0 without `Locals`."""
+        return self._stopped_look.scopes(frame)
+
+    def variables(self, reference: int, kind: str = "", start: int = 0, count: int = 0) -> tuple[Variable, ...]:
+        """Return what a scope or a value holds; see `DebugSession.variables`."""
+        return self._stopped_look.variables(reference, kind, start, count)
+
+    def evaluate(self, text: str, frame: int = 0, may_change: bool = False) -> Variable:
+        """Return the value of an expression; without a frame and changes also while the program runs.
+
+        Args:
+            text: an expression; with `may_change` also statements.
+            frame: whose variables it sees; 0 for program globals alone.
+            may_change: let it change the program and the robot. Nothing in it may wait.
+        """
+        look = self._stopped_look if frame or may_change else self._look_now or self._fresh_look()
+        call = look.call(frame)
+        try:
+            value = look.value(text, call)
+        except DebugError:
+            if not may_change:
+                raise
+            return self._changed_variable(text, self._change_by(call, "", text))
+        return look.variable(text, value, call, text)
+
+    def set_variable(self, reference: int, name: str, text: str) -> Variable:
+        """Set a child of a scope or of a value to the value of an expression."""
+        target, call = self._stopped_look.expression_of(reference, name)
+        return self._changed_variable(name, self._change_by(call, target, text))
+
+    def set_expression(self, target: str, text: str, frame: int = 0) -> Variable:
+        """Assign the value of an expression to a variable, an item or a signal; without a frame at any time."""
+        look = self._stopped_look if frame else self._look_now or self._fresh_look()
+        return self._changed_variable(target, self._change_by(look.call(frame), target, text))
+
+    def set_signal(self, name: str, text: str) -> Variable:
+        """Set an input, output or register of the robot, at any time."""
+        return self.set_expression(name, text)
+
+    def _change_by(self, call: CallFrame | None, target: str, text: str) -> Any:
+        """Make a change; return the value.
+
+        Commands that move or wait are refused before they begin, as in a secondary program.
+        """
+        strand = None if call is None else call.strand
+        thread, depth = (0, 0) if call is None else (call.strand.order + 1, call.depth)
+        change = UserChange(self._position(AFTER_TICK), thread, depth, target, text)
+        scheduler = self._scheduler
+        fuel, is_secondary = list(scheduler.fuel), strand is not None and strand.is_secondary
+        if strand is not None:
+            strand.is_secondary = True
+        try:
+            return apply_input(change, self._look_now or self._fresh_look(), self._controller, self._host)
+        finally:
+            scheduler.fuel[:] = fuel
+            if strand is not None:
+                strand.is_secondary = is_secondary
+
+    def _changed_variable(self, name: str, value: Any) -> Variable:
+        """Return a value behind a change, which ends what was shown before it."""
+        if self._look_now is not None:
+            self._look_now = self._fresh_look()
+        return (self._look_now or self._fresh_look()).variable(name, value)
 
     def threads(self) -> tuple[ThreadInfo, ...]:
         """Return the script threads in the order of their start."""
-        return tuple(
-            ThreadInfo(strand.order + 1, strand.name, strand.is_secondary, state_of(strand).waits_for, strand.line)
-            for strand in self._scheduler.strands
-        )
+        return (self._look_now or self._fresh_look()).threads()
 
     def state(self) -> State:
         """Return the robot at this moment."""
         controller = self._controller
         joints = controller.joints()
-        return State(
-            seconds(controller.tick), controller.tick, joints.q_actual, controller.tcp_pose(joints.q_actual)
-        )
+        return State(seconds(controller.tick), controller.tick, joints.q_actual, controller.tcp_pose(joints.q_actual))
 
     def sources(self) -> tuple[SourceInfo, ...]:
         """Return the texts of programs, the newest first."""
@@ -363,24 +459,24 @@ class LivingDebugger:
             return
         self._look_at_data(strand)
         news, self._news = self._news, []
+        self._last_line = self._places.statement(number).line
         step = self._step
         if step is not None and step.strand is strand and _depth(strand) <= step.depth:
             news.append(_News(STEP, "step"))
         if self._awaits_statement:
             news.append(_News(PAUSE, "paused"))
         for item in self._breakpoints.at.get(number, ()):
-            self._reached(item, news)
+            self._reached(item, strand, news)
         if news:
             self._hold(strand, news)
 
-    def _reached(self, item: Breakpoint, news: list[_News]) -> None:
+    def _reached(self, item: Breakpoint, strand: Strand, news: list[_News]) -> None:
         """Add a stop to the news if a breakpoint stops here, or write its message."""
-        if not self._is_true(item) or not item.is_hit():
-            return
-        if item.log_message:
-            self._tell("output", output=Output("console", self._filled(item.log_message), 0, "", self._position(BEFORE_STATEMENT), seconds(self._controller.tick)))
-        else:
-            news.append(_News(item.reason, f"breakpoint {item.id}", item.id))
+        if self._is_true(item, strand) and item.is_hit():
+            if item.log_message:
+                self._log(item, strand, self._last_line)
+            else:
+                news.append(_News(item.reason, f"{item.reason} {item.id}", item.id))
 
     def _hold(self, strand: Strand, news: list[_News]) -> None:
         """Pause the task, and hold the running thread until it goes on."""
@@ -404,7 +500,7 @@ class LivingDebugger:
             news: why; the most particular reason is shown.
             strand: the thread that has stopped before a statement; None if none has.
         """
-        first = min(news, key=lambda item: REASONS.index(item.reason))
+        first = min(news, key=lambda item: _WEIGHT.index(item.reason))
         shown = strand or self._main
         self._step, self._awaits_statement = None, False
         self._stop = Stop(
@@ -416,8 +512,9 @@ class LivingDebugger:
             tuple(item.breakpoint for item in news if item.breakpoint),
             tuple(item.change for item in news if item.change is not None),
             next((item.exception for item in news if item.exception is not None), None),
-            0 if shown is None else shown.line,
+            first.exception.line if first.exception is not None else 0 if shown is None else shown.line,
         )
+        self._look_now = self._fresh_look()
         self._tell("stopped", stop=self._stop)
 
     def _refresh(self) -> None:
@@ -429,7 +526,7 @@ class LivingDebugger:
 
     def _let_go(self) -> None:
         """Forget the stop; a secondary program that was held goes on."""
-        self._stop = None
+        self._stop = self._look_now = None
         if (strand := self._held) is not None:
             self._held = None
             if strand.is_secondary:
@@ -447,20 +544,81 @@ class LivingDebugger:
 
     # ---------------------------------------------------------------- what has happened
 
-    def _signal_changed(self, event: SignalChanged) -> None:
-        pass
-
     def _exception(self, event: Alarm | Warned) -> None:
-        pass
+        """Stop at an alarm or a warning of a thread, if a filter names it.
+
+        An alarm stops where the exception has left the program, before its end; a warning before the next statement:
+        it may come from the middle of a command.
+        """
+        info, strand = exception_of(event), self._scheduler.current
+        if info.filter not in self._filters or self._stop is not None or strand is None or not strand.is_running:
+            return
+        news = _News(EXCEPTION, info.text, exception=info)
+        if isinstance(event, Warned):
+            self._news.append(news)
+            self._watch()
+        elif next(strand.script_frames(), None) is None:
+            self._error = sys.exception()
+            self._hold(strand, [news])
+            self._error = None
+
+    def _signal_changed(self, event: SignalChanged) -> None:
+        strand = self._scheduler.current
+        if strand is not None and strand.is_running:
+            cause = strand.order + 1, strand.name, event.line
+        else:
+            cause = 0, event.by, 0
+        self._causes[event.name] = cause
 
     def _look_at_data(self, strand: Strand | None) -> None:
-        pass
+        """Compare what data breakpoints watch with what it was; what stops is added to the news.
 
-    def _is_true(self, item: Breakpoint) -> bool:
-        return True
+        Args:
+            strand: the thread that runs; None behind a tick.
+        """
+        last, self._last = self._last, strand
+        for item in self._breakpoints.data:
+            old, new = item.value, self._watched(item)
+            item.value = new
+            assert item.watch is not None
+            if old == new or (item.watch.stops_when_true and new != "True"):
+                continue
+            if self._stop is None and self._is_true(item, strand) and item.is_hit():
+                change = self._change(item.watch.data_id, old, new, last)
+                self._news.append(_News(DATA_BREAKPOINT, _changed(change, item.watch), item.id, change))
+        self._causes.clear()
 
-    def _filled(self, text: str) -> str:
-        return text
+    def _change(self, name: str, old: str, new: str, last: Strand | None) -> Change:
+        """Return a change with what made it: the cause of a signal, else the thread that has run."""
+        by = (0, "", 0) if last is None else (last.order + 1, last.name, self._last_line)
+        thread, thread_name, line = self._causes.get(name, by)
+        tick = self._controller.tick
+        position = self._position(AFTER_TICK)
+        return Change(name, old, new, position, None, thread, thread_name, line, tick, seconds(tick))
+
+    def _watched(self, item: Breakpoint) -> str:
+        """Return the present value of what a data breakpoint watches, as text."""
+        assert item.watch is not None
+        program = self._host.program
+        names = Names(self._controller, self._host, self._fresh_look(), None)
+        return item.watch.text(self._controller, None if program is None else program.globals, names)
+
+    def _is_true(self, item: Breakpoint, strand: Strand | None) -> bool:
+        if not item.condition:
+            return True
+        look = self._fresh_look()
+        try:
+            return bool(look.value(item.condition, _innermost(look, strand)))
+        except DebugError:
+            return False
+
+    def _log(self, item: Breakpoint, strand: Strand, line: int) -> None:
+        """Write the message of a breakpoint."""
+        look = self._fresh_look()
+        call = _innermost(look, strand)
+        text = filled(item.log_message, lambda expression: logged(look, expression, call))
+        position = self._position(BEFORE_STATEMENT)
+        self._tell("output", output=Output("console", text, line, strand.name, position, self._time_s))
 
     # ---------------------------------------------------------------- internal
 
@@ -469,10 +627,16 @@ class LivingDebugger:
         return next((strand for strand in self._scheduler.strands if not strand.is_secondary), None)
 
     def _strand(self, thread: int) -> Strand:
-        for strand in self._scheduler.strands:
-            if strand.order + 1 == thread:
-                return strand
-        raise DebugError(f"there is no thread {thread}")
+        return self._fresh_look().strand(thread)
+
+    def _fresh_look(self) -> Look:
+        look = _Look(self._controller, self._host, self._places, self._error)
+        look.failed = self._held
+        return look
+
+    @property
+    def _time_s(self) -> float:
+        return seconds(self._controller.tick)
 
     def _position(self, kind: str) -> Position:
         return Position(self._statements, 0, self._controller.tick, kind)
@@ -485,11 +649,15 @@ class LivingDebugger:
         while name in names:
             name = f"{unit.source.name} ({number})"
             number += 1
-        table = self._debugging.table(unit)
-        text = self._texts[unit.probes.first] = Text(name, digest_of(unit.source.text), table, {})
+        text = Text(name, replace(unit, probes=self._debugging.table(unit)))
         known = {item.probes.first for item in self._debugging.units()}
-        for first in [first for first in self._texts if first not in known]:
-            del self._texts[first]
+        self._texts = {first: text for first, text in self._texts.items() if first in known}
+        self._texts[unit.probes.first] = text
+        # Frames know their text by the name of its source: the newest one of each name.
+        newest = {text.unit.source.name: text.unit for text in self._texts.values()}
+        self._places = Places()
+        for first in sorted(unit.probes.first for unit in newest.values()):
+            self._places.add(self._texts[first].unit)
         return text
 
     def _info(self, unit: CompiledUnit, text: Text) -> SourceInfo:
@@ -500,6 +668,28 @@ class LivingDebugger:
         if self._session:
             values = {name: wire.written(value) for name, value in content.items()}
             self._reply(self._session, Debugged(json.dumps({"event": event, **values})))
+
+
+def _innermost(look: Look, strand: Strand | None) -> CallFrame | None:
+    return None if strand is None else next(iter(look.calls(strand)), None)
+
+
+def _changed(change: Change, watch: Watch) -> str:
+    """Return a change in words."""
+    by = f" by {change.thread_name}" if change.thread_name else ""
+    place = f" in line {change.line}" if change.line else ""
+    if watch.stops_when_true:
+        return f"{change.name} is true{by}{place}"
+    return f"{change.name} was {change.old or 'not there'} and is {change.new or 'not there'}{by}{place}"
+
+
+class _Look(Look):
+    """What a living robot shows, a thread that has failed included, which waits meanwhile."""
+
+    failed: Strand | None = None
+
+    def _is_failed(self, strand: Strand) -> bool:
+        return self._error is not None and strand is self.failed
 
 
 def _depth(strand: Strand) -> int:
@@ -518,29 +708,12 @@ def _request_of(text: str) -> tuple[str, dict[str, Any]]:
     except (ValueError, RecursionError):
         data = None
     if not isinstance(data, dict) or data.get("do") not in REQUESTS:
-        raise DebugError(f"a request is an object of JSON in which \"do\" is one of {', '.join(REQUESTS)}")
+        raise DebugError(f'a request is an object of JSON in which "do" is one of {", ".join(REQUESTS)}')
     return data.pop("do"), data
 
 
-def output_of(event: Event, position: Position) -> Output | None:
-    """Return what an event says to people; None for an event that says nothing."""
-    time_s = seconds(event.tick)
-    match event:
-        case Printed(_, text, thread, line):
-            return Output("stdout", text, line, thread, position, time_s)
-        case TextMessage(_, text, thread, line):
-            return Output("stdout", text, line, thread, position, time_s)
-        case Popup():
-            return Output("important", event.text, event.line, event.thread, position, time_s)
-        case Warned():
-            return Output("important", event.text, event.line, event.thread, position, time_s)
-        case Alarm():
-            text = f"{event.code} {event.class_name}: {event.text}"
-            return Output("stderr", text, event.line, event.thread, position, time_s)
-        case DeviceNoted():
-            return Output("console", f"{event.device}: {event.text}", 0, "", position, time_s)
-    return None
-
+_WEIGHT: Final = (EXCEPTION, BREAKPOINT, FUNCTION_BREAKPOINT, DATA_BREAKPOINT, PAUSE, STEP)
+"""Reasons of stops; the first one that applies is shown."""
 
 REQUESTS: Final = (
     "attach",
@@ -553,7 +726,16 @@ REQUESTS: Final = (
     "set_breakpoints",
     "set_function_breakpoints",
     "set_exception_filters",
+    "set_data_breakpoints",
     "breakpoint_locations",
+    "data_breakpoint_info",
+    "stack",
+    "scopes",
+    "variables",
+    "evaluate",
+    "set_variable",
+    "set_expression",
+    "set_signal",
     "threads",
     "state",
     "sources",

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
+from hashlib import blake2b
 from pathlib import PurePosixPath
 
 from elitescript.debugger.api import (
@@ -11,11 +12,13 @@ from elitescript.debugger.api import (
     FUNCTION_BREAKPOINT,
     BreakpointState,
     DataBreakpoint,
-    DebugError,
     FunctionBreakpoint,
     LineBreakpoint,
 )
-from elitescript.language.probes import CountedStatement, ProbeTable
+from elitescript.debugger.calls import calls_by_statement
+from elitescript.debugger.rules import Watch, hit_condition
+from elitescript.language.compiler import CompiledUnit
+from elitescript.language.probes import CountedStatement
 
 Request = LineBreakpoint | FunctionBreakpoint | DataBreakpoint
 
@@ -23,20 +26,28 @@ Request = LineBreakpoint | FunctionBreakpoint | DataBreakpoint
 class Text:
     """A program that has arrived.
 
-    Attributes:
+    Args:
         name: unique among the texts that are known.
-        digest: of its text; see `living.digest_of`.
-        table: of its statements.
-        calls: numbers of the statements that call a command, by its name.
+        unit: the program, with the table of its statements.
+
+    Attributes:
+        digest: of its text.
     """
 
-    __slots__ = ("calls", "digest", "name", "table")
+    __slots__ = ("_calls", "digest", "name", "unit")
 
-    def __init__(self, name: str, digest: str, table: ProbeTable, calls: dict[str, tuple[int, ...]]) -> None:
+    def __init__(self, name: str, unit: CompiledUnit) -> None:
         self.name = name
-        self.digest = digest
-        self.table = table
-        self.calls = calls
+        self.unit = unit
+        self.digest = digest_of(unit.source.text)
+        self._calls: dict[str, frozenset[int]] | None = None
+
+    def calls(self, name: str) -> frozenset[int]:
+        """Return the statements that call a name."""
+        if self._calls is None:
+            source = self.unit.source
+            self._calls = calls_by_statement(source.name, source.text, self.unit.statements)
+        return self._calls.get(name, frozenset())
 
     def is_of(self, path: str, digest: str) -> bool:
         """Return whether it is the text of a file, by its name or by what is in it; of any without both."""
@@ -51,7 +62,7 @@ class Text:
 
     def statement(self, line: int, column: int = 0) -> CountedStatement | None:
         """Return the first statement that begins at a place or behind it."""
-        for statement in self.table.statements:
+        for statement in self.unit.statements:
             if statement.line > line or (statement.line == line and statement.column >= column):
                 return statement
         return None
@@ -64,58 +75,46 @@ class Breakpoint:
         id: its number.
         reason: of the stop that it makes.
         hits: how often it was reached with its condition true.
+        watch: what a data breakpoint looks at; None for others.
         numbers: of its statements.
         state: what is known of its place.
         value: of what a data breakpoint watches, when it was seen last.
     """
 
-    __slots__ = ("condition", "hit_condition", "hits", "id", "log_message", "numbers", "reason", "request", "state", "value")
+    __slots__ = (
+        "_counts",
+        "condition",
+        "hits",
+        "id",
+        "log_message",
+        "numbers",
+        "reason",
+        "request",
+        "state",
+        "value",
+        "watch",
+    )
 
     def __init__(self, number: int, request: Request, reason: str) -> None:
         self.id = number
         self.request = request
         self.reason = reason
         self.condition = request.condition
-        self.hit_condition = request.hit_condition
+        self._counts = hit_condition(request.hit_condition)
         self.log_message = request.log_message if isinstance(request, LineBreakpoint) else ""
         self.hits = 0
         self.numbers: set[int] = set()
         self.state = BreakpointState(number, False, "no program has it yet")
         self.value = ""
-        counts(self.hit_condition, 0)
+        self.watch: Watch | None = None
+        if isinstance(request, DataBreakpoint):
+            self.watch = Watch(request.data_id)
+            self.state = BreakpointState(number, True)
 
     def is_hit(self) -> bool:
         """Count a pass, and return whether it stops."""
         self.hits += 1
-        return counts(self.hit_condition, self.hits)
-
-
-def counts(condition: str, hits: int) -> bool:
-    """Return whether a hit condition holds for a number of hits.
-
-    Raises:
-        DebugError: it is none.
-    """
-    text = condition.strip()
-    if not text:
-        return True
-    operator = text.rstrip("0123456789").strip()
-    digits = text[len(text.rstrip("0123456789")) :]
-    test = _TESTS.get(operator)
-    if test is None or not digits or (operator == "%" and not int(digits)):
-        raise DebugError(f"a hit condition is a number, or one behind >=, >, <=, <, == or %, not {condition!r}")
-    return test(hits, int(digits))
-
-
-_TESTS: dict[str, Callable[[int, int], bool]] = {
-    "": lambda hits, number: hits == number,
-    "==": lambda hits, number: hits == number,
-    ">=": lambda hits, number: hits >= number,
-    ">": lambda hits, number: hits > number,
-    "<=": lambda hits, number: hits <= number,
-    "<": lambda hits, number: hits < number,
-    "%": lambda hits, number: hits % number == 0,
-}
+        return self._counts(self.hits)
 
 
 class LivingBreakpoints:
@@ -147,7 +146,9 @@ class LivingBreakpoints:
         self._find(texts)
         return tuple(item.state for item in made)
 
-    def set_functions(self, requests: Sequence[FunctionBreakpoint], texts: Iterable[Text]) -> tuple[BreakpointState, ...]:
+    def set_functions(
+        self, requests: Sequence[FunctionBreakpoint], texts: Iterable[Text]
+    ) -> tuple[BreakpointState, ...]:
         """Replace those of functions and commands."""
         self._functions = [self._made(request, FUNCTION_BREAKPOINT) for request in requests]
         self._find(texts)
@@ -160,7 +161,9 @@ class LivingBreakpoints:
 
     def add(self, text: Text) -> list[BreakpointState]:
         """Find the statements of a text that has arrived; return the breakpoints that have found their first one."""
-        return [item.state for item in self._place(text) if len(item.numbers) == 1 or item.reason == FUNCTION_BREAKPOINT]
+        return [
+            item.state for item in self._place(text) if len(item.numbers) == 1 or item.reason == FUNCTION_BREAKPOINT
+        ]
 
     def _made(self, request: Request, reason: str) -> Breakpoint:
         self._last += 1
@@ -196,8 +199,8 @@ class LivingBreakpoints:
     def _place_function(self, item: Breakpoint, text: Text) -> bool:
         request = item.request
         assert isinstance(request, FunctionBreakpoint)
-        numbers = list(text.calls.get(request.name, ()))
-        numbers += [function.number for function in text.table.functions if _is_named(function.name, request.name)]
+        own = [item.number for item in text.unit.probes.functions if _is_named(item.name, request.name)]
+        numbers = own or sorted(text.calls(request.name))
         for number in numbers:
             if number >= 0:
                 self._note(item, number)
@@ -208,6 +211,14 @@ class LivingBreakpoints:
     def _note(self, item: Breakpoint, number: int) -> None:
         item.numbers.add(number)
         self.at.setdefault(number, []).append(item)
+
+
+def digest_of(text: str) -> str:
+    """Return what is the same for texts that differ only in their line ends and in blanks at the ends of lines."""
+    lines = [line.rstrip() for line in text.splitlines()]
+    while lines and not lines[-1]:
+        lines.pop()
+    return blake2b("\n".join(lines).encode("utf-8", "replace"), digest_size=16).hexdigest()
 
 
 def _is_named(name: str, wanted: str) -> bool:

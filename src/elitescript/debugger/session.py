@@ -34,12 +34,13 @@ from elitescript.debugger.api import (
     Variable,
 )
 from elitescript.debugger.calls import calls_by_statement
-from elitescript.debugger.engine import INTO, OUT, OVER, Engine, Goal, filled
+from elitescript.debugger.engine import INTO, OUT, OVER, Engine, Goal
 from elitescript.debugger.expressions import parsed
 from elitescript.debugger.inputs import Input
 from elitescript.debugger.looking import CallFrame
 from elitescript.debugger.rules import CodeRule, DataRule, Rules, Watch, hit_condition
 from elitescript.debugger.source import Source
+from elitescript.debugger.telling import filled
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.messages.timing import ticks_for
 from elitescript.records import replace

@@ -1,4 +1,4 @@
-"""Lets a debugger attach to the programs of a robot that runs: they are compiled for it, and it is made when it comes."""
+"""Lets a debugger attach to the programs of a robot: they are compiled for it, and it is made when it comes."""
 
 from __future__ import annotations
 

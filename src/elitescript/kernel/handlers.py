@@ -65,8 +65,8 @@ from elitescript.runtime.connections.serial_line import close_lines
 from elitescript.runtime.environment import ProgramEnvironment
 
 if TYPE_CHECKING:
-    from elitescript.kernel.debugging import Debugging
     from elitescript.devices.channels.faulty_channels import FaultyChannels
+    from elitescript.kernel.debugging import Debugging
 
 _CAUSES: Final = {RESTART: "schedule"} | {f"{WORLD}:{by}": by for by in ("device", "wire", "schedule", "fault")}
 

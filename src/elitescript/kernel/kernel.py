@@ -207,9 +207,7 @@ class Kernel:
         from elitescript.kernel.handlers import InputHandlers
 
         parts = RobotParts(self.options, self.model, self.profile, self.controller, self.host, self.popup, self.probe)
-        return InputHandlers(
-            parts, self._environment, self._faulty, has_logs=has_logs, debugging=self._debugging
-        )
+        return InputHandlers(parts, self._environment, self._faulty, has_logs=has_logs, debugging=self._debugging)
 
     @property
     def handlers(self) -> InputHandlers:
@@ -429,12 +427,12 @@ class Kernel:
 
     def _event(self, event: Event) -> None:
         self._has_happened = True
-        if self._debugging is not None and self._debugging.debugger is not None:
-            self._debugging.debugger.event(event)
         if type(event) in _IN_WINDOW:
             self.popup.take(event)
         self.host.spend_event()
         self._on_event(event)
+        if self._debugging is not None and self._debugging.debugger is not None:
+            self._debugging.debugger.event(event)
 
     def _change(self, change: Change) -> None:
         self._has_happened = True

@@ -39,7 +39,6 @@ _BODIES: Final = ("body", "orelse", "finalbody", "handlers", "cases")
 _DECLARATIONS: Final = (ast.Global, ast.Nonlocal)
 
 
-
 def with_switches(module: ast.Module, numbers: Mapping[ast.stmt, int]) -> ast.Module:
     """Return a module with probes.
 

@@ -69,7 +69,8 @@ class DebugEvents:
 
 def debug_result(outcomes: Iterable[Outcome]) -> dict[str, Any]:
     """Return what an answer to a debugger adds: `result`; nothing for other answers."""
-    return {"result": _object(outcome.text) for outcome in outcomes if isinstance(outcome, Debugged)}
+    texts = [outcome.text for outcome in outcomes if isinstance(outcome, Debugged)]
+    return {"result": _object(texts[0])} if texts else {}
 
 
 def _object(text: str) -> dict[str, Any]:

@@ -42,7 +42,8 @@ from elitescript.debugger.api import (
     ThreadInfo,
     Variable,
 )
-from elitescript.debugger.living import LivingDebugger, SourceInfo, SourcePart, digest_of
+from elitescript.debugger.living import LivingDebugger, SourceInfo, SourcePart
+from elitescript.debugger.living_breakpoints import digest_of
 from elitescript.errors import UsageError
 
 ANSWER_S: Final = 10.0
