@@ -279,7 +279,8 @@ class Look:
             DebugError: there is none.
         """
         group, value, call, expression = self._held(reference)
-        for child, item, path in sum(children(value), []):
+        named, indexed = children(value)
+        for child, item, path in (*named, *indexed):
             if child == name:
                 shown_as = self._child(group, child, item, call, expression, path)
                 if shown_as.evaluate_name:
@@ -410,7 +411,7 @@ def _name_of(facade: Facade) -> str:
 def _reading(program: Program) -> Any:
     """Return a context for commands that refuses what changes the machine, and remembers nothing."""
     context = copy.copy(program.context)
-    context.machine = _ReadOnly(program.context.machine)  # type: ignore[assignment]
+    context.machine = _ReadOnly(program.context.machine)
     context.forget_copies()
     return context
 

@@ -600,7 +600,12 @@ class DebugSession:
 
 def _expressions(message: str) -> list[str]:
     found: list[str] = []
-    filled(message, lambda text: found.append(text) or "")
+
+    def note(text: str) -> str:
+        found.append(text)
+        return ""
+
+    filled(message, note)
     return found
 
 

@@ -17,7 +17,12 @@ POSE: Final = ("x", "y", "z", "rx", "ry", "rz")
 JOINTS: Final = ("base", "shoulder", "elbow", "wrist1", "wrist2", "wrist3")
 
 _SIMPLE: Final = (bool, int, float, complex, type(None), type(...), range, slice)
-_BRACKETS: Final = {list: "[]", tuple: "()", set: "{}", frozenset: "{}"}
+_BRACKETS: Final[dict[type, tuple[str, str]]] = {
+    list: ("[", "]"),
+    tuple: ("(", ")"),
+    set: ("{", "}"),
+    frozenset: ("{", "}"),
+}
 
 
 class Pose(tuple[float, ...]):
@@ -81,7 +86,7 @@ def children(value: Any) -> tuple[list[tuple[str, Any, str]], list[tuple[str, An
         return [], []
     if kind is Facade or isinstance(value, GeneratorType):
         return [], []
-    return [(name, item, f".{name}") for name, item in own_fields(value).items() if isinstance(name, str)], []
+    return [(name, item, f".{name}") for name, item in own_fields(value).items()], []
 
 
 def count_children(value: Any) -> tuple[int, int]:
