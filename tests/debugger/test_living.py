@@ -496,10 +496,21 @@ def test_a_debugger_that_leaves_while_the_safeguard_is_open() -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["", "[]", "{", '{"do": "take"}', '{"do": "__init__"}', '{"do": 3}', '{"do": "next"}', '{"do": "next", "thread": "1"}',
-     '{"do": "stack", "thread": 1, "more": 2}', '{"do": "set_breakpoints", "requests": [{"line": 0.5}]}',
-     '{"do": "set_breakpoints", "requests": [{"line": 1, "hit_condition": "often"}]}', "[" * 10_000],
-)  # fmt: skip
+    [
+        "",
+        "[]",
+        "{",
+        '{"do": "take"}',
+        '{"do": "__init__"}',
+        '{"do": 3}',
+        '{"do": "next"}',
+        '{"do": "next", "thread": "1"}',
+        '{"do": "stack", "thread": 1, "more": 2}',
+        '{"do": "set_breakpoints", "requests": [{"line": 0.5}]}',
+        '{"do": "set_breakpoints", "requests": [{"line": 1, "hit_condition": "often"}]}',
+        "[" * 10_000,
+    ],
+)
 def test_requests_that_make_no_sense_are_refused(text: str) -> None:
     living = Living()
     living.tick(Debug("ctl#1/1", "ctl#1", text))

@@ -45,7 +45,8 @@ TEXTS = {
     "a loop that waits at once": "for k in range(2):\n  sync()\n  c = k\nend\n",
     "a loop that pays at its start": "n = 0\nfor k in range(10):\n  n += k\nend\nn = 1\n",
     "loops in loops": "for k in range(2):\n  a = k\n  for j in range(2):\n    b = j\n  end\n  c = 1\nend\n",
-    "functions": "def f(n):\n  'doc'\n  global g\n  g = n\n  if n < 1:\n    return 0\n  end\n  return f(n - 1)\nend\nf(3)\n",
+    "functions": "def f(n):\n  'doc'\n  global g\n  g = n\n  if n < 1:\n    return 0\n  end\n"
+    "  return f(n - 1)\nend\nf(3)\n",
     "an empty function": "def f():\n  pass\nend\nf()\n",
     "a generator": "def g():\n  for k in range(2):\n    yield k\n  end\nend\nfor v in g():\n  w = v\nend\n",
     "exceptions": "for k in range(2):\n  try:\n    a = 1 / k\n  except ZeroDivisionError:\n    b = 1\n  else:\n"
@@ -53,7 +54,8 @@ TEXTS = {
     "match": "for k in range(3):\n  match k:\n    case 0:\n      a = 1\n    case _:\n      b = 1\n  end\nend\n",
     "a class": "class A:\n  x = 1\n  def f(self):\n    self.y = 1\n  end\nend\na = A()\na.f()\n",
     "with": "import threading\nlock = threading.Lock()\nfor k in range(2):\n  with lock:\n    a = k\n  end\nend\n",
-    "else of loops": "for k in range(2):\n  a = k\nelse:\n  b = 1\nend\nn = 2\nwhile n:\n  n = n - 1\nelse:\n  c = 1\nend\n",
+    "else of loops": "for k in range(2):\n  a = k\nelse:\n  b = 1\nend\n"
+    "n = 2\nwhile n:\n  n = n - 1\nelse:\n  c = 1\nend\n",
     "break": "n = 0\nwhile True:\n  n = n + 1\n  if n > 2:\n    break\n  end\nend\nm = n\n",
 }
 

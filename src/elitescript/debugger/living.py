@@ -5,8 +5,8 @@ before its statement, the others stay where they are; secondary programs run on,
 task lets the program go on.
 
 What a debugger asks for comes as inputs (`messages.inputs.Debug`), the text of which is an object of JSON: `do` names a
-method of `LivingDebugger`, the rest are its arguments. One debugger is attached at a time; what happens meanwhile goes to
-it as replies to its session, objects with `event`.
+method of `LivingDebugger`, the rest are its arguments. One debugger is attached at a time. What happens meanwhile goes
+to it as replies to its session, objects with `event`.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Lets a debugger attach to a program that runs, at next to no cost while none is attached.
 
-A probe is `if @watched: @at(n)` before statement n: nothing is counted, and while `@watched` is empty nothing is called.
+A probe is `if @watched: @at(n)` before statement n: nothing is counted, and nothing called while `@watched` is empty.
 The statements with which a body of a loop or function begins, as far as they only compute, are there twice, below its
 checkpoint:
 
@@ -12,9 +12,9 @@ checkpoint:
     ...                  the rest of the body, with probes from its second statement on
 
 So what takes most of the time runs without probes. A thread that waits stands in no statement that only computes, so
-that no probe is missed when it goes on. Loops that pay at their start are left as
-they are: while a debugger looks, payments are refused, and the loop below with its checkpoints runs. A `while` has its probe
-before it and at the end of each pass; a `continue` goes without.
+that no probe is missed when it goes on. Loops that pay at their start are left as they are: while a debugger looks,
+payments are refused, and the loop below with its checkpoints runs. A `while` has its probe before it and at the end of
+each pass; a `continue` goes without.
 
 The tree itself stays as it is: `with_switches` returns another one, which shares all nodes that it does not change.
 """
