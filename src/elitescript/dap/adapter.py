@@ -85,6 +85,7 @@ class Adapter:
     __slots__ = (
         "_debuggee",
         "_deferred",
+        "_early",
         "_goal",
         "_handlers",
         "_is_interrupted",
@@ -116,11 +117,13 @@ class Adapter:
         self._goal: Goal | None = None
         """What the program is to do next."""
         self._running: Goal | None = None
-        """What it is doing."""
+        """What it is doing, while it is run here."""
         self._opening: Message | None = None
         """The `launch` that is not answered yet."""
         self._deferred: deque[Message] = deque()
         """Requests that came while the program ran."""
+        self._early: list[tuple[str, dict[str, Any]]] = []
+        """What a living robot has said before `configurationDone`."""
         self._is_interrupted = False
         self._is_pause_wanted = False
         self._outgoing: deque[Message] = deque()
@@ -149,7 +152,7 @@ class Adapter:
         Raises:
             EOFError: the client is gone.
         """
-        while self.state is State.RUNNING and not self._is_interrupted and self._requests.has_next():
+        while self._running is not None and not self._is_interrupted and self._requests.has_next():
             # What comes now calls this function again, in the middle of this one: it is seen in the next pass.
             self._is_interrupted = True
             try:
@@ -164,8 +167,7 @@ class Adapter:
             self._respond(request)
             return
         self._deferred.append(request)
-        assert self._running is not None
-        if self._running.is_interruptible or request["command"] in ENDING:
+        if self._running is None or self._running.is_interruptible or request["command"] in ENDING:
             self.session.pause()
 
     def _respond(self, request: Message) -> None:
@@ -309,14 +311,14 @@ class Adapter:
 
     def _go(self, goal: Goal) -> None:
         """Let the program go on; to a stop, which is reported, if it is run here."""
-        self._goal, self._running = None, goal
+        self._goal = None
         self.references.clear()
         self.frames.clear()
         session = self.session
         if not isinstance(session, DebugSession):
             self._go_on_elsewhere(session, goal)
             return
-        self.state = State.RUNNING
+        self.state, self._running = State.RUNNING, goal
         # Their signals came before there was a run to interrupt.
         self.interrupt()
         try:
@@ -324,7 +326,7 @@ class Adapter:
         except (DebugError, ElitescriptError) as error:
             self.note(str(error), "important")
             stop = session.stop
-        self.state = State.STOPPED
+        self.state, self._running = State.STOPPED, None
         if stop.reason == PAUSE and not self._is_pause_wanted:
             # It stopped for the requests alone.
             if self._answer_deferred() and self.state is State.STOPPED:
@@ -345,6 +347,9 @@ class Adapter:
             self.state = State.STOPPED
             self.note(str(error), "important")
             self._report_stop(self.stop)
+        early, self._early = self._early, []
+        for kind, content in early:
+            self._take_news(kind, content)
 
     def _answer_deferred(self) -> bool:
         """Answer what came while the program ran; return whether nothing of that lets it go on."""
@@ -394,6 +399,10 @@ class Adapter:
         self._requests.post(lambda: self.report_output(output))
 
     def _take_news(self, kind: str, content: dict[str, Any]) -> None:
+        if self.state is State.CONFIGURING:
+            # Breakpoints count from when they are set; the client hears of it when it is ready.
+            self._early.append((kind, content))
+            return
         if self.state is State.ENDED:
             return
         if kind == "stopped" and self.session.stop is not None:

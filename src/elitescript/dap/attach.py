@@ -9,7 +9,7 @@ from typing import Any, Final
 from elitescript.dap.messages import Arguments
 from elitescript.dap.sources import Sources
 from elitescript.debugger.api import BreakpointState, LineBreakpoint, Output, Place
-from elitescript.debugger.living import digest_of
+from elitescript.debugger.living_breakpoints import digest_of
 from elitescript.services.control.debugging import ServedSession
 
 NOT_POSSIBLE: Final = (
@@ -78,7 +78,7 @@ class Attached:
 
     def _file(self, source: Arguments) -> dict[str, str]:
         """Return path and text of a file; name and text of what has none."""
-        if name := self._sources.named(source):
+        if source.number("sourceReference", 0) and (name := self._sources.named(source)):
             return {"path": name, "text": self.text_of(name)}
         path = Path(source.text("path", ""))
         text = path.read_text("utf-8", "replace") if path.is_file() else ""
