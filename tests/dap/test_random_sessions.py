@@ -44,6 +44,9 @@ class Session:
             if client.all_events[-1]["event"] == "terminated":
                 break
             rng.choice((self.go, self.go, self.go, self.change, self.breakpoints, self.nonsense))()
+        for request in client.requests.waiting:
+            # Nothing has run since it was sent.
+            client.adapter.handle(request)
         client.disconnect()
 
     def ask(self, command: str, **arguments: Any) -> dict[str, Any]:

@@ -17,7 +17,6 @@ from elitescript.dap.breakpoints import Breakpoints
 from elitescript.dap.client import ClientSettings
 from elitescript.dap.debuggee import Debuggee, Session
 from elitescript.dap.goals import Goal
-from elitescript.dap.handler import LATER, Handler, State, WhileRunning
 from elitescript.dap.messages import (
     ENDED,
     FAULT,
@@ -34,10 +33,12 @@ from elitescript.dap.messages import (
     response,
 )
 from elitescript.dap.sources import Sources
+from elitescript.dap.states import State, WhileRunning
 from elitescript.debugger.api import END, PAUSE, BreakpointState, DebugError, Frame, Output, Stop
 from elitescript.debugger.session import DebugSession
 from elitescript.debugger.wire import read
 from elitescript.errors import ElitescriptError, did_you_mean
+from elitescript.records import NamedTuple
 from elitescript.run import EXIT_CODES
 
 if TYPE_CHECKING:
@@ -63,6 +64,24 @@ class Requests(Protocol):
 
     def post(self, call: Callable[[], None]) -> None:
         """Have something called in the thread of `next`, while it waits. May be called from any thread."""
+
+
+LATER: Final[Body] = {}
+"""Result of a handler whose response is sent later."""
+
+
+class Handler(NamedTuple):
+    """One request.
+
+    Attributes:
+        answer: checks the arguments, carries it out, returns the body of the response; `LATER` if that comes later.
+        states: in which it may come.
+        while_running: what is done with it then, if `states` has that.
+    """
+
+    answer: Callable[[Adapter, Arguments], Body | None]
+    states: frozenset[State]
+    while_running: WhileRunning = WhileRunning.REFUSE
 
 
 class Adapter:
@@ -325,7 +344,7 @@ class Adapter:
             stop = goal.run(session)
         except (DebugError, ElitescriptError) as error:
             self.note(str(error), "important")
-            stop = session.stop
+            stop, self._is_pause_wanted = session.stop, True
         self.state, self._running = State.STOPPED, None
         if stop.reason == PAUSE and not self._is_pause_wanted:
             # It stopped for the requests alone.

@@ -85,7 +85,7 @@ describe("elitescript dap", function () {
   });
 
   it("moves a breakpoint to a line with a statement", () =>
-    client.hitBreakpoint({ program: CELL }, { path: CELL, line: 2 }, { path: CELL, line: 3 }, { line: 3 }));
+    client.hitBreakpoint({ program: CELL }, { path: CELL, line: 2 }, { path: CELL, line: 3 }, { path: CELL, line: 3 }));
 
   it("stops at an alarm before it unwinds", async () => {
     await Promise.all([

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
-from elitescript.dap.adapter import Adapter
+from elitescript.dap.adapter import Adapter, Handler
 from elitescript.dap.breakpoints import DATA, FUNCTIONS, LINES, Apply
-from elitescript.dap.handler import WITH_PROGRAM, Handler, State, WhileRunning
 from elitescript.dap.messages import WRONG_ARGUMENTS, Arguments, Body, RequestError
+from elitescript.dap.states import WITH_PROGRAM, State, WhileRunning
 from elitescript.debugger.api import EXCEPTION_FILTERS, DataBreakpoint, FunctionBreakpoint, LineBreakpoint
 from elitescript.errors import did_you_mean
 

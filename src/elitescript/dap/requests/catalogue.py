@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from elitescript.dap.handler import Handler
+from elitescript.dap.adapter import Handler
 from elitescript.dap.requests import breakpoints, evaluation, execution, history, inspection, lifecycle, texts
 
 HANDLERS: Final[dict[str, Handler]] = {

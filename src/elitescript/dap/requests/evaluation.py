@@ -6,10 +6,10 @@ import re
 from typing import Final
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.dap.adapter import Adapter
-from elitescript.dap.handler import STANDING, Handler, State
+from elitescript.dap.adapter import Adapter, Handler
 from elitescript.dap.messages import Arguments, Body
 from elitescript.dap.requests.inspection import about
+from elitescript.dap.states import STANDING, State
 from elitescript.debugger.api import Variable
 from elitescript.messages.signals import SIGNALS
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import ast
 from typing import Final
 
-from elitescript.dap.adapter import Adapter
+from elitescript.dap.adapter import Adapter, Handler
 from elitescript.dap.goals import Goal
-from elitescript.dap.handler import BEGUN, STANDING, Handler, State, WhileRunning
 from elitescript.dap.messages import REFUSED, Arguments, Body, RequestError
+from elitescript.dap.states import BEGUN, STANDING, State, WhileRunning
 from elitescript.debugger.api import Position
 from elitescript.debugger.session import DebugSession
 from elitescript.language.parser import parse

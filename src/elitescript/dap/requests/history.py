@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from elitescript.dap.adapter import Adapter
-from elitescript.dap.handler import STANDING, Handler, State
+from elitescript.dap.adapter import Adapter, Handler
 from elitescript.dap.messages import WRONG_ARGUMENTS, Arguments, Body, RequestError
+from elitescript.dap.states import STANDING, State
 from elitescript.debugger.api import BEFORE_STATEMENT, Change, Position
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Final
 
-from elitescript.dap.adapter import Adapter
+from elitescript.dap.adapter import Adapter, Handler
 from elitescript.dap.client import ClientSettings
-from elitescript.dap.handler import BEGUN, STANDING, Handler, State, WhileRunning
 from elitescript.dap.messages import REFUSED, Arguments, Body, RequestError
+from elitescript.dap.states import BEGUN, STANDING, State, WhileRunning
 from elitescript.debugger.api import END, Frame, Variable
 
 FILTERS: Final = ("", "named", "indexed")

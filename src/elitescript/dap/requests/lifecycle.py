@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Final
 
-from elitescript.dap.adapter import STOPPED_EXIT, Adapter
+from elitescript.dap.adapter import LATER, STOPPED_EXIT, Adapter, Handler
 from elitescript.dap.capabilities import CAPABILITIES
 from elitescript.dap.client import client_settings
 from elitescript.dap.goals import Goal
-from elitescript.dap.handler import BEGUN, LATER, WITH_PROGRAM, Handler, State, WhileRunning
 from elitescript.dap.launch import Launched
 from elitescript.dap.messages import DOES_NOT_COMPILE, REFUSED, Arguments, Body, RequestError
+from elitescript.dap.states import BEGUN, WITH_PROGRAM, State, WhileRunning
 from elitescript.errors import ElitescriptError, ProgramError
 from elitescript.language.diagnostics import Diagnostic
 

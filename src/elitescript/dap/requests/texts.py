@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Final
 
-from elitescript.dap.adapter import Adapter
-from elitescript.dap.handler import WITH_PROGRAM, Handler, WhileRunning
+from elitescript.dap.adapter import Adapter, Handler
 from elitescript.dap.messages import REFUSED, Arguments, Body, RequestError
+from elitescript.dap.states import WITH_PROGRAM, WhileRunning
 
 
 def loaded_sources(adapter: Adapter, _: Arguments) -> Body:
