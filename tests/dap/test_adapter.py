@@ -349,6 +349,15 @@ class TestGoing:
         client.go("elitescript/goto", statement=1)
         assert client.moment() == moments[0]
 
+    def test_to_where_it_was_paused(self, client):
+        client.start(CELL, stopOnEntry=True)
+        with client.meanwhile():
+            client.send("pause", threadId=1)
+        assert client.go("continue")["body"]["reason"] == "pause"
+        statement = client.adapter.session.stop.position.statement
+        client.go("elitescript/goto", statement=statement)
+        assert client.adapter.session.stop.position.statement == statement
+
     def test_restart_is_the_same_run_with_the_same_breakpoints(self, client):
         client.start(CELL, 11)
         first = client.moment()

@@ -338,6 +338,7 @@ class Adapter:
             self._go_on_elsewhere(session, goal)
             return
         self.state, self._running = State.RUNNING, goal
+        before = session.stop.position
         # Their signals came before there was a run to interrupt.
         self.interrupt()
         try:
@@ -346,7 +347,8 @@ class Adapter:
             self.note(str(error), "important")
             stop, self._is_pause_wanted = session.stop, True
         self.state, self._running = State.STOPPED, None
-        if stop.reason == PAUSE and not self._is_pause_wanted:
+        has_gone_on = bool(self._deferred) or stop.position != before
+        if stop.reason == PAUSE and not self._is_pause_wanted and has_gone_on:
             # It stopped for the requests alone.
             if self._answer_deferred() and self.state is State.STOPPED:
                 self._goal = goal.rest()
