@@ -474,7 +474,8 @@ class Adapter:
     def report_output(self, output: Output) -> None:
         """Write what a program says to the client's console."""
         body: Body = {"category": output.category, "output": f"{output.text}\n"}
-        if output.line and self._debuggee is not None:
-            body["source"] = self.sources.shown(self._debuggee.texts()[0])
+        texts = [] if self._debuggee is None else self._debuggee.texts()
+        if output.line and len(texts) == 1:
+            body["source"] = self.sources.shown(texts[0])
             body.update(self.client.place(output.line, 0))
         self.event("output", body)

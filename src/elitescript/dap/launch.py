@@ -4,20 +4,26 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from typing import Any, Final
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.dap.messages import WRONG_ARGUMENTS, Arguments, RequestError
 from elitescript.dap.sources import Sources
 from elitescript.debugger.api import BreakpointState, LineBreakpoint, Output, Place
 from elitescript.debugger.session import DebugSession
-from elitescript.debugger.source import ProgramSource, Source
+from elitescript.debugger.source import ProgramSource
 from elitescript.environment.start_values import check_presets, parse_settings
 from elitescript.errors import did_you_mean
 from elitescript.kernel.options import OPTIONS, accept
 from elitescript.messages.signals import SIGNALS, Value
+from elitescript.messages.timing import ticks_for
+
+if TYPE_CHECKING:
+    from elitescript.dap.journal_source import JournalSource
 
 RENAMED: Final = {"robot": "model"}
 """Arguments of `launch` that are called as on the command line."""
+JOURNAL_SUFFIX: Final = ".journal"
 OWN: Final = ("program", "world", "set", "until", "taskDir", "stopOnEntry", "stopOnEnd", "noDebug", *RENAMED)
 
 
@@ -51,6 +57,7 @@ class Launched:
     __slots__ = (
         "_source",
         "_sources",
+        "_texts",
         "advice",
         "arguments",
         "name",
@@ -76,32 +83,45 @@ class Launched:
         self._sources = sources
         self.name = self._source.name
         self.problems = self._source.problems
-        sources.found(self.name, self.name)
+        if isinstance(self._source, ProgramSource):
+            self._texts = {self.name: self._source.text}
+            sources.found(self.name, self.name)
+        else:
+            self._texts = self._source.texts
         self.session = DebugSession(self._source, on_output, forks=os.name == "posix")
 
     def texts(self) -> list[str]:
         """Return the names of its texts."""
-        return [self.name]
+        return list(self._texts)
 
     def text_of(self, name: str) -> str:
         """Return a text by its name."""
-        return self._source.text
+        return self._texts[name]
 
     def set_lines(self, source: Arguments, requests: Sequence[LineBreakpoint]) -> tuple[BreakpointState, ...] | None:
-        """Replace the breakpoints of the program; None for any other text."""
-        return self.session.set_breakpoints(requests) if self._sources.named(source) == self.name else None
+        """Replace the breakpoints of a text of the run; None for any other one."""
+        name = self._sources.named(source)
+        return self.session.set_breakpoints(requests, text=name) if name in self._texts else None
 
     def places(self, source: Arguments, line: int, end_line: int) -> tuple[Place, ...]:
-        """Return the statements that begin in lines of the program, the last line included."""
-        return self.session.breakpoint_locations(line, end_line) if self._sources.named(source) == self.name else ()
+        """Return the statements that begin in lines of a text of the run, the last line included."""
+        name = self._sources.named(source)
+        return self.session.breakpoint_locations(line, end_line, text=name) if name in self._texts else ()
 
 
-def _source(arguments: Arguments, program: str) -> Source:
-    options = _robot_options(arguments)
-    levels, presets = _start_values(arguments)
+def _source(arguments: Arguments, program: str) -> ProgramSource | JournalSource:
     until_s = arguments.real("until") if arguments.has("until") else None
     if until_s is not None and until_s < 0.0:
         arguments.refuse("until", "0 s or more", until_s)
+    if program.endswith(JOURNAL_SUFFIX):
+        # Few sessions debug a journal, and what reads one takes time to import.
+        from elitescript.dap.journal_source import JournalSource
+
+        if given := [name for name in (*_options(), *RENAMED, "set", "world", "taskDir") if arguments.has(name)]:
+            raise RequestError(WRONG_ARGUMENTS, f"launch: {given[0]} is in the journal")
+        return JournalSource(Path(program), None if until_s is None else ticks_for(until_s))
+    options = _robot_options(arguments)
+    levels, presets = _start_values(arguments)
     source = ProgramSource(
         program,
         world=arguments.text("world") if arguments.has("world") else None,

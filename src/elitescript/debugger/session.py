@@ -42,6 +42,7 @@ from elitescript.debugger.rules import CodeRule, DataRule, Rules, Watch, hit_con
 from elitescript.debugger.source import Source
 from elitescript.debugger.telling import filled
 from elitescript.language.diagnostics import Diagnostic
+from elitescript.language.probes import CountedStatement
 from elitescript.messages.timing import ticks_for
 from elitescript.records import replace
 
@@ -78,14 +79,13 @@ class DebugSession:
         self._furthest = Position(0, 0, 0, BEFORE_STATEMENT)
         self._next_id = 1
         self._is_closed = False
-        self._lines: list[CodeRule] = []
+        self._lines: dict[str, list[CodeRule]] = {}
+        """By the name of the text."""
         self._functions: list[CodeRule] = []
         self._data: list[DataRule] = []
         self._filters: frozenset[str] = frozenset((ALARM_FILTER,))
         self._has_stale_hits = False
         self._engine = self._new_engine(is_heard=True)
-        unit = self._engine.places.units[0]
-        self._statements = unit.statements
         self._stop = Stop(ENTRY, "not begun", 0, self._engine.position, 0.0)
 
     # ---------------------------------------------------------------- going on
@@ -205,13 +205,19 @@ class DebugSession:
 
     # ---------------------------------------------------------------- breakpoints
 
-    def set_breakpoints(self, requests: Sequence[LineBreakpoint]) -> tuple[BreakpointState, ...]:
-        """Replace the breakpoints of lines."""
-        self._lines, states = [], []
+    def set_breakpoints(self, requests: Sequence[LineBreakpoint], *, text: str = "") -> tuple[BreakpointState, ...]:
+        """Replace the breakpoints of lines of one text.
+
+        Args:
+            requests: in their order.
+            text: its name, as `Frame.source`; that of the program if empty.
+        """
+        rules, states = [], []
         for request in requests:
-            rule, state = self._line_rule(request)
-            self._lines += [rule] if rule is not None else []
+            rule, state = self._line_rule(request, self._rows(text))
+            rules += [rule] if rule is not None else []
             states.append(state)
+        self._lines[text or self._source.name] = rules
         self._set_rules()
         return tuple(states)
 
@@ -253,12 +259,12 @@ class DebugSession:
         self._filters = frozenset(filters)
         self._set_rules()
 
-    def breakpoint_locations(self, line: int, end_line: int = 0) -> tuple[Place, ...]:
-        """Return the statements that begin in lines, the last one included."""
+    def breakpoint_locations(self, line: int, end_line: int = 0, *, text: str = "") -> tuple[Place, ...]:
+        """Return the statements that begin in lines of a text, the last one included; see `set_breakpoints`."""
         last = max(line, end_line)
         return tuple(
             Place(row.line, row.column, row.end_line, row.end_column)
-            for row in self._statements
+            for row in self._rows(text)
             if line <= row.line <= last
         )
 
@@ -387,9 +393,9 @@ class DebugSession:
         finally:
             engine.close()
 
-    def passes(self, line: int) -> tuple[Position, ...]:
+    def passes(self, line: int, *, text: str = "") -> tuple[Position, ...]:
         """Return every moment at which a line was about to run, up to the furthest position of this branch."""
-        numbers = self._numbers_at(line)
+        numbers = self._numbers_at(line, text)
         if not numbers:
             return ()
         engine = self._new_engine()
@@ -495,11 +501,11 @@ class DebugSession:
 
     def _start_of_thread(self, thread: int, bound: Position) -> Stop | None:
         """Return the last statement of any thread before the first one of a thread."""
-        everything = frozenset(row.number for row in self._statements)
+        everything = frozenset(row.number for unit in self._engine.places.units for row in unit.statements)
         return self._last(Goal(bound, numbers=everything, last=True), bound)
 
     def _last_of_all(self, bound: Position) -> Stop | None:
-        everything = frozenset(row.number for row in self._statements)
+        everything = frozenset(row.number for unit in self._engine.places.units for row in unit.statements)
         return self._last(Goal(bound, numbers=everything, last=True), bound)
 
     # ---------------------------------------------------------------- changes
@@ -534,7 +540,8 @@ class DebugSession:
         return self._next_id - 1
 
     def _set_rules(self) -> None:
-        self._rules = Rules((*self._lines, *self._functions), tuple(self._data), self._filters)
+        lines = [rule for rules in self._lines.values() for rule in rules]
+        self._rules = Rules((*lines, *self._functions), tuple(self._data), self._filters)
         self._engine.set_rules(self._rules)
         self._has_stale_hits = self._rules.count_hits and self._engine.count > 0
 
@@ -544,13 +551,20 @@ class DebugSession:
             self._has_stale_hits = False
             self._again()
 
-    def _numbers_at(self, line: int) -> frozenset[int]:
-        rows = [row for row in self._statements if row.line == line]
+    def _numbers_at(self, line: int, text: str = "") -> frozenset[int]:
+        rows = [row for row in self._rows(text) if row.line == line]
         return frozenset(row.number for row in rows[:1])
 
-    def _line_rule(self, request: LineBreakpoint) -> tuple[CodeRule | None, BreakpointState]:
+    def _rows(self, text: str = "") -> list[CountedStatement]:
+        """Return the statements of a text; those of the program if it has no name."""
+        name = text or self._source.name
+        return [row for unit in self._engine.places.units if unit.source.name == name for row in unit.statements]
+
+    def _line_rule(
+        self, request: LineBreakpoint, rows: Sequence[CountedStatement]
+    ) -> tuple[CodeRule | None, BreakpointState]:
         identity = self._new_id()
-        below = [row for row in self._statements if row.line >= request.line]
+        below = [row for row in rows if row.line >= request.line]
         if not below:
             return None, BreakpointState(identity, False, "there is no statement in this line or below it")
         try:
@@ -578,8 +592,9 @@ class DebugSession:
     def _function_rule(self, request: FunctionBreakpoint) -> tuple[CodeRule | None, BreakpointState]:
         identity = self._new_id()
         name = request.name.strip().removesuffix("()")
-        table = self._engine.places.units[0].probes
-        own = [function for function in table.functions if name in (function.name, function.name.rpartition(".")[2])]
+        units = self._engine.places.units
+        functions = [function for unit in units for function in unit.probes.functions]
+        own = [function for function in functions if name in (function.name, function.name.rpartition(".")[2])]
         try:
             hit_condition(request.hit_condition)
             if request.condition:
@@ -591,7 +606,9 @@ class DebugSession:
         if not own:
             if CATALOGUE.get(name) is None:
                 return None, BreakpointState(identity, False, f"there is no function or command {name!r}")
-            numbers = calls_by_statement(self._source.name, self._source.text, self._statements).get(name, frozenset())
+            for unit in units:
+                calls = calls_by_statement(unit.source.name, unit.source.text, unit.statements)
+                numbers |= calls.get(name, frozenset())
         if not numbers:
             return None, BreakpointState(identity, False, f"no statement of the program calls {name!r}")
         rule = CodeRule(identity, FUNCTION_BREAKPOINT, numbers, request.condition, request.hit_condition)

@@ -82,10 +82,11 @@ def step_in_targets(adapter: Adapter, arguments: Arguments) -> Body:
 def goto_targets(adapter: Adapter, arguments: Arguments) -> Body:
     """Return earlier and later moments at which a line was about to run: going there is going in history."""
     line = adapter.client.line_from(arguments.number("line"))
-    if adapter.sources.named(arguments.inner("source")) != adapter.debuggee.name:
+    text = adapter.sources.named(arguments.inner("source"))
+    if text is None:
         return {"targets": []}
     now = adapter.stop.position
-    passes = [position for position in adapter.run.passes(line) if position != now]
+    passes = [position for position in adapter.run.passes(line, text=text) if position != now]
     near = sorted(passes, key=lambda position: abs(position.statement - now.statement))[:GOTO_MAX]
     targets = []
     for position in sorted(near):
