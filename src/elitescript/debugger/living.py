@@ -238,7 +238,7 @@ class LivingDebugger:
     # ---------------------------------------------------------------- going on
 
     def attach(self) -> None:
-        """Do nothing: the first request of a session attaches it."""
+        """Attach, as the first request of a session does, whatever it is."""
 
     def detach(self, leaves_paused: bool = False) -> None:
         """Remove all breakpoints, let a program that was stopped go on, and forget the debugger.
@@ -343,7 +343,7 @@ class LivingDebugger:
         return tuple(item.state for item in items)
 
     def data_breakpoint_info(self, name: str, reference: int = 0, frame: int = 0) -> DataInfo:
-        """Return what a data breakpoint can watch; see `DebugSession.data_breakpoint_info`."""
+        """Return what a data breakpoint can watch: a name, an expression, or a child of a scope or of a value."""
         if reference:
             for variable in self._stopped_look.variables(reference):
                 if variable.name == name:
@@ -373,7 +373,7 @@ class LivingDebugger:
         return self._stopped_look.scopes(frame)
 
     def variables(self, reference: int, kind: str = "", start: int = 0, count: int = 0) -> tuple[Variable, ...]:
-        """Return what a scope or a value holds; see `DebugSession.variables`."""
+        """Return what a scope or a value holds: all, the `named` or the `indexed` ones."""
         return self._stopped_look.variables(reference, kind, start, count)
 
     def evaluate(self, text: str, frame: int = 0, may_change: bool = False) -> Variable:
@@ -732,6 +732,20 @@ def _request_of(text: str) -> tuple[str, dict[str, Any]]:
 
 _WEIGHT: Final = (EXCEPTION, BREAKPOINT, FUNCTION_BREAKPOINT, DATA_BREAKPOINT, PAUSE, STEP)
 """Reasons of stops; the first one that applies is shown."""
+
+EVENTS: Final = {
+    "stopped": ("`stop`", "The program is stopped."),
+    "continued": ("", "Somebody else has resumed the task."),
+    "output": ("`output`", "A program has said something, or a breakpoint with a message was passed."),
+    "source": ("`source`", "A program has arrived."),
+    "breakpoint": ("`state`", "A breakpoint has found its place in a program that has arrived."),
+    "ended": (
+        "`result`",
+        "The program is over; `finished`, `alarm` or `stopped`. The next one gets the breakpoints, too.",
+    ),
+    "detached": ("`reason`", "The robot's process was replaced; the next request attaches anew."),
+}
+"""What a debugger is told: by name, what comes with it, and when."""
 
 REQUESTS: Final = (
     "attach",

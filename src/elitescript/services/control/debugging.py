@@ -1,16 +1,6 @@
 """Debugs the programs of a served robot over its `ctl` socket, with the methods of `DebugSession` but for going back.
 
-A request is `{"verb": "debug", "values": {"do": NAME, ARGUMENT: VALUE, ...}}` with the methods of
-`debugger.living.LivingDebugger` and their arguments; the answer has `result`. Between answers come lines with what
-happens meanwhile:
-
-    {"event": "stopped", "stop": {...}}              the program is paused before a statement; see `api.Stop`
-    {"event": "continued"}                           somebody else has resumed the task
-    {"event": "output", "output": {...}}             see `api.Output`
-    {"event": "breakpoint", "state": {...}}          a breakpoint has found its line in a program that has arrived
-    {"event": "source", "source": {...}}             a program has arrived; see `living.SourceInfo`
-    {"event": "ended", "result": "finished"}         the program is over; the next one gets the breakpoints, too
-    {"event": "detached", "reason": "..."}           nothing is debugged any more
+Requests, answers and events are lines of JSON; see *debug* in `docs/reference/ports.md`, and `debugger.living`.
 """
 
 from __future__ import annotations
