@@ -107,6 +107,8 @@ class Step(NamedTuple):
 
     strand: Strand
     depth: float
+    statements: frozenset[int] | None
+    """Of the functions that the thread is in; None for those of all."""
 
 
 class _News(NamedTuple):
@@ -150,7 +152,8 @@ class LivingDebugger:
         self._held: Strand | None = None
         """The thread that waits before a statement."""
         self._held_tick = 0
-        self._statements = 0
+        self._looks = 0
+        """Statements that were looked at."""
         self._last: Strand | None = None
         """The thread whose statement was looked at last; None behind a tick."""
         self._last_line = 0
@@ -161,7 +164,10 @@ class LivingDebugger:
         self._look_now: Look | None = None
         """What the present stop shows."""
         self._places = Places()
-        self._is_watching = False
+        self._looked_at: frozenset[int] | None = frozenset()
+        """Statements that are looked at; None for all."""
+        self._watched_places = Places()
+        """Of the programs that `_looked_at` was made for."""
 
     # ---------------------------------------------------------------- `kernel.debugging.Debugger`
 
@@ -232,7 +238,7 @@ class LivingDebugger:
     # ---------------------------------------------------------------- going on
 
     def attach(self) -> None:
-        """Do nothing: the first request of a session attaches it."""
+        """Attach, as the first request of a session does, whatever it is."""
 
     def detach(self, leaves_paused: bool = False) -> None:
         """Remove all breakpoints, let a program that was stopped go on, and forget the debugger.
@@ -269,16 +275,21 @@ class LivingDebugger:
     def next(self, thread: int) -> None:
         """Go on until a thread is at its next statement of the same call or of a caller; other threads run, too."""
         strand = self._strand(thread)
-        self._go_on(Step(strand, _depth(strand)))
+        self._go_on(Step(strand, _depth(strand), self._statements_around(strand)))
 
     def step_in(self, thread: int) -> None:
         """Go on to the next statement of a thread, also in a function that it calls."""
-        self._go_on(Step(self._strand(thread), inf))
+        self._go_on(Step(self._strand(thread), inf, None))
 
     def step_out(self, thread: int) -> None:
         """Go on until a thread has left its present function."""
         strand = self._strand(thread)
-        self._go_on(Step(strand, _depth(strand) - 1))
+        self._go_on(Step(strand, _depth(strand) - 1, self._statements_around(strand)))
+
+    def _statements_around(self, strand: Strand) -> frozenset[int]:
+        """Return the statements of all functions that a thread is in."""
+        codes = [frame.f_code for frame in strand.script_frames()]
+        return frozenset(self._places.numbers_in({(code.co_filename, code.co_qualname) for code in codes}))
 
     def _go_on(self, step: Step | None) -> None:
         if self._stop is None:
@@ -332,7 +343,7 @@ class LivingDebugger:
         return tuple(item.state for item in items)
 
     def data_breakpoint_info(self, name: str, reference: int = 0, frame: int = 0) -> DataInfo:
-        """Return what a data breakpoint can watch; see `DebugSession.data_breakpoint_info`."""
+        """Return what a data breakpoint can watch: a name, an expression, or a child of a scope or of a value."""
         if reference:
             for variable in self._stopped_look.variables(reference):
                 if variable.name == name:
@@ -362,7 +373,7 @@ class LivingDebugger:
         return self._stopped_look.scopes(frame)
 
     def variables(self, reference: int, kind: str = "", start: int = 0, count: int = 0) -> tuple[Variable, ...]:
-        """Return what a scope or a value holds; see `DebugSession.variables`."""
+        """Return what a scope or a value holds: all, the `named` or the `indexed` ones."""
         return self._stopped_look.variables(reference, kind, start, count)
 
     def evaluate(self, text: str, frame: int = 0, may_change: bool = False) -> Variable:
@@ -453,7 +464,7 @@ class LivingDebugger:
     def _look(self, strand: Strand, number: int) -> None:
         """Look at the next statement of the running thread; returns when it may run."""
         self._refresh()
-        self._statements += 1
+        self._looks += 1
         if self._stop is not None:
             # A secondary program beside a program that is stopped.
             return
@@ -534,13 +545,20 @@ class LivingDebugger:
                 self._scheduler.wake(strand)
 
     def _watch(self) -> None:
-        """Look at statements only while something may stop at one."""
-        needs = self._session and (
-            self._breakpoints.at or self._breakpoints.data or self._step or self._awaits_statement or self._news
-        )
-        if bool(needs) is not self._is_watching:
-            self._is_watching = bool(needs)
-            self._scheduler.watch(self._look if needs else None)
+        """Look at statements only while something may stop at one, and only at those."""
+        step = self._step
+        looked_at: frozenset[int] | None = frozenset(self._breakpoints.at)
+        if self._awaits_statement or self._news or self._breakpoints.data or (step and step.statements is None):
+            looked_at = None
+        elif step is not None and step.statements is not None:
+            looked_at = frozenset((*self._breakpoints.at, *step.statements))
+        if looked_at == self._looked_at and self._places is self._watched_places:
+            return
+        self._looked_at, self._watched_places = looked_at, self._places
+        if looked_at == frozenset():
+            self._scheduler.watch(None)
+        else:
+            self._scheduler.watch(self._look, () if looked_at is None else self._places.others(looked_at))
 
     # ---------------------------------------------------------------- what has happened
 
@@ -639,7 +657,7 @@ class LivingDebugger:
         return seconds(self._controller.tick)
 
     def _position(self, kind: str) -> Position:
-        return Position(self._statements, 0, self._controller.tick, kind)
+        return Position(self._looks, 0, self._controller.tick, kind)
 
     def _note(self, unit: CompiledUnit) -> Text:
         """Take note of the text of a unit."""
@@ -714,6 +732,20 @@ def _request_of(text: str) -> tuple[str, dict[str, Any]]:
 
 _WEIGHT: Final = (EXCEPTION, BREAKPOINT, FUNCTION_BREAKPOINT, DATA_BREAKPOINT, PAUSE, STEP)
 """Reasons of stops; the first one that applies is shown."""
+
+EVENTS: Final = {
+    "stopped": ("`stop`", "The program is stopped."),
+    "continued": ("", "Somebody else has resumed the task."),
+    "output": ("`output`", "A program has said something, or a breakpoint with a message was passed."),
+    "source": ("`source`", "A program has arrived."),
+    "breakpoint": ("`state`", "A breakpoint has found its place in a program that has arrived."),
+    "ended": (
+        "`result`",
+        "The program is over; `finished`, `alarm` or `stopped`. The next one gets the breakpoints, too.",
+    ),
+    "detached": ("`reason`", "The robot's process was replaced; the next request attaches anew."),
+}
+"""What a debugger is told: by name, what comes with it, and when."""
 
 REQUESTS: Final = (
     "attach",

@@ -60,6 +60,10 @@ class Places:
             row.number for unit in self.units for row in unit.statements if (unit.source.name, row.function) in wanted
         }
 
+    def others(self, numbers: frozenset[int]) -> list[int]:
+        """Return the numbers of all statements but some."""
+        return [row.number for unit in self.units for row in unit.statements if row.number not in numbers]
+
     @staticmethod
     def _dotted(qualified: str) -> str:
         return ".".join(qualified.split(_LOCALS)[1:])

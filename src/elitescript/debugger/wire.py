@@ -30,7 +30,8 @@ def written(value: Any) -> Any:
         return value if isfinite(value) else None
     if value is None or isinstance(value, str | int):
         return value
-    names = _fields(type(value))
+    kind: Any = type(value)
+    names = _fields(kind)
     if names:
         return {name: written(getattr(value, name)) for name in names}
     return [written(item) for item in value]

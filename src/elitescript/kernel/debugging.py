@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final, Protocol
 
 from elitescript.language.compiler import CompiledUnit, table_of
-from elitescript.language.options import Options
+from elitescript.language.options import SECONDARY, Options
 from elitescript.language.probes import ATTACH_PROBES, ProbeTable
 from elitescript.messages.outcomes import Outcome
 from elitescript.records import replace
@@ -18,8 +17,8 @@ if TYPE_CHECKING:
     from elitescript.messages.inputs import Debug
     from elitescript.runtime.host import ScriptHost
 
-UNITS_MAX: Final = 64
-"""Texts that are kept, of the newest programs and secondary programs."""
+UNITS_MAX: Final = 32
+"""Programs that are kept, the newest ones, and as many secondary programs."""
 Reply = Callable[[str, Outcome], None]
 
 
@@ -62,7 +61,7 @@ class Debugging:
         self._make = make
         self._next = 0
         self._options = Options()
-        self._units: OrderedDict[int, tuple[CompiledUnit, Options]] = OrderedDict()
+        self._units: dict[int, tuple[CompiledUnit, Options]] = {}
         """By the number of their first statement, with the options that they were compiled with."""
         self.debugger: Debugger | None = None
 
@@ -78,8 +77,9 @@ class Debugging:
         if unit.probes.size:
             self._units[unit.probes.first] = unit, self._options
             self._next = unit.probes.first + unit.probes.size
-            if len(self._units) > UNITS_MAX:
-                self._units.popitem(last=False)
+            alike = [first for first, (item, _) in self._units.items() if _is_alike(item, unit)]
+            for first in alike[:-UNITS_MAX]:
+                del self._units[first]
             if self.debugger is not None:
                 self.debugger.arrived(unit)
 
@@ -106,3 +106,8 @@ class Debugging:
         self.debugger.take(item)
         if not self.debugger.is_attached:
             self.debugger = None
+
+
+def _is_alike(unit: CompiledUnit, other: CompiledUnit) -> bool:
+    """Return whether both are secondary programs, or neither is."""
+    return (unit.kind == SECONDARY) is (other.kind == SECONDARY)

@@ -83,7 +83,8 @@ class _Copier:
                 target.append(ast.copy_location(ast.Pass(), statement))
                 continue
             if not waiting.skips_first or statement is not waiting.body[0]:
-                target += self._probes(statement)
+                probe = self._probe(statement)
+                target += [] if probe is None else [probe]
             target.append(self._copy(statement, is_second))
         if waiting.last is not None:
             target.append(waiting.last)
@@ -94,10 +95,10 @@ class _Copier:
         self._waiting.append(_Waiting(body, target, is_second, last))
         return target
 
-    def _probes(self, statement: ast.stmt) -> list[ast.stmt]:
-        """Return the probe of a statement; none for one that is not counted."""
+    def _probe(self, statement: ast.stmt) -> ast.If | None:
+        """Return the probe of a statement; None for one that is not counted."""
         number = self._numbers.get(statement)
-        return [] if number is None else [_probe(statement, number)]
+        return None if number is None else _probe(statement, number)
 
     def _copy(self, statement: ast.stmt, is_second: bool) -> ast.stmt:
         """Return a statement whose bodies are copies."""
@@ -109,8 +110,7 @@ class _Copier:
             return statement
         match statement:
             case ast.While() | ast.For():
-                number = self._numbers.get(statement) if isinstance(statement, ast.While) else None
-                last = None if number is None else _probe(statement, number)
+                last = self._probe(statement) if isinstance(statement, ast.While) else None
                 return _with(statement, body=self._switched(statement.body, 0, last), orelse=copied("orelse"))
             case ast.FunctionDef():
                 return _with(statement, body=self._switched(statement.body, body_start(statement.body)))
@@ -139,8 +139,7 @@ class _Copier:
         switch = ast.If(checkpoint.test.operand, begin or [ast.copy_location(ast.Pass(), checkpoint)], probed)
         made = [*body[:at], ast.copy_location(switch, checkpoint)]
         if rest:
-            (first,) = self._probes(rest[0]) or (None,)
-            self._waiting.append(_Waiting(begin, probed, True, first))
+            self._waiting.append(_Waiting(begin, probed, True, self._probe(rest[0])))
             self._waiting.append(_Waiting(rest, made, False, last, skips_first=True))
         else:
             self._waiting.append(_Waiting(begin, probed, True, last))
@@ -174,5 +173,6 @@ def _probe(statement: ast.stmt, number: int) -> ast.If:
     """Return `if @watched: @at(number)`, at the start of a statement and without extent."""
     line, offset = statement.lineno, statement.col_offset
     place: dict[str, int] = {"lineno": line, "col_offset": offset, "end_lineno": line, "end_col_offset": offset}
-    call = ast.Call(ast.Name(AT, _LOAD, **place), [ast.Constant(number, **place)], [], **place)
+    argument = ast.copy_location(ast.Constant(number), statement)
+    call = ast.Call(ast.Name(AT, _LOAD, **place), [argument], [], **place)
     return ast.If(ast.Name(WATCHED, _LOAD, **place), [ast.Expr(call, **place)], [], **place)

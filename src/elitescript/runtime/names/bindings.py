@@ -127,7 +127,7 @@ class Bindings:
             RANGE: range,
             STOP: UNCATCHABLE,
             WATCHED: scheduler.watchers,
-            AT: scheduler.at_statement,
+            AT: scheduler.passes.__getitem__,
             FORMAT: checked_format_method,
             LINE: _line(context),
             **probe_hooks,

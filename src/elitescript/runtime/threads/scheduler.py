@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import sys
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, Final
 
 from elitescript.messages.timing import WORK_PER_TICK
@@ -64,6 +64,7 @@ class Scheduler:
         lag_ticks: delay of robot time behind the wall clock, see `Deadline`.
         timers: timeouts of waits.
         watchers: called with the running strand and the number of its next statement; see `watch`.
+        passes: numbers of statements at which no watcher is called, as keys.
     """
 
     __slots__ = (
@@ -88,6 +89,7 @@ class Scheduler:
         "lag_ticks",
         "needs_attention",
         "now",
+        "passes",
         "strands",
         "timers",
         "watchers",
@@ -116,6 +118,7 @@ class Scheduler:
         self._next: list[Strand] = []
         self.timers = Timers()
         self.watchers: list[Callable[[Strand, int], None]] = []
+        self.passes = _Passes(self)
         self._started = self._starts_max = 0
         self._is_in_tick = False
         self._is_interrupted = False
@@ -247,17 +250,23 @@ class Scheduler:
 
     # ---------------------------------------------------------------- watching
 
-    def watch(self, look: Callable[[Strand, int], None] | None) -> None:
-        """Call `look` before each statement of programs that have probes; None ends that.
+    def watch(self, look: Callable[[Strand, int], None] | None, passes: Iterable[int] = ()) -> None:
+        """Call a function before statements of programs that have probes.
 
         Meanwhile no fuel is paid out, so that every pass and call comes to `checkpoint`, behind which the probes are;
         see `language.switches`. Work is counted as before.
+
+        Args:
+            look: called with the running strand and the number of its next statement; None ends that.
+            passes: numbers of the statements for which it is not called.
         """
         self.watchers[:] = () if look is None else (look,)
+        self.passes.clear()
+        self.passes.update(dict.fromkeys(passes))
         self._drain()
 
     def at_statement(self, number: int) -> None:
-        """Let the watcher look at the next statement of the running strand. Called by compiled scripts."""
+        """Let the watcher look at the next statement of the running strand."""
         strand = self.current
         if strand is not None and not strand.is_dying and strand.is_running:
             for look in self.watchers:
@@ -509,6 +518,18 @@ class Scheduler:
         if self._orphan_work < 0:
             raise Stopped
         return True
+
+
+class _Passes(dict[int, None]):
+    """Numbers of statements. What is looked up and is none of them is looked at; the others cost a call in C."""
+
+    __slots__ = ("_scheduler",)
+
+    def __init__(self, scheduler: Scheduler) -> None:
+        self._scheduler = scheduler
+
+    def __missing__(self, number: int) -> None:
+        self._scheduler.at_statement(number)
 
 
 def _order(strand: Strand) -> int:

@@ -1,16 +1,6 @@
 """Debugs the programs of a served robot over its `ctl` socket, with the methods of `DebugSession` but for going back.
 
-A request is `{"verb": "debug", "values": {"do": NAME, ARGUMENT: VALUE, ...}}` with the methods of
-`debugger.living.LivingDebugger` and their arguments; the answer has `result`. Between answers come lines with what
-happens meanwhile:
-
-    {"event": "stopped", "stop": {...}}              the program is paused before a statement; see `api.Stop`
-    {"event": "continued"}                           somebody else has resumed the task
-    {"event": "output", "output": {...}}             see `api.Output`
-    {"event": "breakpoint", "state": {...}}          a breakpoint has found its line in a program that has arrived
-    {"event": "source", "source": {...}}             a program has arrived; see `living.SourceInfo`
-    {"event": "ended", "result": "finished"}         the program is over; the next one gets the breakpoints, too
-    {"event": "detached", "reason": "..."}           nothing is debugged any more
+Requests, answers and events are lines of JSON; see *debug* in `docs/reference/ports.md`, and `debugger.living`.
 """
 
 from __future__ import annotations
@@ -23,7 +13,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from elitescript.debugger import wire
 from elitescript.debugger.api import (
@@ -42,9 +32,11 @@ from elitescript.debugger.api import (
     ThreadInfo,
     Variable,
 )
-from elitescript.debugger.living import LivingDebugger, SourceInfo, SourcePart
+from elitescript.debugger.living import LivingDebugger, SourceInfo
 from elitescript.debugger.living_breakpoints import digest_of
 from elitescript.errors import UsageError
+
+Result = TypeVar("Result")
 
 ANSWER_S: Final = 10.0
 """How long an answer is waited for; longer than the server waits for a tick."""
@@ -83,9 +75,9 @@ class ServedSession:
 
     def start(self, *, stop_on_entry: bool = False, no_debug: bool = False) -> Stop:
         """Wait for the first stop; with `stop_on_entry` pause what runs, or what runs next."""
-        self._ask("attach")
+        self._ask(LivingDebugger.attach)
         if stop_on_entry and not no_debug:
-            self._ask("pause")
+            self._ask(LivingDebugger.pause)
         return self.wait_for_stop()
 
     def proceed(self, how: str, thread: int = 0) -> None:
@@ -101,7 +93,7 @@ class ServedSession:
         while not self._stops.empty():
             self._stops.get()
         self._stop = None
-        self._ask(how, **({} if how == "resume" else {"thread": thread}))
+        self._ask(getattr(LivingDebugger, how), **({} if how == "resume" else {"thread": thread}))
 
     def wait_for_stop(self) -> Stop:
         """Return the next stop that was not returned yet; programs may end and begin before.
@@ -137,7 +129,7 @@ class ServedSession:
 
     def pause(self) -> None:
         """Pause the task; if none runs, stop before the first statement of the next program."""
-        self._ask("pause")
+        self._ask(LivingDebugger.pause)
 
     def close(self, *, leaves_paused: bool = False, terminates: bool = False) -> None:
         """Remove all breakpoints, let a stopped program go on, and hang up.
@@ -149,7 +141,7 @@ class ServedSession:
         with contextlib.suppress(DebugError):
             if terminates:
                 self._order("stop")
-            self._ask("detach", leaves_paused=leaves_paused)
+            self._ask(LivingDebugger.detach, leaves_paused=leaves_paused)
         self._is_open = False
         with contextlib.suppress(OSError):
             self._socket.shutdown(socket.SHUT_RDWR)
@@ -170,30 +162,30 @@ class ServedSession:
             text: of the file: a program that arrived with the same text has them, too.
         """
         digest = digest_of(text) if text else ""
-        return self._ask("set_breakpoints", requests=wire.written(requests), path=path, digest=digest)
+        return self._ask(LivingDebugger.set_breakpoints, requests=wire.written(requests), path=path, digest=digest)
 
     def set_function_breakpoints(self, requests: Sequence[FunctionBreakpoint]) -> tuple[BreakpointState, ...]:
         """Replace the breakpoints of functions and commands."""
-        return self._ask("set_function_breakpoints", requests=wire.written(requests))
+        return self._ask(LivingDebugger.set_function_breakpoints, requests=wire.written(requests))
 
     def set_data_breakpoints(self, requests: Sequence[DataBreakpoint]) -> tuple[BreakpointState, ...]:
         """Replace the data breakpoints."""
-        return self._ask("set_data_breakpoints", requests=wire.written(requests))
+        return self._ask(LivingDebugger.set_data_breakpoints, requests=wire.written(requests))
 
     def set_exception_filters(self, filters: Sequence[str]) -> None:
         """Replace the filters: `alarm`, `warning`."""
-        self._ask("set_exception_filters", filters=list(filters))
+        self._ask(LivingDebugger.set_exception_filters, filters=list(filters))
 
     def breakpoint_locations(
         self, line: int, end_line: int = 0, *, path: str = "", text: str = ""
     ) -> tuple[Place, ...]:
         """Return the statements that begin in lines of a text that is known, the last line included."""
         digest = digest_of(text) if text else ""
-        return self._ask("breakpoint_locations", line=line, end_line=end_line, path=path, digest=digest)
+        return self._ask(LivingDebugger.breakpoint_locations, line=line, end_line=end_line, path=path, digest=digest)
 
     def data_breakpoint_info(self, name: str, reference: int = 0, frame: int = 0) -> DataInfo:
         """Return what a data breakpoint can watch."""
-        return self._ask("data_breakpoint_info", name=name, reference=reference, frame=frame)
+        return self._ask(LivingDebugger.data_breakpoint_info, name=name, reference=reference, frame=frame)
 
     # ---------------------------------------------------------------- looking
 
@@ -204,50 +196,50 @@ class ServedSession:
 
     def threads(self) -> tuple[ThreadInfo, ...]:
         """Return the script threads in the order of their start."""
-        return self._ask("threads")
+        return self._ask(LivingDebugger.threads)
 
     def stack(self, thread: int) -> tuple[Frame, ...]:
         """Return the calls of a thread, the innermost one first."""
-        return self._ask("stack", thread=thread)
+        return self._ask(LivingDebugger.stack, thread=thread)
 
     def scopes(self, frame: int) -> tuple[Scope, ...]:
         """Return the scopes of a frame: `Locals`, `Globals`, `Robot`."""
-        return self._ask("scopes", frame=frame)
+        return self._ask(LivingDebugger.scopes, frame=frame)
 
     def variables(self, reference: int, *, kind: str = "", start: int = 0, count: int = 0) -> tuple[Variable, ...]:
         """Return what a scope or a value holds."""
-        return self._ask("variables", reference=reference, kind=kind, start=start, count=count)
+        return self._ask(LivingDebugger.variables, reference=reference, kind=kind, start=start, count=count)
 
     def evaluate(self, text: str, frame: int = 0, *, may_change: bool = False) -> Variable:
         """Return the value of an expression; with `may_change` it may change the program and the robot."""
-        return self._ask("evaluate", text=text, frame=frame, may_change=may_change)
+        return self._ask(LivingDebugger.evaluate, text=text, frame=frame, may_change=may_change)
 
     def set_variable(self, reference: int, name: str, text: str) -> Variable:
         """Set a child of a scope or of a value to the value of an expression."""
-        return self._ask("set_variable", reference=reference, name=name, text=text)
+        return self._ask(LivingDebugger.set_variable, reference=reference, name=name, text=text)
 
     def set_expression(self, target: str, text: str, frame: int = 0) -> Variable:
         """Assign the value of an expression to a variable, an item or a signal."""
-        return self._ask("set_expression", target=target, text=text, frame=frame)
+        return self._ask(LivingDebugger.set_expression, target=target, text=text, frame=frame)
 
     def set_signal(self, name: str, text: str) -> Variable:
         """Set an input, output or register of the robot."""
-        return self._ask("set_signal", name=name, text=text)
+        return self._ask(LivingDebugger.set_signal, name=name, text=text)
 
     def state(self) -> State:
         """Return the robot at this moment."""
-        return self._ask("state")
+        return self._ask(LivingDebugger.state)
 
     def sources(self) -> tuple[SourceInfo, ...]:
         """Return the texts of programs that run or ran last, the newest first."""
-        return self._ask("sources")
+        return self._ask(LivingDebugger.sources)
 
     def source_text(self, name: str) -> str:
         """Return the text of a program, by the name that its frames have."""
         parts: list[str] = []
         size = 1
         while (start := sum(map(len, parts))) < size:
-            part: SourcePart = self._ask("source_text", name=name, start=start)
+            part = self._ask(LivingDebugger.source_text, name=name, start=start)
             parts.append(part.text)
             size = part.size
             if not part.text:
@@ -256,11 +248,13 @@ class ServedSession:
 
     # ---------------------------------------------------------------- internal
 
-    def _ask(self, do: str, **arguments: Any) -> Any:
-        answer = self._order("debug", do=do, **arguments)
+    def _ask(self, method: Callable[..., Result], **arguments: Any) -> Result:
+        """Have the robot's debugger call a method; return its result."""
+        answer = self._order("debug", do=method.__name__, **arguments)
         if not isinstance(answer.get("result"), dict):
             raise DebugError(str(answer.get("text") or "the robot has not answered"))
-        return wire.result_of(getattr(LivingDebugger, do), answer["result"].get("result"))
+        result: Result = wire.result_of(method, answer["result"].get("result"))
+        return result
 
     def _order(self, verb: str, **values: Any) -> dict[str, Any]:
         record = {"verb": verb, "arguments": [], "values": values, **({"token": self._token} if self._token else {})}
