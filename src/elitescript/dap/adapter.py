@@ -91,12 +91,14 @@ class Adapter:
         send: sends a message to the client.
         requests: where those come from that arrive while the program runs.
         handlers: by the name of the request.
+        forks: whether this process may be copied.
 
     Attributes:
         state: what the session is doing.
         client: what the client understands.
         sources: texts without a file.
         breakpoints: what it has set.
+        forks: see above.
         frames: the calls that it was shown since the program stopped, by their numbers.
         references: what it can point to by a number until the program goes on: targets of `goto` and `stepIn`.
     """
@@ -118,6 +120,7 @@ class Adapter:
         "_threads",
         "breakpoints",
         "client",
+        "forks",
         "frames",
         "references",
         "sources",
@@ -129,7 +132,10 @@ class Adapter:
         send: Callable[[Message], None],
         requests: Requests,
         handlers: dict[str, Handler],
+        *,
+        forks: bool = False,
     ) -> None:
+        self.forks = forks
         self._send = send
         self._requests = requests
         self._handlers = handlers

@@ -15,7 +15,7 @@ from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.options import Options
 from elitescript.language.probes import STEPS_PROBES
 from elitescript.messages.events import Event
-from elitescript.messages.inputs import Debug, Input, RunUnit
+from elitescript.messages.inputs import Debug, Input
 from elitescript.records import replace
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.probe import Probe
@@ -40,7 +40,8 @@ class JournalSource:
         name: of the first program.
         text: of the first program.
         problems: none: what was wrong with a program was said in the session.
-        texts: of all programs, by their names.
+        texts: of all programs, by their names; one that has run more than once by the name that it had first.
+        first_names: that name of every text, by the name that it has each time.
     """
 
     def __init__(self, path: Path, until_tick: int | None = None) -> None:
@@ -50,7 +51,6 @@ class JournalSource:
         self._until = until_tick
         if any(isinstance(item, Debug) for record in self._records for item in record.get("in", ())):
             raise UsageError(f"{path}: a debugger was attached in this session, so that it cannot be debugged again")
-        _tell_apart(self._records)
         found = _Compiled()
         self._execution(found, lambda event: None, lambda: None, lambda tick: None).run()
         self._plan = found.plan
@@ -64,18 +64,24 @@ class JournalSource:
         if not self._units:
             raise UsageError(f"{path}: no program has run in this session")
         self.problems: tuple[Diagnostic, ...] = ()
-        self.texts = dict(list(self._units))
+        firsts: dict[str, str] = {}
+        for name, text in self._units:
+            firsts.setdefault(text, name)
+        self.texts = {name: text for text, name in firsts.items()}
+        self.first_names = {name: firsts[text] for name, text in self._units}
         self.name, self.text = next(iter(self._units))
 
     def begin(
         self,
-        probe: Probe,
+        probe: Probe | None,
         *,
         on_event: Callable[[Event], None],
         after_tick: Callable[[], None],
         next_stop: Callable[[int], int | None],
     ) -> JournalExecution:
         """See `debugger.source.Source.begin`."""
+        if probe is None:
+            return self._execution(None, on_event, after_tick, next_stop)
         for unit in self._units.values():
             probe.compiled(unit)
         firsts = {text: unit.probes.first for text, unit in self._units.items()}
@@ -83,7 +89,7 @@ class JournalSource:
 
     def _execution(
         self,
-        probe: Probe,
+        probe: Probe | None,
         on_event: Callable[[Event], None],
         after_tick: Callable[[], None],
         next_stop: Callable[[int], int | None],
@@ -99,7 +105,7 @@ class JournalExecution:
         reader: JournalReader,
         records: Sequence[dict[str, Any]],
         until_tick: int | None,
-        probe: Probe,
+        probe: Probe | None,
         on_event: Callable[[Event], None],
         after_tick: Callable[[], None],
         next_stop: Callable[[int], int | None],
@@ -215,19 +221,6 @@ class _Counted:
 
     def hooks(self) -> dict[str, object]:
         return self._probe.hooks()
-
-
-def _tell_apart(records: Sequence[dict[str, Any]]) -> None:
-    """Give each text that came from the same client an origin of its own, which its name is made of."""
-    known: dict[str, list[str]] = {}
-    for record in records:
-        for at, item in enumerate(record.get("in", ())):
-            if isinstance(item, RunUnit):
-                texts = known.setdefault(item.origin, [])
-                if item.text not in texts:
-                    texts.append(item.text)
-                if number := texts.index(item.text):
-                    record["in"][at] = replace(item, origin=f"{item.origin}, text {number + 1}")
 
 
 def _text(unit: CompiledUnit) -> Text:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -36,6 +35,7 @@ class Launched:
         arguments: of `launch`.
         sources: takes note of its texts.
         on_output: receives what the run says.
+        forks: whether this process may be copied, which makes going back in long programs fast.
 
     Raises:
         RequestError: an argument that makes no sense.
@@ -69,7 +69,9 @@ class Launched:
         "stops_on_end",
     )
 
-    def __init__(self, arguments: Arguments, sources: Sources, on_output: Callable[[Output], None]) -> None:
+    def __init__(
+        self, arguments: Arguments, sources: Sources, on_output: Callable[[Output], None], *, forks: bool
+    ) -> None:
         program = arguments.text("program")
         if not program:
             arguments.refuse("program", "the path of a program", "")
@@ -88,7 +90,9 @@ class Launched:
             sources.found(self.name, self.name)
         else:
             self._texts = self._source.texts
-        self.session = DebugSession(self._source, on_output, forks=os.name == "posix")
+            for name, first in self._source.first_names.items():
+                sources.same(name, first)
+        self.session = DebugSession(self._source, on_output, forks=forks)
 
     def texts(self) -> list[str]:
         """Return the names of its texts."""

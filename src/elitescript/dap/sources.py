@@ -11,18 +11,24 @@ from elitescript.dap.messages import Arguments, Body
 class Sources:
     """Knows which texts have a file here; the others get a number, from 1."""
 
-    __slots__ = ("_numbered", "_paths")
+    __slots__ = ("_first_names", "_numbered", "_paths")
 
     def __init__(self) -> None:
         self._numbered: list[str] = []
         self._paths: dict[str, str] = {}
+        self._first_names: dict[str, str] = {}
 
     def found(self, name: str, path: str) -> None:
         """Note the file of a text."""
         self._paths[name] = str(Path(path).absolute())
 
+    def same(self, name: str, first: str) -> None:
+        """Note that a text is one that has another name, too."""
+        self._first_names[name] = first
+
     def shown(self, name: str) -> Body:
         """Return the `Source` of a text."""
+        name = self._first_names.get(name, name)
         if path := self._paths.get(name):
             return {"name": Path(path).name, "path": path}
         if name not in self._numbered:

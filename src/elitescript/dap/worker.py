@@ -157,7 +157,7 @@ def main() -> None:
             data = data[os.write(responses, data) :]
 
     incoming = Incoming(requests) if hasattr(select, "poll") else ThreadedIncoming(requests)
-    adapter = Adapter(send, incoming, HANDLERS)
+    adapter = Adapter(send, incoming, HANDLERS, forks=os.name == "posix")
 
     def interrupt() -> None:
         try:

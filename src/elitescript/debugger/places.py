@@ -6,9 +6,18 @@ from bisect import bisect_right
 from typing import Final
 
 from elitescript.language.compiler import CompiledUnit
-from elitescript.language.probes import CountedStatement
+from elitescript.language.probes import CountedStatement, ProbeTable
+from elitescript.records import NamedTuple
 
 _LOCALS: Final = ".<locals>."
+
+
+class CountedText(NamedTuple):
+    """A text of a run, with what the numbers of its statements mean."""
+
+    name: str
+    text: str
+    probes: ProbeTable
 
 
 class Places:

@@ -53,7 +53,7 @@ def restart(adapter: Adapter, arguments: Arguments) -> None:
 
 def _launched(adapter: Adapter, arguments: Arguments) -> Launched:
     try:
-        launched = Launched(arguments, adapter.sources, adapter.report_output)
+        launched = Launched(arguments, adapter.sources, adapter.report_output, forks=adapter.forks)
     except ProgramError as error:
         program = arguments.text("program")
         adapter.sources.found(program, program)
