@@ -50,10 +50,15 @@ def _move(session, rng, rows):
         session.set_function_breakpoints([FunctionBreakpoint(rng.choice(["climb", "movej", "sync"]))])
         session.set_exception_filters(rng.choice([(), ("alarm",), ("alarm", "warning")]))
     moves = {
-        **{3: session.resume, 4: session.reverse, 5: session.reverse},
-        **{6: lambda: session.run_to_time(rng.uniform(0, 3)), 7: lambda: session.last_pass(rng.randrange(1, rows))},
-        **{8: lambda: session.step_in(thread), 9: lambda: session.step_out(thread)},
-        **{10: lambda: session.step_back(thread), 11: lambda: session.step_back(thread)},
+        3: session.resume,
+        4: session.reverse,
+        5: session.reverse,
+        6: lambda: session.run_to_time(rng.uniform(0, 3)),
+        7: lambda: session.last_pass(rng.randrange(1, rows)),
+        8: lambda: session.step_in(thread),
+        9: lambda: session.step_out(thread),
+        10: lambda: session.step_back(thread),
+        11: lambda: session.step_back(thread),
     }
     try:
         return moves.get(choice, lambda: session.next(thread))()

@@ -48,7 +48,7 @@ from elitescript.records import replace
 
 WINDOW: Final = 2000
 """Statements before the present stop in which a search for an earlier one begins."""
-WINDOW_OF_SNAPSHOTS: Final = 200
+WINDOW_OF_SNAPSHOTS: Final = 50
 _WIDER: Final = 50
 _WIDE_ENOUGH: Final = 5
 """A search may begin at a copy that stands so many times the width before the present stop."""
@@ -82,6 +82,7 @@ class DebugSession:
         self._furthest = Position(0, 0, 0, BEFORE_STATEMENT)
         self._next_id = 1
         self._is_closed = False
+        self._is_pausing = False
         self._lines: dict[str, list[CodeRule]] = {}
         """By the name of the text."""
         self._functions: list[CodeRule] = []
@@ -110,7 +111,7 @@ class DebugSession:
 
     def resume(self) -> Stop:
         """Go on to the next breakpoint, exception of a filter, pause, or the end."""
-        if self._can_be_plain:
+        if self._can_be_plain and not self._is_pausing:
             return self._run_plainly(self._filters)
         self._count_hits_again()
         return self._arrived(self._engine.run(Goal(heeds=True)))
@@ -200,6 +201,7 @@ class DebugSession:
 
     def pause(self) -> None:
         """Let the run that goes on stop at its next statement or tick. Called from any thread or signal handler."""
+        self._is_pausing = True
         self._engine.pause()
 
     def close(self) -> None:
@@ -435,6 +437,7 @@ class DebugSession:
         assert stop is not None
         if stop.result:
             return self._arrived(stop)
+        self._is_pausing = False
         again = self._new_engine()
         self._replace_engine(again)
         arrived = again.run(Goal(stop.position))
@@ -445,6 +448,8 @@ class DebugSession:
         self._engine.close()
         self._engine = engine
         engine.is_heard = True
+        if self._is_pausing:
+            engine.pause()
 
     def _hear(self, number: int, output: Output) -> None:
         """Pass on what the run says for the first time on this branch."""
@@ -460,6 +465,7 @@ class DebugSession:
 
     def _arrived(self, stop: Stop | None) -> Stop:
         assert stop is not None
+        self._is_pausing = False
         self._stop = stop
         if self._furthest.is_before(stop.position):
             self._furthest = stop.position
@@ -514,7 +520,7 @@ class DebugSession:
         while True:
             start = 0 if self._rules.count_hits and goal.heeds else max(0, end - width)
             near = self._snapshots.nearest(bound)
-            if end - _WIDE_ENOUGH * width <= near < end:
+            if near >= 0 and end - _WIDE_ENOUGH * width <= near < end:
                 start = near
             engine = self._engine_before(Position(start + 1, 0, 0, BEFORE_STATEMENT))
             engine.is_heard = False
@@ -525,7 +531,7 @@ class DebugSession:
                 found = engine.run(goal)
             finally:
                 engine.close()
-            if found is not None or start == 0:
+            if found is not None or start <= 0:
                 self._snapshots.thin(bound)
                 return found
             width *= _WIDER

@@ -3,7 +3,8 @@
 A copy is a process that was forked from the one in which the run goes on: stacks, locks and devices are in it as they
 were, and it costs what the run changes afterwards. An `Engine` lives in a process of its own then, and the session
 talks to it through a socket, with frozen records only. While it runs it forks a copy of itself for each `EACH_S` of
-processor time and passes the end of a new socket on. Of the copies few are kept, close to the present position the most.
+processor time and passes the end of a new socket on. Of the copies few are kept, most of them close to the present
+position.
 
 A process ends when its socket is closed, so none is left when the session ends in whatever way. Only for POSIX, and for
 a process that has no other threads and may be forked. `NoSnapshots` is what a session has elsewhere.
@@ -265,7 +266,7 @@ class _Server:
 
     def begin(self, engine: Engine) -> None:
         self._engine = engine
-        engine.pulse = self.pulse
+        engine.pulse, engine.is_pulse_due = self.pulse, self.is_due
         signal.signal(signal.SIGUSR1, lambda *_: engine.pause())
 
     def fail(self, error: Exception) -> None:
@@ -276,9 +277,13 @@ class _Server:
     def hear(self, number: int, output: Output) -> None:
         self._say(_SAID, (number, output))
 
+    def is_due(self) -> bool:
+        """Return whether the last copy was some time ago."""
+        return process_time() - self._copied_s >= EACH_S
+
     def pulse(self) -> None:
-        """Leave a copy behind, if the last one was some time ago."""
-        if process_time() - self._copied_s < EACH_S:
+        """Leave a copy behind, if one is due."""
+        if not self.is_due():
             return
         ours, theirs = socket.socketpair()
         if os.fork() == 0:
