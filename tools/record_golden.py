@@ -22,7 +22,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from elitescript import Run, VirtualRobot
-from elitescript.cli.settings import parse_settings
+from elitescript.environment.start_values import parse_settings
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES = ROOT / "examples"

@@ -37,6 +37,9 @@ _Record = TypeVar("_Record")
 
 EndState = Literal["finished", "alarm", "stopped", "time_limit", "stuck"]
 
+EXIT_CODES: Final = {"finished": 0, "stopped": 0, "alarm": 1, "time_limit": 4, "stuck": 5}
+"""Exit code of a process that runs one program, by the state at its end."""
+
 
 class Look(NamedTuple):
     """State of a run at a tick; see the properties of `Run`."""

@@ -8,7 +8,8 @@ import sys
 
 import pytest
 
-from elitescript.cli.watched import can_watch, place_in_trace
+from elitescript.cli.watched import can_watch
+from elitescript.environment.process import place_in_trace
 
 pytestmark = pytest.mark.skipif(not can_watch(), reason="needs Linux")
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from elitescript.cli.output import jsonlines
 from elitescript.cli.output.remedies import with_verbs
-from elitescript.cli.settings import parse_settings
+from elitescript.environment.start_values import parse_settings
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.services.control.channel import PLAY, address_of, ask
 from elitescript.services.control.verbs import VERBS

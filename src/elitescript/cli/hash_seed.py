@@ -8,8 +8,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from elitescript.cli.settings import parse_settings
 from elitescript.environment.program_file import source_of
+from elitescript.environment.start_values import parse_settings
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.hash_order import may_hold_set, shows_hash_order
 from elitescript.language.nodes import Census

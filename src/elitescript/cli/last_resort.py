@@ -19,7 +19,7 @@ from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import Final
 
-from elitescript.cli.watched import place_in_trace
+from elitescript.environment.process import place_in_trace
 
 STOPS: Final = (signal.SIGINT, signal.SIGTERM)
 REACTED: Final = b"\0"

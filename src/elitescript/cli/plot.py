@@ -9,10 +9,10 @@ from typing import Final
 from elitescript.cli.output.report import TextRunReport
 from elitescript.cli.output.screen import palette_of, progress_on, rendered
 from elitescript.cli.robot_options import options_from
-from elitescript.cli.run import DOES_NOT_COMPILE, EXIT_CODES
-from elitescript.cli.settings import parse_settings
+from elitescript.cli.run import DOES_NOT_COMPILE
 from elitescript.cli.watched import watch_for_crashes
 from elitescript.environment.program_file import source_of
+from elitescript.environment.start_values import parse_settings
 from elitescript.errors import ProgramError, UsageError
 from elitescript.kernel.options import DEFAULTS, OPTIONS
 from elitescript.language.text.source import SourceFile
@@ -23,6 +23,7 @@ from elitescript.plotting.page import Recording, page
 from elitescript.plotting.sampling import Sampling
 from elitescript.plotting.trace_reader import SUFFIXES, read_trace
 from elitescript.robot import VirtualRobot
+from elitescript.run import EXIT_CODES
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -14,23 +14,25 @@ from elitescript.cli.output.report import JsonRunReport, RunReport, TextRunRepor
 from elitescript.cli.output.screen import CALLS, Progress, progress_on
 from elitescript.cli.output.trace_file import TraceFile
 from elitescript.cli.robot_options import options_from
-from elitescript.cli.settings import check_presets, parse_settings, parse_size
-from elitescript.cli.watched import limit_memory, watch_for_crashes
+from elitescript.cli.settings import parse_size
+from elitescript.cli.watched import watch_for_crashes
 from elitescript.controller.views.trace import Trace, step_ticks
 from elitescript.controller.views.trace_signals import TraceSignals
+from elitescript.environment.process import limit_memory
 from elitescript.environment.program_file import source_of
+from elitescript.environment.start_values import check_presets, parse_settings
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
 from elitescript.language.options import Options
 from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import DeviceNoted
 from elitescript.robot import VirtualRobot
+from elitescript.run import EXIT_CODES
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
 
-EXIT_CODES: Final = {"finished": 0, "stopped": 0, "alarm": 1, "time_limit": 4, "stuck": 5}
 DOES_NOT_COMPILE: Final = 3
 INTERRUPTED: Final = 130
 """Ctrl-C, as shells count it."""

@@ -19,9 +19,10 @@ from elitescript.cli.output.report import JsonRunReport, RunReport, TextRunRepor
 from elitescript.cli.output.terminal import QueuedStream, TaggedStream
 from elitescript.cli.output.writable import Writable
 from elitescript.cli.robot_options import options_from
-from elitescript.cli.settings import parse_settings, parse_size
+from elitescript.cli.settings import parse_size
 from elitescript.cli.ssh_login import Login, ssh_login
 from elitescript.environment.line_bindings import parse_bindings
+from elitescript.environment.start_values import parse_settings
 from elitescript.environment.state_file import StateFile
 from elitescript.errors import UsageError
 from elitescript.kernel import Kernel, RobotOptions

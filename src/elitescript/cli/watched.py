@@ -36,14 +36,7 @@ used."""
 STACK_MARGIN: Final = 16 << 20
 """Least distance between a full stack and other memory; the system itself wants 1 MB."""
 
-MEMORY_DEFAULT: Final = "4GiB"
-"""Limit of the memory of a run, *assumed*: more than a controller has, less than most computers."""
-MEMORY_MIN: Final = 512 << 20
-"""Least limit of the address space, for Python, this package and its model."""
-
 TRACE_MAX: Final = 1 << 16
-
-_ENTRANCE: Final = f"elitescript{os.sep}cli{os.sep}main.py"
 
 HINT: Final = "do not nest iterators (map, filter, zip, itertools) or objects hundreds of thousands deep"
 
@@ -96,21 +89,10 @@ def run_watched(
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {-status})
         os.kill(os.getpid(), -status)
         return 128 - status
+    from elitescript.environment.process import place_in_trace
+
     _report_crash(name, signal.Signals(-status).name, place_in_trace(trace), is_json=is_json)
     return ALARM
-
-
-def place_in_trace(trace: bytes) -> tuple[str, int] | None:
-    """Return the name and line of the program text that a trace of `faulthandler` was in; None if it was in none."""
-    for row in trace.decode("utf-8", "replace").splitlines():
-        file, quote, rest = row.strip().removeprefix('File "').partition('", line ')
-        if file.endswith(_ENTRANCE):
-            # What called it is the command itself, which need not end in .py.
-            return None
-        # Only texts of programs are no files of Python.
-        if quote and not file.endswith(".py") and not file.startswith("<frozen"):
-            return file, int(rest.split()[0])
-    return None
 
 
 def watch_for_crashes() -> bool:
@@ -130,17 +112,6 @@ def watch_for_crashes() -> bool:
         # By default threads would get the same stack as this process.
         _thread.stack_size(8 << 20)
     return True
-
-
-def limit_memory(size: int) -> None:
-    """Limit the memory of this process, in bytes, where the system can."""
-    try:
-        import resource
-    except ImportError:
-        return
-    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
-    soft = size if hard == resource.RLIM_INFINITY else min(size, hard)
-    resource.setrlimit(resource.RLIMIT_AS, (max(soft, MEMORY_MIN), hard))
 
 
 class _Child:

@@ -22,7 +22,7 @@ from typing import Any, Final, cast
 
 from elitescript.debugger.api import DebugError, Output, Position
 from elitescript.debugger.engine import Engine
-from elitescript.debugger.wire import read, written
+from elitescript.debugger.engine_records import read, written
 
 EACH_S: Final = 0.1
 """Processor time of a run from one copy to the next."""
