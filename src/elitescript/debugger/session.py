@@ -522,9 +522,10 @@ class DebugSession:
         end = self._count_at_end() if bound.kind == AT_END else bound.statement
         while True:
             start = 0 if self._rules.count_hits and goal.heeds else max(0, end - width)
-            near = self._snapshots.nearest(bound)
-            if near >= 0 and end - _WIDE_ENOUGH * width <= near < end:
-                start = near
+            if start > 0 and width in (WINDOW, WINDOW_OF_SNAPSHOTS):
+                near = self._snapshots.nearest(bound)
+                if end - _WIDE_ENOUGH * width <= near < end:
+                    start = max(0, near)
             engine = self._engine_before(Position(start + 1, 0, 0, BEFORE_STATEMENT))
             engine.is_heard = False
             try:
