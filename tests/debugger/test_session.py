@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import hashlib
+import os
 import pickle
 import weakref
 
@@ -591,3 +593,41 @@ class TestAfterwards:
         with debugging(PICK) as session:
             end = session.start()
             assert (end.time_s, session.state().joints) == ((run := VirtualRobot().run(PICK)).time_s, run.joints)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
+class TestProcesses:
+    def test_all_works_in_processes_of_its_own(self):
+        said = []
+        with debugging(PICK, said, forks=True) as session:
+            session.set_breakpoints([LineBreakpoint(6, condition="n == 1")])
+            here = session.start()
+            frame = session.stack(1)[0].id
+            assert session.evaluate("n + 1", frame).value == "2"
+            with pytest.raises(DebugError, match="refused"):
+                session.evaluate("pick(1)", frame)
+            session.set_expression("n", "10", frame)
+            assert session.step_back(1).line == 18
+            session.run_to(here.position)
+            assert variables(session)["n"] == "10"
+            end = session.resume()
+            assert [row.new for row in session.history("total")] == ["0", "10", "12"]
+            assert len(session.passes(6)) == 3
+            assert session.reverse().position == here.position and session.resume() == end
+        assert [output.text for output in said] == ["total 12"]
+
+    def test_pause_and_the_end_of_all_processes(self):
+        with debugging("n = 0\nwhile True:\n  n = n + 1\nend\n", forks=True) as session:
+            session.start(stop_on_entry=True)
+            session.pause()
+            assert session.resume().reason == "pause"
+            process = session._engine._process
+        for _ in range(1000):
+            try:
+                os.kill(process, 0)
+            except ProcessLookupError:
+                break
+            with contextlib.suppress(ChildProcessError):
+                os.waitpid(process, 0)
+        with pytest.raises(ProcessLookupError):
+            os.kill(process, 0)

@@ -433,7 +433,6 @@ class Engine:
         self._is_soon = False
         previous = self._last_strand
         self._last_strand = strand
-        self._apply_inputs()
         if strand is None:
             return None
         found = []
@@ -455,6 +454,7 @@ class Engine:
         elif self._step_has_ended and goal.step:
             found.append(self._stop(STEP, f"thread {goal.thread} has ended"))
         self._begun[strand.order] = self.count, number
+        self._apply_inputs()
         return self._decided(found)
 
     def _decided(self, found: list[Stop]) -> Stop | None:
@@ -634,7 +634,6 @@ class Engine:
     def _at_tick(self) -> list[Stop]:
         self._kind, self._strand = AFTER_TICK, None
         found = []
-        self._apply_inputs()
         if self._recorder is not None:
             self._record(self._last_strand)
         if self._is_pausing:
@@ -642,6 +641,7 @@ class Engine:
             found.append(self._stop(PAUSE, "paused"))
         if self._goal.heeds:
             found += self._data_stops(self._last_strand)
+        self._apply_inputs()
         return found
 
     def _event(self, event: Event) -> None:
@@ -763,8 +763,10 @@ class Engine:
     # ---------------------------------------------------------------- changes by the user
 
     def _apply_inputs(self) -> None:
+        """Make the changes that belong here, behind what stops here: the stop came before the user could make them."""
         while self._inputs and self._is_at(self._inputs[0].position):
             self.apply(self._inputs.pop(0))
+            self._values = self._watched()
 
     def set_inputs(self, inputs: Sequence[Input]) -> None:
         """Replace the changes that are to be made later."""
