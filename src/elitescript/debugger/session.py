@@ -46,7 +46,8 @@ from elitescript.language.probes import CountedStatement
 from elitescript.messages.timing import ticks_for
 from elitescript.records import replace
 
-REAL_NETWORK: Final = "the program may have real connections: when the run goes back, their peers do not, and what they have sent is used again"
+REAL_NETWORK: Final = "going back does not reach the peers of real connections: what they have sent is used again"
+"""Said at the start of a program that may connect to something outside the simulation."""
 WINDOW: Final = 2000
 """Statements before the present stop in which a search for an earlier one begins."""
 WINDOW_OF_SNAPSHOTS: Final = 50
