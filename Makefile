@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint types coverage flips invariants peers bench quoted figures picture reference docs golden vscode vscode-test dist lock clean
+.PHONY: help demo test lint types coverage flips invariants peers bench quoted figures picture reference docs golden vscode vscode-test dap-test dist lock clean
 
 help:
 	@echo "make demo        install, then run an example program"
@@ -18,6 +18,7 @@ help:
 	@echo "make flips       change random constants of tables; prints the changes that no test notices (an hour)"
 	@echo "make invariants  the long random sweeps; writes their result into docs/explanation/motion.md"
 	@echo "make peers       install other people's packages and compare with them; writes the result there too"
+	@echo "make dap-test    the debug adapter with the test kit of VS Code's makers (needs Node)"
 	@echo "make bench       the table of measured times; python -m benchmarks --against CHECKOUT compares two working copies"
 	@echo "make quoted      every measured figure that README and docs quote, beside what is measured now"
 	@echo "make figures     write the figures and measured tables of docs/explanation"
@@ -105,6 +106,13 @@ peers: $(READY)
 	$(BIN)/python -m pip install -qq --disable-pip-version-check $(PEERS)
 	ELITESCRIPT_RECORD=docs/explanation/peers.json $(BIN)/python -m pytest -m peers
 	$(BIN)/python -m tools.draw_motion
+
+# The kit is installed as its lock file says, into build/; nothing else needs Node.
+dap-test: $(READY)
+	@if ! command -v npm >/dev/null; then echo "make dap-test needs Node; nothing was tested."; exit 0; fi; \
+	rm -rf build/dap-kit && mkdir -p build && cp -r tests/dap/kit build/dap-kit && cd build/dap-kit && \
+	npm ci --silent --no-audit --no-fund && \
+	ELITESCRIPT=$(CURDIR)/$(BIN)/elitescript PROGRAMS=$(CURDIR)/build/dap-kit npx --no-install mocha session.test.js
 
 figures: $(READY)
 	$(BIN)/python -m tools.draw_motion

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from inspect import signature
+
+from elitescript.debugger.living import EVENTS, REQUESTS, LivingDebugger
 from elitescript.kernel.external_control import PORT as SENDER_PORT
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol.ports import SERVICES
@@ -135,4 +138,42 @@ def ports_page() -> str:
         "|---|---|",
     ]
     lines += [f"| `{cell(verb.usage)}` | {cell(verb.summary)} |" for verb in VERBS.values()]
+    lines += _debug_lines()
     return "\n".join(lines) + "\n"
+
+
+def _debug_lines() -> list[str]:
+    """Return what a debugger can ask of a served robot."""
+    lines = [
+        "",
+        "### `debug`",
+        "",
+        "`elitescript dap` attaches to a served robot with this verb; so can any program. A request of a debugger is the",
+        'line `{"verb": "debug", "values": {"do": NAME, ARGUMENT: VALUE, ...}}`, its answer has `{"result": {"result": ...}}`,',
+        "or the reason of a refusal. The first request of a connection attaches it, its end removes all breakpoints and lets",
+        "a program that was stopped go on. One debugger is attached at a time. Objects have the fields of the records in",
+        "`elitescript.debugger.api`, in brackets are arguments that may be left out.",
+        "",
+        "A stop is a pause of the task: the arm brakes, clients see a paused task, the ports are served. The thread that has",
+        "stopped stays before its statement, the others where they are; secondary programs run on. Whoever resumes the task",
+        "lets the program go on. A journal has what a debugger asks, so a replay stops where the session has.",
+        "",
+        "| `do` | arguments | what it does |",
+        "|---|---|---|",
+    ]
+    for name in REQUESTS:
+        method = getattr(LivingDebugger, name)
+        arguments = ", ".join(
+            f"`{item.name}`" if item.default is item.empty else f"[`{item.name}`]"
+            for item in list(signature(method).parameters.values())[1:]
+        )
+        summary = " ".join((method.__doc__ or "").split("\n\n")[0].split())
+        lines.append(f"| `{name}` | {arguments} | {cell(summary)} |")
+    lines += [
+        "",
+        "Between answers come lines with what happens meanwhile:",
+        "",
+        "| `event` | with | when |",
+        "|---|---|---|",
+    ]
+    return lines + [f"| `{name}` | {content} | {cell(text)} |" for name, (content, text) in EVENTS.items()]

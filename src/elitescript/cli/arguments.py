@@ -263,6 +263,19 @@ def add_replay(parser: Parser) -> None:
     _add_json_lines(parser)
 
 
+def add_dap(parser: Parser) -> None:
+    parser.description = (
+        "Debug programs for an editor: the Debug Adapter Protocol on standard input and output. What to run, and with "
+        "which robot, is in the editor's launch configuration."
+    )
+    parser.add_argument(
+        "--tcp",
+        type=int,
+        metavar="PORT",
+        help="listen on a port of this computer instead, for one editor after the other (0: any free one, printed)",
+    )
+
+
 def add_doctor(parser: Parser) -> None:
     parser.description = (
         "Say which layers of the jail are active, and why not; versions, ports, timers. Exit code 1 if a layer is "
@@ -331,6 +344,7 @@ COMMANDS: Final[dict[str, tuple[str, Callable[[Parser], None]]]] = {
     "ctl": ("work inputs, faults, popups and tasks of a running serve", add_ctl),
     "devices": ("the devices of a world file on real ports and serial lines", add_devices),
     "replay": ("play a recorded session of serve again", add_replay),
+    "dap": ("debug programs for an editor, back and forth in time", add_dap),
     "doctor": ("what this computer has that serving needs", add_doctor),
     "lsp": ("what editors show of programs, by the Language Server Protocol", add_lsp),
     "mcp": ("check, run and step through programs for agents", add_mcp),

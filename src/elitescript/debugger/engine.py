@@ -45,26 +45,23 @@ from elitescript.debugger.api import (
 )
 from elitescript.debugger.inputs import Input, apply_input
 from elitescript.debugger.looking import CallFrame, Look, Names
-from elitescript.debugger.places import Places
+from elitescript.debugger.places import CountedText, Places
 from elitescript.debugger.rules import NO_RULES, CodeRule, DataRule, Rules, Watch, hit_condition
 from elitescript.debugger.source import Source
+from elitescript.debugger.telling import exception_of, filled, logged, output_of
 from elitescript.debugger.values import shown
 from elitescript.language.compiler import CompiledUnit
 from elitescript.language.hooks import STEP as STEP_HOOK
 from elitescript.language.hooks import STEPS as STEPS_HOOK
 from elitescript.language.options import Options
-from elitescript.language.probes import STEPS_PROBES, ProbeTable
+from elitescript.language.probes import STEPS_PROBES
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import (
     Alarm,
-    DeviceNoted,
     Event,
-    Popup,
-    Printed,
     RobotModeChanged,
     SafetyModeChanged,
     SignalChanged,
-    TextMessage,
     Warned,
 )
 from elitescript.messages.timing import seconds
@@ -129,6 +126,7 @@ class Engine:
         count: statements that have begun, with the next one at a stop before it.
         is_counted: see above.
         pulse: called now and then between two statements of a run that goes on.
+        is_pulse_due: asked behind each tick whether it is to be called.
     """
 
     def __init__(
@@ -147,6 +145,7 @@ class Engine:
         self.outputs = 0
         self.is_heard = False
         self.pulse: Callable[[], None] | None = None
+        self.is_pulse_due: Callable[[], bool] | None = None
         self._events = 0
         self._base = 0
         self._loaded = 0
@@ -265,9 +264,9 @@ class Engine:
         found = frozenset((call.frame.f_code.co_filename, call.frame.f_code.co_qualname) for call in calls)
         return found, len(calls) - 1
 
-    def unit(self) -> ProbeTable:
-        """Return what is counted of the program."""
-        return self.places.units[0].probes
+    def texts(self) -> tuple[CountedText, ...]:
+        """Return what is counted of each text that is known; the program is the first one."""
+        return tuple(CountedText(unit.source.name, unit.source.text, unit.probes) for unit in self.places.units)
 
     def _new_look(self) -> Look:
         return Look(self._controller, self.execution.host, self.places, self._error)
@@ -435,7 +434,6 @@ class Engine:
         self._is_soon = False
         previous = self._last_strand
         self._last_strand = strand
-        self._apply_inputs()
         if strand is None:
             return None
         found = []
@@ -457,6 +455,7 @@ class Engine:
         elif self._step_has_ended and goal.step:
             found.append(self._stop(STEP, f"thread {goal.thread} has ended"))
         self._begun[strand.order] = self.count, number
+        self._apply_inputs()
         return self._decided(found)
 
     def _decided(self, found: list[Stop]) -> Stop | None:
@@ -539,7 +538,7 @@ class Engine:
     def _log(self, rule: CodeRule, strand: Strand) -> None:
         look = self._new_look()
         call = self._innermost(look, strand)
-        text = filled(rule.log_message, lambda expression: _logged(look, expression, call))
+        text = filled(rule.log_message, lambda expression: logged(look, expression, call))
         line = self.places.statement(self._number).line
         self._say(Output("console", text, line, strand.name, self.position, self._time_s), is_log=True)
 
@@ -628,6 +627,7 @@ class Engine:
             or self._is_pausing
             or (watches and self._goal.heeds)
             or (self._recorder is not None)
+            or (self.is_pulse_due is not None and self.is_pulse_due())
         )
         if is_wanted:
             self._freezer.freeze((AFTER_TICK, None, self._at_tick()))
@@ -635,7 +635,6 @@ class Engine:
     def _at_tick(self) -> list[Stop]:
         self._kind, self._strand = AFTER_TICK, None
         found = []
-        self._apply_inputs()
         if self._recorder is not None:
             self._record(self._last_strand)
         if self._is_pausing:
@@ -643,6 +642,7 @@ class Engine:
             found.append(self._stop(PAUSE, "paused"))
         if self._goal.heeds:
             found += self._data_stops(self._last_strand)
+        self._apply_inputs()
         return found
 
     def _event(self, event: Event) -> None:
@@ -663,7 +663,7 @@ class Engine:
         if is_alarm or is_warning:
             self._events += 1
         self._kind = IN_STATEMENT if self.is_counted else AFTER_TICK
-        output = _output(event, self.position, self._time_s)
+        output = output_of(event, self.position, self._time_s)
         self._kind = ""
         if output is not None:
             self._say(output)
@@ -680,7 +680,7 @@ class Engine:
             return
         self._kind, self._strand = IN_STATEMENT, strand
         self._error = sys.exception() if strand is not None and isinstance(event, Alarm) else None
-        info = _exception_info(event, kind)
+        info = exception_of(event)
         if is_input:
             self._apply_inputs()
         found = []
@@ -764,8 +764,10 @@ class Engine:
     # ---------------------------------------------------------------- changes by the user
 
     def _apply_inputs(self) -> None:
+        """Make the changes that belong here, behind what stops here: the stop came before the user could make them."""
         while self._inputs and self._is_at(self._inputs[0].position):
             self.apply(self._inputs.pop(0))
+            self._values = self._watched()
 
     def set_inputs(self, inputs: Sequence[Input]) -> None:
         """Replace the changes that are to be made later."""
@@ -846,7 +848,8 @@ def _merged(stops: list[Stop]) -> Stop:
     return replace(best, hits=hits, changes=changes) if len(stops) > 1 else best
 
 
-_WEIGHT: Final = {EXCEPTION: 0, BREAKPOINT: 1, DATA_BREAKPOINT: 1, PAUSE: 2, STEP: 3, GOTO: 4}
+_WEIGHT: Final = {EXCEPTION: 0, BREAKPOINT: 1, DATA_BREAKPOINT: 1, STEP: 3, GOTO: 4, PAUSE: 5}
+"""A pause comes last: where something else stops the run too, that is what its caller waits for."""
 
 _END_TEXTS: Final = {
     "finished": "the program has finished",
@@ -855,55 +858,3 @@ _END_TEXTS: Final = {
     "time_limit": "the time is up",
     "stuck": "nothing can ever happen again",
 }
-
-
-def filled(message: str, value: Callable[[str], str]) -> str:
-    """Return a log message with the values of its `{expressions}`; `{{` is a bracket."""
-    parts, at = [], 0
-    while at < len(message):
-        sign = message[at]
-        if message[at : at + 2] in ("{{", "}}"):
-            parts.append(sign)
-            at += 2
-        elif sign == "{" and (end := message.find("}", at)) > 0:
-            parts.append(value(message[at + 1 : end]))
-            at = end + 1
-        else:
-            parts.append(sign)
-            at += 1
-    return "".join(parts)
-
-
-def _logged(look: Look, expression: str, call: CallFrame | None) -> str:
-    try:
-        value = look.value(expression, call)
-    except DebugError as error:
-        return f"<{error}>"
-    return value if type(value) is str else shown(value)
-
-
-def _exception_info(event: Alarm | Warned, kind: str) -> ExceptionInfo:
-    if isinstance(event, Alarm):
-        hint = str(event.details.get("hint", ""))
-        return ExceptionInfo(
-            kind, event.code, event.class_name, event.text, hint, event.line, event.column, event.thread
-        )
-    return ExceptionInfo(kind, event.code, "", event.text, event.hint, event.line, event.column, event.thread)
-
-
-def _output(event: Event, position: Position, time_s: float) -> Output | None:
-    if isinstance(event, TextMessage | Printed):
-        return Output("stdout", event.text.removesuffix("\n"), event.line, event.thread, position, time_s)
-    if isinstance(event, Popup):
-        title = f"{event.title}: " if event.title else ""
-        return Output("important", f"{title}{event.text}", event.line, event.thread, position, time_s)
-    if isinstance(event, Warned):
-        code = f"{event.code} " if event.code else ""
-        return Output("important", f"{code}{event.text}", event.line, event.thread, position, time_s)
-    if isinstance(event, Alarm):
-        return Output(
-            "stderr", f"{event.code} {event.class_name}: {event.text}", event.line, event.thread, position, time_s
-        )
-    if isinstance(event, DeviceNoted):
-        return Output("console", f"{event.device}: {event.text}", 0, "", position, time_s)
-    return None

@@ -6,9 +6,18 @@ from bisect import bisect_right
 from typing import Final
 
 from elitescript.language.compiler import CompiledUnit
-from elitescript.language.probes import CountedStatement
+from elitescript.language.probes import CountedStatement, ProbeTable
+from elitescript.records import NamedTuple
 
 _LOCALS: Final = ".<locals>."
+
+
+class CountedText(NamedTuple):
+    """A text of a run, with what the numbers of its statements mean."""
+
+    name: str
+    text: str
+    probes: ProbeTable
 
 
 class Places:
@@ -59,6 +68,10 @@ class Places:
         return {
             row.number for unit in self.units for row in unit.statements if (unit.source.name, row.function) in wanted
         }
+
+    def others(self, numbers: frozenset[int]) -> list[int]:
+        """Return the numbers of all statements but some."""
+        return [row.number for unit in self.units for row in unit.statements if row.number not in numbers]
 
     @staticmethod
     def _dotted(qualified: str) -> str:

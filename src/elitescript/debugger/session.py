@@ -34,19 +34,23 @@ from elitescript.debugger.api import (
     Variable,
 )
 from elitescript.debugger.calls import calls_by_statement
-from elitescript.debugger.engine import INTO, OUT, OVER, Engine, Goal, filled
+from elitescript.debugger.engine import INTO, OUT, OVER, Engine, Goal
 from elitescript.debugger.expressions import parsed
 from elitescript.debugger.inputs import Input
 from elitescript.debugger.rules import CodeRule, DataRule, Rules, Watch, hit_condition
 from elitescript.debugger.snapshots import snapshots
 from elitescript.debugger.source import Source
+from elitescript.debugger.telling import filled
 from elitescript.language.diagnostics import Diagnostic
+from elitescript.language.probes import CountedStatement
 from elitescript.messages.timing import ticks_for
 from elitescript.records import replace
 
+REAL_NETWORK: Final = "going back does not reach the peers of real connections: what they have sent is used again"
+"""Said at the start of a program that may connect to something outside the simulation."""
 WINDOW: Final = 2000
 """Statements before the present stop in which a search for an earlier one begins."""
-WINDOW_OF_SNAPSHOTS: Final = 200
+WINDOW_OF_SNAPSHOTS: Final = 50
 _WIDER: Final = 50
 _WIDE_ENOUGH: Final = 5
 """A search may begin at a copy that stands so many times the width before the present stop."""
@@ -80,15 +84,16 @@ class DebugSession:
         self._furthest = Position(0, 0, 0, BEFORE_STATEMENT)
         self._next_id = 1
         self._is_closed = False
-        self._lines: list[CodeRule] = []
+        self._is_pausing = False
+        self._lines: dict[str, list[CodeRule]] = {}
+        """By the name of the text."""
         self._functions: list[CodeRule] = []
         self._data: list[DataRule] = []
         self._filters: frozenset[str] = frozenset((ALARM_FILTER,))
         self._has_stale_hits = False
-        self._snapshots = snapshots(self._hear, forks=forks)
+        self._snapshots = snapshots(self._hear, forks=forks and source.may_fork)
         self._engine = self._new_engine(is_heard=True)
-        self._table = self._engine.unit()
-        self._statements = self._table.statements
+        self._texts = self._engine.texts()
         self._stop = Stop(ENTRY, "not begun", 0, self._engine.position, 0.0)
 
     # ---------------------------------------------------------------- going on
@@ -100,6 +105,8 @@ class DebugSession:
             stop_on_entry: stop before the first statement.
             no_debug: run to the end; breakpoints and filters are not heeded.
         """
+        if not self._source.may_fork and self._on_output is not None:
+            self._on_output(Output("console", REAL_NETWORK, 0, "", self._engine.position, 0.0))
         if no_debug:
             return self._run_plainly(frozenset())
         if stop_on_entry:
@@ -108,7 +115,7 @@ class DebugSession:
 
     def resume(self) -> Stop:
         """Go on to the next breakpoint, exception of a filter, pause, or the end."""
-        if self._can_be_plain:
+        if self._can_be_plain and not self._is_pausing:
             return self._run_plainly(self._filters)
         self._count_hits_again()
         return self._arrived(self._engine.run(Goal(heeds=True)))
@@ -198,6 +205,7 @@ class DebugSession:
 
     def pause(self) -> None:
         """Let the run that goes on stop at its next statement or tick. Called from any thread or signal handler."""
+        self._is_pausing = True
         self._engine.pause()
 
     def close(self) -> None:
@@ -209,13 +217,19 @@ class DebugSession:
 
     # ---------------------------------------------------------------- breakpoints
 
-    def set_breakpoints(self, requests: Sequence[LineBreakpoint]) -> tuple[BreakpointState, ...]:
-        """Replace the breakpoints of lines."""
-        self._lines, states = [], []
+    def set_breakpoints(self, requests: Sequence[LineBreakpoint], *, text: str = "") -> tuple[BreakpointState, ...]:
+        """Replace the breakpoints of lines of one text.
+
+        Args:
+            requests: in their order.
+            text: its name, as `Frame.source`; that of the program if empty.
+        """
+        rules, states = [], []
         for request in requests:
-            rule, state = self._line_rule(request)
-            self._lines += [rule] if rule is not None else []
+            rule, state = self._line_rule(request, self._rows(text))
+            rules += [rule] if rule is not None else []
             states.append(state)
+        self._lines[text or self._source.name] = rules
         self._set_rules()
         return tuple(states)
 
@@ -257,14 +271,11 @@ class DebugSession:
         self._filters = frozenset(filters)
         self._set_rules()
 
-    def breakpoint_locations(self, line: int, end_line: int = 0) -> tuple[Place, ...]:
-        """Return the statements that begin in lines, the last one included."""
+    def breakpoint_locations(self, line: int, end_line: int = 0, *, text: str = "") -> tuple[Place, ...]:
+        """Return the statements that begin in lines of a text, the last one included; see `set_breakpoints`."""
         last = max(line, end_line)
-        return tuple(
-            Place(row.line, row.column, row.end_line, row.end_column)
-            for row in self._statements
-            if line <= row.line <= last
-        )
+        places = (Place(row.line, row.column, row.end_line, row.end_column) for row in self._rows(text))
+        return tuple(dict.fromkeys(place for place in places if line <= place.line <= last))
 
     def data_breakpoint_info(self, name: str, reference: int = 0, frame: int = 0) -> DataInfo:
         """Return what a data breakpoint can watch.
@@ -384,9 +395,9 @@ class DebugSession:
         finally:
             engine.close()
 
-    def passes(self, line: int) -> tuple[Position, ...]:
+    def passes(self, line: int, *, text: str = "") -> tuple[Position, ...]:
         """Return every moment at which a line was about to run, up to the furthest position of this branch."""
-        numbers = self._numbers_at(line)
+        numbers = self._numbers_at(line, text)
         if not numbers:
             return ()
         engine = self._new_engine()
@@ -430,6 +441,7 @@ class DebugSession:
         assert stop is not None
         if stop.result:
             return self._arrived(stop)
+        self._is_pausing = False
         again = self._new_engine()
         self._replace_engine(again)
         arrived = again.run(Goal(stop.position))
@@ -440,6 +452,8 @@ class DebugSession:
         self._engine.close()
         self._engine = engine
         engine.is_heard = True
+        if self._is_pausing:
+            engine.pause()
 
     def _hear(self, number: int, output: Output) -> None:
         """Pass on what the run says for the first time on this branch."""
@@ -455,6 +469,7 @@ class DebugSession:
 
     def _arrived(self, stop: Stop | None) -> Stop:
         assert stop is not None
+        self._is_pausing = False
         self._stop = stop
         if self._furthest.is_before(stop.position):
             self._furthest = stop.position
@@ -508,9 +523,10 @@ class DebugSession:
         end = self._count_at_end() if bound.kind == AT_END else bound.statement
         while True:
             start = 0 if self._rules.count_hits and goal.heeds else max(0, end - width)
-            near = self._snapshots.nearest(bound)
-            if end - _WIDE_ENOUGH * width <= near < end:
-                start = near
+            if start > 0 and width in (WINDOW, WINDOW_OF_SNAPSHOTS):
+                near = self._snapshots.nearest(bound)
+                if end - _WIDE_ENOUGH * width <= near < end:
+                    start = max(0, near)
             engine = self._engine_before(Position(start + 1, 0, 0, BEFORE_STATEMENT))
             engine.is_heard = False
             try:
@@ -520,7 +536,7 @@ class DebugSession:
                 found = engine.run(goal)
             finally:
                 engine.close()
-            if found is not None or start == 0:
+            if found is not None or start <= 0:
                 self._snapshots.thin(bound)
                 return found
             width *= _WIDER
@@ -538,7 +554,7 @@ class DebugSession:
 
     def _last_of_all(self, bound: Position) -> Stop | None:
         """Return the last statement of any thread before a position."""
-        everything = frozenset(row.number for row in self._statements)
+        everything = frozenset(row.number for text in self._texts for row in text.probes.statements)
         return self._last(Goal(bound, numbers=everything, last=True), bound)
 
     # ---------------------------------------------------------------- changes
@@ -574,7 +590,8 @@ class DebugSession:
         return self._next_id - 1
 
     def _set_rules(self) -> None:
-        self._rules = Rules((*self._lines, *self._functions), tuple(self._data), self._filters)
+        lines = [rule for rules in self._lines.values() for rule in rules]
+        self._rules = Rules((*lines, *self._functions), tuple(self._data), self._filters)
         self._engine.set_rules(self._rules)
         self._has_stale_hits = self._rules.count_hits and self._engine.count > 0
 
@@ -584,13 +601,21 @@ class DebugSession:
             self._has_stale_hits = False
             self._again()
 
-    def _numbers_at(self, line: int) -> frozenset[int]:
-        rows = [row for row in self._statements if row.line == line]
-        return frozenset(row.number for row in rows[:1])
+    def _numbers_at(self, line: int, text: str = "") -> frozenset[int]:
+        rows = [row for row in self._rows(text) if row.line == line]
+        return frozenset(row.number for row in rows if row.column == rows[0].column)
 
-    def _line_rule(self, request: LineBreakpoint) -> tuple[CodeRule | None, BreakpointState]:
+    def _rows(self, text: str = "") -> list[CountedStatement]:
+        """Return the statements of a text, as often as it was compiled; those of the program if it has no name."""
+        name = text or self._source.name
+        same = {known.text for known in self._texts if known.name == name}
+        return [row for known in self._texts if known.text in same for row in known.probes.statements]
+
+    def _line_rule(
+        self, request: LineBreakpoint, rows: Sequence[CountedStatement]
+    ) -> tuple[CodeRule | None, BreakpointState]:
         identity = self._new_id()
-        below = [row for row in self._statements if row.line >= request.line]
+        below = [row for row in rows if row.line >= request.line]
         if not below:
             return None, BreakpointState(identity, False, "there is no statement in this line or below it")
         try:
@@ -608,7 +633,7 @@ class DebugSession:
         rule = CodeRule(
             identity,
             BREAKPOINT,
-            frozenset((row.number,)),
+            frozenset(item.number for item in same if item.column == row.column),
             request.condition,
             request.hit_condition,
             request.log_message,
@@ -618,9 +643,8 @@ class DebugSession:
     def _function_rule(self, request: FunctionBreakpoint) -> tuple[CodeRule | None, BreakpointState]:
         identity = self._new_id()
         name = request.name.strip().removesuffix("()")
-        own = [
-            function for function in self._table.functions if name in (function.name, function.name.rpartition(".")[2])
-        ]
+        functions = [function for text in self._texts for function in text.probes.functions]
+        own = [function for function in functions if name in (function.name, function.name.rpartition(".")[2])]
         try:
             hit_condition(request.hit_condition)
             if request.condition:
@@ -632,7 +656,8 @@ class DebugSession:
         if not own:
             if CATALOGUE.get(name) is None:
                 return None, BreakpointState(identity, False, f"there is no function or command {name!r}")
-            numbers = calls_by_statement(self._source.name, self._source.text, self._statements).get(name, frozenset())
+            for text in self._texts:
+                numbers |= calls_by_statement(text.name, text.text, text.probes.statements).get(name, frozenset())
         if not numbers:
             return None, BreakpointState(identity, False, f"no statement of the program calls {name!r}")
         rule = CodeRule(identity, FUNCTION_BREAKPOINT, numbers, request.condition, request.hit_condition)

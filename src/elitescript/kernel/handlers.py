@@ -29,6 +29,7 @@ from elitescript.messages.inputs import (
     ChannelEvent,
     ChannelOpened,
     ClosePopup,
+    Debug,
     Do,
     EndFaults,
     GetVariable,
@@ -65,6 +66,7 @@ from elitescript.runtime.environment import ProgramEnvironment
 
 if TYPE_CHECKING:
     from elitescript.devices.channels.faulty_channels import FaultyChannels
+    from elitescript.kernel.debugging import Debugging
 
 _CAUSES: Final = {RESTART: "schedule"} | {f"{WORLD}:{by}": by for by in ("device", "wire", "schedule", "fault")}
 
@@ -82,6 +84,7 @@ class InputHandlers:
         environment: everything outside the programs that come from clients.
         faulty: its network, if faults can be added to it.
         has_logs: whether interpreter mode keeps its logs in the task folder.
+        debugging: what lets a debugger attach; None if none can.
 
     Attributes:
         programs: compiles and starts programs of clients.
@@ -93,6 +96,7 @@ class InputHandlers:
 
     __slots__ = (
         "_controller",
+        "_debugging",
         "_faulty",
         "_host",
         "_logs",
@@ -112,9 +116,11 @@ class InputHandlers:
         faulty: FaultyChannels | None,
         *,
         has_logs: bool,
+        debugging: Debugging | None = None,
     ) -> None:
         options, model, self._profile, self._controller, self._host, self._popup, probe = parts
         self._faulty = faulty
+        self._debugging = debugging
         self.is_remote = options.remote
         self.replies: list[Reply] = []
         self._logs = InterpreterLogs(environment.files) if has_logs else None
@@ -227,6 +233,12 @@ class InputHandlers:
         tick = self._controller.tick
         self._controller.emit(Warned(tick, item.text) if item.is_warning else TextMessage(tick, item.text, "", 0))
 
+    def _debug(self, item: Debug) -> None:
+        if self._debugging is None:
+            self._reply(item.origin, Refused("no debugger can attach to this robot"))
+        else:
+            self._debugging.take(item, self._controller, self._host, self._reply)
+
     # ---------------------------------------------------------------- channels
 
     def _add_fault(self, item: AddFault) -> None:
@@ -298,6 +310,7 @@ HANDLERS: Final[dict[type, Callable[[InputHandlers, Any], None]]] = {
     AddFault: InputHandlers._add_fault,
     EndFaults: InputHandlers._end_faults,
     AddLog: InputHandlers._add_log,
+    Debug: InputHandlers._debug,
     SetRemote: InputHandlers._set_remote,
     Reboot: InputHandlers._reboot,
     **dict.fromkeys((ChannelOpened, ChannelData, ChannelCredit, ChannelClosed), InputHandlers._channel),

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from elitescript.controller.views.snapshots import SnapshotBuilder
     from elitescript.devices.channels.faulty_channels import FaultyChannels
     from elitescript.environment.request_channels import RequestChannels
+    from elitescript.kernel.debugging import Debugging
     from elitescript.kernel.handlers import InputHandlers
     from elitescript.messages.inputs import ChannelEvent, Input
     from elitescript.messages.machine import EndInputFaults, WriteSignal
@@ -63,6 +64,7 @@ class Kernel:
             clients get all of them, but for warnings beyond their limit.
         on_end: called with `finished`, `alarm` or `stopped` when a program is over.
         probe: counts the statements of its programs.
+        debugging: lets a debugger attach to its programs; then it is their probe.
 
     Attributes:
         options: see above.
@@ -79,6 +81,7 @@ class Kernel:
     """
 
     __slots__ = (
+        "_debugging",
         "_description",
         "_discrete_state",
         "_environment",
@@ -118,9 +121,11 @@ class Kernel:
         on_event: Callable[[Event], None] | None = None,
         on_end: Callable[[str], None] | None = None,
         probe: Probe | None = None,
+        debugging: Debugging | None = None,
     ) -> None:
         self.options = options
-        self.probe = default_probe() if probe is None else probe
+        self.probe = debugging or (default_probe() if probe is None else probe)
+        self._debugging = debugging
         self.model = model_of(options) if model is None else model
         self.profile = profile(options.firmware)
         self.popup = PopupWindow(options.confirms_popups)
@@ -204,7 +209,7 @@ class Kernel:
         from elitescript.kernel.handlers import InputHandlers
 
         parts = RobotParts(self.options, self.model, self.profile, self.controller, self.host, self.popup, self.probe)
-        return InputHandlers(parts, self._environment, self._faulty, has_logs=has_logs)
+        return InputHandlers(parts, self._environment, self._faulty, has_logs=has_logs, debugging=self._debugging)
 
     @property
     def handlers(self) -> InputHandlers:
@@ -266,6 +271,8 @@ class Kernel:
             self.controller.run_tick()
         else:
             self.handlers.run_tick(inputs)
+        if self._debugging is not None and self._debugging.debugger is not None:
+            self._debugging.debugger.after_tick()
 
     def due_tick(self) -> int | None:
         """Return the next tick at which anything is due; None when nothing will ever happen by itself."""
@@ -273,6 +280,9 @@ class Kernel:
         if self._posted or (self._handlers is not None and self._handlers.is_waiting):
             return tick + 1
         due, arrives = self.controller.next_tick(), None if faulty is None else faulty.next_tick(tick)
+        if self._debugging is not None and self._debugging.debugger is not None:
+            looks = self._debugging.debugger.next_tick(tick)
+            due = looks if due is None else due if looks is None else min(due, looks)
         return due if arrives is None else arrives if due is None else min(due, arrives)
 
     def leap(self, tick: int) -> None:
@@ -425,10 +435,14 @@ class Kernel:
         if self._witness is not None:
             self._witness.event(event)
         self._on_event(event)
+        if self._debugging is not None and self._debugging.debugger is not None:
+            self._debugging.debugger.event(event)
 
     def _change(self, change: Change) -> None:
         self._has_happened = True
         self.host.spend_event()
+        if self._debugging is not None and self._debugging.debugger is not None:
+            self._debugging.debugger.event(event_of(change))
         if self.on_change is not None:
             self.on_change(change)
         else:

@@ -52,6 +52,7 @@ class Programs:
     __slots__ = (
         "_arm",
         "_controller",
+        "_count",
         "_environment",
         "_host",
         "_invalid_lines",
@@ -75,6 +76,7 @@ class Programs:
     ) -> None:
         all_rules()  # loaded now: the first program does not wait for them
         self._controller = controller
+        self._count = 0
         self._host = host
         self._profile = profile
         self._arm = arm
@@ -101,7 +103,9 @@ class Programs:
         alone.
         """
         try:
-            compiled = self.compiled(f"<{unit.origin}>", unit.text, unit.kind)
+            # Each text has a name of its own, by which places in it are found.
+            self._count += 1
+            compiled = self.compiled(f"<{unit.origin}/{self._count}>", unit.text, unit.kind)
         except ProgramError as error:
             if unit.kind != LINE or self._invalid_lines.is_reported(unit.origin, self._controller.tick):
                 self.report(error, unit.kind, unit.origin)

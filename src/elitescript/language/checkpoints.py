@@ -89,6 +89,14 @@ def is_checkpoint(statement: ast.stmt) -> bool:
     return isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == TICK
 
 
+def is_payment(statement: ast.stmt) -> bool:
+    """Return whether a statement stands for a short loop: paid for at its start, or else with a checkpoint a pass."""
+    if not isinstance(statement, ast.If) or not isinstance(statement.test, ast.BoolOp):
+        return False
+    paying = statement.test.values[-1]
+    return isinstance(paying, ast.Call) and isinstance(paying.func, ast.Name) and paying.func.id == PAY
+
+
 def _call(name: str, where: ast.expr | ast.stmt) -> ast.Call:
     """Return a call of a hook, at the start of `where` and without extent."""
     line, offset = where.lineno, where.col_offset
@@ -131,7 +139,7 @@ def _prepaid(census: Census) -> dict[ast.AST, ast.If | ast.IfExp]:
     for made in census.of(ast.ListComp):
         generator = made.generators[0]
         count = _passes(generator.target, generator.iter)
-        if len(made.generators) == 1 and count >= _PAID_MIN and all(map(_is_closed, (made.elt, *generator.ifs))):
+        if len(made.generators) == 1 and count >= _PAID_MIN and all(map(is_closed, (made.elt, *generator.ifs))):
             alike = ast.comprehension(generator.target, generator.iter, list(generator.ifs), 0)
             bare = ast.copy_location(ast.ListComp(made.elt, [alike]), made)
             found[made] = ast.copy_location(ast.IfExp(_payment(generator.iter, count), bare, made), made)
@@ -183,11 +191,12 @@ def _only_computes(statement: ast.stmt) -> bool:
     if is_probe(statement):
         return True
     if isinstance(statement, ast.If):
-        return _is_closed(statement.test) and all(map(_only_computes, (*statement.body, *statement.orelse)))
-    return isinstance(statement, ast.Assign | ast.AugAssign | ast.Expr | ast.Pass) and _is_closed(statement)
+        return is_closed(statement.test) and all(map(_only_computes, (*statement.body, *statement.orelse)))
+    return isinstance(statement, ast.Assign | ast.AugAssign | ast.Expr | ast.Pass) and is_closed(statement)
 
 
-def _is_closed(node: ast.AST) -> bool:
+def is_closed(node: ast.AST) -> bool:
+    """Return whether nothing in a node has a checkpoint of its own, or calls what may take time or use up work."""
     for part in ast.walk(node):
         if isinstance(part, _OPEN) or (isinstance(part, ast.Call) and not _calls_a_known_function(part)):
             return False

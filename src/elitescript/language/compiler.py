@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import ast
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from types import CodeType
 from typing import Final
 
@@ -24,7 +24,16 @@ from elitescript.language.nodes import FUNCTIONS, Census
 from elitescript.language.options import DEFAULT, LINE, Options
 from elitescript.language.parser import NO_FILE, Parsed, character_offset, parse, parse_without, read_again, syntax_tree
 from elitescript.language.policy import first_too_deep, guard_formats, review
-from elitescript.language.probes import NO_PROBES, CountedStatement, ProbeTable, insert_probes
+from elitescript.language.probes import (
+    ATTACH_PROBES,
+    NO_PROBES,
+    CountedStatement,
+    ProbeTable,
+    insert_probes,
+    number_statements,
+    probe_table,
+)
+from elitescript.language.switches import with_switches
 from elitescript.language.text.source import SourceFile
 from elitescript.records import NamedTuple, record, replace
 
@@ -149,6 +158,17 @@ def problems_in(parsed: Parsed, census: Census) -> tuple[Diagnostic, ...]:
     return _compile(read_again(parsed) if parsed.is_complete else parsed).problems
 
 
+def table_of(unit: CompiledUnit, options: Options) -> ProbeTable:
+    """Return the table of a unit that was compiled with `ATTACH_PROBES`.
+
+    Args:
+        unit: the unit.
+        options: that it was compiled with.
+    """
+    parsed = parse(unit.source, options)
+    return probe_table(Census(parsed.tree), parsed.body, parsed.source, unit.probes.first)
+
+
 def compile_expression(source: SourceFile) -> CodeType:
     """Compile one expression under the same policy, with checkpoints, for `eval`.
 
@@ -248,14 +268,17 @@ def _compile(parsed: Parsed) -> _Compiled:
     problems += _breaches(parsed, census)
     if first_too_deep(census) is not None:
         return _Compiled(None, global_names, in_order(problems), shows)
-    probes = NO_PROBES
+    probes, numbers = NO_PROBES, {}
     if not any(problem.is_error for problem in problems):
         guard_formats(parsed.tree, census)
         options = parsed.options
-        if options.probes:
+        if options.probes == ATTACH_PROBES:
+            numbers = number_statements(parsed.body, options.first_probe)
+            probes = ProbeTable(options.first_probe, len(numbers))
+        elif options.probes:
             probes = insert_probes(census, parsed.body, parsed.source, options.probes, options.first_probe)
         insert_checkpoints(census)
-    code = _code(parsed, problems)
+    code = _code(parsed, problems, numbers)
     return _Compiled(code, global_names, in_order(problems), shows, probes)
 
 
@@ -305,13 +328,21 @@ def _own_yields(parsed: Parsed) -> list[Diagnostic]:
     return problems
 
 
-def _code(parsed: Parsed, problems: list[Diagnostic]) -> CodeType | None:
-    """Compile; report a mistake that only Python's compiler finds, and leave it out to find the next."""
+def _code(parsed: Parsed, problems: list[Diagnostic], numbers: Mapping[ast.stmt, int]) -> CodeType | None:
+    """Compile; report a mistake that only Python's compiler finds, and leave it out to find the next.
+
+    Args:
+        parsed: the text.
+        problems: gets what is found.
+        numbers: of the statements that a debugger may look at later; see `switches`.
+    """
     known = {(problem.code, problem.line, problem.column) for problem in problems}
     blamed = {problem.line for problem in problems if problem.is_error}
     current: Parsed | None = parsed
     while current is not None and current.is_complete:
         module = _wrapped(current)
+        if numbers:
+            module = with_switches(module, numbers)
         try:
             return _named(_python(module, "exec"), parsed.source.name, parsed.name or _SCRIPT_NAME)
         except SyntaxError as error:

@@ -16,6 +16,8 @@ RANGE: Final = "@range"
 STOP: Final = "@stop"
 LINE: Final = "@line"
 FORMAT: Final = "@format"
+WATCHED: Final = "@watched"
+AT: Final = "@at"
 STEPS: Final = "@steps"
 STEP: Final = "@step"
 HITS: Final = "@hits"
@@ -30,6 +32,8 @@ HOOKS: Final[dict[str, str]] = {
     STOP: "exception class (a BaseException), or a tuple of them, that ends a thread; every `try` lets it pass",
     LINE: '`(number, label, after=None) -> None`: the program reached a `$ LINE: (number, "label")` mark',
     FORMAT: "`(object, name) -> value`: stands for `object.format` and `object.format_map`, with `name` one of the two",
+    WATCHED: "what looks at the statements of the run: empty unless a debugger is attached",
+    AT: "`(number) -> None`: a statement of the program comes next; called only while `@watched` is not empty",
 }
 """Names that the builtins of a run must hold besides what scripts may call.
 

@@ -16,6 +16,9 @@ statement each time it is computed.
 `HITS_PROBES`, for coverage: before statement N stands `@hits[N] += 1`; a `while` counts once. A side of a branch on
 which no statement stands has a counter of its own, in an `else` or a `case _` that is put in.
 
+`ATTACH_PROBES`, for a debugger that may come later: statements get the same numbers and no counters; what stands before
+them, and where, is in `switches`. The table is made when it is needed: see `table_of`.
+
 Statements are numbered in the order of the text, from `Options.first_probe`; the counters of sides follow. Counted are
 all but `global`, `nonlocal`, constants on lines of their own (docstrings), `$ LINE` marks, and statements in line 0,
 which are not of the text.
@@ -35,6 +38,7 @@ from elitescript.records import NamedTuple
 
 STEPS_PROBES: Final = "steps"
 HITS_PROBES: Final = "coverage"
+ATTACH_PROBES: Final = "attach"
 
 _BODIES: Final = ("body", "orelse", "finalbody")
 _ENDS: Final = {
@@ -151,6 +155,23 @@ def is_probe(statement: ast.stmt) -> bool:
     return isinstance(call.func.value, ast.Name) and call.func.value.id == STEPS
 
 
+def number_statements(body: list[ast.stmt], first: int) -> dict[ast.stmt, int]:
+    """Return the numbers of the statements of a program, as `insert_probes` gives them."""
+    return {statement: number for number, (statement, _) in enumerate(_counted(_walk(body)[0]), first)}
+
+
+def probe_table(census: Census, body: list[ast.stmt], source: SourceFile, first: int) -> ProbeTable:
+    """Return what `insert_probes` returns for `STEPS_PROBES`. Uses up the tree."""
+    return insert_probes(census, body, source, STEPS_PROBES, first)
+
+
+def _counted(lists: list[tuple[list[ast.stmt], str]]) -> list[tuple[ast.stmt, str]]:
+    """Return the statements that are counted, in the order of the text, with the name of the function around each."""
+    found = [(statement, name) for statements, name in lists for statement in statements if _is_counted(statement)]
+    found.sort(key=lambda item: (item[0].lineno, item[0].col_offset))
+    return found
+
+
 class _Insertion:
     def __init__(self, source: SourceFile, kind: str, first: int) -> None:
         self._source = source
@@ -161,8 +182,7 @@ class _Insertion:
 
     def table(self, census: Census, body: list[ast.stmt]) -> ProbeTable:
         lists, functions = _walk(body)
-        found = [(statement, name) for statements, name in lists for statement in statements if _is_counted(statement)]
-        found.sort(key=lambda item: (item[0].lineno, item[0].col_offset))
+        found = _counted(lists)
         statements = []
         for statement, name in found:
             self._numbers[statement] = self._next

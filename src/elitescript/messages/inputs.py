@@ -229,6 +229,21 @@ class EndFaults:
     origin: str
 
 
+@record
+class Debug:
+    """A request of a debugger; see `debugger.living` for the texts. `Debugged` answers it, or `Refused`.
+
+    What a debugger asks for acts on programs like any input, so a journal has it, and a replay stops where the session
+    has stopped.
+    """
+
+    origin: str
+    session: str
+    """Origin of the debugger; replies to it tell what happens while it is attached."""
+    text: str
+    """A JSON object."""
+
+
 ChannelEvent = ChannelOpened | ChannelData | ChannelCredit | ChannelClosed
 
 Input = (
@@ -255,4 +270,5 @@ Input = (
     | ChannelClosed
     | AddFault
     | EndFaults
+    | Debug
 )

@@ -76,6 +76,14 @@ class QueryFailed:
     """False if it does not compile; True if it raised an exception, is not allowed or took too long."""
 
 
+@record
+class Debugged:
+    """The answer to a request of a debugger, or something that happens while it is attached."""
+
+    text: str
+    """A JSON object."""
+
+
 InterpreterOutcome = StatementAccepted | StatementDiscarded | StatementNumber | SessionState
 """Outcome of a line of interpreter mode."""
 
@@ -89,4 +97,5 @@ Outcome = (
     | StatementNumber
     | SessionState
     | QueryFailed
+    | Debugged
 )

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from elitescript.messages.outcomes import Done, Outcome, Refused, RegistersRead, ShownValue
+from elitescript.messages.outcomes import Debugged, Done, Outcome, Refused, RegistersRead, ShownValue
 
 
 def refusal_of(outcome: Outcome) -> str | None:
     """Return why a request was not carried out; None if it was."""
     match outcome:
-        case Done() | ShownValue() | RegistersRead():
+        case Done() | ShownValue() | RegistersRead() | Debugged():
             return None
         case Refused(reason):
             return reason

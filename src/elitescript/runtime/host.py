@@ -187,6 +187,10 @@ class ScriptHost:
         """
         self._queries.ask(text, answer)
 
+    def prolong_secondary(self, ticks: int) -> None:
+        """Let the secondary program that runs take so much longer: a debugger has held it."""
+        self._secondaries.prolong(ticks)
+
     def abort_move(self) -> None:
         """End the `movej` or `movel` that a thread waits for; other motions go on (*documented*)."""
         self.moves.abort()

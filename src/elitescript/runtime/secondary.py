@@ -9,7 +9,7 @@ from typing import Final, Generic, TypeVar
 from elitescript.errors import ScriptStateError
 from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.runtime.program import Program
-from elitescript.runtime.threads.scheduler import Scheduler
+from elitescript.runtime.threads.scheduler import DEBUGGER, Scheduler
 from elitescript.runtime.threads.strand import Strand
 
 LIMIT_TICKS: Final = TICKS_PER_S
@@ -82,13 +82,15 @@ class Secondaries(Generic[Item]):
         """Return the earliest tick after `tick` at which one begins or has run too long."""
         if self._strand is None:
             return tick + 1 if self._queue else None
+        if self._strand.waits_for == DEBUGGER:
+            return None
         return max(self._deadline, tick + 1)
 
     def settle(self) -> bool:
         """End the one that has run too long, begin the next one; return whether anything was done."""
         has_changed = False
         strand = self._strand
-        if strand is not None and self._scheduler.now >= self._deadline:
+        if strand is not None and self._scheduler.now >= self._deadline and strand.waits_for != DEBUGGER:
             self._warn(f"TimeoutError: stopped after {seconds(self._limit_ticks):g} s, it must be short", strand)
             self._scheduler.kill(strand)
             has_changed = True
@@ -97,6 +99,10 @@ class Secondaries(Generic[Item]):
             self._deadline = self._scheduler.now + self._limit_ticks
             has_changed = True
         return has_changed
+
+    def prolong(self, ticks: int) -> None:
+        """Let the one that runs take so much longer."""
+        self._deadline += ticks
 
     def ended(self, strand: Strand) -> None:
         """Note the end of a strand; after the running one the next can begin."""

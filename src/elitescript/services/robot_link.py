@@ -42,6 +42,10 @@ class RobotLink(Protocol):
     def due_tick(self) -> int | None:
         """The next tick that is to run though it is given nothing; None if there is none."""
 
+    @property
+    def restarts(self) -> int:
+        """Robots that had to be replaced by a fresh one."""
+
     def watch(self, on_due: Callable[[], object]) -> None:
         """Have a call made when a tick becomes due that `due_tick` has not announced."""
 
@@ -98,6 +102,10 @@ class InProcessLink:
     @property
     def due_tick(self) -> int | None:
         return self.robot.due_tick()
+
+    @property
+    def restarts(self) -> int:
+        return 0
 
     def watch(self, on_due: Callable[[], object]) -> None:
         """Do nothing: a robot in this process does nothing by itself but what `due_tick` announces."""

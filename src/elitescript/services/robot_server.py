@@ -60,6 +60,7 @@ class RobotServer:
 
     Attributes:
         name: unique among the robots of this `serve`.
+        observers: called with the output of each tick that runs; none runs for their sake.
     """
 
     __slots__ = (
@@ -87,6 +88,7 @@ class RobotServer:
         "link",
         "listeners",
         "name",
+        "observers",
         "shares",
     )
 
@@ -138,6 +140,7 @@ class RobotServer:
         self._next_followers: list[Callable[[Output], bool]] = []
         """Calls that follow from the tick that begins next."""
         self._followers: list[Callable[[Output], bool]] = []
+        self.observers: list[Callable[[Output], None]] = []
         self._task: asyncio.Task[None] | None = None
 
     @property
@@ -431,6 +434,8 @@ class RobotServer:
             self._keeper.take(output.snapshot.signals)
         if self._followers:
             self._followers = [take for take in self._followers if take(output)]
+        for observe in tuple(self.observers):
+            observe(output)
         if not self._is_lockstep:
             self._begin_reading()
         for waiter in self._answered:

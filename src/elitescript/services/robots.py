@@ -20,6 +20,7 @@ from elitescript.runtime.environment import Files
 from elitescript.services.channels.connect_policy import ConnectPolicy
 from elitescript.services.child.jail import Layer
 from elitescript.services.child.link import ChildLink
+from elitescript.services.debugging import debugging
 from elitescript.services.journal.replay import RecordedRobot
 from elitescript.services.journal.writer import Journal
 from elitescript.services.log import Listen, ServerLog
@@ -62,7 +63,7 @@ def robot_link(
     if not in_process:
         return ChildLink(options, files=files, is_jailed=is_jailed, journal=record)
     if record is None:
-        return InProcessLink(Kernel(options, RequestEnvironment(files)))
+        return InProcessLink(Kernel(options, RequestEnvironment(files), debugging=debugging()))
     return _RecordedLink(RecordedRobot(options, files, record), record)
 
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import sys
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, Final
 
 from elitescript.messages.timing import WORK_PER_TICK
@@ -36,6 +36,9 @@ STARTS_PER_TICK: Final = 1000
 
 PORTION: Final = 500
 """Checkpoints that are paid out at a time."""
+
+DEBUGGER: Final = "the debugger"
+"""What a thread waits for that is held before a statement."""
 
 _ORPHAN_WORK: Final = 1000
 """Checkpoints for script code that no thread runs: `finally` blocks of generators that are collected."""
@@ -60,6 +63,8 @@ class Scheduler:
         is_paused: whether only secondary programs run.
         lag_ticks: delay of robot time behind the wall clock, see `Deadline`.
         timers: timeouts of waits.
+        watchers: called with the running strand and the number of its next statement; see `watch`.
+        passes: numbers of statements at which no watcher is called, as keys.
     """
 
     __slots__ = (
@@ -84,8 +89,10 @@ class Scheduler:
         "lag_ticks",
         "needs_attention",
         "now",
+        "passes",
         "strands",
         "timers",
+        "watchers",
     )
 
     def __init__(
@@ -110,6 +117,8 @@ class Scheduler:
         self._ready: deque[Strand] = deque()
         self._next: list[Strand] = []
         self.timers = Timers()
+        self.watchers: list[Callable[[Strand, int], None]] = []
+        self.passes = _Passes(self)
         self._started = self._starts_max = 0
         self._is_in_tick = False
         self._is_interrupted = False
@@ -239,6 +248,30 @@ class Scheduler:
         self.is_paused = self._is_pausing = self._is_resuming = False
         self.timers.forget_held()
 
+    # ---------------------------------------------------------------- watching
+
+    def watch(self, look: Callable[[Strand, int], None] | None, passes: Iterable[int] = ()) -> None:
+        """Call a function before statements of programs that have probes.
+
+        Meanwhile no fuel is paid out, so that every pass and call comes to `checkpoint`, behind which the probes are;
+        see `language.switches`. Work is counted as before.
+
+        Args:
+            look: called with the running strand and the number of its next statement; None ends that.
+            passes: numbers of the statements for which it is not called.
+        """
+        self.watchers[:] = () if look is None else (look,)
+        self.passes.clear()
+        self.passes.update(dict.fromkeys(passes))
+        self._drain()
+
+    def at_statement(self, number: int) -> None:
+        """Let the watcher look at the next statement of the running strand."""
+        strand = self.current
+        if strand is not None and not strand.is_dying and strand.is_running:
+            for look in self.watchers:
+                look(strand, number)
+
     # ---------------------------------------------------------------- stopping
 
     def kill(self, strand: Strand) -> None:
@@ -336,7 +369,10 @@ class Scheduler:
         if self.current is not None:
             fuel = self.fuel
             left = len(fuel) - WORK_PER_EVENT
-            del fuel[left if left > FLOOR else FLOOR :]
+            if left > FLOOR or not self.watchers:
+                del fuel[left if left > FLOOR else FLOOR :]
+            else:
+                self.current.work += WORK_PER_EVENT
 
     def wait(self, reason: str, until: int | None = None) -> bool:
         """Suspend the running strand until it is woken, or until a tick; return whether it was woken.
@@ -457,6 +493,8 @@ class Scheduler:
             raise Stopped
 
     def _load(self, strand: Strand) -> None:
+        if self.watchers:
+            return
         count = min(len(self._portion), self._work_per_tick - strand.work - 1)
         if count > 0:
             self.fuel.extend(self._portion if count == len(self._portion) else self._portion[:count])
@@ -480,6 +518,18 @@ class Scheduler:
         if self._orphan_work < 0:
             raise Stopped
         return True
+
+
+class _Passes(dict[int, None]):
+    """Numbers of statements. What is looked up and is none of them is looked at; the others cost a call in C."""
+
+    __slots__ = ("_scheduler",)
+
+    def __init__(self, scheduler: Scheduler) -> None:
+        self._scheduler = scheduler
+
+    def __missing__(self, number: int) -> None:
+        self._scheduler.at_statement(number)
 
 
 def _order(strand: Strand) -> int:

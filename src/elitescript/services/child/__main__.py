@@ -27,6 +27,7 @@ from elitescript.services.child import frames
 from elitescript.services.child.jail import enter_jail
 from elitescript.services.child.output_changes import OutputWriter
 from elitescript.services.child.remote_files import RemoteFiles
+from elitescript.services.debugging import debugging
 from elitescript.services.options_data import options_from_data
 from elitescript.services.output_text import without_points
 
@@ -73,7 +74,7 @@ def serve(line: frames.BlockingLine) -> None:
             layers = enter_jail(memory_max=memory_max) if is_jailed else ()
             line.send(frames.LOCKED_IN, to_text([list(layer) for layer in layers]))
         elif letter == frames.BEGIN:
-            kernel = Kernel(options_from_data(data), RequestEnvironment(RemoteFiles(ask)))
+            kernel = Kernel(options_from_data(data), RequestEnvironment(RemoteFiles(ask)), debugging=debugging())
             # What is there now stays; the collector need not look at it in every round.
             gc.collect()
             gc.freeze()

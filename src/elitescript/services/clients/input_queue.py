@@ -16,6 +16,7 @@ from elitescript.messages.inputs import (
     ChannelCredit,
     ChannelData,
     ChannelOpened,
+    Debug,
     GetVariable,
     Input,
     Interpret,
@@ -43,6 +44,7 @@ PRICES_NS: Final[dict[type, int]] = {
     LoadConfiguration: 250_000,
     SetVariable: 50_000,
     GetVariable: 50_000,
+    Debug: 250_000,
 }
 """What an input costs the robot, about (*measured*): compiling is dear."""
 PRICE_NS: Final = 10_000

@@ -6,7 +6,7 @@ only the user can enter; elsewhere a TCP port of this computer, whose number and
 A request is `{"verb": …, "arguments": […], "values": {…}}` (on TCP also `"token"`), its answer
 `{"ok": true, "text": …, "result": {…}}` or `{"ok": false, "error": …}`. Requests of one connection are answered in
 their order; an order is answered when the robot has done or refused it, `play` with `"wait": true` when the task has
-ended. A web browser is not answered.
+ended. A connection that debugs also gets lines `{"event": …}`; see `control.debugging`. A web browser is not answered.
 """
 
 from __future__ import annotations
@@ -28,14 +28,17 @@ from elitescript.messages.outcomes import Outcome
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import PERIOD_S, seconds
 from elitescript.protocol.browsers import is_web_request
+from elitescript.services.control.debug_events import DebugEvents, debug_result
 from elitescript.services.control.verbs import VERBS, Verb, VerbRequest, outcome_text
 from elitescript.services.robot_server import RobotServer
 
-LINE_MAX: Final = 64 * 1024
+LINE_MAX: Final = 1024 * 1024
 ANSWER_TIMEOUT_S: Final = 6.0
 """For a tick; in lockstep time may stand still."""
 REPLY_TICKS: Final = 1000
 """Within which the robot answers an order."""
+DEBUG: Final = "debug"
+"""The verb of debuggers, to which lines with events come between answers."""
 PLAY: Final = "play"
 """The verb that can wait for what it has started."""
 _HAS_UNIX: Final = hasattr(asyncio, "start_unix_server")
@@ -129,21 +132,23 @@ class ControlChannel:
         origin = f"ctl#{self._count}"
         self._writers.add(writer)
         number = 0
+        events = DebugEvents(self._server, origin, writer)
         try:
             while line := await reader.readline():
                 number += 1
                 if number == 1 and is_web_request(line):
                     break
-                writer.write(json.dumps(await self._answer(f"{origin}/{number}", line)).encode() + b"\n")
+                writer.write(json.dumps(await self._answer(f"{origin}/{number}", line, events)).encode() + b"\n")
                 await writer.drain()
         except (ConnectionError, ValueError, asyncio.CancelledError):
             # The client has gone, or sends a line without an end: there is no answer to give.
             pass
         finally:
+            events.close()
             self._writers.discard(writer)
             writer.close()
 
-    async def _answer(self, origin: str, line: bytes) -> dict[str, Any]:
+    async def _answer(self, origin: str, line: bytes, events: DebugEvents) -> dict[str, Any]:
         try:
             asked = json.loads(line)
             if not isinstance(asked, dict):
@@ -159,6 +164,8 @@ class ControlChannel:
             server = self._server
             snapshot, description = server.output.snapshot, server.link.description
             request = VerbRequest(origin, tuple(map(str, arguments)), values, snapshot, description, server.devices)
+            if verb.name == DEBUG:
+                events.open()
             if asked.get("wait") is True and verb.name == PLAY:
                 return await self._play_to_the_end(verb, request)
             return await self._carry_out(verb, request)
@@ -205,7 +212,7 @@ class ControlChannel:
         self._expected.add(answers.finished)
         try:
             await asyncio.wait_for(answers.finished, ANSWER_TIMEOUT_S)
-            return {"ok": True, "text": outcome_text(order, answers.outcomes)}
+            return {"ok": True, "text": outcome_text(order, answers.outcomes), **debug_result(answers.outcomes)}
         except TimeoutError:
             waits = f": time waits for {server.waits_for}" if server.waits_for else ""
             return {"ok": True, "text": f"{order.text} (asked for; the robot has not answered yet{waits})"}

@@ -6,6 +6,7 @@ it with a reason; files, windows and control go the way of the same command of t
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 from elitescript.controller.signals.by_name import signal_write
 from elitescript.errors import UsageError
 from elitescript.messages.enums import TaskState
-from elitescript.messages.inputs import AddFault, Do, EndFaults, Input, PlayTask
+from elitescript.messages.inputs import AddFault, Debug, Do, EndFaults, Input, PlayTask
 from elitescript.messages.machine import (
     AskSafety,
     MachineRequest,
@@ -72,6 +73,11 @@ class VerbRequest(NamedTuple):
     description: RobotDescription
     world: ServedDevices | None = None
     """The virtual devices beside the robot."""
+
+    @property
+    def connection(self) -> str:
+        """Origin of all that one connection asks for."""
+        return self.origin.partition("/")[0]
 
 
 class Verb(NamedTuple):
@@ -256,6 +262,17 @@ def _control(word: str) -> Callable[[VerbRequest], VerbAction]:
     return lambda request: _dashboard_order(f"remoteControl -{word}", request)
 
 
+def _debug(request: VerbRequest) -> VerbAction:
+    """`debug JSON`, or with the object as `values`."""
+    text = " ".join(request.arguments) or json.dumps(dict(request.values))
+    return VerbAction((Debug(request.origin, request.connection, text),), failure="debug")
+
+
+def _debug_requests() -> tuple[str, ...]:
+    """Return lines that `help` adds to `debug`."""
+    return ("""JSON is an object such as {"do": "threads"} or {"do": "evaluate", "text": "get_actual_tcp_pose()"};""",)
+
+
 def _values(request: VerbRequest, output: Output) -> dict[str, Any]:
     image = output.snapshot.signals
     if not request.arguments:
@@ -334,6 +351,13 @@ _ROWS: Final = (
     Verb("remote", "", "Switch to remote control.", _control("on")),
     Verb("local", "", "Switch to local control: clients may only look.", _control("off")),
     Verb("ports", "", "Every port, and its clients."),
+    Verb(
+        "debug",
+        "JSON",
+        "Debug the program that runs, until this connection ends; see `elitescript dap`.",
+        _debug,
+        details=_debug_requests,
+    ),
 )
 
 VERBS: Final[dict[str, Verb]] = {row.name: row for row in _ROWS}

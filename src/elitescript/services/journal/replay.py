@@ -16,6 +16,7 @@ from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.records import NamedTuple, replace
 from elitescript.runtime.environment import Files
 from elitescript.services.child.remote_files import FileDesk, RemoteFiles
+from elitescript.services.debugging import debugging
 from elitescript.services.journal.records import RecordError, check_answer
 from elitescript.services.journal.writer import Digest, Journal, JournalReader
 from elitescript.services.output_text import output_text
@@ -37,7 +38,7 @@ class RecordedRobot(Kernel):
         self._desk = FileDesk(files)
         self._answers: list[Any] = []
         self._snapshot: Snapshot
-        super().__init__(options, RequestEnvironment(RemoteFiles(self._ask)))
+        super().__init__(options, RequestEnvironment(RemoteFiles(self._ask)), debugging=debugging())
 
     def tick(self, inputs: Sequence[Input] = (), number: int | None = None) -> TickResult:
         """Run one tick; the digests of the journal cover every snapshot."""
@@ -145,7 +146,7 @@ class Replay:
 
     def _fresh(self, options: RobotOptions) -> Kernel:
         try:
-            return Kernel(options, RequestEnvironment(RemoteFiles(self._ask)))
+            return Kernel(options, RequestEnvironment(RemoteFiles(self._ask)), debugging=debugging())
         except UsageError as error:
             raise UsageError(f"{self._reader.place}: {error}") from None
 

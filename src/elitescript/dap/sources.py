@@ -1,0 +1,54 @@
+"""Texts of programs, as a client finds them: by the path of their file, or by a number if no file has them."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from elitescript.dap.messages import Arguments, Body
+
+
+class Sources:
+    """Knows which texts have a file here; the others get a number, from 1."""
+
+    __slots__ = ("_first_names", "_numbered", "_paths")
+
+    def __init__(self) -> None:
+        self._numbered: list[str] = []
+        self._paths: dict[str, str] = {}
+        self._first_names: dict[str, str] = {}
+
+    def found(self, name: str, path: str) -> None:
+        """Note the file of a text."""
+        self._paths[name] = str(Path(path).absolute())
+
+    def same(self, name: str, first: str) -> None:
+        """Note that a text is one that has another name, too."""
+        self._first_names[name] = first
+
+    def shown(self, name: str) -> Body:
+        """Return the `Source` of a text."""
+        name = self._first_names.get(name, name)
+        if path := self._paths.get(name):
+            return {"name": Path(path).name, "path": path}
+        if name not in self._numbered:
+            self._numbered.append(name)
+        return {"name": name, "sourceReference": self._numbered.index(name) + 1}
+
+    def named(self, source: Arguments) -> str | None:
+        """Return the name of the text that a `Source` of a client is; None for a file that is none of them."""
+        if reference := source.number("sourceReference", 0):
+            return self.numbered(reference)
+        key = _key(source.text("path", ""))
+        return next((name for name, path in self._paths.items() if _key(path) == key), None)
+
+    def numbered(self, reference: int) -> str | None:
+        """Return the name of the text with a number; None if there is none."""
+        return next(iter(self._numbered[reference - 1 : reference]), None)
+
+
+def _key(path: str) -> str:
+    try:
+        return os.path.normcase(Path(path).resolve()) if path else ""
+    except (OSError, ValueError, RuntimeError):
+        return path

@@ -1,0 +1,577 @@
+"""Debug sessions in memory: the adapter with its engine, request by request."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from elitescript.dap.messages import (
+    DOES_NOT_COMPILE,
+    IS_RUNNING,
+    OUT_OF_ORDER,
+    REFUSED,
+    UNKNOWN_REQUEST,
+    WRONG_ARGUMENTS,
+)
+from tests.dap.client import Client, Failed, MemoryClient
+
+KIT = Path(__file__).with_name("kit")
+CELL = KIT / "cell.script"
+ALARM = KIT / "alarm.script"
+
+
+@pytest.fixture
+def client():
+    found = MemoryClient()
+    yield found
+    found.request("disconnect")
+    found.check_answers()
+
+
+def program(folder: Path, text: str) -> Path:
+    path = folder / "cell.script"
+    path.write_text(text)
+    return path
+
+
+def error(client: Client, command: str, **arguments) -> tuple[int, str]:
+    with pytest.raises(Failed) as raised:
+        client.request(command, **arguments)
+    return raised.value.number, raised.value.text
+
+
+class TestHandshake:
+    def test_it_goes_in_the_order_of_the_protocol(self, client):
+        capabilities = client.initialize()
+        assert capabilities["supportsStepBack"] is True
+        assert [one["filter"] for one in capabilities["exceptionBreakpointFilters"]] == ["alarm", "warning"]
+        launch = client.launch(CELL)
+        assert launch not in client.answers
+        client.request("configurationDone")
+        client.answer(launch)
+        assert client.event("exited")["body"] == {"exitCode": 0}
+        client.event("terminated")
+
+    def test_what_comes_out_of_order_is_an_error(self, client):
+        assert error(client, "launch", program="x")[0] == OUT_OF_ORDER
+        client.initialize()
+        assert error(client, "initialize", adapterID="x")[0] == OUT_OF_ORDER
+        for command in ("setBreakpoints", "configurationDone", "threads", "continue", "evaluate", "restart", "pause"):
+            assert error(client, command)[0] == OUT_OF_ORDER
+        client.launch(CELL)
+        for command in ("next", "stackTrace", "elitescript/state", "launch"):
+            assert error(client, command)[0] == OUT_OF_ORDER
+        assert client.stop_of(client.launched)["event"] == "terminated"
+        for command in ("stackTrace", "next", "evaluate", "configurationDone"):
+            assert error(client, command)[0] == OUT_OF_ORDER
+
+    def test_an_unknown_request_is_an_error_with_the_one_that_was_meant(self, client):
+        number, text = error(client, "stackTraces")
+        assert number == UNKNOWN_REQUEST
+        assert "'stackTrace'" in text
+
+    def test_another_path_format_is_refused(self, client):
+        assert error(client, "initialize", adapterID="x", pathFormat="uri")[0] == WRONG_ARGUMENTS
+
+    def test_disconnect_is_possible_at_any_moment(self):
+        for count in range(5):
+            client = MemoryClient()
+            steps = [
+                client.initialize,
+                lambda client=client: client.launch(CELL),
+                lambda client=client: client.set_breakpoints(CELL, 10),
+                lambda client=client: client.stop_of(client.launched),
+            ]
+            for step in steps[:count]:
+                step()
+            client.request("disconnect")
+
+
+class TestLaunch:
+    def test_a_program_that_does_not_compile_is_an_error_with_places(self, client, tmp_path):
+        path = program(tmp_path, "def cell():\n  x = = 1\n  y = (\nend\n")
+        client.initialize()
+        number, text = error(client, "launch", program=str(path))
+        assert number == DOES_NOT_COMPILE
+        assert f"{path}: line 2, column 7" in text
+        output = client.event("output")["body"]
+        assert output["category"] == "stderr"
+        assert (output["source"]["path"], output["line"], output["column"]) == (str(path), 2, 7)
+        # It can be repaired and launched again.
+        path.write_text("def cell():\n  x = 1\nend\n")
+        assert client.stop_of(client.launch(path))["event"] == "terminated"
+
+    @pytest.mark.parametrize(
+        ("settings", "number", "text"),
+        [
+            ({"robot": "CS7"}, REFUSED, "CS7"),
+            ({"robot": 66}, REFUSED, "launch: robot must be"),
+            ({"seed": "x"}, REFUSED, "launch: seed must be a whole number"),
+            ({"joints": [1, 2]}, REFUSED, "launch: joints must be six numbers"),
+            ({"firmware": "1.0"}, REFUSED, "1.0"),
+            ({"until": -1}, WRONG_ARGUMENTS, "launch: until must be 0 s or more"),
+            ({"until": "x"}, WRONG_ARGUMENTS, "launch: until must be a number"),
+            ({"set": 3}, WRONG_ARGUMENTS, "launch: set must be an object"),
+            ({"set": {"standard_digital_inn[3]": True}}, REFUSED, "standard_digital_inn"),
+            ({"set": ["count"]}, REFUSED, "launch: set count: write NAME=VALUE"),
+            ({"stopOnEntry": 1}, WRONG_ARGUMENTS, "launch: stopOnEntry must be true or false"),
+            ({"world": "no.toml"}, REFUSED, "no.toml"),
+            ({"program": "no.script"}, REFUSED, "cannot read no.script"),
+            ({"program": ""}, WRONG_ARGUMENTS, "launch: program must be"),
+        ],
+    )
+    def test_arguments_that_make_no_sense_are_named(self, client, settings, number, text):
+        client.initialize()
+        found = error(client, "launch", **{"program": str(CELL), **settings})
+        assert found[0] == number
+        assert text in found[1]
+
+    def test_what_looks_misspelt_is_said(self, client):
+        client.initialize()
+        client.launch(CELL, untill=3, __sessionId="x", preLaunchTask="y")
+        assert "'untill' is no argument; did you mean 'until'?" in client.launch_outputs
+
+    def test_options_of_the_robot_and_start_values_reach_the_run(self, client, tmp_path):
+        path = program(
+            tmp_path,
+            "def cell():\n  textmsg(parts, get_standard_digital_in(3), get_target_joint_positions()[0])\nend\n",
+        )
+        joints = [0.5, -1.4, -1.7, -1.6, 1.57, 0]
+        client.start(path, set={"parts": 12, "standard_digital_in[3]": True}, joints=joints, robot="CS63")
+        texts = "".join(client.texts())
+        assert "12True0.5" in texts.replace(" ", "")
+
+    def test_start_values_may_be_texts_as_on_the_command_line(self, client, tmp_path):
+        path = program(tmp_path, "def cell():\n  textmsg(parts)\nend\n")
+        client.start(path, set=["parts=7"])
+        assert "7\n" in client.texts()
+
+    def test_the_time_limit_ends_the_run_with_its_exit_code(self, client):
+        client.start(CELL, until=0.5)
+        assert client.bodies("exited") == [{"exitCode": 4}]
+
+    def test_an_alarm_without_a_filter_ends_the_run_with_its_exit_code(self, client):
+        assert client.start(ALARM)["event"] == "terminated"
+        assert client.bodies("exited") == [{"exitCode": 1}]
+        alarms = [one for one in client.bodies("output") if one["category"] == "stderr"]
+        assert [one["line"] for one in alarms] == [3]
+
+    def test_without_debugging_nothing_stops(self, client):
+        client.initialize()
+        client.launch(CELL, noDebug=True, stopOnEntry=True, stopOnEnd=True)
+        client.set_breakpoints(CELL, 10)
+        assert client.stop_of(client.launched)["event"] == "terminated"
+
+
+class TestStops:
+    def test_on_entry(self, client):
+        stop = client.start(CELL, stopOnEntry=True)
+        assert stop["body"]["reason"] == "entry"
+        assert stop["body"]["allThreadsStopped"] is True
+        assert client.line(stop["body"]["threadId"]) == 3
+
+    def test_on_end_if_asked_for_and_going_back_from_there(self, client):
+        stop = client.start(CELL, stopOnEnd=True)
+        assert stop["body"]["reason"] == "end"
+        assert client.go("stepBack")["body"]["reason"] == "step"
+        assert client.line() == 14
+        assert client.go("continue")["body"]["reason"] == "end"
+
+    def test_at_a_breakpoint_that_it_names(self, client):
+        client.initialize()
+        launch = client.launch(CELL)
+        first, second = client.set_breakpoints(CELL, 2, 12)
+        assert (first["verified"], first["line"]) == (True, 3)
+        assert (second["verified"], second["line"]) == (True, 12)
+        assert client.stop_of(launch)["body"]["hitBreakpointIds"] == [first["id"]]
+        assert client.go("continue")["body"]["hitBreakpointIds"] == [second["id"]]
+        assert client.line() == 12
+
+    def test_breakpoints_keep_their_numbers_when_others_come(self, client):
+        client.initialize()
+        client.launch(CELL)
+        (one,) = client.set_breakpoints(CELL, 12)
+        other, same = client.set_breakpoints(CELL, 10, 12)
+        assert same["id"] == one["id"] != other["id"]
+
+    def test_a_breakpoint_behind_the_text_and_one_of_another_file_are_not_verified(self, client):
+        client.initialize()
+        client.launch(CELL)
+        (behind,) = client.set_breakpoints(CELL, 99)
+        assert not behind["verified"]
+        assert behind["message"]
+        client.set_breakpoints(CELL, 12)
+        (other,) = client.set_breakpoints(ALARM, 2)
+        assert not other["verified"]
+        assert client.stop_of(client.launched)["event"] == "stopped"
+
+    def test_the_older_form_of_breakpoints_is_read(self, client):
+        client.initialize()
+        client.launch(CELL)
+        found = client.request("setBreakpoints", source={"path": str(CELL)}, lines=[12])
+        assert [one["line"] for one in found["breakpoints"]] == [12]
+
+    def test_with_a_condition_a_count_or_a_message(self, client):
+        client.start(CELL, {"line": 12, "condition": "count == 1"})
+        assert client.evaluate("count") == "1"
+        client.set_breakpoints(CELL, {"line": 10, "logMessage": "count is {count}"})
+        assert client.go("continue")["event"] == "terminated"
+        logs = [one["output"] for one in client.bodies("output") if "count is" in one["output"]]
+        assert logs == ["count is 2\n"]
+
+    def test_the_hit_count(self, client):
+        client.start(CELL, {"line": 12, "hitCondition": "2"})
+        assert client.evaluate("count") == "1"
+
+    def test_at_a_function_and_at_a_command(self, client):
+        client.initialize()
+        launch = client.launch(CELL)
+        items = [{"name": "pick"}, {"name": "movej"}, {"name": "no_such_name"}]
+        states = client.request("setFunctionBreakpoints", breakpoints=items)["breakpoints"]
+        assert [one["verified"] for one in states] == [True, True, False]
+        stop = client.stop_of(launch)
+        assert (stop["body"]["reason"], client.line()) == ("function breakpoint", 10)
+        assert stop["body"]["hitBreakpointIds"] == [states[1]["id"]]
+        client.go("continue")
+        assert client.line() == 5
+
+    def test_at_a_change_of_a_signal_and_of_a_global(self, client):
+        client.initialize()
+        launch = client.launch(CELL)
+        items = [{"dataId": "standard_digital_out[3]"}, {"dataId": "count"}]
+        states = client.request("setDataBreakpoints", breakpoints=items)["breakpoints"]
+        assert [one["verified"] for one in states] == [True, True]
+        seen = []
+        stop = client.stop_of(launch)
+        while stop["event"] == "stopped":
+            assert stop["body"]["reason"] == "data breakpoint"
+            seen.append(stop["body"]["hitBreakpointIds"])
+            stop = client.go("continue")
+        output, count = ([one["id"]] for one in states)
+        assert seen == [count, output, count, count, count]
+
+    def test_at_an_alarm_before_it_unwinds(self, client):
+        stop = client.start(ALARM, filters=("alarm",))
+        assert stop["body"]["reason"] == "exception"
+        assert client.line() == 3
+        info = client.request("exceptionInfo", threadId=1)
+        assert info["breakMode"] == "always"
+        assert "index" in info["description"]
+        assert client.variables(client.scopes()["Locals"]).get("parts", "[1, 2]") == "[1, 2]"
+        assert client.go("continue")["event"] == "terminated"
+        assert client.bodies("exited") == [{"exitCode": 1}]
+
+    def test_there_is_no_exception_to_ask_for_elsewhere(self, client):
+        client.start(CELL, stopOnEntry=True)
+        assert error(client, "exceptionInfo", threadId=1)[0] == REFUSED
+
+    def test_an_unknown_filter_is_refused(self, client):
+        client.initialize()
+        client.launch(CELL)
+        number, text = error(client, "setExceptionBreakpoints", filters=["alarms"])
+        assert number == WRONG_ARGUMENTS
+        assert "'alarm'" in text
+
+    def test_places_of_breakpoints_are_the_statements(self, client):
+        client.initialize()
+        client.launch(CELL)
+        found = client.request("breakpointLocations", source={"path": str(CELL)}, line=9, endLine=11)["breakpoints"]
+        assert [one["line"] for one in found] == [9, 10, 11]
+
+
+class TestGoing:
+    def test_steps(self, client):
+        client.start(CELL, 10)
+        assert client.go("next")["body"]["reason"] == "step"
+        assert client.line() == 11
+        client.go("stepIn")
+        assert client.line() == 5
+        assert client.stack()[0]["name"] == "pick"
+        client.go("stepOut")
+        assert client.line() in (11, 12)
+        client.set_breakpoints(CELL)
+        client.go("stepBack")
+        assert client.line() in (10, 11)
+        assert client.go("reverseContinue")["body"]["reason"] == "entry"
+        assert client.line() == 3
+
+    def test_into_one_of_several_calls(self, client, tmp_path):
+        functions = "  def f(x):\n    return x + 1\n  end\n  def g(x):\n    return x * 2\n  end\n"
+        client.start(program(tmp_path, f"def cell():\n{functions}  y = g(f(3))\n  z = y\nend\n"), 8)
+        targets = client.request("stepInTargets", frameId=client.stack()[0]["id"])["targets"]
+        assert [one["label"] for one in targets] == ["g()", "f()"]
+        stop = client.go("stepIn", targetId=targets[0]["id"])
+        assert stop["body"]["reason"] == "step"
+        assert client.line() == 6
+        assert "hitBreakpointIds" not in stop["body"]
+        assert error(client, "stepIn", threadId=1, targetId=targets[0]["id"])[0] == WRONG_ARGUMENTS
+
+    def test_wrong_threads_and_arguments_are_refused(self, client):
+        client.start(CELL, stopOnEntry=True)
+        for command in ("next", "continue", "stepBack", "reverseContinue", "stackTrace"):
+            assert error(client, command, threadId=77)[0] == REFUSED
+        assert error(client, "next")[0] == WRONG_ARGUMENTS
+        assert error(client, "next", threadId=1, granularity="word")[0] == WRONG_ARGUMENTS
+        assert client.line() == 3
+
+    def test_to_earlier_and_later_moments_of_a_line(self, client):
+        client.start(CELL, {"line": 12, "condition": "count == 2"})
+        targets = client.request("gotoTargets", source={"path": str(CELL)}, line=10)["targets"]
+        assert len(targets) == 3
+        assert all(one["label"].startswith("back to") for one in targets)
+        stop = client.go("goto", targetId=targets[0]["id"])
+        assert stop["body"]["reason"] == "goto"
+        assert (client.line(), client.evaluate("count")) == (10, "0")
+        assert error(client, "goto", threadId=1, targetId=99)[0] == WRONG_ARGUMENTS
+
+    def test_to_a_tick_a_time_and_a_statement(self, client):
+        client.start(CELL, 11)
+        here = client.moment()
+        now = client.request("elitescript/state")
+        client.go("elitescript/goto", tick=now["tick"] // 2)
+        assert client.request("elitescript/state")["tick"] == now["tick"] // 2
+        client.go("elitescript/goto", t=0.1)
+        assert client.request("elitescript/state")["t"] == pytest.approx(0.1)
+        client.go("elitescript/goto", statement=1)
+        assert client.line() == 3
+        client.go("continue")
+        assert client.moment() == here
+        for arguments in ({}, {"tick": 1, "t": 1.0}, {"t": -1.0}, {"statement": 0}, {"tick": "x"}):
+            assert error(client, "elitescript/goto", **arguments)[0] == WRONG_ARGUMENTS
+
+    def test_the_same_moment_shows_the_same_from_either_side(self, client):
+        client.start(CELL, stopOnEntry=True)
+        moments = [client.moment()]
+        for _ in range(12):
+            client.go("stepIn")
+            moments.append(client.moment())
+        client.go("elitescript/goto", statement=1)
+        assert client.moment() == moments[0]
+
+    def test_to_where_it_was_paused(self, client):
+        client.start(CELL, stopOnEntry=True)
+        with client.meanwhile():
+            client.send("pause", threadId=1)
+        assert client.go("continue")["body"]["reason"] == "pause"
+        statement = client.adapter.session.stop.position.statement
+        client.go("elitescript/goto", statement=statement)
+        assert client.adapter.session.stop.position.statement == statement
+
+    def test_restart_is_the_same_run_with_the_same_breakpoints(self, client):
+        client.start(CELL, 11)
+        first = client.moment()
+        client.go("continue")
+        stop = client.go("restart")
+        assert stop["body"]["reason"] == "breakpoint"
+        assert client.moment() == first
+
+    def test_restart_takes_the_new_text_and_new_arguments(self, client, tmp_path):
+        path = program(tmp_path, "def cell():\n  x = 1\n  y = x\nend\n")
+        client.start(path, 3)
+        path.write_text("def cell():\n  x = 2\n  y = x\nend\n")
+        client.go("restart")
+        assert client.evaluate("x") == "2"
+        path.write_text("def cell(:\n")
+        assert error(client, "restart")[0] == DOES_NOT_COMPILE
+        assert client.evaluate("x") == "2"
+        path.write_text("def cell():\n  x = 3\n  y = x\nend\n")
+        assert client.go("restart", arguments={"program": str(path), "stopOnEntry": True})["body"]["reason"] == "entry"
+        client.go("continue")
+        assert client.evaluate("x") == "3"
+
+
+class TestLooking:
+    def test_scopes_and_variables(self, client):
+        client.start(CELL, 6)
+        scopes = client.scopes()
+        assert list(scopes) == ["Locals", "Globals", "Robot"]
+        assert client.variables(scopes["Locals"]) == {"depth": "0", "below": "0.01"}
+        assert client.variables(scopes["Globals"])["count"] == "0"
+        robot = client.variables(scopes["Robot"])
+        assert any("joint" in name for name in robot)
+
+    def test_variables_come_in_pages(self, client, tmp_path):
+        client.start(program(tmp_path, "def cell():\n  a = list(range(1000))\n  b = 1\nend\n"), 3)
+        (found,) = [
+            one
+            for reference in client.scopes().values()
+            for one in client.request("variables", variablesReference=reference)["variables"]
+            if one["name"] == "a"
+        ]
+        assert found["indexedVariables"] == 1000
+        page = client.request(
+            "variables", variablesReference=found["variablesReference"], filter="indexed", start=500, count=3
+        )
+        assert [one["value"] for one in page["variables"]] == ["500", "501", "502"]
+        assert error(client, "variables", variablesReference=found["variablesReference"], filter="x")[0]
+        assert error(client, "variables", variablesReference=99999)[0] == REFUSED
+        assert error(client, "variables", variablesReference=0)[0] == WRONG_ARGUMENTS
+
+    def test_stacks_come_in_pages(self, client, tmp_path):
+        text = "def cell():\n  def f(n):\n    if n > 0:\n      f(n - 1)\n    end\n    n = 0\n  end\n  f(30)\nend\n"
+        client.start(program(tmp_path, text), 6)
+        whole = client.request("stackTrace", threadId=1)
+        assert whole["totalFrames"] == len(whole["stackFrames"]) >= 31
+        part = client.request("stackTrace", threadId=1, startFrame=5, levels=2)
+        assert part["totalFrames"] == whole["totalFrames"]
+        assert [one["line"] for one in part["stackFrames"]] == [4, 4]
+
+    def test_lines_and_columns_are_counted_as_the_client_does(self, client):
+        client.initialize(linesStartAt1=False, columnsStartAt1=False)
+        launch = client.launch(CELL)
+        (found,) = client.set_breakpoints(CELL, 11)
+        assert (found["line"], found["column"]) == (11, 4)
+        client.stop_of(launch)
+        assert client.stack()[0]["line"] == 11
+        assert client.stack()[0]["column"] == 4
+
+    def test_types_are_said_to_clients_that_show_them(self, client):
+        client.initialize(supportsVariableType=True)
+        launch = client.launch(CELL)
+        client.set_breakpoints(CELL, 12)
+        client.stop_of(launch)
+        frame = client.stack()[0]["id"]
+        assert client.request("evaluate", expression="count", frameId=frame)["type"] == "int"
+
+    def test_threads_and_what_they_wait_for(self, client, tmp_path):
+        text = (
+            "def cell():\n  def watch():\n    while True:\n      sleep(0.5)\n    end\n  end\n"
+            "  start_thread(watch, ())\n  sleep(1.0)\n  x = 1\nend\n"
+        )
+        client.start(program(tmp_path, text), 9)
+        threads = client.request("threads")["threads"]
+        assert len(threads) == 2
+        assert threads[0]["name"] == "main"
+        other = client.stack(threads[1]["id"])
+        assert other[0]["line"] in (3, 4)
+        assert {"reason": "started", "threadId": threads[1]["id"]} in client.bodies("thread")
+
+    def test_evaluate_without_effects_and_with_them(self, client):
+        client.start(CELL, 12)
+        assert client.evaluate("count + 1") == "1"
+        for context in ("watch", "hover", "clipboard"):
+            frame = client.stack()[0]["id"]
+            arguments = {"expression": "set_standard_digital_out(1, True)", "frameId": frame, "context": context}
+            assert error(client, "evaluate", **arguments)[0] == REFUSED
+        assert error(client, "evaluate", expression="no_such", frameId=client.stack()[0]["id"])[0] == REFUSED
+        client.evaluate("count = 2", "repl")
+        assert client.evaluate("count") == "2"
+        client.set_breakpoints(CELL)
+        client.go("continue")
+        assert "count 3\n" in client.texts()
+
+    def test_what_is_set_stays_on_the_way_back_and_forth(self, client):
+        client.initialize(supportsInvalidatedEvent=True)
+        launch = client.launch(CELL)
+        client.set_breakpoints(CELL, 12)
+        client.stop_of(launch)
+        found = client.request("setVariable", variablesReference=client.scopes()["Globals"], name="count", value="1")
+        assert found["value"] == "1"
+        assert client.bodies("invalidated")[-1] == {"areas": ["variables"]}
+        frame = client.stack()[0]["id"]
+        assert client.request("setExpression", expression="found", value="5.5", frameId=frame)["value"] == "5.5"
+        client.go("stepBack")
+        assert client.evaluate("count") == "0"
+        client.go("next")
+        assert client.evaluate("count") == "1"
+        assert client.evaluate("found") == "5.5"
+
+    def test_completions_in_the_console(self, client):
+        client.start(CELL, 12)
+        frame = client.stack()[0]["id"]
+        found = client.request("completions", text="x = mov", column=8, frameId=frame)["targets"]
+        assert {"label": "movej", "type": "function", "length": 3} in found
+        found = client.request("completions", text="cou", column=4, frameId=frame)["targets"]
+        assert {"label": "count", "type": "variable", "length": 3} in found
+
+    def test_texts(self, client):
+        client.start(CELL, stopOnEntry=True)
+        shown = {"name": "cell.script", "path": str(CELL)}
+        assert client.request("loadedSources") == {"sources": [shown]}
+        assert client.request("source", source=shown, sourceReference=0)["content"] == CELL.read_text()
+        assert error(client, "source", sourceReference=9)[0] == REFUSED
+
+    def test_the_state_of_the_moment(self, client):
+        client.start(CELL, 11)
+        state = client.request("elitescript/state")
+        assert state["t"] == pytest.approx(state["tick"] * 0.004)
+        assert state["joints"] == pytest.approx([0.0, -1.4, -1.7, -1.6, 1.57, 0.0])
+        assert len(state["tcp_pose"]) == 6
+
+    def test_the_changes_of_a_name_and_of_a_signal(self, client):
+        client.start(CELL, 14)
+        changes = client.request("elitescript/history", name="count")["changes"]
+        assert [one["new"] for one in changes] == ["0", "1", "2", "3"]
+        assert [one["line"] for one in changes] == [3, 12, 12, 12]
+        (found,) = client.request("elitescript/history", name="standard_digital_out[3]")["changes"]
+        assert (found["line"], found["thread"], found["source"]["path"]) == (6, "main", str(CELL))
+
+    def test_data_breakpoints_are_offered_for_names_and_signals(self, client):
+        client.start(CELL, 12)
+        found = client.request("dataBreakpointInfo", name="standard_digital_out[3]")
+        assert found["dataId"] == "standard_digital_out[3]"
+        assert found["accessTypes"] == ["write"]
+        found = client.request("dataBreakpointInfo", name="count", variablesReference=client.scopes()["Globals"])
+        assert found["dataId"] == "count"
+        assert client.request("dataBreakpointInfo", name="3 +")["dataId"] is None
+
+
+class TestWhileItRuns:
+    """Requests that have arrived when the program begins to run: they are seen before its first statement."""
+
+    def test_pause_stops_it(self, client):
+        client.start(CELL, stopOnEntry=True)
+        with client.meanwhile():
+            client.send("pause", threadId=1)
+        assert client.go("continue")["body"]["reason"] == "pause"
+
+    def test_what_needs_a_stop_is_refused_with_the_word_of_the_protocol(self, client):
+        client.start(CELL, stopOnEntry=True)
+        with client.meanwhile():
+            seq = client.send("stackTrace", threadId=1)
+            threads = client.send("threads")
+        client.go("continue")
+        with pytest.raises(Failed) as raised:
+            client.answer(seq)
+        assert raised.value.number == IS_RUNNING
+        assert raised.value.response["message"] == "notStopped"
+        assert client.answer(threads)["threads"] == [{"id": 1, "name": "main"}]
+
+    def test_breakpoints_are_set_and_it_goes_on(self, client):
+        client.start(CELL, stopOnEntry=True)
+        with client.meanwhile():
+            client.send(
+                "setBreakpoints", source={"path": str(CELL)}, breakpoints=[{"line": 12, "condition": "count == 2"}]
+            )
+        assert client.go("continue")["body"]["reason"] == "breakpoint"
+        assert client.line() == 12
+
+    @pytest.mark.parametrize("command", ["next", "stepIn", "stepOut"])
+    def test_a_step_that_is_interrupted_for_a_request_ends_where_it_would(self, client, command):
+        places = []
+        for is_interrupted in (False, True):
+            other = MemoryClient()
+            other.start(CELL, 11)
+            other.set_breakpoints(CELL)
+            if command == "stepOut":
+                other.go("stepIn")
+            if is_interrupted:
+                with other.meanwhile():
+                    other.send("setExceptionBreakpoints", filters=[])
+            other.go(command)
+            places.append(other.moment())
+        assert places[0] == places[1]
+
+    @pytest.mark.parametrize("command", ["terminate", "disconnect", "restart"])
+    def test_the_session_can_be_ended_and_begun_again(self, client, command):
+        client.start(CELL, stopOnEntry=True)
+        with client.meanwhile():
+            seq = client.send(command)
+        client.send("continue", threadId=1)
+        client.answer(seq)
+        if command == "terminate":
+            assert client.event("exited")["body"] == {"exitCode": 0}
+            client.event("terminated")
+        elif command == "restart":
+            assert client.stop()["body"]["reason"] == "entry"
