@@ -14,6 +14,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -156,7 +157,7 @@ def test_a_program_is_stopped_while_other_clients_are_served(robot: Serve, attac
     shown = clients.next(100)
     took_s = shown[-1][1] - shown[0][1]
     assert took_s < 0.8, "99 periods of 4 ms"
-    steps = {round((later[0] - before[0]) / 0.004) for before, later in zip(shown, shown[1:], strict=False)}
+    steps = {round((later[0] - before[0]) / 0.004) for before, later in pairwise(shown)}
     assert steps == {1}
     (frame,) = session.stack(1)
     assert session.evaluate("n", frame.id).value.endswith("0")

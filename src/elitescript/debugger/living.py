@@ -75,6 +75,8 @@ from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.threads.scheduler import DEBUGGER
 from elitescript.runtime.threads.strand import Strand
 
+VARIABLES_MAX: Final = 1000
+"""Variables that are sent at once."""
 PART_MAX: Final = 200_000
 """Characters of a text that are sent at once."""
 
@@ -152,6 +154,8 @@ class LivingDebugger:
         self._held: Strand | None = None
         """The thread that waits before a statement."""
         self._held_tick = 0
+        self._has_paused = False
+        """Whether the task was paused for the present stop."""
         self._looks = 0
         """Statements that were looked at."""
         self._last: Strand | None = None
@@ -196,7 +200,10 @@ class LivingDebugger:
             # A robot does not end by a mistake of its debugger.
             self._reply(item.origin, Refused(f"a mistake of ours, please report it: {type(error).__name__}: {error}"))
         else:
-            self._reply(item.origin, Debugged(json.dumps({"result": wire.written(result)})))
+            answer = json.dumps({"result": wire.written(result)})
+            is_too_long = len(answer) > wire.TEXT_MAX
+            outcome = Refused("the answer is too long; ask for a part") if is_too_long else Debugged(answer)
+            self._reply(item.origin, outcome)
         self._watch()
 
     def arrived(self, unit: CompiledUnit) -> None:
@@ -225,15 +232,16 @@ class LivingDebugger:
         """See whether somebody else has resumed the task; stop for what has happened beside the programs."""
         self._refresh()
         self._look_at_data(None)
-        if self._stop is None and self._news and self._controller.task_state is TaskState.PLAYING:
-            news, self._news = self._news, []
+        news, self._news = self._news, []
+        if self._stop is None and news and self._controller.task_state is TaskState.PLAYING:
             self._controller.request(PauseTask())
+            self._has_paused = True
             self._stopped(news, None)
         self._watch()
 
     def next_tick(self, tick: int) -> int | None:
         """Return the next tick while values are watched that change with time; see `Debugger.next_tick`."""
-        return tick + 1 if self._news or (self._breakpoints.data and self._stop is None) else None
+        return tick + 1 if self._breakpoints.data and self._stop is None else None
 
     # ---------------------------------------------------------------- going on
 
@@ -253,8 +261,8 @@ class LivingDebugger:
         if self._stop is not None:
             with contextlib.suppress(ScriptError):
                 # What the safety system refuses stays paused, as any task does then.
-                if not leaves_paused and self._controller.task_state is TaskState.PAUSED:
-                    self._controller.request_from(ResumeTask(), "client")
+                if not leaves_paused:
+                    self._resume_task()
             self._let_go()
 
     def pause(self) -> None:
@@ -266,6 +274,7 @@ class LivingDebugger:
             return
         if self._controller.task_state is TaskState.PLAYING:
             self._controller.request_from(PauseTask(), "client")
+        self._has_paused = True
         self._stopped([_News(PAUSE, "paused")], None)
 
     def resume(self) -> None:
@@ -294,10 +303,27 @@ class LivingDebugger:
     def _go_on(self, step: Step | None) -> None:
         if self._stop is None:
             raise DebugError("the program is not stopped")
-        if self._controller.task_state is TaskState.PAUSED:
-            self._controller.request_from(ResumeTask(), "client")
+        self._resume_task()
         self._step = step
         self._let_go()
+        if step is not None:
+            step.strand.at_end.append(lambda: self._step_ended(step))
+
+    def _step_ended(self, step: Step) -> None:
+        """Stop at the next statement of any thread: the one that has taken the step has ended."""
+        if step is self._step:
+            self._step = None
+            self._news.append(_News(STEP, f"thread {step.strand.name!r} has ended"))
+            self._watch()
+
+    def _resume_task(self) -> None:
+        """Resume the task, if it was paused for the debugger.
+
+        Raises:
+            ScriptError: the safety system refuses it.
+        """
+        if self._has_paused and self._controller.task_state is TaskState.PAUSED:
+            self._controller.request_from(ResumeTask(), "client")
 
     # ---------------------------------------------------------------- breakpoints
 
@@ -373,8 +399,8 @@ class LivingDebugger:
         return self._stopped_look.scopes(frame)
 
     def variables(self, reference: int, kind: str = "", start: int = 0, count: int = 0) -> tuple[Variable, ...]:
-        """Return what a scope or a value holds: all, the `named` or the `indexed` ones."""
-        return self._stopped_look.variables(reference, kind, start, count)
+        """Return what a scope or a value holds, the `named` or the `indexed` ones if so asked; 1000 at most."""
+        return self._stopped_look.variables(reference, kind, start, min(count or VARIABLES_MAX, VARIABLES_MAX))
 
     def evaluate(self, text: str, frame: int = 0, may_change: bool = False) -> Variable:
         """Return the value of an expression; without a frame and changes also while the program runs.
@@ -491,7 +517,8 @@ class LivingDebugger:
 
     def _hold(self, strand: Strand, news: list[_News]) -> None:
         """Pause the task, and hold the running thread until it goes on."""
-        if self._controller.task_state is TaskState.PLAYING:
+        self._has_paused = self._controller.task_state is TaskState.PLAYING
+        if self._has_paused:
             self._controller.request(PauseTask())
         self._held, self._held_tick = strand, self._controller.tick
         self._stopped(news, strand)

@@ -33,7 +33,6 @@ from elitescript.language.probes import (
     number_statements,
     probe_table,
 )
-from elitescript.language.switches import with_switches
 from elitescript.language.text.source import SourceFile
 from elitescript.records import NamedTuple, record, replace
 
@@ -316,6 +315,8 @@ def _code(parsed: Parsed, problems: list[Diagnostic], numbers: Mapping[ast.stmt,
     while current is not None and current.is_complete:
         module = _wrapped(current)
         if numbers:
+            from elitescript.language.switches import with_switches
+
             module = with_switches(module, numbers)
         try:
             return _named(_python(module, "exec"), parsed.source.name, parsed.name or _SCRIPT_NAME)
