@@ -12,10 +12,12 @@ from elitescript.debugger.source import ProgramSource
 
 
 @contextmanager
-def debugging(text: str, outputs: list[Output] | None = None, **options: Any) -> Iterator[DebugSession]:
+def debugging(
+    text: str, outputs: list[Output] | None = None, *, forks: bool = False, **options: Any
+) -> Iterator[DebugSession]:
     """A session over a text."""
     hear = None if outputs is None else outputs.append
-    session = DebugSession(ProgramSource("job.script", text=text, **options), hear)
+    session = DebugSession(ProgramSource("job.script", text=text, **options), hear, forks=forks)
     try:
         yield session
     finally:

@@ -20,12 +20,12 @@ HITS = ("", "", "2", ">= 2", "% 2")
 DATA = ("shared", "standard_digital_out[1]", "tcp.z < 0.4", "robot mode", "shared > 5", "joints[0] > 0.1")
 
 
-def walk(seed: int) -> int:
+def walk(seed: int, *, forks: bool = False) -> int:
     rng = Random(seed)
     text = random_program(rng)
     rows = text.count("\n")
     seen: dict[object, object] = {}
-    with debugging(text, seed=seed, work_per_tick=rng.choice([150, 10_000]), until_s=20) as session:
+    with debugging(text, seed=seed, work_per_tick=rng.choice([150, 10_000]), until_s=20, forks=forks) as session:
         stop = session.start(stop_on_entry=True)
         for _ in range(STEPS):
             shown = everything(session)
@@ -64,6 +64,13 @@ def _move(session, rng, rows):
 @pytest.mark.parametrize("seed", range(WALKS))
 def test_the_same_position_shows_the_same_whichever_way_it_is_reached(seed):
     walk(seed)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
+@pytest.mark.parametrize("seed", range(max(3, WALKS // 6)))
+def test_snapshots_show_the_same(seed, monkeypatch):
+    monkeypatch.setattr("elitescript.debugger.snapshots.EACH_S", 0.005)
+    walk(seed, forks=True)
 
 
 @pytest.mark.parametrize("seed", range(max(2, WALKS // 6)))

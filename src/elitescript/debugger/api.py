@@ -23,11 +23,16 @@ AT_END: Final = "end"
 """The run is over."""
 
 
+ALL: Final = 2**53
+"""`Position.statement` at the end of a run."""
+
+
 class Position(NamedTuple):
     """A place in the history of a run.
 
     Attributes:
-        statement: statements of all threads that have begun, with the one that is next at a stop before it.
+        statement: statements of all threads that have begun, with the one that is next at a stop before it; `ALL` at
+            the end. A run without breakpoints may not be counted: what it says has the position behind its tick, and 0.
         events: alarms and warnings so far.
         tick: of the robot.
         kind: `BEFORE_STATEMENT`, `IN_STATEMENT`, `AFTER_TICK` or `AT_END`.

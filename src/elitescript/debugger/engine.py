@@ -19,6 +19,7 @@ from typing import Any, Final
 from elitescript.debugger.api import (
     AFTER_TICK,
     ALARM_FILTER,
+    ALL,
     AT_END,
     BEFORE_STATEMENT,
     BREAKPOINT,
@@ -33,10 +34,14 @@ from elitescript.debugger.api import (
     Change,
     DebugError,
     ExceptionInfo,
+    Frame,
     Output,
     Position,
+    Scope,
     State,
     Stop,
+    ThreadInfo,
+    Variable,
 )
 from elitescript.debugger.inputs import Input, apply_input
 from elitescript.debugger.looking import CallFrame, Look, Names
@@ -49,7 +54,7 @@ from elitescript.language.compiler import CompiledUnit
 from elitescript.language.hooks import STEP as STEP_HOOK
 from elitescript.language.hooks import STEPS as STEPS_HOOK
 from elitescript.language.options import Options
-from elitescript.language.probes import STEPS_PROBES
+from elitescript.language.probes import STEPS_PROBES, ProbeTable
 from elitescript.messages.events import (
     Alarm,
     Event,
@@ -62,8 +67,10 @@ from elitescript.messages.timing import seconds
 from elitescript.records import record, replace
 from elitescript.runtime.threads.strand import Freezer, Strand
 
-LOAD_MAX: Final = 50_000
-"""Statements that run at once."""
+LOAD_MAX: Final = 2000
+"""Statements that run without a look at the goal; few enough for snapshots at regular intervals."""
+_LOOSE: Final = 100_000
+"""Statements that may run uncounted, in changes of the user and while a run is dropped."""
 _TRAPS: Final = (False,) * 1000
 _GO: Final = (1).__bool__
 """What a statement calls that goes on."""
@@ -108,13 +115,16 @@ class Engine:
         rules: breakpoints.
         inputs: what the user has changed, in the order of the history.
         on_output: receives what it says, with its number in the history; 0 for log messages of breakpoints.
+        is_counted: whether it counts statements. If not, it is as fast as a run without a debugger, and can only be
+            stopped behind ticks, at events and at the end.
 
     Attributes:
         outputs: how much it has said.
         is_heard: whether `on_output` is called.
         collected: see `Goal.collects`.
         count: statements that have begun, with the next one at a stop before it.
-        look: what it shows; another one behind each `run`.
+        is_counted: see above.
+        pulse: called now and then between two statements of a run that goes on.
     """
 
     def __init__(
@@ -123,12 +133,16 @@ class Engine:
         rules: Rules = NO_RULES,
         inputs: Sequence[Input] = (),
         on_output: Callable[[int, Output], None] | None = None,
+        *,
+        is_counted: bool = True,
     ) -> None:
         self._rules = rules
         self._inputs = list(inputs)
         self._on_output = on_output
+        self.is_counted = is_counted
         self.outputs = 0
         self.is_heard = False
+        self.pulse: Callable[[], None] | None = None
         self._events = 0
         self._base = 0
         self._loaded = 0
@@ -163,13 +177,13 @@ class Engine:
         self._recorder: Recorder | None = None
         self.collected: list[Position] = []
         self.execution = source.begin(
-            self, on_event=self._event, after_tick=self._after_tick, next_stop=self._next_stop
+            self if is_counted else None, on_event=self._event, after_tick=self._after_tick, next_stop=self._next_stop
         )
         self._controller = self.execution.controller
         self._scheduler = self.execution.host.scheduler
         self._freezer = Freezer(self.execution.run)
         self.set_rules(rules)
-        self.look = self._new_look()
+        self._look = self._new_look()
 
     # ---------------------------------------------------------------- the probe of its robot
 
@@ -197,7 +211,8 @@ class Engine:
     @property
     def position(self) -> Position:
         """Where it stands."""
-        return Position(self.count, self._events, self._controller.tick, self._kind or AFTER_TICK)
+        count = ALL if self._kind == AT_END else self.count
+        return Position(count, self._events, self._controller.tick, self._kind or AFTER_TICK)
 
     @property
     def is_over(self) -> bool:
@@ -208,6 +223,47 @@ class Engine:
         """See `DebugSession.state`."""
         state = self._controller.state()
         return State(state.time_s, state.tick, state.q_target, state.tcp_pose_target)
+
+    def threads(self) -> tuple[ThreadInfo, ...]:
+        """See `DebugSession.threads`."""
+        return self._look.threads()
+
+    def stack(self, thread: int) -> tuple[Frame, ...]:
+        """See `DebugSession.stack`."""
+        return self._look.stack(thread)
+
+    def scopes(self, frame: int) -> tuple[Scope, ...]:
+        """See `DebugSession.scopes`."""
+        return self._look.scopes(frame)
+
+    def variables(self, reference: int, kind: str, start: int, count: int) -> tuple[Variable, ...]:
+        """See `DebugSession.variables`."""
+        return self._look.variables(reference, kind, start, count)
+
+    def evaluate(self, text: str, frame: int) -> Variable:
+        """Return the value of an expression, without any effect; see `DebugSession.evaluate`."""
+        look = self._look
+        call = look.call(frame)
+        return look.variable(text, look.value(text, call), call, text)
+
+    def place_of(self, frame: int) -> tuple[int, int]:
+        """Return thread and depth of a frame; twice 0 for frame 0."""
+        return _place_of(self._look.call(frame))
+
+    def expression_of(self, reference: int, name: str) -> tuple[str, tuple[int, int]]:
+        """Return the expression of a child, and thread and depth of the frame in which it is one."""
+        expression, call = self._look.expression_of(reference, name)
+        return expression, _place_of(call)
+
+    def functions_of(self, thread: int) -> tuple[frozenset[tuple[str, str]], int]:
+        """Return the functions on the stack of a thread, as `Goal.functions`, and the depth of its innermost call."""
+        calls = self._look.calls(self._look.strand(thread))
+        found = frozenset((call.frame.f_code.co_filename, call.frame.f_code.co_qualname) for call in calls)
+        return found, len(calls) - 1
+
+    def unit(self) -> ProbeTable:
+        """Return what is counted of the program."""
+        return self.places.units[0].probes
 
     def _new_look(self) -> Look:
         return Look(self._controller, self.execution.host, self.places, self._error)
@@ -266,7 +322,9 @@ class Engine:
                 stop = Stop(END, _END_TEXTS.get(value, value), 0, self.position, self._time_s, result=value)
             else:
                 stop = self._stop_at(value)
-        self.look = self._new_look()
+                if stop is None and self.pulse is not None:
+                    self.pulse()
+        self._look = self._new_look()
         if stop is None:
             stop = Stop(END, _END_TEXTS.get(self._result, ""), 0, self.position, self._time_s, result=self._result)
         return self._found if goal.last else stop
@@ -297,7 +355,7 @@ class Engine:
     def _numbers_of_stack(self, goal: Goal) -> frozenset[int]:
         if goal.functions:
             return frozenset(self.places.numbers_in(set(goal.functions)))
-        calls = self.look.calls(self.look.strand(goal.thread))
+        calls = self._look.calls(self._look.strand(goal.thread))
         return frozenset(
             self.places.numbers_in({(call.frame.f_code.co_filename, call.frame.f_code.co_qualname) for call in calls})
         )
@@ -311,7 +369,7 @@ class Engine:
                 self._soon()
 
         if not goal.last:
-            self.look.strand(thread).at_end.append(ended)
+            self._look.strand(thread).at_end.append(ended)
 
     def _soon(self) -> None:
         """Have the next statement of any thread call the hook."""
@@ -600,7 +658,7 @@ class Engine:
         is_alarm, is_warning = isinstance(event, Alarm), isinstance(event, Warned)
         if is_alarm or is_warning:
             self._events += 1
-        self._kind = IN_STATEMENT
+        self._kind = IN_STATEMENT if self.is_counted else AFTER_TICK
         output = output_of(event, self.position, self._time_s)
         self._kind = ""
         if output is not None:
@@ -705,9 +763,19 @@ class Engine:
         while self._inputs and self._is_at(self._inputs[0].position):
             self.apply(self._inputs.pop(0))
 
-    def forget_later_inputs(self) -> None:
-        """Drop changes that were to be made later: the history is another one from here on."""
-        self._inputs.clear()
+    def set_inputs(self, inputs: Sequence[Input]) -> None:
+        """Replace the changes that are to be made later."""
+        self._inputs = list(inputs)
+
+    def change(self, change: Input, name: str) -> Variable:
+        """Carry out what the user has changed, here; return the value under a name.
+
+        Raises:
+            DebugError: it cannot be done; the run may be in between then, and is to be dropped.
+        """
+        value = self.apply(change)
+        self._look = self._new_look()
+        return self._look.variable(name, value)
 
     def apply(self, change: Input) -> Any:
         """Carry out what the user has changed, here; return the value.
@@ -716,7 +784,7 @@ class Engine:
             DebugError: it cannot be done; the run may be in between then, and is to be dropped.
         """
         look = self._new_look()
-        loose = [True] * LOAD_MAX
+        loose = [True] * _LOOSE
         table, self._table[:] = list(self._table), [loose.pop] * len(self._table)
         fuel = list(self._scheduler.fuel)
         try:
@@ -730,11 +798,11 @@ class Engine:
     def close(self) -> None:
         """Drop the run where it stands."""
         self._freezes = False
-        loose = [True] * LOAD_MAX
+        loose = [True] * _LOOSE
         self._table[:] = [loose.pop] * len(self._table)
         self._error = None
         self._strand = self._last_strand = None
-        self.look = self._new_look()
+        self._look = self._new_look()
         self._freezer.drop()
         self.execution.close()
 
@@ -756,6 +824,10 @@ class Recorder:
         self.function = function
         self.values: dict[object, str] = {}
         self.changes: list[Change] = []
+
+
+def _place_of(call: CallFrame | None) -> tuple[int, int]:
+    return (0, 0) if call is None else (call.strand.order + 1, call.depth)
 
 
 def _depth(strand: Strand) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, Final
+from typing import Final
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.debugger.api import (
@@ -37,8 +37,8 @@ from elitescript.debugger.calls import calls_by_statement
 from elitescript.debugger.engine import INTO, OUT, OVER, Engine, Goal
 from elitescript.debugger.expressions import parsed
 from elitescript.debugger.inputs import Input
-from elitescript.debugger.looking import CallFrame
 from elitescript.debugger.rules import CodeRule, DataRule, Rules, Watch, hit_condition
+from elitescript.debugger.snapshots import snapshots
 from elitescript.debugger.source import Source
 from elitescript.debugger.telling import filled
 from elitescript.language.diagnostics import Diagnostic
@@ -47,7 +47,10 @@ from elitescript.records import replace
 
 WINDOW: Final = 2000
 """Statements before the present stop in which a search for an earlier one begins."""
+WINDOW_OF_SNAPSHOTS: Final = 200
 _WIDER: Final = 50
+_WIDE_ENOUGH: Final = 5
+"""A search may begin at a copy that stands so many times the width before the present stop."""
 
 
 class DebugSession:
@@ -83,9 +86,10 @@ class DebugSession:
         self._data: list[DataRule] = []
         self._filters: frozenset[str] = frozenset((ALARM_FILTER,))
         self._has_stale_hits = False
+        self._snapshots = snapshots(self._hear, forks=forks)
         self._engine = self._new_engine(is_heard=True)
-        unit = self._engine.places.units[0]
-        self._statements = unit.statements
+        self._table = self._engine.unit()
+        self._statements = self._table.statements
         self._stop = Stop(ENTRY, "not begun", 0, self._engine.position, 0.0)
 
     # ---------------------------------------------------------------- going on
@@ -98,13 +102,15 @@ class DebugSession:
             no_debug: run to the end; breakpoints and filters are not heeded.
         """
         if no_debug:
-            return self._arrived(self._engine.run(Goal()))
+            return self._run_plainly(frozenset())
         if stop_on_entry:
             return self._to_entry()
         return self.resume()
 
     def resume(self) -> Stop:
         """Go on to the next breakpoint, exception of a filter, pause, or the end."""
+        if self._can_be_plain:
+            return self._run_plainly(self._filters)
         self._count_hits_again()
         return self._arrived(self._engine.run(Goal(heeds=True)))
 
@@ -130,17 +136,14 @@ class DebugSession:
         (reason `entry`).
         """
         bound = self._stop.position
-        look = self._engine.look
         if bound.kind == AT_END:
             found = self._last_of_all(bound)
         else:
-            calls = look.calls(look.strand(thread))
-            functions = frozenset((call.frame.f_code.co_filename, call.frame.f_code.co_qualname) for call in calls)
-            depth = len(calls) - 1
+            functions, depth = self._engine.functions_of(thread)
             goal = Goal(bound, step=OVER, thread=thread, depth=depth, last=True, functions=functions)
             found = self._last(goal, bound) if functions else None
             if found is None:
-                found = self._start_of_thread(thread, bound)
+                found = self._last_of_all(bound)
         if found is None:
             return self._to_entry()
         return self._go_to(found.position, replace(found, reason=STEP, text="stepped back"))
@@ -186,6 +189,7 @@ class DebugSession:
 
     def restart(self, *, stop_on_entry: bool = False) -> Stop:
         """Begin again, without the changes that the user has made."""
+        self._snapshots.forget_from(Position(0, 0, 0, BEFORE_STATEMENT))
         self._inputs.clear()
         self._heard = 0
         self._logged = None
@@ -202,6 +206,7 @@ class DebugSession:
         if not self._is_closed:
             self._is_closed = True
             self._engine.close()
+            self._snapshots.close()
 
     # ---------------------------------------------------------------- breakpoints
 
@@ -305,7 +310,7 @@ class DebugSession:
 
     def threads(self) -> tuple[ThreadInfo, ...]:
         """Return the script threads in the order of their start."""
-        return self._engine.look.threads()
+        return self._engine.threads()
 
     def stack(self, thread: int) -> tuple[Frame, ...]:
         """Return the calls of a thread, the innermost one first; empty before it has begun.
@@ -313,11 +318,11 @@ class DebugSession:
         Raises:
             DebugError: no such thread.
         """
-        return self._engine.look.stack(thread)
+        return self._engine.stack(thread)
 
     def scopes(self, frame: int) -> tuple[Scope, ...]:
         """Return the scopes of a frame: `Locals`, `Globals`, `Robot`. With frame 0 without `Locals`."""
-        return self._engine.look.scopes(frame)
+        return self._engine.scopes(frame)
 
     def variables(self, reference: int, *, kind: str = "", start: int = 0, count: int = 0) -> tuple[Variable, ...]:
         """Return what a scope or a value holds.
@@ -328,7 +333,7 @@ class DebugSession:
             start: index of the first one.
             count: how many; all if 0.
         """
-        return self._engine.look.variables(reference, kind, start, count)
+        return self._engine.variables(reference, kind, start, count)
 
     def evaluate(self, text: str, frame: int = 0, *, may_change: bool = False) -> Variable:
         """Return the value of an expression.
@@ -341,28 +346,21 @@ class DebugSession:
         Raises:
             DebugError: it has no value, or would change something.
         """
-        look = self._engine.look
-        call = look.call(frame)
-        if not may_change:
-            return look.variable(text, look.value(text, call), call, text)
         try:
-            value = look.value(text, call)
+            return self._engine.evaluate(text, frame)
         except DebugError:
-            value = self._changed(Input(self._stop.position, *_place_of(call), "", text), call)
-            return self._engine.look.variable(text, value)
-        return look.variable(text, value, call, text)
+            if not may_change:
+                raise
+        return self._changed(Input(self._stop.position, *self._engine.place_of(frame), "", text), text)
 
     def set_variable(self, reference: int, name: str, text: str) -> Variable:
         """Set a child of a scope or of a value to the value of an expression; begins a new branch of history."""
-        expression, call = self._engine.look.expression_of(reference, name)
-        value = self._changed(Input(self._stop.position, *_place_of(call), expression, text), call)
-        return self._engine.look.variable(name, value)
+        expression, place = self._engine.expression_of(reference, name)
+        return self._changed(Input(self._stop.position, *place, expression, text), name)
 
     def set_expression(self, target: str, text: str, frame: int = 0) -> Variable:
         """Assign the value of an expression to a variable, an item or a signal; begins a new branch of history."""
-        call = self._engine.look.call(frame)
-        value = self._changed(Input(self._stop.position, *_place_of(call), target, text), call)
-        return self._engine.look.variable(target, value)
+        return self._changed(Input(self._stop.position, *self._engine.place_of(frame), target, text), target)
 
     def set_signal(self, name: str, text: str) -> Variable:
         """Set an input, output or register of the robot; begins a new branch of history."""
@@ -412,9 +410,32 @@ class DebugSession:
     # ---------------------------------------------------------------- internal
 
     def _new_engine(self, *, is_heard: bool = False) -> Engine:
-        engine = Engine(self._source, self._rules, self._inputs, self._hear)
-        engine.is_heard = is_heard
-        return engine
+        return self._snapshots.first(
+            lambda hear: Engine(self._source, self._rules, self._inputs, hear), is_heard=is_heard
+        )
+
+    @property
+    def _can_be_plain(self) -> bool:
+        """Whether nothing can stop the run but an event of a filter, and it has not begun."""
+        rules = self._rules
+        if self._snapshots.forks:
+            return False  # counted from the start, it leaves snapshots to go back to
+        return self._engine.count <= 1 and not (rules.code or rules.data or self._inputs or self._engine.is_over)
+
+    def _run_plainly(self, filters: frozenset[str]) -> Stop:
+        """Run without counting, at full speed; come to a stop before the end once more, with all counted."""
+        rules = Rules(filters=filters)
+        engine = Engine(self._source, rules, (), self._hear, is_counted=False)
+        self._replace_engine(engine)
+        stop = engine.run(Goal(heeds=True))
+        assert stop is not None
+        if stop.result:
+            return self._arrived(stop)
+        again = self._new_engine()
+        self._replace_engine(again)
+        arrived = again.run(Goal(stop.position))
+        assert arrived is not None
+        return self._arrived(replace(arrived, reason=stop.reason, text=stop.text))
 
     def _replace_engine(self, engine: Engine) -> None:
         self._engine.close()
@@ -463,53 +484,72 @@ class DebugSession:
         return self._arrived(arrived)
 
     def _engine_before(self, position: Position) -> Engine:
-        """Return a fresh engine that stands before a position."""
-        return self._new_engine(is_heard=True)
+        """Return an engine that stands before a position: a copy of one that came by there, or one at the start."""
+        near = None if self._rules.count_hits else self._snapshots.before(position)
+        if near is None:
+            return self._new_engine(is_heard=True)
+        engine, at = near
+        engine.set_rules(self._rules)
+        engine.set_inputs([change for change in self._inputs if at.is_before(change.position)])
+        engine.is_heard = True
+        return engine
 
     def _step(self, kind: str, thread: int) -> Stop:
-        look = self._engine.look
         if self._engine.is_over:
             return self._stop
         self._count_hits_again()
-        depth = len(look.calls(look.strand(thread))) - 1
+        _, depth = self._engine.functions_of(thread)
         return self._arrived(self._engine.run(Goal(heeds=True, step=kind, thread=thread, depth=depth)))
 
     # ---------------------------------------------------------------- back
 
     def _last(self, goal: Goal, bound: Position) -> Stop | None:
         """Return where a goal would last have stopped before a position: first looked for shortly before it."""
-        width = WINDOW
+        width = WINDOW if not self._snapshots.forks else WINDOW_OF_SNAPSHOTS
+        end = self._count_at_end() if bound.kind == AT_END else bound.statement
         while True:
-            start = 0 if self._rules.count_hits and goal.heeds else max(0, bound.statement - width)
-            engine = self._engine_before(Position(start, 0, 0, BEFORE_STATEMENT))
+            start = 0 if self._rules.count_hits and goal.heeds else max(0, end - width)
+            near = self._snapshots.nearest(bound)
+            if end - _WIDE_ENOUGH * width <= near < end:
+                start = near
+            engine = self._engine_before(Position(start + 1, 0, 0, BEFORE_STATEMENT))
             engine.is_heard = False
             try:
-                if start > 0:
+                if start > engine.count:
                     engine.run(Goal(Position(start, 0, 0, BEFORE_STATEMENT)))
+                    self._snapshots.keep(engine)
                 found = engine.run(goal)
             finally:
                 engine.close()
             if found is not None or start == 0:
+                self._snapshots.thin(bound)
                 return found
             width *= _WIDER
 
-    def _start_of_thread(self, thread: int, bound: Position) -> Stop | None:
-        """Return the last statement of any thread before the first one of a thread."""
-        everything = frozenset(row.number for row in self._statements)
-        return self._last(Goal(bound, numbers=everything, last=True), bound)
+    def _count_at_end(self) -> int:
+        """Return how many statements the whole run has."""
+        if self._engine.is_over and self._engine.is_counted:
+            return self._engine.count
+        engine = self._new_engine()
+        try:
+            engine.run(Goal())
+            return engine.count
+        finally:
+            engine.close()
 
     def _last_of_all(self, bound: Position) -> Stop | None:
+        """Return the last statement of any thread before a position."""
         everything = frozenset(row.number for row in self._statements)
         return self._last(Goal(bound, numbers=everything, last=True), bound)
 
     # ---------------------------------------------------------------- changes
 
-    def _changed(self, change: Input, call: CallFrame | None) -> Any:
+    def _changed(self, change: Input, name: str) -> Variable:
         """Make a change here, and begin a new branch of history."""
         if self._engine.is_over:
             raise DebugError("the run is over: go back to change something")
         try:
-            value = self._engine.apply(change)
+            value = self._engine.change(change, name)
         except DebugError:
             self._again()
             raise
@@ -518,7 +558,8 @@ class DebugSession:
         self._furthest = here
         self._heard = self._engine.outputs
         self._logged = here
-        self._engine.forget_later_inputs()
+        self._engine.set_inputs(())
+        self._snapshots.forget_from(here)
         return value
 
     def _again(self) -> None:
@@ -578,8 +619,9 @@ class DebugSession:
     def _function_rule(self, request: FunctionBreakpoint) -> tuple[CodeRule | None, BreakpointState]:
         identity = self._new_id()
         name = request.name.strip().removesuffix("()")
-        table = self._engine.places.units[0].probes
-        own = [function for function in table.functions if name in (function.name, function.name.rpartition(".")[2])]
+        own = [
+            function for function in self._table.functions if name in (function.name, function.name.rpartition(".")[2])
+        ]
         try:
             hit_condition(request.hit_condition)
             if request.condition:
@@ -607,7 +649,3 @@ def _expressions(message: str) -> list[str]:
 
     filled(message, note)
     return found
-
-
-def _place_of(call: CallFrame | None) -> tuple[int, int]:
-    return (0, 0) if call is None else (call.strand.order + 1, call.depth)

@@ -14,7 +14,7 @@ from typing import Any, Protocol
 from elitescript.controller.controller import Controller
 from elitescript.environment.program_file import source_of
 from elitescript.errors import ProgramError
-from elitescript.language.compiler import CompiledUnit
+from elitescript.language.compiler import CompiledUnit, compile_unit
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.options import Options
 from elitescript.language.parser import parse
@@ -72,7 +72,7 @@ class Source(Protocol):
 
     def begin(
         self,
-        probe: Probe,
+        probe: Probe | None,
         *,
         on_event: Callable[[Event], None],
         after_tick: Callable[[], None],
@@ -81,7 +81,7 @@ class Source(Protocol):
         """Make a new execution that has not run yet.
 
         Args:
-            probe: counts the statements of its programs.
+            probe: counts the statements of its programs; None for a run that nothing counts.
             on_event: receives each event when it happens, also changes of signals.
             after_tick: called after each tick that was run.
             next_stop: returns for a tick the next one that has to be run although nothing is due; None for none.
@@ -129,6 +129,8 @@ class ProgramSource:
     ) -> None:
         source = source_of(Path(path)) if text is None else SourceFile(str(path), text)
         self.name, self.text = source.name, source.text
+        self._source = source
+        self._plain: CompiledUnit | None = None
         self._presets = dict(presets or {})
         self._until_s = until_s
         self._levels = dict(levels or {})
@@ -145,7 +147,7 @@ class ProgramSource:
 
     def begin(
         self,
-        probe: Probe,
+        probe: Probe | None,
         *,
         on_event: Callable[[Event], None],
         after_tick: Callable[[], None],
@@ -155,6 +157,9 @@ class ProgramSource:
         robot = self._robot(on_event=on_event, probe=probe)
         robot.set_start(self._levels)
         robot.next_stop = next_stop
+        if probe is None:
+            self._plain = self._plain or compile_unit(self._source, Options(strict=robot.options.strict))
+            return ProgramExecution(robot, self._plain, self._presets, self._until_s, after_tick)
         probe.compiled(self._unit)
         return ProgramExecution(robot, self._unit, self._presets, self._until_s, after_tick)
 
