@@ -609,7 +609,7 @@ def test_a_step_at_the_end_of_a_thread() -> None:
 
 def test_long_lists_come_in_parts() -> None:
     living = Living()
-    living.run("def job():\n  global items\n  items = [k for k in range(5000)]\n  sleep(1)\n  a = 1\nend\n")
+    living.run("def job():\n  global items\n  items = list(range(5000))\n  sleep(1)\n  a = 1\nend\n")
     living.ask("pause")
     (group, _) = living.ask("scopes", frame=0)
     (items,) = living.ask("variables", reference=group["reference"])
