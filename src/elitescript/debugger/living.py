@@ -220,7 +220,7 @@ class LivingDebugger:
             self._tell("output", output=output)
         if isinstance(event, TaskStateChanged) and event.state is TaskState.STOPPED:
             self._let_go()
-            self._step = None
+            self._set_step(None)
             self._news.clear()
             self._tell("ended", result=event.ending)
         elif isinstance(event, SignalChanged):
@@ -256,7 +256,8 @@ class LivingDebugger:
         """
         self._session = ""
         self._breakpoints = LivingBreakpoints()
-        self._filters, self._step, self._awaits_statement = frozenset(), None, False
+        self._filters, self._awaits_statement = frozenset(), False
+        self._set_step(None)
         self._news.clear()
         if self._stop is not None:
             with contextlib.suppress(ScriptError):
@@ -304,14 +305,20 @@ class LivingDebugger:
         if self._stop is None:
             raise DebugError("the program is not stopped")
         self._resume_task()
-        self._step = step
+        self._set_step(step)
         self._let_go()
-        if step is not None:
-            step.strand.at_end.append(lambda: self._step_ended(step))
 
-    def _step_ended(self, step: Step) -> None:
+    def _set_step(self, step: Step | None) -> None:
+        """Begin a step, or end the one that is under way."""
+        if self._step is not None and self._thread_ended in self._step.strand.at_end:
+            self._step.strand.at_end.remove(self._thread_ended)
+        self._step = step
+        if step is not None:
+            step.strand.at_end.append(self._thread_ended)
+
+    def _thread_ended(self) -> None:
         """Stop at the next statement of any thread: the one that has taken the step has ended."""
-        if step is self._step:
+        if (step := self._step) is not None:
             self._step = None
             self._news.append(_News(STEP, f"thread {step.strand.name!r} has ended"))
             self._watch()
@@ -489,10 +496,22 @@ class LivingDebugger:
 
     def _look(self, strand: Strand, number: int) -> None:
         """Look at the next statement of the running thread; returns when it may run."""
+        try:
+            self._look_at_statement(strand, number)
+        except RecursionError:
+            # So near to the limit nothing can be looked at; the program meets it by itself.
+            pass
+        except Exception as error:
+            # A program does not get an exception by a mistake of its debugger.
+            text = f"a mistake of ours, please report it: {type(error).__name__}: {error}"
+            position = self._position(BEFORE_STATEMENT)
+            self._tell("output", output=Output("important", text, 0, strand.name, position, self._time_s))
+
+    def _look_at_statement(self, strand: Strand, number: int) -> None:
         self._refresh()
         self._looks += 1
-        if self._stop is not None:
-            # A secondary program beside a program that is stopped.
+        if self._stop is not None or not self._places.has(number):
+            # A secondary program beside a program that is stopped, or one that has waited for long in a queue.
             return
         self._look_at_data(strand)
         news, self._news = self._news, []
@@ -540,7 +559,8 @@ class LivingDebugger:
         """
         first = min(news, key=lambda item: _WEIGHT.index(item.reason))
         shown = strand or self._main
-        self._step, self._awaits_statement = None, False
+        self._set_step(None)
+        self._awaits_statement = False
         self._stop = Stop(
             first.reason,
             first.text,
@@ -604,8 +624,10 @@ class LivingDebugger:
             self._watch()
         elif next(strand.script_frames(), None) is None:
             self._error = sys.exception()
-            self._hold(strand, [news])
-            self._error = None
+            try:
+                self._hold(strand, [news])
+            finally:
+                self._error = None
 
     def _signal_changed(self, event: SignalChanged) -> None:
         strand = self._scheduler.current
