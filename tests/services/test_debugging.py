@@ -21,6 +21,8 @@ from typing import Any
 import pytest
 
 from elitescript.debugger.api import DataBreakpoint, DebugError, FunctionBreakpoint, LineBreakpoint, Output
+from elitescript.debugger.living import REQUESTS, LivingDebugger
+from elitescript.debugger.session import DebugSession
 from elitescript.errors import UsageError
 from elitescript.services.control.debugging import ServedSession
 from tests.protocol import rtsi_client
@@ -267,3 +269,15 @@ def test_a_robot_that_hangs_is_replaced_under_its_debugger(robot: Serve, attach:
 def test_nobody_is_served_there(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="no controller is served here"):
         ServedSession(tmp_path / "serve-0.sock")
+
+
+def test_a_served_robot_is_debugged_with_the_methods_of_a_run() -> None:
+    def methods(kind: type) -> set[str]:
+        return {name for name in vars(kind) if not name.startswith("_")}
+
+    backwards = {"step_back", "reverse", "run_to", "run_to_tick", "run_to_time", "last_pass", "restart"}
+    history = {"history", "passes", "who_changed", "furthest"}
+    own = {"wait_for_stop", "proceed", "sources", "source_text"}
+    assert methods(DebugSession) - backwards - history - {"problems"} == methods(ServedSession) - own
+    assert set(REQUESTS) - {"attach", "detach"} <= methods(ServedSession)
+    assert set(REQUESTS) <= methods(LivingDebugger)
