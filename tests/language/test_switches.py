@@ -134,3 +134,10 @@ def test_mistakes_are_reported_alike(text: str) -> None:
             return error.problems  # type: ignore[attr-defined]
 
     assert problems(Options()) == problems(ATTACH)
+
+
+def test_events_cost_a_watched_program_as_much_of_its_tick() -> None:
+    text = "for k in range(500):\n  textmsg(k)\nend\n"
+    ticks = outcome(text, 0, None)[1]
+    assert ticks > 10
+    assert abs(outcome(text, 0, Silent(), [])[1] - ticks) <= ticks // 20
