@@ -433,7 +433,7 @@ def test_new_programs_get_the_breakpoints() -> None:
     assert living.until("breakpoint")["state"]["line"] == 5
     assert living.stop()["line"] == 5
     names = [source["name"] for source in living.ask("sources")]
-    assert names == ["<primary#1/2>", "<primary#1/1>"]
+    assert names == ["<primary#1> (2)", "<primary#1>"]
     assert living.ask("source_text", name=names[0], start=4) == {"text": COUNT[4:], "size": len(COUNT)}
     assert living.ask("source_text", name="what").startswith("refused: there is no program")
 
