@@ -56,7 +56,6 @@ from elitescript.debugger.places import Places
 from elitescript.debugger.rules import Watch
 from elitescript.debugger.telling import exception_of, filled, logged, output_of
 from elitescript.errors import ScriptError, UsageError
-from elitescript.kernel.debugging import Debugging
 from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import (
@@ -70,13 +69,15 @@ from elitescript.messages.inputs import Debug
 from elitescript.messages.machine import PauseTask, ResumeTask
 from elitescript.messages.outcomes import Debugged, Outcome, Refused
 from elitescript.messages.timing import seconds
-from elitescript.records import NamedTuple, record, replace
+from elitescript.records import NamedTuple, record
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.threads.scheduler import DEBUGGER
 from elitescript.runtime.threads.strand import Strand
 
 VARIABLES_MAX: Final = 1000
 """Variables that are sent at once."""
+TEXTS_MAX: Final = 100
+"""Texts that are kept while a debugger is attached; more than secondary programs can wait."""
 PART_MAX: Final = 200_000
 """Characters of a text that are sent at once."""
 
@@ -129,17 +130,13 @@ class LivingDebugger:
     Args:
         controller: the machine.
         host: runs its programs.
-        debugging: knows their texts.
         reply: sends an outcome to an origin.
     """
 
-    def __init__(
-        self, controller: Controller, host: ScriptHost, debugging: Debugging, reply: Callable[[str, Outcome], None]
-    ) -> None:
+    def __init__(self, controller: Controller, host: ScriptHost, reply: Callable[[str, Outcome], None]) -> None:
         self._controller = controller
         self._host = host
         self._scheduler = host.scheduler
-        self._debugging = debugging
         self._reply = reply
         self._session = ""
         self._texts: dict[int, Text] = {}
@@ -191,7 +188,7 @@ class LivingDebugger:
                 if name == "detach":
                     raise DebugError("no debugger is attached")
                 self._session = item.session
-                for unit in reversed(self._debugging.units()):
+                for unit in () if self._host.program is None else self._host.program.units:
                     self._note(unit)
             result = getattr(self, name)(**wire.arguments_of(getattr(LivingDebugger, name), arguments))
         except (DebugError, ScriptError, UsageError) as error:
@@ -209,7 +206,7 @@ class LivingDebugger:
     def arrived(self, unit: CompiledUnit) -> None:
         """Take note of a unit that will run, and find its statements for the breakpoints."""
         text = self._note(unit)
-        self._tell("source", source=self._info(unit, text))
+        self._tell("source", source=_info(text))
         for state in self._breakpoints.add(text):
             self._tell("breakpoint", state=state)
         self._watch()
@@ -478,7 +475,7 @@ class LivingDebugger:
 
     def sources(self) -> tuple[SourceInfo, ...]:
         """Return the texts of programs, the newest first."""
-        return tuple(self._info(unit, self._texts[unit.probes.first]) for unit in self._debugging.units())
+        return tuple(map(_info, reversed(self._texts.values())))
 
     def source_text(self, name: str, start: int = 0) -> SourcePart:
         """Return a part of the text of a program.
@@ -486,10 +483,10 @@ class LivingDebugger:
         Raises:
             DebugError: no text has that name.
         """
-        for unit in self._debugging.units():
-            if self._texts[unit.probes.first].name == name:
-                text = unit.source.text
-                return SourcePart(text[max(start, 0) : max(start, 0) + PART_MAX], len(text))
+        for text in self._texts.values():
+            if text.name == name:
+                source, start = text.unit.source.text, max(start, 0)
+                return SourcePart(source[start : start + PART_MAX], len(source))
         raise DebugError(f"there is no program {name!r}")
 
     # ---------------------------------------------------------------- statements
@@ -716,25 +713,26 @@ class LivingDebugger:
         while name in names:
             name = f"{unit.source.name} ({number})"
             number += 1
-        text = Text(name, replace(unit, probes=self._debugging.table(unit)))
-        known = {item.probes.first for item in self._debugging.units()}
-        self._texts = {first: text for first, text in self._texts.items() if first in known}
-        self._texts[unit.probes.first] = text
+        text = self._texts[unit.probes.first] = Text(name, unit)
+        if len(self._texts) > TEXTS_MAX:
+            running = {unit.probes.first for unit in (self._host.program.units if self._host.program else ())}
+            del self._texts[next(first for first in self._texts if first not in running)]
         # Frames know their text by the name of its source: the newest one of each name.
         newest = {text.unit.source.name: text.unit for text in self._texts.values()}
         self._places = Places()
-        for first in sorted(unit.probes.first for unit in newest.values()):
-            self._places.add(self._texts[first].unit)
+        for item in sorted(newest.values(), key=lambda unit: unit.probes.first):
+            self._places.add(item)
         return text
-
-    def _info(self, unit: CompiledUnit, text: Text) -> SourceInfo:
-        return SourceInfo(text.name, len(unit.source.text), text.digest)
 
     def _tell(self, event: str, **content: Any) -> None:
         """Tell the debugger what happens."""
         if self._session:
             values = {name: wire.written(value) for name, value in content.items()}
             self._reply(self._session, Debugged(json.dumps({"event": event, **values})))
+
+
+def _info(text: Text) -> SourceInfo:
+    return SourceInfo(text.name, len(text.unit.source.text), text.digest)
 
 
 def _innermost(look: Look, strand: Strand | None) -> CallFrame | None:
