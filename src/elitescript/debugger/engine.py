@@ -125,6 +125,7 @@ class Engine:
         count: statements that have begun, with the next one at a stop before it.
         is_counted: see above.
         pulse: called now and then between two statements of a run that goes on.
+        is_pulse_due: asked behind each tick whether it is to be called.
     """
 
     def __init__(
@@ -143,6 +144,7 @@ class Engine:
         self.outputs = 0
         self.is_heard = False
         self.pulse: Callable[[], None] | None = None
+        self.is_pulse_due: Callable[[], bool] | None = None
         self._events = 0
         self._base = 0
         self._loaded = 0
@@ -624,6 +626,7 @@ class Engine:
             or self._is_pausing
             or (watches and self._goal.heeds)
             or (self._recorder is not None)
+            or (self.is_pulse_due is not None and self.is_pulse_due())
         )
         if is_wanted:
             self._freezer.freeze((AFTER_TICK, None, self._at_tick()))

@@ -45,9 +45,10 @@ from elitescript.language.diagnostics import Diagnostic
 from elitescript.messages.timing import ticks_for
 from elitescript.records import replace
 
+REAL_NETWORK: Final = "the program may have real connections: when the run goes back, their peers do not, and what they have sent is used again"
 WINDOW: Final = 2000
 """Statements before the present stop in which a search for an earlier one begins."""
-WINDOW_OF_SNAPSHOTS: Final = 200
+WINDOW_OF_SNAPSHOTS: Final = 50
 _WIDER: Final = 50
 _WIDE_ENOUGH: Final = 5
 """A search may begin at a copy that stands so many times the width before the present stop."""
@@ -81,12 +82,13 @@ class DebugSession:
         self._furthest = Position(0, 0, 0, BEFORE_STATEMENT)
         self._next_id = 1
         self._is_closed = False
+        self._is_pausing = False
         self._lines: list[CodeRule] = []
         self._functions: list[CodeRule] = []
         self._data: list[DataRule] = []
         self._filters: frozenset[str] = frozenset((ALARM_FILTER,))
         self._has_stale_hits = False
-        self._snapshots = snapshots(self._hear, forks=forks)
+        self._snapshots = snapshots(self._hear, forks=forks and source.may_fork)
         self._engine = self._new_engine(is_heard=True)
         self._table = self._engine.unit()
         self._statements = self._table.statements
@@ -101,6 +103,8 @@ class DebugSession:
             stop_on_entry: stop before the first statement.
             no_debug: run to the end; breakpoints and filters are not heeded.
         """
+        if not self._source.may_fork and self._on_output is not None:
+            self._on_output(Output("console", REAL_NETWORK, 0, "", self._engine.position, 0.0))
         if no_debug:
             return self._run_plainly(frozenset())
         if stop_on_entry:
@@ -199,6 +203,7 @@ class DebugSession:
 
     def pause(self) -> None:
         """Let the run that goes on stop at its next statement or tick. Called from any thread or signal handler."""
+        self._is_pausing = True
         self._engine.pause()
 
     def close(self) -> None:
@@ -431,6 +436,7 @@ class DebugSession:
         assert stop is not None
         if stop.result:
             return self._arrived(stop)
+        self._is_pausing = False
         again = self._new_engine()
         self._replace_engine(again)
         arrived = again.run(Goal(stop.position))
@@ -441,6 +447,8 @@ class DebugSession:
         self._engine.close()
         self._engine = engine
         engine.is_heard = True
+        if self._is_pausing:
+            engine.pause()
 
     def _hear(self, number: int, output: Output) -> None:
         """Pass on what the run says for the first time on this branch."""
@@ -456,6 +464,7 @@ class DebugSession:
 
     def _arrived(self, stop: Stop | None) -> Stop:
         assert stop is not None
+        self._is_pausing = False
         self._stop = stop
         if self._furthest.is_before(stop.position):
             self._furthest = stop.position
@@ -510,7 +519,7 @@ class DebugSession:
         while True:
             start = 0 if self._rules.count_hits and goal.heeds else max(0, end - width)
             near = self._snapshots.nearest(bound)
-            if end - _WIDE_ENOUGH * width <= near < end:
+            if near >= 0 and end - _WIDE_ENOUGH * width <= near < end:
                 start = near
             engine = self._engine_before(Position(start + 1, 0, 0, BEFORE_STATEMENT))
             engine.is_heard = False
@@ -521,7 +530,7 @@ class DebugSession:
                 found = engine.run(goal)
             finally:
                 engine.close()
-            if found is not None or start == 0:
+            if found is not None or start <= 0:
                 self._snapshots.thin(bound)
                 return found
             width *= _WIDER

@@ -3,7 +3,8 @@
 A copy is a process that was forked from the one in which the run goes on: stacks, locks and devices are in it as they
 were, and it costs what the run changes afterwards. An `Engine` lives in a process of its own then, and the session
 talks to it through a socket, with frozen records only. While it runs it forks a copy of itself for each `EACH_S` of
-processor time and passes the end of a new socket on. Of the copies few are kept, close to the present position the most.
+processor time and passes the end of a new socket on. Of the copies few are kept, most of them close to the present
+position.
 
 A process ends when its socket is closed, so none is left when the session ends in whatever way. Only for POSIX, and for
 a process that has no other threads and may be forked. `NoSnapshots` is what a session has elsewhere.
@@ -12,7 +13,6 @@ a process that has no other threads and may be forked. `NoSnapshots` is what a s
 from __future__ import annotations
 
 import os
-import pickle
 import signal
 import socket
 import struct
@@ -22,6 +22,7 @@ from typing import Any, Final, cast
 
 from elitescript.debugger.api import DebugError, Output, Position
 from elitescript.debugger.engine import Engine
+from elitescript.debugger.engine_records import read, written
 
 EACH_S: Final = 0.1
 """Processor time of a run from one copy to the next."""
@@ -29,7 +30,7 @@ COPIES_MAX: Final = 20
 
 Hear = Callable[[int, Output], None]
 _LENGTH: Final = struct.Struct("!I")
-_REPLY, _REFUSAL, _FAILURE, _SAID, _COPY = range(5)
+_REPLY, _REFUSAL, _SAID, _COPY = range(4)
 
 
 def snapshots(hear: Hear, *, forks: bool) -> NoSnapshots:
@@ -95,6 +96,7 @@ class Snapshots(NoSnapshots):
             _serve_new(theirs, make)
         theirs.close()
         engine = self._process(ours)
+        engine.refresh()
         engine.is_heard = is_heard
         return cast("Engine", engine)
 
@@ -178,7 +180,6 @@ class EngineProcess:
         self._gone = gone
         self._facts: tuple[Any, ...] = (0, False, Position(0, 0, 0, "tick"), 0)
         self._process = 0
-        self.refresh()
 
     is_counted = True
     count = property(lambda self: self._facts[0])
@@ -233,10 +234,8 @@ class EngineProcess:
                 self._came(socket.socket(fileno=number), value)
             elif kind == _REPLY:
                 return value
-            elif kind == _REFUSAL:
-                raise DebugError(value)
             else:
-                raise value
+                raise DebugError(value)
 
 
 # ---------------------------------------------------------------- in the process of an engine
@@ -265,20 +264,24 @@ class _Server:
 
     def begin(self, engine: Engine) -> None:
         self._engine = engine
-        engine.pulse = self.pulse
+        engine.pulse, engine.is_pulse_due = self.pulse, self.is_due
         signal.signal(signal.SIGUSR1, lambda *_: engine.pause())
 
     def fail(self, error: Exception) -> None:
         """Answer the first request with why there is no engine."""
         _read(self._link)
-        _write(self._link, (_FAILURE, error, None))
+        _write(self._link, (_REFUSAL, f"{type(error).__name__}: {error}", None))
 
     def hear(self, number: int, output: Output) -> None:
         self._say(_SAID, (number, output))
 
+    def is_due(self) -> bool:
+        """Return whether the last copy was some time ago."""
+        return process_time() - self._copied_s >= EACH_S
+
     def pulse(self) -> None:
-        """Leave a copy behind, if the last one was some time ago."""
-        if process_time() - self._copied_s < EACH_S:
+        """Leave a copy behind, if one is due."""
+        if not self.is_due():
             return
         ours, theirs = socket.socketpair()
         if os.fork() == 0:
@@ -318,7 +321,7 @@ class _Server:
             except DebugError as error:
                 self._say(_REFUSAL, str(error))
             except Exception as error:
-                self._say(_FAILURE, error)
+                self._say(_REFUSAL, f"{type(error).__name__}: {error}")
             else:
                 self._say(_REPLY, value)
 
@@ -343,13 +346,13 @@ class _Server:
 
 
 def _write(link: socket.socket, message: object) -> None:
-    data = pickle.dumps(message)
+    data = written(message)
     link.sendall(_LENGTH.pack(len(data)) + data)
 
 
 def _read(link: socket.socket) -> Any:
     (size,) = _LENGTH.unpack(_exactly(link, _LENGTH.size))
-    return pickle.loads(_exactly(link, size))
+    return read(_exactly(link, size))
 
 
 def _exactly(link: socket.socket, size: int) -> bytes:
