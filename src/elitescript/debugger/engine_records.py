@@ -21,7 +21,6 @@ from elitescript.debugger.api import (
 )
 from elitescript.debugger.engine import Goal
 from elitescript.debugger.inputs import Input
-from elitescript.debugger.places import CountedText
 from elitescript.debugger.rules import CodeRule, DataRule, Rules
 from elitescript.language.probes import CountedBranch, CountedFunction, CountedStatement, ProbeTable
 
@@ -30,7 +29,7 @@ _KINDS: Final[dict[str, type]] = {
     for kind in (
         *(BreakpointState, Change, DataInfo, ExceptionInfo, Frame, Output, Position, Scope, State, Stop, ThreadInfo),
         *(Variable, Goal, Input, CodeRule, DataRule, Rules),
-        *(CountedBranch, CountedFunction, CountedStatement, CountedText, ProbeTable),
+        *(CountedBranch, CountedFunction, CountedStatement, ProbeTable),
     )
 }
 _TUPLE: Final = "tuple"

@@ -43,7 +43,7 @@ ANSWER_S: Final = 10.0
 
 
 class ServedSession:
-    """A debugger of a served robot. Methods may be called from any thread.
+    """A debugger of a served robot. Methods may be called from any thread, but not from the two listeners.
 
     Args:
         path: of the `ctl` socket, or of the file that stands for it.
