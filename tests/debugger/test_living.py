@@ -433,7 +433,7 @@ def test_new_programs_get_the_breakpoints() -> None:
     assert living.until("breakpoint")["state"]["line"] == 5
     assert living.stop()["line"] == 5
     names = [source["name"] for source in living.ask("sources")]
-    assert names == ["<primary#1/2>", "<primary#1/1>"]
+    assert names == ["<primary#1> (2)", "<primary#1>"]
     assert living.ask("source_text", name=names[0], start=4) == {"text": COUNT[4:], "size": len(COUNT)}
     assert living.ask("source_text", name="what").startswith("refused: there is no program")
 
@@ -580,3 +580,40 @@ def test_breakpoint_locations() -> None:
     living.run()
     places = living.ask("breakpoint_locations", line=5, end_line=6)
     assert [(place["line"], place["column"]) for place in places] == [(5, 5), (6, 5)]
+
+
+def test_a_secondary_program_in_a_task_that_a_client_has_paused() -> None:
+    living = Living()
+    living.run()
+    living.ask("set_breakpoints", requests=[{"line": 4}], digest=digest_of(SECONDARY))
+    living.tick(Do("dashboard#1", PauseTask()))
+    living.run(SECONDARY, origin="primary#2", kind="secondary")
+    assert living.stop()["line"] == 4
+    living.ask("resume")
+    living.tick()
+    assert (living.kernel.host.monitor()["m"], living.task) == (2, TaskState.PAUSED)
+
+
+def test_a_step_at_the_end_of_a_thread() -> None:
+    living = Living()
+    living.ask("set_breakpoints", requests=[{"line": 3}])
+    living.run(
+        "def job():\n  def other():\n    a = 1\n  end\n  start_thread(other, ())\n"
+        "  while True:\n    sync()\n  end\nend\n"
+    )
+    assert living.stop()["thread"] == 2
+    living.ask("next", thread=2)
+    stop = living.stop()
+    assert (stop["reason"], stop["text"], stop["thread"]) == ("step", "thread 'other' has ended", 1)
+
+
+def test_long_lists_come_in_parts() -> None:
+    living = Living()
+    living.run("def job():\n  global items\n  items = list(range(5000))\n  sleep(1)\n  a = 1\nend\n")
+    living.ask("pause")
+    (group, _) = living.ask("scopes", frame=0)
+    (items,) = living.ask("variables", reference=group["reference"])
+    assert items["indexed"] == 5000
+    assert len(living.ask("variables", reference=items["reference"])) == 1000
+    (last,) = living.ask("variables", reference=items["reference"], kind="indexed", start=4999, count=3)
+    assert (last["name"], last["value"]) == ("[4999]", "4999")

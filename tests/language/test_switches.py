@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from elitescript.language.compiler import compile_unit, table_of
+from elitescript.language.compiler import compile_unit
 from elitescript.language.options import Options
 from elitescript.language.text.source import SourceFile
 from elitescript.robot import VirtualRobot
@@ -35,8 +35,7 @@ def seen(text: str, *, work: int = 10_000, kind: str = "attach") -> list[int]:
     unit = robot.compile(text)
     robot._kernel.host.scheduler.watch(lambda strand, number: probe.log.append(number))
     robot.run(unit, until_s=20)
-    rows = table_of(unit, ATTACH).statements if kind == "attach" else unit.statements
-    return [rows[number].line for number in probe.log]
+    return [unit.statements[number].line for number in probe.log]
 
 
 TEXTS = {
@@ -134,3 +133,10 @@ def test_mistakes_are_reported_alike(text: str) -> None:
             return error.problems  # type: ignore[attr-defined]
 
     assert problems(Options()) == problems(ATTACH)
+
+
+def test_events_cost_a_watched_program_as_much_of_its_tick() -> None:
+    text = "for k in range(500):\n  textmsg(k)\nend\n"
+    ticks = outcome(text, 0, None)[1]
+    assert ticks > 10
+    assert abs(outcome(text, 0, Silent(), [])[1] - ticks) <= ticks // 20

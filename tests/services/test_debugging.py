@@ -14,12 +14,15 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from elitescript.debugger.api import DataBreakpoint, DebugError, FunctionBreakpoint, LineBreakpoint, Output
+from elitescript.debugger.living import REQUESTS, LivingDebugger
+from elitescript.debugger.session import DebugSession
 from elitescript.errors import UsageError
 from elitescript.services.control.debugging import ServedSession
 from tests.protocol import rtsi_client
@@ -156,7 +159,7 @@ def test_a_program_is_stopped_while_other_clients_are_served(robot: Serve, attac
     shown = clients.next(100)
     took_s = shown[-1][1] - shown[0][1]
     assert took_s < 0.8, "99 periods of 4 ms"
-    steps = {round((later[0] - before[0]) / 0.004) for before, later in zip(shown, shown[1:], strict=False)}
+    steps = {round((later[0] - before[0]) / 0.004) for before, later in pairwise(shown)}
     assert steps == {1}
     (frame,) = session.stack(1)
     assert session.evaluate("n", frame.id).value.endswith("0")
@@ -266,3 +269,15 @@ def test_a_robot_that_hangs_is_replaced_under_its_debugger(robot: Serve, attach:
 def test_nobody_is_served_there(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="no controller is served here"):
         ServedSession(tmp_path / "serve-0.sock")
+
+
+def test_a_served_robot_is_debugged_with_the_methods_of_a_run() -> None:
+    def methods(kind: type) -> set[str]:
+        return {name for name in vars(kind) if not name.startswith("_")}
+
+    backwards = {"step_back", "reverse", "run_to", "run_to_tick", "run_to_time", "last_pass", "restart"}
+    history = {"history", "passes", "who_changed", "furthest"}
+    own = {"wait_for_stop", "proceed", "sources", "source_text"}
+    assert methods(DebugSession) - backwards - history - {"problems"} == methods(ServedSession) - own
+    assert set(REQUESTS) - {"attach", "detach"} <= methods(ServedSession)
+    assert set(REQUESTS) <= methods(LivingDebugger)

@@ -56,7 +56,6 @@ from elitescript.debugger.places import Places
 from elitescript.debugger.rules import Watch
 from elitescript.debugger.telling import exception_of, filled, logged, output_of
 from elitescript.errors import ScriptError, UsageError
-from elitescript.kernel.debugging import Debugging
 from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import (
@@ -70,11 +69,15 @@ from elitescript.messages.inputs import Debug
 from elitescript.messages.machine import PauseTask, ResumeTask
 from elitescript.messages.outcomes import Debugged, Outcome, Refused
 from elitescript.messages.timing import seconds
-from elitescript.records import NamedTuple, record, replace
+from elitescript.records import NamedTuple, record
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.threads.scheduler import DEBUGGER
 from elitescript.runtime.threads.strand import Strand
 
+VARIABLES_MAX: Final = 1000
+"""Variables that are sent at once."""
+TEXTS_MAX: Final = 100
+"""Texts that are kept while a debugger is attached; more than secondary programs can wait."""
 PART_MAX: Final = 200_000
 """Characters of a text that are sent at once."""
 
@@ -127,17 +130,13 @@ class LivingDebugger:
     Args:
         controller: the machine.
         host: runs its programs.
-        debugging: knows their texts.
         reply: sends an outcome to an origin.
     """
 
-    def __init__(
-        self, controller: Controller, host: ScriptHost, debugging: Debugging, reply: Callable[[str, Outcome], None]
-    ) -> None:
+    def __init__(self, controller: Controller, host: ScriptHost, reply: Callable[[str, Outcome], None]) -> None:
         self._controller = controller
         self._host = host
         self._scheduler = host.scheduler
-        self._debugging = debugging
         self._reply = reply
         self._session = ""
         self._texts: dict[int, Text] = {}
@@ -152,6 +151,8 @@ class LivingDebugger:
         self._held: Strand | None = None
         """The thread that waits before a statement."""
         self._held_tick = 0
+        self._has_paused = False
+        """Whether the task was paused for the present stop."""
         self._looks = 0
         """Statements that were looked at."""
         self._last: Strand | None = None
@@ -187,7 +188,7 @@ class LivingDebugger:
                 if name == "detach":
                     raise DebugError("no debugger is attached")
                 self._session = item.session
-                for unit in reversed(self._debugging.units()):
+                for unit in () if self._host.program is None else self._host.program.units:
                     self._note(unit)
             result = getattr(self, name)(**wire.arguments_of(getattr(LivingDebugger, name), arguments))
         except (DebugError, ScriptError, UsageError) as error:
@@ -196,13 +197,16 @@ class LivingDebugger:
             # A robot does not end by a mistake of its debugger.
             self._reply(item.origin, Refused(f"a mistake of ours, please report it: {type(error).__name__}: {error}"))
         else:
-            self._reply(item.origin, Debugged(json.dumps({"result": wire.written(result)})))
+            answer = json.dumps({"result": wire.written(result)})
+            is_too_long = len(answer) > wire.TEXT_MAX
+            outcome = Refused("the answer is too long; ask for a part") if is_too_long else Debugged(answer)
+            self._reply(item.origin, outcome)
         self._watch()
 
     def arrived(self, unit: CompiledUnit) -> None:
         """Take note of a unit that will run, and find its statements for the breakpoints."""
         text = self._note(unit)
-        self._tell("source", source=self._info(unit, text))
+        self._tell("source", source=_info(text))
         for state in self._breakpoints.add(text):
             self._tell("breakpoint", state=state)
         self._watch()
@@ -213,7 +217,7 @@ class LivingDebugger:
             self._tell("output", output=output)
         if isinstance(event, TaskStateChanged) and event.state is TaskState.STOPPED:
             self._let_go()
-            self._step = None
+            self._set_step(None)
             self._news.clear()
             self._tell("ended", result=event.ending)
         elif isinstance(event, SignalChanged):
@@ -225,15 +229,16 @@ class LivingDebugger:
         """See whether somebody else has resumed the task; stop for what has happened beside the programs."""
         self._refresh()
         self._look_at_data(None)
-        if self._stop is None and self._news and self._controller.task_state is TaskState.PLAYING:
-            news, self._news = self._news, []
+        news, self._news = self._news, []
+        if self._stop is None and news and self._controller.task_state is TaskState.PLAYING:
             self._controller.request(PauseTask())
+            self._has_paused = True
             self._stopped(news, None)
         self._watch()
 
     def next_tick(self, tick: int) -> int | None:
         """Return the next tick while values are watched that change with time; see `Debugger.next_tick`."""
-        return tick + 1 if self._news or (self._breakpoints.data and self._stop is None) else None
+        return tick + 1 if self._breakpoints.data and self._stop is None else None
 
     # ---------------------------------------------------------------- going on
 
@@ -248,13 +253,14 @@ class LivingDebugger:
         """
         self._session = ""
         self._breakpoints = LivingBreakpoints()
-        self._filters, self._step, self._awaits_statement = frozenset(), None, False
+        self._filters, self._awaits_statement = frozenset(), False
+        self._set_step(None)
         self._news.clear()
         if self._stop is not None:
             with contextlib.suppress(ScriptError):
                 # What the safety system refuses stays paused, as any task does then.
-                if not leaves_paused and self._controller.task_state is TaskState.PAUSED:
-                    self._controller.request_from(ResumeTask(), "client")
+                if not leaves_paused:
+                    self._resume_task()
             self._let_go()
 
     def pause(self) -> None:
@@ -266,6 +272,7 @@ class LivingDebugger:
             return
         if self._controller.task_state is TaskState.PLAYING:
             self._controller.request_from(PauseTask(), "client")
+        self._has_paused = True
         self._stopped([_News(PAUSE, "paused")], None)
 
     def resume(self) -> None:
@@ -294,10 +301,33 @@ class LivingDebugger:
     def _go_on(self, step: Step | None) -> None:
         if self._stop is None:
             raise DebugError("the program is not stopped")
-        if self._controller.task_state is TaskState.PAUSED:
-            self._controller.request_from(ResumeTask(), "client")
-        self._step = step
+        self._resume_task()
+        self._set_step(step)
         self._let_go()
+
+    def _set_step(self, step: Step | None) -> None:
+        """Begin a step, or end the one that is under way."""
+        if self._step is not None and self._thread_ended in self._step.strand.at_end:
+            self._step.strand.at_end.remove(self._thread_ended)
+        self._step = step
+        if step is not None:
+            step.strand.at_end.append(self._thread_ended)
+
+    def _thread_ended(self) -> None:
+        """Stop at the next statement of any thread: the one that has taken the step has ended."""
+        if (step := self._step) is not None:
+            self._step = None
+            self._news.append(_News(STEP, f"thread {step.strand.name!r} has ended"))
+            self._watch()
+
+    def _resume_task(self) -> None:
+        """Resume the task, if it was paused for the debugger.
+
+        Raises:
+            ScriptError: the safety system refuses it.
+        """
+        if self._has_paused and self._controller.task_state is TaskState.PAUSED:
+            self._controller.request_from(ResumeTask(), "client")
 
     # ---------------------------------------------------------------- breakpoints
 
@@ -373,8 +403,8 @@ class LivingDebugger:
         return self._stopped_look.scopes(frame)
 
     def variables(self, reference: int, kind: str = "", start: int = 0, count: int = 0) -> tuple[Variable, ...]:
-        """Return what a scope or a value holds: all, the `named` or the `indexed` ones."""
-        return self._stopped_look.variables(reference, kind, start, count)
+        """Return what a scope or a value holds, the `named` or the `indexed` ones if so asked; 1000 at most."""
+        return self._stopped_look.variables(reference, kind, start, min(count or VARIABLES_MAX, VARIABLES_MAX))
 
     def evaluate(self, text: str, frame: int = 0, may_change: bool = False) -> Variable:
         """Return the value of an expression; without a frame and changes also while the program runs.
@@ -445,7 +475,7 @@ class LivingDebugger:
 
     def sources(self) -> tuple[SourceInfo, ...]:
         """Return the texts of programs, the newest first."""
-        return tuple(self._info(unit, self._texts[unit.probes.first]) for unit in self._debugging.units())
+        return tuple(map(_info, reversed(self._texts.values())))
 
     def source_text(self, name: str, start: int = 0) -> SourcePart:
         """Return a part of the text of a program.
@@ -453,20 +483,32 @@ class LivingDebugger:
         Raises:
             DebugError: no text has that name.
         """
-        for unit in self._debugging.units():
-            if self._texts[unit.probes.first].name == name:
-                text = unit.source.text
-                return SourcePart(text[max(start, 0) : max(start, 0) + PART_MAX], len(text))
+        for text in self._texts.values():
+            if text.name == name:
+                source, start = text.unit.source.text, max(start, 0)
+                return SourcePart(source[start : start + PART_MAX], len(source))
         raise DebugError(f"there is no program {name!r}")
 
     # ---------------------------------------------------------------- statements
 
     def _look(self, strand: Strand, number: int) -> None:
         """Look at the next statement of the running thread; returns when it may run."""
+        try:
+            self._look_at_statement(strand, number)
+        except RecursionError:
+            # So near to the limit nothing can be looked at; the program meets it by itself.
+            pass
+        except Exception as error:
+            # A program does not get an exception by a mistake of its debugger.
+            text = f"a mistake of ours, please report it: {type(error).__name__}: {error}"
+            position = self._position(BEFORE_STATEMENT)
+            self._tell("output", output=Output("important", text, 0, strand.name, position, self._time_s))
+
+    def _look_at_statement(self, strand: Strand, number: int) -> None:
         self._refresh()
         self._looks += 1
-        if self._stop is not None:
-            # A secondary program beside a program that is stopped.
+        if self._stop is not None or not self._places.has(number):
+            # A secondary program beside a program that is stopped, or one that has waited for long in a queue.
             return
         self._look_at_data(strand)
         news, self._news = self._news, []
@@ -491,7 +533,8 @@ class LivingDebugger:
 
     def _hold(self, strand: Strand, news: list[_News]) -> None:
         """Pause the task, and hold the running thread until it goes on."""
-        if self._controller.task_state is TaskState.PLAYING:
+        self._has_paused = self._controller.task_state is TaskState.PLAYING
+        if self._has_paused:
             self._controller.request(PauseTask())
         self._held, self._held_tick = strand, self._controller.tick
         self._stopped(news, strand)
@@ -513,7 +556,8 @@ class LivingDebugger:
         """
         first = min(news, key=lambda item: _WEIGHT.index(item.reason))
         shown = strand or self._main
-        self._step, self._awaits_statement = None, False
+        self._set_step(None)
+        self._awaits_statement = False
         self._stop = Stop(
             first.reason,
             first.text,
@@ -577,8 +621,10 @@ class LivingDebugger:
             self._watch()
         elif next(strand.script_frames(), None) is None:
             self._error = sys.exception()
-            self._hold(strand, [news])
-            self._error = None
+            try:
+                self._hold(strand, [news])
+            finally:
+                self._error = None
 
     def _signal_changed(self, event: SignalChanged) -> None:
         strand = self._scheduler.current
@@ -667,25 +713,26 @@ class LivingDebugger:
         while name in names:
             name = f"{unit.source.name} ({number})"
             number += 1
-        text = Text(name, replace(unit, probes=self._debugging.table(unit)))
-        known = {item.probes.first for item in self._debugging.units()}
-        self._texts = {first: text for first, text in self._texts.items() if first in known}
-        self._texts[unit.probes.first] = text
+        text = self._texts[unit.probes.first] = Text(name, unit)
+        if len(self._texts) > TEXTS_MAX:
+            running = {unit.probes.first for unit in (self._host.program.units if self._host.program else ())}
+            del self._texts[next(first for first in self._texts if first not in running)]
         # Frames know their text by the name of its source: the newest one of each name.
         newest = {text.unit.source.name: text.unit for text in self._texts.values()}
         self._places = Places()
-        for first in sorted(unit.probes.first for unit in newest.values()):
-            self._places.add(self._texts[first].unit)
+        for item in sorted(newest.values(), key=lambda unit: unit.probes.first):
+            self._places.add(item)
         return text
-
-    def _info(self, unit: CompiledUnit, text: Text) -> SourceInfo:
-        return SourceInfo(text.name, len(unit.source.text), text.digest)
 
     def _tell(self, event: str, **content: Any) -> None:
         """Tell the debugger what happens."""
         if self._session:
             values = {name: wire.written(value) for name, value in content.items()}
             self._reply(self._session, Debugged(json.dumps({"event": event, **values})))
+
+
+def _info(text: Text) -> SourceInfo:
+    return SourceInfo(text.name, len(text.unit.source.text), text.digest)
 
 
 def _innermost(look: Look, strand: Strand | None) -> CallFrame | None:

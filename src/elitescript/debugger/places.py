@@ -69,6 +69,13 @@ class Places:
             row.number for unit in self.units for row in unit.statements if (unit.source.name, row.function) in wanted
         }
 
+    def has(self, number: int) -> bool:
+        """Return whether a number is that of a statement."""
+        if not self.units or number < self._firsts[0]:
+            return False
+        unit = self.unit_of(number)
+        return number - unit.probes.first < len(unit.statements)
+
     def others(self, numbers: frozenset[int]) -> list[int]:
         """Return the numbers of all statements but some."""
         return [row.number for unit in self.units for row in unit.statements if row.number not in numbers]

@@ -77,6 +77,7 @@ class Programs:
         all_rules()  # loaded now: the first program does not wait for them
         self._controller = controller
         self._count = 0
+        """Secondary programs so far."""
         self._host = host
         self._profile = profile
         self._arm = arm
@@ -103,9 +104,7 @@ class Programs:
         alone.
         """
         try:
-            # Each text has a name of its own, by which places in it are found.
-            self._count += 1
-            compiled = self.compiled(f"<{unit.origin}/{self._count}>", unit.text, unit.kind)
+            compiled = self.compiled(self._name_of(unit), unit.text, unit.kind)
         except ProgramError as error:
             if unit.kind != LINE or self._invalid_lines.is_reported(unit.origin, self._controller.tick):
                 self.report(error, unit.kind, unit.origin)
@@ -122,6 +121,13 @@ class Programs:
                 self._alarm("R100", "NameError", text, 1, 1, unit.origin, unit.text.split("\n", 1)[0])
             return
         self.start(compiled, compiled.name)
+
+    def _name_of(self, unit: RunUnit) -> str:
+        """Return a name for a text, which no other one has that may run at the same time: places are found by it."""
+        if unit.kind != SECONDARY:
+            return f"<{unit.origin}>"
+        self._count += 1
+        return f"<{unit.origin} sec {self._count}>"
 
     def compiled(self, name: str, text: str, kind: str | None) -> CompiledUnit:
         """Check and compile a text; what `check` finds goes to the log. A line runs at once, and is only compiled.

@@ -31,9 +31,7 @@ from elitescript.language.probes import (
     ProbeTable,
     insert_probes,
     number_statements,
-    probe_table,
 )
-from elitescript.language.switches import with_switches
 from elitescript.language.text.source import SourceFile
 from elitescript.records import NamedTuple, record, replace
 
@@ -158,17 +156,6 @@ def problems_in(parsed: Parsed, census: Census) -> tuple[Diagnostic, ...]:
     return _compile(read_again(parsed) if parsed.is_complete else parsed).problems
 
 
-def table_of(unit: CompiledUnit, options: Options) -> ProbeTable:
-    """Return the table of a unit that was compiled with `ATTACH_PROBES`.
-
-    Args:
-        unit: the unit.
-        options: that it was compiled with.
-    """
-    parsed = parse(unit.source, options)
-    return probe_table(Census(parsed.tree), parsed.body, parsed.source, unit.probes.first)
-
-
 def compile_expression(source: SourceFile) -> CodeType:
     """Compile one expression under the same policy, with checkpoints, for `eval`.
 
@@ -268,13 +255,13 @@ def _compile(parsed: Parsed) -> _Compiled:
     problems += _breaches(parsed, census)
     if first_too_deep(census) is not None:
         return _Compiled(None, global_names, in_order(problems), shows)
-    probes, numbers = NO_PROBES, {}
+    probes = NO_PROBES
+    numbers: Mapping[ast.stmt, int] = {}
     if not any(problem.is_error for problem in problems):
         guard_formats(parsed.tree, census)
         options = parsed.options
         if options.probes == ATTACH_PROBES:
-            numbers = number_statements(parsed.body, options.first_probe)
-            probes = ProbeTable(options.first_probe, len(numbers))
+            probes, numbers = number_statements(parsed.body, parsed.source, options.first_probe)
         elif options.probes:
             probes = insert_probes(census, parsed.body, parsed.source, options.probes, options.first_probe)
         insert_checkpoints(census)
@@ -342,6 +329,8 @@ def _code(parsed: Parsed, problems: list[Diagnostic], numbers: Mapping[ast.stmt,
     while current is not None and current.is_complete:
         module = _wrapped(current)
         if numbers:
+            from elitescript.language.switches import with_switches
+
             module = with_switches(module, numbers)
         try:
             return _named(_python(module, "exec"), parsed.source.name, parsed.name or _SCRIPT_NAME)

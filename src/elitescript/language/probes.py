@@ -17,7 +17,7 @@ statement each time it is computed.
 which no statement stands has a counter of its own, in an `else` or a `case _` that is put in.
 
 `ATTACH_PROBES`, for a debugger that may come later: statements get the same numbers and no counters; what stands before
-them, and where, is in `switches`. The table is made when it is needed: see `table_of`.
+them, and where, is in `switches`.
 
 Statements are numbered in the order of the text, from `Options.first_probe`; the counters of sides follow. Counted are
 all but `global`, `nonlocal`, constants on lines of their own (docstrings), `$ LINE` marks, and statements in line 0,
@@ -139,7 +139,10 @@ def insert_probes(census: Census, body: list[ast.stmt], source: SourceFile, kind
         kind: `STEPS_PROBES` or `HITS_PROBES`.
         first: number of the first probe.
     """
-    return _Insertion(source, kind, first).table(census, body)
+    insertion = _Insertion(source, kind, first)
+    table = insertion.table(body)
+    insertion.insert(census)
+    return table
 
 
 def is_probe(statement: ast.stmt) -> bool:
@@ -155,21 +158,10 @@ def is_probe(statement: ast.stmt) -> bool:
     return isinstance(call.func.value, ast.Name) and call.func.value.id == STEPS
 
 
-def number_statements(body: list[ast.stmt], first: int) -> dict[ast.stmt, int]:
-    """Return the numbers of the statements of a program, as `insert_probes` gives them."""
-    return {statement: number for number, (statement, _) in enumerate(_counted(_walk(body)[0]), first)}
-
-
-def probe_table(census: Census, body: list[ast.stmt], source: SourceFile, first: int) -> ProbeTable:
-    """Return what `insert_probes` returns for `STEPS_PROBES`. Uses up the tree."""
-    return insert_probes(census, body, source, STEPS_PROBES, first)
-
-
-def _counted(lists: list[tuple[list[ast.stmt], str]]) -> list[tuple[ast.stmt, str]]:
-    """Return the statements that are counted, in the order of the text, with the name of the function around each."""
-    found = [(statement, name) for statements, name in lists for statement in statements if _is_counted(statement)]
-    found.sort(key=lambda item: (item[0].lineno, item[0].col_offset))
-    return found
+def number_statements(body: list[ast.stmt], source: SourceFile, first: int) -> tuple[ProbeTable, dict[ast.stmt, int]]:
+    """Return the table of `STEPS_PROBES`, and the numbers of the statements; nothing is inserted."""
+    insertion = _Insertion(source, ATTACH_PROBES, first)
+    return insertion.table(body), insertion.numbers
 
 
 class _Insertion:
@@ -177,15 +169,19 @@ class _Insertion:
         self._source = source
         self._is_of_coverage = kind == HITS_PROBES
         self._first = self._next = first
-        self._numbers: dict[ast.stmt, int] = {}
+        self.numbers: dict[ast.stmt, int] = {}
         self._branches: list[CountedBranch] = []
+        self._lists: list[tuple[list[ast.stmt], str]] = []
 
-    def table(self, census: Census, body: list[ast.stmt]) -> ProbeTable:
-        lists, functions = _walk(body)
-        found = _counted(lists)
+    def table(self, body: list[ast.stmt]) -> ProbeTable:
+        """Number the statements, and count the sides of branches if that is asked for."""
+        self._lists, functions = _walk(body)
+        found = [(statement, name) for statements, name in self._lists for statement in statements]
+        found = [item for item in found if _is_counted(item[0])]
+        found.sort(key=lambda item: (item[0].lineno, item[0].col_offset))
         statements = []
         for statement, name in found:
-            self._numbers[statement] = self._next
+            self.numbers[statement] = self._next
             statements.append(CountedStatement(self._next, *self._place(statement), name))
             self._next += 1
         if self._is_of_coverage:
@@ -195,15 +191,18 @@ class _Insertion:
             CountedFunction(name, node.lineno, node.end_lineno or node.lineno, self._calls(node))
             for name, node in sorted(functions, key=lambda item: (item[1].lineno, item[1].col_offset))
         )
-        for statements_of, _ in lists:
-            self._fill(statements_of)
+        return ProbeTable(self._first, self._next - self._first, tuple(statements), tuple(self._branches), counted)
+
+    def insert(self, census: Census) -> None:
+        """Put the probes in, behind `table`."""
+        for statements, _ in self._lists:
+            self._fill(statements)
         if not self._is_of_coverage:
             for repetition in census.of(ast.While):
-                if repetition in self._numbers:
-                    probe = self._step_expression(repetition, self._numbers[repetition])
+                if repetition in self.numbers:
+                    probe = self._step_expression(repetition, self.numbers[repetition])
                     both = ast.BoolOp(_AND, [probe, repetition.test])
                     repetition.test = ast.copy_location(both, repetition.test)
-        return ProbeTable(self._first, self._next - self._first, tuple(statements), tuple(self._branches), counted)
 
     def _place(self, statement: ast.stmt) -> tuple[int, int, int, int]:
         line, column = statement.lineno, self._column(statement.lineno, statement.col_offset)
@@ -238,9 +237,9 @@ class _Insertion:
             self._add_side(statement, statement.orelse)
 
     def _add_side(self, statement: ast.stmt, side: list[ast.stmt]) -> None:
-        number = self._numbers[statement]
+        number = self.numbers[statement]
         line = side[0].lineno if side else statement.lineno
-        first = next((self._numbers[inner] for inner in side if inner in self._numbers), None)
+        first = next((self.numbers[inner] for inner in side if inner in self.numbers), None)
         if first is None:
             first = self._own_counter(statement, side)
         self._branches.append(CountedBranch(number, first, line))
@@ -251,7 +250,7 @@ class _Insertion:
         return number
 
     def _calls(self, function: ast.FunctionDef) -> int:
-        first = next((self._numbers[inner] for inner in function.body if inner in self._numbers), None)
+        first = next((self.numbers[inner] for inner in function.body if inner in self.numbers), None)
         if first is not None:
             return first
         if not self._is_of_coverage:
@@ -265,7 +264,7 @@ class _Insertion:
     def _fill(self, statements: list[ast.stmt]) -> None:
         filled: list[ast.stmt] = []
         for statement in statements:
-            number = self._numbers.get(statement)
+            number = self.numbers.get(statement)
             if number is not None and self._is_of_coverage:
                 filled.append(self._hit(statement, number))
             elif number is not None and not isinstance(statement, ast.While):

@@ -35,6 +35,11 @@ TWICE_MAX: Final = 100
 Node = TypeVar("Node", bound=ast.AST)
 _LOAD: Final = ast.Load()
 _INNER: Final = (ast.For, ast.While, ast.FunctionDef, ast.ClassDef)
+_COMPOUND: Final = frozenset((*_INNER, ast.If, ast.With, ast.Try, ast.Match))
+_NOWHERE: Final[dict[str, int]] = {"lineno": 1, "col_offset": 0, "end_lineno": 1, "end_col_offset": 0}
+_WATCHED: Final = ast.Name(WATCHED, _LOAD, **_NOWHERE)
+_AT: Final = ast.Name(AT, _LOAD, **_NOWHERE)
+"""The same in all probes, as no error ever comes from there: making nodes is what takes time."""
 _BODIES: Final = ("body", "orelse", "finalbody", "handlers", "cases")
 _DECLARATIONS: Final = (ast.Global, ast.Nonlocal)
 
@@ -85,7 +90,8 @@ class _Copier:
             if not waiting.skips_first or statement is not waiting.body[0]:
                 probe = self._probe(statement)
                 target += [] if probe is None else [probe]
-            target.append(self._copy(statement, is_second))
+            is_compound = type(statement) in _COMPOUND
+            target.append(self._copy(statement, is_second) if is_compound else statement)
         if waiting.last is not None:
             target.append(waiting.last)
 
@@ -173,6 +179,5 @@ def _probe(statement: ast.stmt, number: int) -> ast.If:
     """Return `if @watched: @at(number)`, at the start of a statement and without extent."""
     line, offset = statement.lineno, statement.col_offset
     place: dict[str, int] = {"lineno": line, "col_offset": offset, "end_lineno": line, "end_col_offset": offset}
-    argument = ast.copy_location(ast.Constant(number), statement)
-    call = ast.Call(ast.Name(AT, _LOAD, **place), [argument], [], **place)
-    return ast.If(ast.Name(WATCHED, _LOAD, **place), [ast.Expr(call, **place)], [], **place)
+    argument = ast.Constant(value=number, **place)  # type: ignore[arg-type]
+    return ast.If(_WATCHED, [ast.Expr(ast.Call(_AT, [argument], [], **place), **place)], [], **place)

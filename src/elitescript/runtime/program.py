@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from elitescript.runtime.probe import Probe
     from elitescript.runtime.stdlib.subprocess_module import ProcessTable
 
+SECONDARIES_KEPT: Final = 16
+"""Secondary programs, the newest ones, that are kept for a debugger that may come."""
 SOURCES_MAX: Final = 256
 """Texts of `eval` and `exec` that are kept, to show their lines."""
 
@@ -59,6 +61,7 @@ class Program:
         builtins: those of them that its code has named so far.
         globals: its program globals.
         main: the strand of its body.
+        units: that have run in it and have probes: the program itself, and the newest secondary programs.
     """
 
     __slots__ = (
@@ -75,6 +78,7 @@ class Program:
         "globals",
         "scheduler",
         "shelf",
+        "units",
     )
 
     def __init__(
@@ -97,6 +101,7 @@ class Program:
         self._identities = Identities()
         self._sources: dict[str, SourceFile] = {}
         self._main: Strand | None = None
+        self.units: list[CompiledUnit] = []
         self._processes: ProcessTable | None = None
         self.shelf = ModuleShelf(self)
         self.bindings = Bindings(
@@ -127,6 +132,10 @@ class Program:
         """Return the body of a unit as a function with the names of this program."""
         self._add_source(unit.source)
         self.bindings.bind(unit.code)
+        if unit.probes.size:
+            # The first one is the program itself.
+            del self.units[1 : len(self.units) - SECONDARIES_KEPT]
+            self.units.append(unit)
 
         def body() -> None:
             exec(unit.code, self.globals.values)

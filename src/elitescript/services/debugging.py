@@ -18,8 +18,8 @@ def debugging() -> Debugging | None:
     return Debugging(_debugger) if default_probe() is None else None
 
 
-def _debugger(controller: Controller, host: ScriptHost, known: Debugging, reply: Reply) -> LivingDebugger:
+def _debugger(controller: Controller, host: ScriptHost, reply: Reply) -> LivingDebugger:
     # Imported when the first debugger comes: most robots never have one.
     from elitescript.debugger.living import LivingDebugger
 
-    return LivingDebugger(controller, host, known, reply)
+    return LivingDebugger(controller, host, reply)

@@ -32,7 +32,7 @@ from elitescript.services.control.debug_events import DebugEvents, debug_result
 from elitescript.services.control.verbs import VERBS, Verb, VerbRequest, outcome_text
 from elitescript.services.robot_server import RobotServer
 
-LINE_MAX: Final = 1024 * 1024
+LINE_MAX: Final = 64 * 1024
 ANSWER_TIMEOUT_S: Final = 6.0
 """For a tick; in lockstep time may stand still."""
 REPLY_TICKS: Final = 1000

@@ -16,6 +16,8 @@ from elitescript.services.robot_server import RobotServer
 
 UNREAD_MAX: Final = 16 * 1024 * 1024
 """Bytes that may wait for a debugger that does not read; then it is hung up on."""
+TEXT_MAX: Final = 2 * 1024 * 1024
+"""Characters of an answer; a longer one would take the time of other clients."""
 DETACH: Final = json.dumps({"do": "detach"})
 
 
@@ -76,7 +78,7 @@ def debug_result(outcomes: Iterable[Outcome]) -> dict[str, Any]:
 def _object(text: str) -> dict[str, Any]:
     """Return the object of a JSON text; an empty one if it is none: it may come from a process that is not trusted."""
     try:
-        data = from_text(text)
+        data = from_text(text, TEXT_MAX)
         json.dumps(data)
     except (CodecError, RecursionError):
         return {}

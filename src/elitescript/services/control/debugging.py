@@ -43,7 +43,7 @@ ANSWER_S: Final = 10.0
 
 
 class ServedSession:
-    """A debugger of a served robot. Methods may be called from any thread.
+    """A debugger of a served robot. Methods may be called from any thread, but not from the two listeners.
 
     Args:
         path: of the `ctl` socket, or of the file that stands for it.
@@ -162,15 +162,15 @@ class ServedSession:
             text: of the file: a program that arrived with the same text has them, too.
         """
         digest = digest_of(text) if text else ""
-        return self._ask(LivingDebugger.set_breakpoints, requests=wire.written(requests), path=path, digest=digest)
+        return self._ask(LivingDebugger.set_breakpoints, requests=_short(requests), path=path, digest=digest)
 
     def set_function_breakpoints(self, requests: Sequence[FunctionBreakpoint]) -> tuple[BreakpointState, ...]:
         """Replace the breakpoints of functions and commands."""
-        return self._ask(LivingDebugger.set_function_breakpoints, requests=wire.written(requests))
+        return self._ask(LivingDebugger.set_function_breakpoints, requests=_short(requests))
 
     def set_data_breakpoints(self, requests: Sequence[DataBreakpoint]) -> tuple[BreakpointState, ...]:
         """Replace the data breakpoints."""
-        return self._ask(LivingDebugger.set_data_breakpoints, requests=wire.written(requests))
+        return self._ask(LivingDebugger.set_data_breakpoints, requests=_short(requests))
 
     def set_exception_filters(self, filters: Sequence[str]) -> None:
         """Replace the filters: `alarm`, `warning`."""
@@ -300,6 +300,11 @@ class ServedSession:
             self._stop = None
         if self._on_event is not None:
             self._on_event(kind, content)
+
+
+def _short(requests: Sequence[Any]) -> list[dict[str, Any]]:
+    """Return breakpoints without what is at its default: a request is one line of limited length."""
+    return [{name: value for name, value in wire.written(item).items() if value not in ("", 0)} for item in requests]
 
 
 def _connected(path: Path) -> tuple[socket.socket, str]:
