@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from elitescript.environment.state_file import StateFile
     from elitescript.kernel.clients import Client, Clients
     from elitescript.kernel.option_keywords import RobotKeywords
+    from elitescript.runtime.environment import Channels
     from elitescript.runtime.host import ScriptHost
 
 IDLE_TICKS: Final = ticks_for(1.0)
@@ -196,6 +197,10 @@ class VirtualRobot:
     def threads(self) -> tuple[Any, ...]:
         """Return every script thread: name, line and what it waits for."""
         return self._host.threads()
+
+    def wrap_network(self, wrap: Callable[[Channels], Channels]) -> None:
+        """Put something between programs and the network, before any of them runs; for a debugger."""
+        self._outside.channels = wrap(self._outside.channels)
 
     # ---------------------------------------------------------------- changing
 

@@ -39,6 +39,7 @@ class JournalSource:
     Attributes:
         name: of the first program.
         text: of the first program.
+        may_fork: True: nothing that is connected is real.
         problems: none: what was wrong with a program was said in the session.
         texts: of all programs, by their names; one that has run more than once by the name that it had first.
         first_names: that name of every text, by the name that it has each time.
@@ -64,6 +65,7 @@ class JournalSource:
         if not self._units:
             raise UsageError(f"{path}: no program has run in this session")
         self.problems: tuple[Diagnostic, ...] = ()
+        self.may_fork = True
         firsts: dict[str, str] = {}
         for name, text in self._units:
             firsts.setdefault(text, name)

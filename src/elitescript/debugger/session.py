@@ -46,6 +46,10 @@ from elitescript.language.probes import CountedStatement
 from elitescript.messages.timing import ticks_for
 from elitescript.records import replace
 
+REAL_NETWORK: Final = (
+    "the program may have real connections: when the run goes back, their peers do not, and what they have sent is "
+    "used again"
+)
 WINDOW: Final = 2000
 """Statements before the present stop in which a search for an earlier one begins."""
 WINDOW_OF_SNAPSHOTS: Final = 50
@@ -89,7 +93,7 @@ class DebugSession:
         self._data: list[DataRule] = []
         self._filters: frozenset[str] = frozenset((ALARM_FILTER,))
         self._has_stale_hits = False
-        self._snapshots = snapshots(self._hear, forks=forks)
+        self._snapshots = snapshots(self._hear, forks=forks and source.may_fork)
         self._engine = self._new_engine(is_heard=True)
         self._texts = self._engine.texts()
         self._stop = Stop(ENTRY, "not begun", 0, self._engine.position, 0.0)
@@ -103,6 +107,8 @@ class DebugSession:
             stop_on_entry: stop before the first statement.
             no_debug: run to the end; breakpoints and filters are not heeded.
         """
+        if not self._source.may_fork and self._on_output is not None:
+            self._on_output(Output("console", REAL_NETWORK, 0, "", self._engine.position, 0.0))
         if no_debug:
             return self._run_plainly(frozenset())
         if stop_on_entry:
@@ -517,11 +523,16 @@ class DebugSession:
         """Return where a goal would last have stopped before a position: first looked for shortly before it."""
         width = WINDOW if not self._snapshots.forks else WINDOW_OF_SNAPSHOTS
         end = self._count_at_end() if bound.kind == AT_END else bound.statement
+        unsearched = bound
+        """Nothing was found from here on."""
         while True:
-            start = 0 if self._rules.count_hits and goal.heeds else max(0, end - width)
-            near = self._snapshots.nearest(bound)
-            if near >= 0 and end - _WIDE_ENOUGH * width <= near < end:
-                start = near
+            if self._rules.count_hits and goal.heeds:
+                start = 0
+            else:
+                start = max(0, end - width)
+                near = self._snapshots.nearest(unsearched)
+                if near >= 0 and end - _WIDE_ENOUGH * width <= near < end:
+                    start = near
             engine = self._engine_before(Position(start + 1, 0, 0, BEFORE_STATEMENT))
             engine.is_heard = False
             try:
@@ -534,6 +545,7 @@ class DebugSession:
             if found is not None or start <= 0:
                 self._snapshots.thin(bound)
                 return found
+            unsearched = Position(start, 0, 0, BEFORE_STATEMENT)
             width *= _WIDER
 
     def _count_at_end(self) -> int:

@@ -6,12 +6,14 @@ and new devices each time. `ProgramSource` is a program as `elitescript run` tak
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 from elitescript.controller.controller import Controller
+from elitescript.debugger.connections import KeptChannels, KeptNetwork
 from elitescript.environment.program_file import source_of
 from elitescript.errors import ProgramError
 from elitescript.language.compiler import CompiledUnit, compile_unit
@@ -24,8 +26,11 @@ from elitescript.lint.engine import check_parsed
 from elitescript.messages.events import Event
 from elitescript.messages.signals import Value
 from elitescript.robot import VirtualRobot
+from elitescript.runtime.environment import Channels
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.probe import Probe
+
+_CONNECTING: Final = re.compile(r"\b(socket_open|rpc_factory|\w*serial_config|modbus_add_signal|modbus_\w+_rtu)\s*\(")
 
 
 class Execution(Protocol):
@@ -59,7 +64,11 @@ class Source(Protocol):
         name: of the program's text: its path.
         text: the program.
         problems: what was found in it before it ran.
+        may_fork: whether copies of a process may hold executions: not with real connections, which they would share.
     """
+
+    @property
+    def may_fork(self) -> bool: ...
 
     @property
     def problems(self) -> tuple[Diagnostic, ...]: ...
@@ -108,6 +117,7 @@ class ProgramSource:
 
     Attributes:
         problems: what was found in the program.
+        may_fork: see `Source`.
 
     Raises:
         ProgramError: the program does not compile, or is refused.
@@ -136,6 +146,9 @@ class ProgramSource:
         self._levels = dict(levels or {})
         if task_dir is None and text is None:
             task_dir = Path(path).resolve().parent
+        self._has_real_network = world is None
+        self._network: KeptNetwork | None = None
+        self.may_fork = not (self._has_real_network and _CONNECTING.search(self.text))
         self._robot = partial(VirtualRobot, task_dir=task_dir, world=world, lines=lines, **options)
         robot = self._robot()
         read = Options(strict=robot.options.strict, probes=STEPS_PROBES)
@@ -156,12 +169,19 @@ class ProgramSource:
         """See `Source.begin`."""
         robot = self._robot(on_event=on_event, probe=probe)
         robot.set_start(self._levels)
+        if self._has_real_network:
+            robot.wrap_network(self._kept)
         robot.next_stop = next_stop
         if probe is None:
             self._plain = self._plain or compile_unit(self._source, Options(strict=robot.options.strict))
             return ProgramExecution(robot, self._plain, self._presets, self._until_s, after_tick)
         probe.compiled(self._unit)
         return ProgramExecution(robot, self._unit, self._presets, self._until_s, after_tick)
+
+    def _kept(self, channels: Channels) -> Channels:
+        if self._network is None:
+            self._network = KeptNetwork(channels)
+        return KeptChannels(self._network)
 
 
 class ProgramExecution:
