@@ -111,6 +111,7 @@ class Session:
         assert self.seen.setdefault(stop.position, moment) == moment
 
 
+@pytest.mark.invariants
 @pytest.mark.parametrize("part", range(4))
 def test_each_request_gets_one_answer_and_the_same_statement_shows_the_same(part, tmp_path):
     stops = 0

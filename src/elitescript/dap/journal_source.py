@@ -14,6 +14,7 @@ from elitescript.language.compiler import CompiledUnit, compile_unit
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.options import Options
 from elitescript.language.probes import STEPS_PROBES
+from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Event
 from elitescript.messages.inputs import Debug, Input
 from elitescript.records import replace
@@ -39,6 +40,7 @@ class JournalSource:
     Attributes:
         name: of the first program.
         text: of the first program.
+        may_fork: True: nothing that is connected is real.
         problems: none: what was wrong with a program was said in the session.
         may_fork: a journal has no connections.
         texts: of all programs, by their names; one that has run more than once by the name that it had first.
@@ -67,6 +69,7 @@ class JournalSource:
         if not self._units:
             raise UsageError(f"{path}: no program has run in this session")
         self.problems: tuple[Diagnostic, ...] = ()
+        self.may_fork = True
         firsts: dict[str, str] = {}
         for name, text in self._units:
             firsts.setdefault(text, name)
@@ -178,7 +181,7 @@ class _Compiled:
         self.units: list[tuple[CompiledUnit, Options]] = []
         self._options = Options()
 
-    def options(self, options: Options) -> Options:
+    def options(self, options: Options, source: SourceFile) -> Options:
         self.plan.append(None)
         self._options = options
         return options
@@ -208,11 +211,11 @@ class _Counted:
         self._firsts = firsts
         self._next = 0
 
-    def options(self, options: Options) -> Options:
+    def options(self, options: Options, source: SourceFile) -> Options:
         self._next += 1
         text = self._plan[self._next - 1] if self._next <= len(self._plan) else None
         if text is None:
-            return self._probe.options(options)
+            return self._probe.options(options, source)
         return replace(options, probes=STEPS_PROBES, first_probe=self._firsts[text])
 
     def compiled(self, unit: CompiledUnit) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 from elitescript.language.compiler import CompiledUnit
 from elitescript.language.options import Options
 from elitescript.language.probes import ATTACH_PROBES
+from elitescript.language.text.source import SourceFile
 from elitescript.messages.outcomes import Outcome
 from elitescript.records import replace
 
@@ -62,7 +63,7 @@ class Debugging:
 
     # ---------------------------------------------------------------- `Probe`
 
-    def options(self, options: Options) -> Options:
+    def options(self, options: Options, source: SourceFile) -> Options:
         """Return the options to compile a text with."""
         return replace(options, probes=ATTACH_PROBES, first_probe=self._next)
 
