@@ -41,6 +41,8 @@ from elitescript.messages.timing import seconds, ticks_for
 from elitescript.models.model import RobotModel
 from elitescript.run import NOT_DELIVERED, EndState, Look, Run
 from elitescript.runtime.environment import ProgramEnvironment
+from elitescript.runtime.probe import Probe, noted, probed
+from elitescript.runtime.threads.strand import is_stop
 
 if TYPE_CHECKING:
     from typing import Unpack
@@ -48,6 +50,7 @@ if TYPE_CHECKING:
     from elitescript.environment.state_file import StateFile
     from elitescript.kernel.clients import Client, Clients
     from elitescript.kernel.option_keywords import RobotKeywords
+    from elitescript.runtime.host import ScriptHost
 
 IDLE_TICKS: Final = ticks_for(1.0)
 """An arm that stands for so long, while nothing else is due, does not get under way by itself any more."""
@@ -84,6 +87,7 @@ class VirtualRobot:
         state_file: a file with the registers, flags and general Modbus values that the robot remembers: read now,
             written when `run` or `advance` returns. Nothing is remembered if None.
         on_event: receives every event at the moment it happens.
+        probe: counts the statements of programs, for a debugger or coverage; see `runtime.probe`.
         **options: the options of the robot, each by its name (docs/reference/options.md). What is not given, or None,
             is what the world file says, else the default.
 
@@ -102,6 +106,7 @@ class VirtualRobot:
         drain_s: float = DRAIN_S,
         state_file: str | Path | None = None,
         on_event: Callable[[Event], None] | None = None,
+        probe: Probe | None = None,
         **options: Unpack[RobotKeywords],
     ) -> None:
         check_keywords(options)
@@ -127,6 +132,7 @@ class VirtualRobot:
             has_network=True,
             on_event=_weakly(self._event),
             on_end=_weakly(self._program_ended),
+            probe=probe,
         )
         self.profile = self._kernel.profile
         self.controller = self._kernel.controller
@@ -144,6 +150,8 @@ class VirtualRobot:
         self._limit = WarningLimit()
         self._trace: Trace | None = None
         self._interrupted_as: EndState | Literal[""] = ""
+        self.next_stop: Callable[[int], int | None] | None = None
+        """Returns for a tick the next one that is to run though nothing is due; None for none. For a debugger."""
         self._listener_error: BaseException | None = None
         self._state_file = None if state_file is None else _state_file(state_file)
         kept = {} if self._state_file is None else self._state_file.load()
@@ -180,6 +188,11 @@ class VirtualRobot:
     def current(self) -> Run | None:
         """The run that is under way, or the last one."""
         return self._run
+
+    @property
+    def host(self) -> ScriptHost:
+        """What runs its programs."""
+        return self._host
 
     def threads(self) -> tuple[Any, ...]:
         """Return every script thread: name, line and what it waits for."""
@@ -261,7 +274,8 @@ class VirtualRobot:
             UsageError: no such file.
         """
         source = program if isinstance(program, SourceFile) else source_of(program)
-        return compile_task(source, Options(strict=self.options.strict))
+        probe = self._kernel.probe
+        return noted(probe, compile_task(source, probed(probe, Options(strict=self.options.strict))))
 
     def run(
         self,
@@ -308,24 +322,42 @@ class VirtualRobot:
         limit = None if until_s is None else self.tick + ticks_for(until_s)
         try:
             with interrupts_passed_to(self.interrupt):
-                self._advance(limit, pace, watch)
-                is_cut_short = bool(self._interrupted_as) and run.state != ""
-                self._finish(self._interrupted_as or "time_limit")
-                self._interrupted_as = ""
-                if not is_cut_short and not self._is_drained():
-                    self._advance(None, pace, watch)
-                self._interrupted_as = ""
+                self._run_to_end(run, limit, pace, watch)
         except BaseException:
             self._finish("stopped")
             self._conclude()
             self._listener_error = None
             self._remember()
             raise
+        self._end_run()
+        return run
+
+    def run_started(self, *, until_s: float | None = None, watch: Watch | None = None) -> Run:
+        """Run the program that was started to its end, as `run` does, for a caller that may leave it in the middle.
+
+        An exception, or a drop of the greenlet that it runs in, changes nothing any more. Ctrl-C is the caller's.
+        """
+        run = self._run
+        if run is None:
+            raise UsageError("no program was started")
+        self._run_to_end(run, None if until_s is None else self.tick + ticks_for(until_s), None, watch)
+        self._end_run()
+        return run
+
+    def _run_to_end(self, run: Run, limit: int | None, pace: Pace | None, watch: Watch | None) -> None:
+        self._advance(limit, pace, watch)
+        is_cut_short = bool(self._interrupted_as) and run.state != ""
+        self._finish(self._interrupted_as or "time_limit")
+        self._interrupted_as = ""
+        if not is_cut_short and not self._is_drained():
+            self._advance(None, pace, watch)
+        self._interrupted_as = ""
+
+    def _end_run(self) -> None:
         self._conclude()
         self._leave_published_tick()
         self._raise_listener_error()
         self._remember()
-        return run
 
     def start(
         self,
@@ -379,7 +411,9 @@ class VirtualRobot:
         Raises:
             ProgramError: the text does not compile.
         """
-        unit = compile_unit(SourceFile("<secondary>", program), Options(strict=self.options.strict, kind="secondary"))
+        probe = self._kernel.probe
+        options = probed(probe, Options(strict=self.options.strict, kind="secondary"))
+        unit = noted(probe, compile_unit(SourceFile("<secondary>", program), options))
         if self._run is not None and unit.shows_hash_order:
             self._run.is_alone = False
         self._host.start_secondary(unit)
@@ -521,6 +555,8 @@ class VirtualRobot:
             assert target is not None
             if pace is not None:
                 target = controller.tick + 1
+            elif self.next_stop is not None and (stop := self.next_stop(controller.tick)) is not None:
+                target = min(target, max(stop, controller.tick + 1))
             if self._trace is not None:
                 target = min(target, controller.tick + TRACE_TICKS_MAX)
                 self._trace.record(controller, target)
@@ -657,6 +693,8 @@ class VirtualRobot:
         try:
             self._on_event(event)
         except BaseException as error:
+            if is_stop(error):
+                raise  # the run was frozen in the listener, and is dropped
             # Scripts must not catch what is wrong with a listener: it leaves through `run`.
             self._listener_error = error
             self._host.interrupt()

@@ -113,14 +113,14 @@ class InputHandlers:
         *,
         has_logs: bool,
     ) -> None:
-        options, model, self._profile, self._controller, self._host, self._popup = parts
+        options, model, self._profile, self._controller, self._host, self._popup, probe = parts
         self._faulty = faulty
         self.is_remote = options.remote
         self.replies: list[Reply] = []
         self._logs = InterpreterLogs(environment.files) if has_logs else None
         self.conversations: Conversations = Conversations(self._host, self._reply, self._logs)
         self.programs: Programs = Programs(
-            self._controller, self._host, self._profile, model, environment, is_strict=options.strict
+            self._controller, self._host, self._profile, model, environment, is_strict=options.strict, probe=probe
         )
         self.tasks: Tasks = Tasks(self._controller, self._host, self.programs, environment, options.configuration)
 

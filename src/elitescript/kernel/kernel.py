@@ -34,6 +34,7 @@ from elitescript.models.model import RobotModel
 from elitescript.records import replace
 from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.host import ScriptHost
+from elitescript.runtime.probe import default_probe
 
 if TYPE_CHECKING:
     from elitescript.controller.views.snapshots import SnapshotBuilder
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
     from elitescript.messages.snapshot import RobotDescription, Snapshot
     from elitescript.protocol.connection import Connection
     from elitescript.protocol.ports import Connect
+    from elitescript.runtime.probe import Probe
 
 
 class Kernel:
@@ -60,6 +62,7 @@ class Kernel:
         on_event: receives every event when it happens, and calls `publish_event` for those that clients get. By default
             clients get all of them, but for warnings beyond their limit.
         on_end: called with `finished`, `alarm` or `stopped` when a program is over.
+        probe: counts the statements of its programs.
 
     Attributes:
         options: see above.
@@ -69,6 +72,7 @@ class Kernel:
         host: runs programs.
         on_change: receives the changes of signals instead of `on_event`, while that needs none of their events.
         popup: the message window.
+        probe: see above.
 
     Raises:
         UsageError: an option that makes no sense.
@@ -99,6 +103,7 @@ class Kernel:
         "on_change",
         "options",
         "popup",
+        "probe",
         "profile",
     )
 
@@ -111,8 +116,10 @@ class Kernel:
         has_network: bool = False,
         on_event: Callable[[Event], None] | None = None,
         on_end: Callable[[str], None] | None = None,
+        probe: Probe | None = None,
     ) -> None:
         self.options = options
+        self.probe = default_probe() if probe is None else probe
         self.model = model_of(options) if model is None else model
         self.profile = profile(options.firmware)
         self.popup = PopupWindow(options.confirms_popups)
@@ -164,6 +171,7 @@ class Kernel:
             work_per_tick=options.work_per_tick,
             rpc_timeout_s=options.rpc_timeout_s,
             is_rtsi_input=_is_rtsi_input,
+            probe=self.probe,
         )
         self.controller.attach(self.host)
         if not has_network:
@@ -193,7 +201,7 @@ class Kernel:
     def _made_handlers(self, has_logs: bool) -> InputHandlers:
         from elitescript.kernel.handlers import InputHandlers
 
-        parts = RobotParts(self.options, self.model, self.profile, self.controller, self.host, self.popup)
+        parts = RobotParts(self.options, self.model, self.profile, self.controller, self.host, self.popup, self.probe)
         return InputHandlers(parts, self._environment, self._faulty, has_logs=has_logs)
 
     @property

@@ -10,6 +10,7 @@ from elitescript.messages.profile import Profile
 from elitescript.models.model import RobotModel
 from elitescript.records import NamedTuple
 from elitescript.runtime.host import ScriptHost
+from elitescript.runtime.probe import Probe
 
 
 class PopupWindow:
@@ -52,3 +53,5 @@ class RobotParts(NamedTuple):
     host: ScriptHost
     """Runs its programs."""
     popup: PopupWindow
+    probe: Probe | None
+    """What counts their statements."""

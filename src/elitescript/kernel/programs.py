@@ -24,6 +24,7 @@ from elitescript.messages.profile import Profile
 from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.host import SECONDARY_WARNING, ScriptHost
 from elitescript.runtime.names.bindings import is_known
+from elitescript.runtime.probe import Probe, noted, probed
 
 PROBLEMS_MAX: Final = 20
 """Further problems of one text that go to the log."""
@@ -41,6 +42,7 @@ class Programs:
         arm: for which programs are checked.
         environment: everything outside them.
         is_strict: refuse what a Python 3 controller refuses, and what `check` calls an error.
+        probe: counts their statements.
 
     Attributes:
         presets: values that program globals have before a program begins.
@@ -54,6 +56,7 @@ class Programs:
         "_host",
         "_invalid_lines",
         "_is_strict",
+        "_probe",
         "_profile",
         "presets",
         "reported",
@@ -68,6 +71,7 @@ class Programs:
         environment: ProgramEnvironment,
         *,
         is_strict: bool,
+        probe: Probe | None,
     ) -> None:
         all_rules()  # loaded now: the first program does not wait for them
         self._controller = controller
@@ -77,6 +81,7 @@ class Programs:
         self._environment = environment
         self.reported: frozenset[tuple[str, int]] = frozenset()
         self._is_strict = is_strict
+        self._probe = probe
         self._invalid_lines = InvalidLineLimiter(self._warn)
         self.presets: dict[str, object] = {}
 
@@ -120,17 +125,17 @@ class Programs:
         Raises:
             ProgramError: it does not compile, or strictness refuses it.
         """
-        source, options = SourceFile(name, text), Options(strict=self._is_strict, kind=kind)
+        source, options = SourceFile(name, text), probed(self._probe, Options(strict=self._is_strict, kind=kind))
         if kind == LINE:
             unit = compile_unit(source, options)
             self._tell(unit.diagnostics)
-            return unit
+            return noted(self._probe, unit)
         checked = compile_checked(source, self._profile, options, presets=self.presets, arm=self._arm)
         if checked.unit is None or checked.is_refused:
             raise ProgramError(checked.problems)
         self._tell(checked.problems)
         self.reported = frozenset((problem.code, problem.line) for problem in checked.problems)
-        return checked.unit
+        return noted(self._probe, checked.unit)
 
     def start(self, unit: CompiledUnit, name: str) -> None:
         """Start a program in the place of the running one, in this tick."""

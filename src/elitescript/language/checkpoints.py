@@ -27,6 +27,7 @@ from typing import Final
 from elitescript.language.hooks import CHECKPOINT, PAY, RANGE, STOP, TICK
 from elitescript.language.kinds import is_text
 from elitescript.language.nodes import Census
+from elitescript.language.probes import is_probe
 
 PAID_MAX: Final = 100
 """Most units of work that a loop pays at its start; so many passes, with those of loops in it, have no checkpoint."""
@@ -161,7 +162,7 @@ def _passes(target: ast.expr, values: ast.expr) -> int:
 
 def _units(loop: ast.For) -> int:
     """Return how many passes a loop makes, with those of the loops in it; 0 for one that is not short."""
-    count = 0 if loop.orelse else _passes(loop.target, loop.iter)
+    count = _passes(loop.target, loop.iter) if all(map(is_probe, loop.orelse)) else 0
     if not count:
         return 0
     inner = 0
@@ -179,6 +180,8 @@ def _units(loop: ast.For) -> int:
 
 def _only_computes(statement: ast.stmt) -> bool:
     """Return whether a statement goes on to the next one, takes no time and uses up no work."""
+    if is_probe(statement):
+        return True
     if isinstance(statement, ast.If):
         return _is_closed(statement.test) and all(map(_only_computes, (*statement.body, *statement.orelse)))
     return isinstance(statement, ast.Assign | ast.AugAssign | ast.Expr | ast.Pass) and _is_closed(statement)
@@ -214,4 +217,4 @@ def _payment(values: ast.expr, count: int) -> ast.BoolOp:
 def _bare(loop: ast.For) -> ast.For:
     """Return a loop that stays without checkpoints; it shares its statements with the first one."""
     body = [_bare(statement) if isinstance(statement, ast.For) else statement for statement in loop.body]
-    return ast.copy_location(ast.For(loop.target, loop.iter, body, []), loop)
+    return ast.copy_location(ast.For(loop.target, loop.iter, body, loop.orelse), loop)

@@ -24,6 +24,7 @@ from elitescript.language.nodes import FUNCTIONS, Census
 from elitescript.language.options import DEFAULT, LINE, Options
 from elitescript.language.parser import NO_FILE, Parsed, character_offset, parse, parse_without, read_again, syntax_tree
 from elitescript.language.policy import first_too_deep, guard_formats, review
+from elitescript.language.probes import NO_PROBES, CountedStatement, ProbeTable, insert_probes
 from elitescript.language.text.source import SourceFile
 from elitescript.records import NamedTuple, record, replace
 
@@ -46,6 +47,7 @@ class CompiledUnit:
         diagnostics: warnings, in the order of the text.
         has_line_marks: it calls the `@line` hook.
         shows_hash_order: it may show the order of a set; see `language.hash_order`.
+        probes: what its probes count; none unless `Options.probes` asks for them.
     """
 
     source: SourceFile
@@ -56,6 +58,12 @@ class CompiledUnit:
     diagnostics: tuple[Diagnostic, ...]
     has_line_marks: bool
     shows_hash_order: bool
+    probes: ProbeTable = NO_PROBES
+
+    @property
+    def statements(self) -> tuple[CountedStatement, ...]:
+        """The statements that its probes count, in the order of the text."""
+        return self.probes.statements
 
 
 @without_collection
@@ -110,6 +118,7 @@ def compile_parsed(parsed: Parsed) -> CompiledUnit:
         made.problems,
         parsed.has_line_marks,
         made.shows_hash_order,
+        made.probes,
     )
 
 
@@ -226,6 +235,7 @@ class _Compiled(NamedTuple):
     global_names: frozenset[str]
     problems: tuple[Diagnostic, ...]
     shows_hash_order: bool
+    probes: ProbeTable = NO_PROBES
 
 
 def _compile(parsed: Parsed) -> _Compiled:
@@ -238,11 +248,15 @@ def _compile(parsed: Parsed) -> _Compiled:
     problems += _breaches(parsed, census)
     if first_too_deep(census) is not None:
         return _Compiled(None, global_names, in_order(problems), shows)
+    probes = NO_PROBES
     if not any(problem.is_error for problem in problems):
         guard_formats(parsed.tree, census)
+        options = parsed.options
+        if options.probes:
+            probes = insert_probes(census, parsed.body, parsed.source, options.probes, options.first_probe)
         insert_checkpoints(census)
     code = _code(parsed, problems)
-    return _Compiled(code, global_names, in_order(problems), shows)
+    return _Compiled(code, global_names, in_order(problems), shows, probes)
 
 
 def _breaches(parsed: Parsed, census: Census) -> list[Diagnostic]:

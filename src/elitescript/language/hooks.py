@@ -16,6 +16,9 @@ RANGE: Final = "@range"
 STOP: Final = "@stop"
 LINE: Final = "@line"
 FORMAT: Final = "@format"
+STEPS: Final = "@steps"
+STEP: Final = "@step"
+HITS: Final = "@hits"
 
 HOOKS: Final[dict[str, str]] = {
     TICK: "`() -> bool`: uses up one unit of work; False when there is none left, and then `@cp` is called",
@@ -32,3 +35,10 @@ HOOKS: Final[dict[str, str]] = {
 
 Python itself also takes `__build_class__`, `__import__` and `__name__` from there.
 """
+
+PROBE_HOOKS: Final[dict[str, str]] = {
+    STEPS: "list of `() -> bool`, by statement: whether the statement goes on at once",
+    STEP: "`(number) -> (() -> True)`: called before a statement that does not; may stop the run",
+    HITS: "list of int, by counter: how often each statement and side of a branch was reached",
+}
+"""Names that the builtins must hold for texts that were compiled with probes; see `language.probes`."""

@@ -27,11 +27,15 @@ class Options:
         kind: one of `KINDS` when the caller knows what the text must be; None to determine it.
         one_line_blocks: accept `def f(): ; a() ; end` on a single line, as the interpreter
             channel does.
+        probes: count statements: `steps` for a debugger, `coverage`; see `language.probes`. Empty for not.
+        first_probe: number of the first of them.
     """
 
     strict: bool = False
     kind: str | None = None
     one_line_blocks: bool = False
+    probes: str = ""
+    first_probe: int = 0
 
 
 DEFAULT: Final = Options()

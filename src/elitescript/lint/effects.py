@@ -21,7 +21,7 @@ _ALSO_READING: Final = frozenset(
 _CHANGING: Final = frozenset(("random", "get_micro_line_values_by_index"))
 """`random` gives another value each time; the other one belongs to a file that is loaded."""
 
-_PURE_BUILTINS: Final = frozenset(
+PURE_BUILTINS: Final = frozenset(
     """
     abs all any bin bool bytearray bytes chr complex dict divmod enumerate float format frozenset hash hex id int
     isinstance len list long max min oct ord pow range repr reversed round set sorted str sum tuple type unichr zip
@@ -50,7 +50,7 @@ def _is_pure_call(call: ast.Call, program: AnalysedProgram) -> bool:
     command = program.command(function.id, scope)
     if command is not None:
         return only_gives_a_value(command)
-    return function.id in _PURE_BUILTINS and scope.resolve(function.id) is Resolution.BUILTIN
+    return function.id in PURE_BUILTINS and scope.resolve(function.id) is Resolution.BUILTIN
 
 
 def has_effect(root: ast.expr, program: AnalysedProgram) -> bool:

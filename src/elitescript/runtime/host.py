@@ -31,6 +31,7 @@ from elitescript.runtime.watchdogs import Watchdogs
 if TYPE_CHECKING:
     from elitescript.messages.inputs import ChannelEvent
     from elitescript.runtime.connections.connection import Receiver
+    from elitescript.runtime.probe import Probe
 
 FINISHED: Final = "finished"
 ALARM: Final = "alarm"
@@ -56,6 +57,7 @@ class ScriptHost:
         work_per_tick: checkpoints that a thread may pass in one tick.
         rpc_timeout_s: how long a remote procedure call waits for its answer; 0 and less wait for ever.
         is_rtsi_input: whether clients can send an input of that name.
+        probe: counts the statements of its programs.
 
     Attributes:
         result: end of the last program; empty while one runs and before the first.
@@ -75,6 +77,7 @@ class ScriptHost:
         "_machine",
         "_main",
         "_on_end",
+        "_probe",
         "_profile",
         "_program",
         "_queries",
@@ -105,12 +108,14 @@ class ScriptHost:
         work_per_tick: int = WORK_PER_TICK,
         rpc_timeout_s: float = RPC_TIMEOUT_S,
         is_rtsi_input: Callable[[str], bool] = lambda name: True,
+        probe: Probe | None = None,
     ) -> None:
         self._machine = machine
         self._profile = profile
         self._world: ProgramEnvironment = EmptyEnvironment() if world is None else world
         self._seed = seed
         self._on_end = on_end
+        self._probe = probe
         self._confirms_popups = confirms_popups
         self._scheduler = Scheduler(
             work_per_tick=work_per_tick, on_end=self._strand_ended, on_abandoned=self._strand_abandoned
@@ -239,6 +244,16 @@ class ScriptHost:
     # ---------------------------------------------------------------- reading
 
     @property
+    def scheduler(self) -> Scheduler:
+        """What runs its threads."""
+        return self._scheduler
+
+    @property
+    def program(self) -> Program | None:
+        """The program that runs or ran last."""
+        return self._program
+
+    @property
     def is_running(self) -> bool:
         """Whether a program runs; a paused one does."""
         return self._main is not None
@@ -348,6 +363,7 @@ class ScriptHost:
             seed=self._seed,
             port=self,
             presets=presets,
+            probe=self._probe,
         )
 
     def _spawn(

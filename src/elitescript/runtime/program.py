@@ -29,6 +29,7 @@ from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand
 
 if TYPE_CHECKING:
+    from elitescript.runtime.probe import Probe
     from elitescript.runtime.stdlib.subprocess_module import ProcessTable
 
 SOURCES_MAX: Final = 256
@@ -49,6 +50,7 @@ class Program:
         seed: of its random numbers.
         port: the host.
         presets: program globals that have a value before it begins.
+        probe: counts its statements.
 
     Attributes:
         context: for the bodies of commands.
@@ -84,6 +86,7 @@ class Program:
         seed: int,
         port: ProgramControl,
         presets: dict[str, object],
+        probe: Probe | None = None,
     ) -> None:
         self.scheduler = scheduler
         self._profile = profile
@@ -102,6 +105,7 @@ class Program:
             identities=self._identities,
             evaluate=self._evaluator(),
             execute=self._executor(),
+            probe_hooks={} if probe is None else probe.hooks(),
         )
         self.builtins = self.bindings.names
         self.globals = ProgramGlobals({"__name__": "__main__", "__builtins__": self.builtins, **presets})
@@ -130,7 +134,7 @@ class Program:
 
     def monitor(self) -> dict[str, Any]:
         """Return the variable monitor: program globals that have a value, in the order of their first assignment."""
-        return {name: value for name, value in self.globals.own().items() if not isinstance(value, _NOT_SHOWN)}
+        return {name: value for name, value in self.globals.own().items() if is_shown(value)}
 
     def execute(self, statement: Statement, names: Any) -> None:
         """Run a statement of interpreter mode; `names` maps its variables."""
@@ -141,6 +145,10 @@ class Program:
     def value_of(self, code: CodeType) -> Any:
         """Evaluate a compiled expression; it sees the program globals and changes none by assignment."""
         return self._value(code, _Scope(self.globals.values, {}))
+
+    def value_in(self, code: CodeType, names: dict[str, Any]) -> Any:
+        """Evaluate a compiled expression with variables before the program globals."""
+        return self._value(code, _Scope(self.globals.values, names))
 
     def _value(self, code: CodeType, names: _Scope) -> Any:
         self.bindings.bind(code)
@@ -266,6 +274,11 @@ class Program:
 
             self._processes = ProcessTable()
         return self._processes
+
+
+def is_shown(value: object) -> bool:
+    """Return whether the variable monitor shows a value."""
+    return not isinstance(value, _NOT_SHOWN)
 
 
 class _LazyGenerator:

@@ -9,7 +9,7 @@ name that it can look up is in its code objects.
 from __future__ import annotations
 
 import builtins
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from types import CodeType, FunctionType
 from typing import Any, Final, NoReturn
@@ -76,6 +76,7 @@ class Bindings:
         identities: numbers its objects.
         evaluate: `eval`.
         execute: `exec`.
+        probe_hooks: of what counts its statements; empty without.
 
     Attributes:
         names: the dict that its code runs with; grows as code is bound.
@@ -92,6 +93,7 @@ class Bindings:
         identities: Identities,
         evaluate: Callable[..., Any],
         execute: Callable[..., None],
+        probe_hooks: Mapping[str, object],
     ) -> None:
         self.context = context
         self.shelf = shelf
@@ -111,6 +113,7 @@ class Bindings:
             STOP: UNCATCHABLE,
             FORMAT: checked_format_method,
             LINE: _line(context),
+            **probe_hooks,
         }
 
     def bind(self, code: CodeType) -> None:

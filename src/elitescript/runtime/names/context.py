@@ -150,6 +150,10 @@ class Context:
         self._lines: SerialLines | None = None
         self.micro_lines: list[MicroLine] = []
 
+    def forget_copies(self) -> None:
+        """Hold what it remembers apart from the context that it is a copy of."""
+        self._kinds, self._warned = dict(self._kinds), set(self._warned)
+
     # ---------------------------------------------------------------- the caller
 
     @property

@@ -8,7 +8,7 @@ their own calls.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from types import CodeType, FrameType
 from typing import Any, Final
 
@@ -254,6 +254,18 @@ class Strand:
             frame = frame.f_back
         return inner
 
+    def script_frames(self) -> Iterator[FrameType]:
+        """Yield its frames of script text, the innermost one first; also while it waits or is frozen."""
+        frame, builtins = self._top_frame(), self._builtins
+        while frame is not None:
+            if frame.f_builtins is builtins:
+                yield frame
+            frame = frame.f_back
+
+    def is_script_frame(self, frame: FrameType) -> bool:
+        """Return whether a frame belongs to script text that it runs."""
+        return frame.f_builtins is self._builtins
+
     def called_from_script(self) -> FrameType | None:
         """Return the frame that the innermost script frame has called; None if there is none."""
         called = None
@@ -269,6 +281,54 @@ class Strand:
 
     def __repr__(self) -> str:
         return f"<Strand {self.name} {self.state}>"
+
+
+class Freezer:
+    """Runs a function, with all strands that begin in it, that can be frozen from inside and goes on from outside.
+
+    Nothing in it changes while it is frozen, also in the middle of a tick, and every stack can be read.
+
+    Args:
+        function: takes nothing.
+
+    Attributes:
+        freeze: `(value) -> answer`: freezes, from inside: `go_on` returns the value. What the next `go_on` is given is
+            the answer. A function in C: it needs no more stack than any call.
+        is_over: whether the function has returned.
+    """
+
+    __slots__ = ("_inner", "_limit", "freeze", "is_over")
+
+    def __init__(self, function: Callable[[], Any]) -> None:
+        self.freeze: Callable[[Any], Any] = getcurrent().switch
+        self._inner = greenlet(function)
+        self._limit = 0
+        self.is_over = False
+
+    def go_on(self, strand: Strand | None, answer: Any = None) -> Any:
+        """Let it go on until it is frozen or over; return the value that it was frozen with, or the result.
+
+        Args:
+            strand: that was frozen; None for code that no strand runs, and for the first call.
+            answer: what `freeze` returns inside.
+        """
+        outer = sys.getrecursionlimit()
+        frozen = self._inner if strand is None else strand._greenlet
+        assert frozen is not None
+        if self._limit:
+            sys.setrecursionlimit(self._limit)
+        try:
+            value = frozen.switch(answer) if self._limit else frozen.switch()
+        finally:
+            self._limit = sys.getrecursionlimit()
+            sys.setrecursionlimit(outer)
+            self.is_over = self._inner.dead
+        return value
+
+    def drop(self) -> None:
+        """Leave the function where it stands; strands that began in it are dropped by `Scheduler.forget`."""
+        if self._limit and not self._inner.dead:
+            self._inner.throw()
 
 
 def _not_begun() -> None:

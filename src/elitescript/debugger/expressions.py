@@ -1,0 +1,411 @@
+"""Computes expressions without any effect: no code of the program runs, nothing waits, draws or prints.
+
+The tree of the expression is computed node by node over values of built-in types. Attributes of a program's own objects
+are read where they are stored. Everything that could run code of the program (its functions, operators of its classes)
+or change something is refused with a text that says so.
+"""
+
+from __future__ import annotations
+
+import ast
+import operator
+from collections.abc import Callable, Iterator
+from typing import Any, Final
+
+from elitescript.debugger.api import DebugError
+
+STEPS_MAX: Final = 200_000
+"""Most nodes that one expression may take."""
+SIZE_MAX: Final = 1_000_000
+"""Most elements of a text or list that an expression makes, and digits of a number."""
+
+PLAIN: Final = frozenset(
+    (
+        *(bool, int, float, complex, str, bytes, bytearray, type(None), type(...), range, slice),
+        *(list, tuple, dict, set, frozenset, type({}.keys()), type({}.values()), type({}.items())),
+    )
+)
+_HOLDERS: Final = frozenset((list, tuple, set, frozenset))
+
+_BINARY: Final[dict[type[ast.operator], Callable[[Any, Any], Any]]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.FloorDiv: operator.floordiv,
+    ast.Mod: operator.mod,
+    ast.Pow: operator.pow,
+    ast.LShift: operator.lshift,
+    ast.RShift: operator.rshift,
+    ast.BitOr: operator.or_,
+    ast.BitXor: operator.xor,
+    ast.BitAnd: operator.and_,
+}
+_UNARY: Final[dict[type[ast.unaryop], Callable[[Any], Any]]] = {
+    ast.UAdd: operator.pos,
+    ast.USub: operator.neg,
+    ast.Invert: operator.invert,
+    ast.Not: operator.not_,
+}
+_COMPARE: Final[dict[type[ast.cmpop], Callable[[Any, Any], Any]]] = {
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.In: lambda a, b: a in b,
+    ast.NotIn: lambda a, b: a not in b,
+}
+
+_CONVERSIONS: Final[dict[str, Callable[[Any], str]]] = {"r": repr, "s": str, "a": ascii}
+
+_CHANGING_METHODS: Final = frozenset(
+    """
+    add append clear difference_update discard extend insert intersection_update pop popitem remove reverse setdefault
+    sort symmetric_difference_update update format format_map
+    """.split()  # noqa: SIM905
+)
+
+Call = Callable[[str, tuple[Any, ...], dict[str, Any]], Any]
+
+
+def parsed(text: str) -> ast.expr:
+    """Return the tree of an expression.
+
+    Raises:
+        DebugError: it is none.
+    """
+    try:
+        return ast.parse(text.strip(), mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        reason = error.msg if isinstance(error, SyntaxError) else "it cannot be read"
+        raise DebugError(f"{text.strip()!r} is no expression: {reason}") from None
+
+
+def computed(tree: ast.expr, names: Callable[[str], Any], call: Call) -> Any:
+    """Return the value of an expression.
+
+    Args:
+        tree: of the expression.
+        names: returns the value of a name.
+        call: calls a predefined function or command by its name, or refuses.
+
+    Raises:
+        DebugError: it has no value, or is refused.
+    """
+    try:
+        return _Computation(names, call).value(tree)
+    except DebugError:
+        raise
+    except RecursionError:
+        raise DebugError("the expression is nested too deeply") from None
+    except Exception as error:
+        raise DebugError(f"{type(error).__name__}: {error}") from None
+
+
+def is_plain(value: Any) -> bool:
+    """Return whether a value, with all that it holds, is of built-in types, so that its operators run no program."""
+    stack, left, seen = [value], SIZE_MAX, set()
+    while stack:
+        item = stack.pop()
+        kind = type(item)
+        if kind not in PLAIN:
+            return False
+        if kind in _HOLDERS or kind is dict:
+            if id(item) in seen:
+                continue
+            seen.add(id(item))
+            left -= len(item)
+            if left < 0:
+                return False
+            if kind is dict:
+                stack += item.values()
+            stack += item
+    return True
+
+
+class _Computation:
+    def __init__(self, names: Callable[[str], Any], call: Call) -> None:
+        self._names = names
+        self._call = call
+        self._own: dict[str, Any] = {}
+        self._left = STEPS_MAX
+
+    def value(self, node: ast.expr) -> Any:
+        self._left -= 1
+        if self._left < 0:
+            raise DebugError("the expression takes too long")
+        compute = getattr(self, f"_{type(node).__name__}", None)
+        if compute is None:
+            raise DebugError(f"refused: {_described(node)} may change something; allow changes to run it")
+        return compute(node)
+
+    def _plain(self, node: ast.expr) -> Any:
+        return _checked(self.value(node))
+
+    # ---------------------------------------------------------------- nodes
+
+    def _Constant(self, node: ast.Constant) -> Any:
+        return node.value
+
+    def _Name(self, node: ast.Name) -> Any:
+        return self._own[node.id] if node.id in self._own else self._names(node.id)
+
+    def _Tuple(self, node: ast.Tuple) -> Any:
+        return tuple(self._items(node.elts))
+
+    def _List(self, node: ast.List) -> Any:
+        return self._items(node.elts)
+
+    def _Set(self, node: ast.Set) -> Any:
+        return set(_checked(self._items(node.elts)))
+
+    def _items(self, nodes: list[ast.expr]) -> list[Any]:
+        items: list[Any] = []
+        for node in nodes:
+            if isinstance(node, ast.Starred):
+                items += self._plain(node.value)
+            else:
+                items.append(self.value(node))
+        return items
+
+    def _Dict(self, node: ast.Dict) -> Any:
+        made: dict[Any, Any] = {}
+        for key, value in zip(node.keys, node.values, strict=True):
+            if key is None:
+                made.update(self._plain(value))
+            else:
+                made[self._plain(key)] = self.value(value)
+        return made
+
+    def _BinOp(self, node: ast.BinOp) -> Any:
+        left, right = self._plain(node.left), self._plain(node.right)
+        _refuse_too_large(node.op, left, right)
+        return _BINARY[type(node.op)](left, right)
+
+    def _UnaryOp(self, node: ast.UnaryOp) -> Any:
+        return _UNARY[type(node.op)](self._plain(node.operand))
+
+    def _BoolOp(self, node: ast.BoolOp) -> Any:
+        value = None
+        for operand in node.values:
+            value = self._plain(operand)
+            if bool(value) is isinstance(node.op, ast.Or):
+                return value
+        return value
+
+    def _IfExp(self, node: ast.IfExp) -> Any:
+        return self.value(node.body if self._plain(node.test) else node.orelse)
+
+    def _Compare(self, node: ast.Compare) -> Any:
+        left = self.value(node.left)
+        for sign, comparator in zip(node.ops, node.comparators, strict=True):
+            right = self.value(comparator)
+            if isinstance(sign, ast.Is | ast.IsNot):
+                is_true: Any = (left is right) is isinstance(sign, ast.Is)
+            else:
+                is_true = _COMPARE[type(sign)](_checked(left), _checked(right))
+            if not is_true:
+                return is_true
+            left = right
+        return True
+
+    def _Subscript(self, node: ast.Subscript) -> Any:
+        holder = self.value(node.value)
+        key = self._plain(node.slice)
+        if isinstance(holder, Indexed):
+            return holder.at(key)
+        if type(holder) not in PLAIN:
+            raise _refused("the brackets of an object")
+        return holder[key]
+
+    def _Slice(self, node: ast.Slice) -> Any:
+        return slice(*(None if part is None else self._plain(part) for part in (node.lower, node.upper, node.step)))
+
+    def _Attribute(self, node: ast.Attribute) -> Any:
+        return stored_attribute(self.value(node.value), node.attr)
+
+    def _JoinedStr(self, node: ast.JoinedStr) -> Any:
+        return "".join(str(self.value(part)) for part in node.values)
+
+    def _FormattedValue(self, node: ast.FormattedValue) -> Any:
+        value = self._plain(node.value)
+        form = "" if node.format_spec is None else self.value(node.format_spec)
+        if any(int(number) > SIZE_MAX for number in _numbers(form)):
+            raise DebugError("the text would be too long")
+        if node.conversion >= 0:
+            value = _CONVERSIONS[chr(node.conversion)](value)
+        return format(value, form)
+
+    def _ListComp(self, node: ast.ListComp) -> Any:
+        return list(self._passes(node.generators, node.elt))
+
+    _GeneratorExp = _ListComp
+
+    def _SetComp(self, node: ast.SetComp) -> Any:
+        return set(_checked(list(self._passes(node.generators, node.elt))))
+
+    def _DictComp(self, node: ast.DictComp) -> Any:
+        pair = ast.Tuple([node.key, node.value], ast.Load())
+        return {_checked(key): value for key, value in self._passes(node.generators, pair)}
+
+    def _passes(self, generators: list[ast.comprehension], element: ast.expr) -> Iterator[Any]:
+        if not generators:
+            yield self.value(element)
+            return
+        first, *rest = generators
+        before = dict(self._own)
+        for item in self._plain(first.iter):
+            self._bind(first.target, item)
+            if all(self._plain(condition) for condition in first.ifs):
+                yield from self._passes(rest, element)
+        self._own = before
+
+    def _bind(self, target: ast.expr, value: Any) -> None:
+        if isinstance(target, ast.Name):
+            self._own[target.id] = value
+        elif isinstance(target, ast.Tuple | ast.List):
+            for part, item in zip(target.elts, _checked(value), strict=True):
+                self._bind(part, item)
+        else:
+            raise _refused("an assignment")
+
+    def _Call(self, node: ast.Call) -> Any:
+        function = node.func
+        arguments = tuple(self._items(node.args))
+        named: dict[str, Any] = {}
+        for keyword in node.keywords:
+            if keyword.arg is None:
+                named.update(self._plain(keyword.value))
+            else:
+                named[keyword.arg] = self.value(keyword.value)
+        for value in (*arguments, *named.values()):
+            _checked(value)
+        if isinstance(function, ast.Name):
+            if function.id in self._own:
+                raise _refused(f"{function.id}()")
+            return self._call(function.id, arguments, named)
+        if not isinstance(function, ast.Attribute):
+            raise _refused("a call")
+        holder = self.value(function.value)
+        if isinstance(holder, Pure):
+            return holder.function(function.attr)(*arguments, **named)
+        kind = type(holder)
+        if kind not in PLAIN or function.attr.startswith("_") or function.attr in _CHANGING_METHODS:
+            raise _refused(f"{function.attr}()")
+        _checked(holder)
+        if function.attr in ("ljust", "rjust", "center", "zfill", "expandtabs", "to_bytes") and any(
+            isinstance(value, int) and value > SIZE_MAX for value in arguments
+        ):
+            raise DebugError("the text would be too long")
+        return getattr(holder, function.attr)(*arguments, **named)
+
+
+class Indexed:
+    """Something that has values by index, such as the points of a family of signals.
+
+    Args:
+        at: returns the value at an index.
+    """
+
+    __slots__ = ("at",)
+
+    def __init__(self, at: Callable[[Any], Any]) -> None:
+        self.at = at
+
+
+class Pure:
+    """A module whose functions only compute.
+
+    Args:
+        names: what it holds.
+    """
+
+    __slots__ = ("_names",)
+
+    def __init__(self, names: dict[str, Any]) -> None:
+        self._names = names
+
+    def function(self, name: str) -> Any:
+        """Return a function or a number by name.
+
+        Raises:
+            DebugError: there is none.
+        """
+        if name.startswith("_") or name not in self._names:
+            raise DebugError(f"there is no {name!r} in the module")
+        return self._names[name]
+
+
+def stored_attribute(value: Any, name: str) -> Any:
+    """Return an attribute without running code of the program.
+
+    Raises:
+        DebugError: there is none, or reading it would run code.
+    """
+    if name.startswith("_"):
+        raise DebugError(f"{name!r} cannot be read")
+    if isinstance(value, Pure):
+        return value.function(name)
+    if type(value) in PLAIN:
+        if name in ("real", "imag", "start", "stop", "step") and hasattr(value, name):
+            return getattr(value, name)
+        raise DebugError(f"{name!r} of a {type(value).__name__} can only be called")
+    fields = own_fields(value)
+    if name in fields:
+        return fields[name]
+    for kind in type.__dict__["__mro__"].__get__(type(value)):
+        held = type.__dict__["__dict__"].__get__(kind)
+        if name in held:
+            if type(held[name]) in PLAIN:
+                return held[name]
+            raise _refused(f"reading {name}")
+    raise DebugError(f"there is no attribute {name!r}")
+
+
+def own_fields(value: Any) -> dict[str, Any]:
+    """Return what an object of a program's class holds, without running its code."""
+    try:
+        fields = object.__getattribute__(value, "__dict__")
+    except (AttributeError, TypeError):
+        return {}
+    return fields if type(fields) is dict else {}
+
+
+def _checked(value: Any) -> Any:
+    if type(value) in PLAIN:
+        if is_plain(value):
+            return value
+    elif isinstance(value, Indexed):
+        raise DebugError("it needs an index in brackets")
+    raise _refused("an operation with an object of the program")
+
+
+def _refused(what: str) -> DebugError:
+    return DebugError(f"refused: {what} may run code of the program; allow changes to run it")
+
+
+def _described(node: ast.expr) -> str:
+    return {"Lambda": "a function", "NamedExpr": "an assignment", "Await": "await"}.get(type(node).__name__, "this")
+
+
+def _refuse_too_large(sign: ast.operator, left: Any, right: Any) -> None:
+    """Refuse operations whose result could fill the memory."""
+    if isinstance(sign, ast.Pow) and isinstance(left, int) and isinstance(right, int) and right > 0:
+        size = left.bit_length() * right
+    elif isinstance(sign, ast.LShift) and isinstance(left, int) and isinstance(right, int):
+        size = left.bit_length() + right
+    elif isinstance(sign, ast.Mult):
+        holder, times = (left, right) if hasattr(left, "__len__") else (right, left)
+        size = len(holder) * times if hasattr(holder, "__len__") and isinstance(times, int) else 0
+    elif isinstance(sign, ast.Mod) and isinstance(left, str | bytes):
+        raise DebugError("write the text as f'{...}'")
+    else:
+        return
+    if size > SIZE_MAX:
+        raise DebugError("the result would be too large")
+
+
+def _numbers(form: str) -> list[str]:
+    return [word for word in "".join(sign if sign.isdigit() else " " for sign in form).split() if word]

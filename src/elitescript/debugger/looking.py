@@ -1,0 +1,430 @@
+"""What a stopped run shows: threads, stacks, scopes, values. Looking changes nothing and spends nothing."""
+
+from __future__ import annotations
+
+import builtins
+import copy
+from collections.abc import Callable, Mapping
+from types import FrameType
+from typing import Any, Final
+
+from elitescript.commands.catalogue import CATALOGUE
+from elitescript.controller.controller import Controller
+from elitescript.debugger.api import DebugError, Frame, Scope, ThreadInfo, Variable
+from elitescript.debugger.expressions import SIZE_MAX, Indexed, Pure, computed, is_plain, parsed
+from elitescript.debugger.places import Places
+from elitescript.debugger.values import POSE, Group, Joints, Pose, children, count_children, shown, type_name
+from elitescript.lint.effects import PURE_BUILTINS, only_gives_a_value
+from elitescript.messages.profile import release_of
+from elitescript.messages.signals import SIGNALS
+from elitescript.runtime.host import ScriptHost
+from elitescript.runtime.names.modules import Facade
+from elitescript.runtime.program import Program, is_shown
+from elitescript.runtime.threads.strand import Strand, state_of
+
+LOCALS: Final = "Locals"
+GLOBALS: Final = "Globals"
+ROBOT: Final = "Robot"
+SIGNALS_GROUP: Final = "signals"
+
+_CALLABLE: Final = PURE_BUILTINS - {"id", "hash", "type", "format"}
+_PURE_MODULES: Final = frozenset(("math", "cmath"))
+_CHANGING: Final = frozenset(
+    ("write", "request", "request_from", "request_motion", "request_path_offset", "cancel_move", "emit", "put")
+)
+"""What a command may not ask of the machine while it is only looked at."""
+
+ROBOT_NAMES: Final = ("t", "tick", "tcp", "joints", "robot_mode", "safety")
+
+
+class CallFrame:
+    """A call on the stack of a thread.
+
+    Attributes:
+        strand: its thread.
+        frame: of Python.
+        line: that it is at.
+        depth: calls above the outermost one of the thread.
+    """
+
+    __slots__ = ("depth", "frame", "line", "strand")
+
+    def __init__(self, strand: Strand, frame: FrameType, line: int, depth: int) -> None:
+        self.strand = strand
+        self.frame = frame
+        self.line = line
+        self.depth = depth
+
+
+class Look:
+    """The run at one stop. Frames and references are valid as long as it is.
+
+    Args:
+        controller: the machine.
+        host: runs the programs.
+        places: statements.
+        error: the exception with which the thread that runs has failed, if that is the stop.
+    """
+
+    def __init__(
+        self, controller: Controller, host: ScriptHost, places: Places, error: BaseException | None = None
+    ) -> None:
+        self._controller = controller
+        self._host = host
+        self._places = places
+        self._error = error
+        self._frames: list[CallFrame] = []
+        self._shown: list[tuple[str, Any, CallFrame | None, str]] = []
+        """Scopes and values that can be expanded: kind, value, frame, expression."""
+
+    # ---------------------------------------------------------------- threads
+
+    def strands(self) -> list[Strand]:
+        """Return the living threads in the order of their start."""
+        return sorted(self._host.scheduler.strands, key=lambda strand: strand.order)
+
+    def strand(self, thread: int) -> Strand:
+        """Return a living thread by its number.
+
+        Raises:
+            DebugError: there is none.
+        """
+        for strand in self._host.scheduler.strands:
+            if strand.order == thread - 1:
+                return strand
+        raise DebugError(f"there is no thread {thread}")
+
+    def threads(self) -> tuple[ThreadInfo, ...]:
+        """See `DebugSession.threads`."""
+        found = []
+        for strand in self.strands():
+            calls = self.calls(strand)
+            wait = "" if self._is_failed(strand) else state_of(strand).waits_for
+            line = calls[0].line if calls else 0
+            found.append(ThreadInfo(strand.order + 1, strand.name, strand.is_secondary, wait, line))
+        return tuple(found)
+
+    def calls(self, strand: Strand) -> list[CallFrame]:
+        """Return the calls of a thread, the innermost one first; those that an exception has left stand still."""
+        found = [(frame, frame.f_lineno or 0) for frame in strand.script_frames()]
+        if self._is_failed(strand):
+            assert self._error is not None
+            trace, left = self._error.__traceback__, []
+            while trace is not None:
+                if strand.is_script_frame(trace.tb_frame):
+                    left.append((trace.tb_frame, trace.tb_lineno or 0))
+                trace = trace.tb_next
+            living = {frame for frame, _ in left}
+            found = [*reversed(left), *(item for item in found if item[0] not in living)]
+        depth = len(found)
+        return [CallFrame(strand, frame, line, depth - 1 - index) for index, (frame, line) in enumerate(found)]
+
+    def _is_failed(self, strand: Strand) -> bool:
+        return self._error is not None and strand is self._host.scheduler.current
+
+    def stack(self, thread: int) -> tuple[Frame, ...]:
+        """See `DebugSession.stack`."""
+        strand = self.strand(thread)
+        found = []
+        for index, call in enumerate(self.calls(strand)):
+            code = call.frame.f_code
+            name = self._places.function_name(code.co_qualname)
+            if index == 0 and strand.waits_for and not self._is_failed(strand):
+                name = f"{name} (waits for {state_of(strand).waits_for})"
+            self._frames.append(call)
+            place = self._places.at_line(code.co_filename, call.line)
+            found.append(Frame(len(self._frames), thread, name, code.co_filename, *place))
+        return tuple(found)
+
+    def call(self, frame: int) -> CallFrame | None:
+        """Return a call by the number of its frame; None for 0.
+
+        Raises:
+            DebugError: there is none of that number.
+        """
+        if frame == 0:
+            return None
+        if not 0 < frame <= len(self._frames):
+            raise DebugError("the run has gone on since this frame was shown")
+        return self._frames[frame - 1]
+
+    def call_at(self, thread: int, depth: int) -> CallFrame | None:
+        """Return the call of a thread at a depth; None for thread 0."""
+        if thread == 0:
+            return None
+        for call in self.calls(self.strand(thread)):
+            if call.depth == depth:
+                return call
+        raise DebugError(f"thread {thread} has no call at depth {depth}")
+
+    # ---------------------------------------------------------------- scopes
+
+    def scopes(self, frame: int) -> tuple[Scope, ...]:
+        """See `DebugSession.scopes`."""
+        call = self.call(frame)
+        found = []
+        for name in (LOCALS, GLOBALS, ROBOT) if call is not None else (GLOBALS, ROBOT):
+            group = self._group(name, call)
+            self._shown.append((name, group, call, ""))
+            found.append(Scope(name, len(self._shown), len(group)))
+        return tuple(found)
+
+    def _group(self, name: str, call: CallFrame | None) -> Group:
+        if name == LOCALS:
+            return Group(self.locals_of(call))
+        return Group(self.globals_of(call)) if name == GLOBALS else self.robot()
+
+    def locals_of(self, call: CallFrame | None) -> dict[str, Any]:
+        """Return the variables of a call, those of the functions around it that it uses included."""
+        if call is None:
+            return {}
+        found = call.frame.f_locals
+        return {name: found[name] for name in found if not name.startswith(("@", "."))}
+
+    def globals_of(self, call: CallFrame | None) -> dict[str, Any]:
+        """Return the program globals that hold data."""
+        program = self._host.program
+        if call is not None and (program is None or call.frame.f_globals is not program.globals.values):
+            found = call.frame.f_globals
+            own = {name: found[name] for name in found if not name.startswith(("__", "@"))}
+        else:
+            own = {} if program is None else program.globals.own()
+        return {name: value for name, value in own.items() if is_shown(value)}
+
+    def robot(self) -> Group:
+        """Return what the robot shows."""
+        controller = self._controller
+        state, joints = controller.state(), controller.joints()
+        signals = Group(controller.non_default_signals())
+        motion = controller.motion
+        return Group(
+            {
+                "t": state.time_s,
+                "tick": state.tick,
+                "tcp": Pose(state.tcp_pose_target),
+                "joints": Joints(joints.q_target),
+                "joint_speeds": Joints(joints.qd_target),
+                "actual_tcp": Pose(state.tcp_pose_actual),
+                "actual_joints": Joints(joints.q_actual),
+                "tcp_speed": Pose(state.tcp_speed_target),
+                "tcp_offset": Pose(state.tcp_offset),
+                "payload": Group(
+                    {"mass_kg": state.payload.mass_kg, "cog": state.payload.cog, "inertia": state.payload.inertia}
+                ),
+                "robot_mode": _word(state.robot_mode),
+                "safety": _word(state.safety_mode),
+                "task": _word(state.task_state),
+                "speed": state.speed_scale,
+                "moving": state.is_moving,
+                "motion": _motion(motion.source),
+                SIGNALS_GROUP: signals,
+            }
+        )
+
+    def variables(self, reference: int, kind: str = "", start: int = 0, count: int = 0) -> tuple[Variable, ...]:
+        """See `DebugSession.variables`."""
+        group, value, call, expression = self._held(reference)
+        named, indexed = children(value)
+        found = {"named": named, "indexed": indexed}.get(kind, [*named, *indexed])
+        chosen = found[start : start + count] if count else found[start:]
+        return tuple(self._child(group, name, item, call, expression, path) for name, item, path in chosen)
+
+    def _held(self, reference: int) -> tuple[str, Any, CallFrame | None, str]:
+        if not 0 < reference <= len(self._shown):
+            raise DebugError("the run has gone on since this value was shown")
+        return self._shown[reference - 1]
+
+    def _child(self, group: str, name: str, value: Any, call: CallFrame | None, expression: str, path: str) -> Variable:
+        data_id, is_settable = "", False
+        inner = ""
+        if group in (LOCALS, GLOBALS):
+            inner, is_settable = name, True
+            data_id = name if group == GLOBALS else ""
+        elif group == ROBOT:
+            inner = name if name in ROBOT_NAMES else ""
+            data_id = {"robot_mode": "robot mode", "safety": "safety"}.get(name, "")
+        elif group == SIGNALS_GROUP:
+            inner, is_settable, data_id = name, True, name
+        elif expression and path:
+            inner = expression + path
+            is_settable = path.startswith("[") and expression not in ROBOT_NAMES
+        held = SIGNALS_GROUP if group == ROBOT and name == SIGNALS_GROUP else ""
+        return self.variable(name, value, call, inner, held, data_id=data_id, is_settable=is_settable)
+
+    def variable(
+        self,
+        name: str,
+        value: Any,
+        call: CallFrame | None = None,
+        expression: str = "",
+        group: str = "",
+        *,
+        data_id: str = "",
+        is_settable: bool = False,
+    ) -> Variable:
+        """Return a value as it is shown; it can be expanded if it holds something."""
+        named, indexed = count_children(value)
+        reference = 0
+        if named or indexed:
+            self._shown.append((group, value, call, expression))
+            reference = len(self._shown)
+        text = f"{named} not at default" if group == SIGNALS_GROUP else shown(value)
+        kind = type_name(value)
+        return Variable(name, text, kind, reference, named, indexed, expression, data_id, is_settable)
+
+    def expression_of(self, reference: int, name: str) -> tuple[str, CallFrame | None]:
+        """Return the expression of a child, and the call in which it is one.
+
+        Raises:
+            DebugError: there is none.
+        """
+        group, value, call, expression = self._held(reference)
+        named, indexed = children(value)
+        for child, item, path in (*named, *indexed):
+            if child == name:
+                shown_as = self._child(group, child, item, call, expression, path)
+                if shown_as.evaluate_name:
+                    return shown_as.evaluate_name, call
+        raise DebugError(f"{name} cannot be named in an expression")
+
+    # ---------------------------------------------------------------- expressions
+
+    def value(self, text: str, call: CallFrame | None) -> Any:
+        """Return the value of an expression, without any effect.
+
+        Raises:
+            DebugError: it has none, or is refused.
+        """
+        names = Names(self._controller, self._host, self, call)
+        value = computed(parsed(text), names.value, names.call)
+        if isinstance(value, Named):
+            return value.pose
+        if isinstance(value, Indexed | Pure):
+            raise DebugError(f"{text.strip()} is a group: name one of it")
+        return value
+
+
+class Names:
+    """Names of an expression: variables of a call, program globals, the robot, and functions without effect."""
+
+    def __init__(self, controller: Controller, host: ScriptHost, look: Look, call: CallFrame | None) -> None:
+        self._controller = controller
+        self._host = host
+        self._locals: Mapping[str, Any] = look.locals_of(call)
+        program = host.program
+        self._program: Program | None = program
+        if call is not None:
+            self._globals: Mapping[str, Any] = call.frame.f_globals
+        else:
+            self._globals = {} if program is None else program.globals.values
+
+    def own(self, name: str) -> tuple[bool, Any]:
+        """Return whether the program has a variable of that name, and its value."""
+        for names in (self._locals, self._globals):
+            if name in names and not name.startswith(("__", "@")):
+                return True, names[name]
+        return False, None
+
+    def value(self, name: str) -> Any:
+        """Return the value of a name.
+
+        Raises:
+            DebugError: there is none.
+        """
+        is_own, value = self.own(name)
+        if is_own:
+            return Pure(vars(value)) if type(value) is Facade and _name_of(value) in _PURE_MODULES else value
+        if name in ROBOT_VALUES:
+            return ROBOT_VALUES[name](self._controller)
+        signal = SIGNALS.get(name)
+        if signal is not None:
+            if signal.size == 1:
+                return self._controller.read(name, 0)
+            return Indexed(lambda index: self._point(name, index))
+        raise DebugError(f"there is no variable {name!r} here")
+
+    def _point(self, name: str, index: Any) -> Any:
+        if type(index) is not int or not 0 <= index < SIGNALS[name].size:
+            raise DebugError(f"{name} has indices 0 to {SIGNALS[name].size - 1}, not {shown(index)}")
+        return self._controller.read(name, index)
+
+    def call(self, name: str, arguments: tuple[Any, ...], named: dict[str, Any]) -> Any:
+        """Call a function that only gives a value.
+
+        Raises:
+            DebugError: it is refused, or fails.
+        """
+        command = None if self.own(name)[0] else CATALOGUE.get(name)
+        if self.own(name)[0]:
+            raise DebugError(f"refused: {name}() is a function of the program and may change something; allow changes")
+        if command is not None:
+            if not only_gives_a_value(command):
+                raise DebugError(f"refused: {name}() changes something or takes time; allow changes to run it")
+            if self._program is None or release_of(command.since) > self._program.context.profile.release:
+                raise DebugError(f"{name}() is not there")
+            return command.call(_reading(self._program), arguments, named)
+        if name not in _CALLABLE:
+            raise DebugError(f"refused: there is no function {name}() that only gives a value")
+        if any(hasattr(value, "__len__") and len(value) > SIZE_MAX for value in arguments):
+            raise DebugError("the result would be too large")
+        made = getattr(builtins, {"long": "int", "unichr": "chr"}.get(name, name))(*arguments, **named)
+        return made if is_plain(made) else list(made)
+
+
+ROBOT_VALUES: Final[dict[str, Callable[[Controller], Any]]] = {
+    "t": lambda controller: controller.state().time_s,
+    "tick": lambda controller: controller.tick,
+    "tcp": lambda controller: Named(Pose(controller.poses().target)),
+    "joints": lambda controller: list(controller.joints().q_target),
+    "robot_mode": lambda controller: _word(controller.state().robot_mode),
+    "safety": lambda controller: _word(controller.state().safety_mode),
+}
+
+
+class Named(Indexed):
+    """A pose in an expression: `tcp.z`, `tcp[2]`."""
+
+    __slots__ = ("__dict__", "pose")
+
+    def __init__(self, pose: Pose) -> None:
+        super().__init__(pose.__getitem__)
+        self.pose = pose
+        self.__dict__.update(zip(POSE, pose, strict=True))
+
+
+def _motion(source: Any) -> str:
+    """Return what moves the arm."""
+    if source is None:
+        return ""
+    line = getattr(source, "line", 0)
+    return f"{type(source).__name__.lower()} of line {line}" if line else type(source).__name__.lower()
+
+
+def _word(value: Any) -> str:
+    return str(getattr(value, "name", value)).lower().replace("_", " ")
+
+
+def _name_of(facade: Facade) -> str:
+    return repr(facade).split("'")[1]
+
+
+def _reading(program: Program) -> Any:
+    """Return a context for commands that refuses what changes the machine, and remembers nothing."""
+    context = copy.copy(program.context)
+    context.machine = _ReadOnly(program.context.machine)
+    context.forget_copies()
+    return context
+
+
+class _ReadOnly:
+    """The machine, without what changes it."""
+
+    __slots__ = ("_machine",)
+
+    def __init__(self, machine: Any) -> None:
+        self._machine = machine
+
+    def __getattr__(self, name: str) -> Any:
+        if name in _CHANGING:
+            raise DebugError("refused: it changes the robot; allow changes to run it")
+        return getattr(self._machine, name)

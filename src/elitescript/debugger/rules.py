@@ -1,0 +1,161 @@
+"""Breakpoints as an engine follows them, and what it watches for them. Frozen and picklable, but for the watches."""
+
+from __future__ import annotations
+
+import ast
+import operator
+import re
+from collections.abc import Callable
+from typing import Any, Final
+
+from elitescript.controller.controller import Controller
+from elitescript.debugger.api import ALARM_FILTER, DebugError
+from elitescript.debugger.expressions import computed, parsed
+from elitescript.debugger.values import shown
+from elitescript.errors import UsageError
+from elitescript.messages.signals import SIGNALS, parse_signal_name, signal_name
+from elitescript.records import record
+from elitescript.runtime.program_globals import ProgramGlobals
+
+ROBOT_MODE: Final = "robot mode"
+SAFETY: Final = "safety"
+
+_SIGNS: Final[dict[str, Callable[[int, int], bool]]] = {
+    ">=": operator.ge,
+    ">": operator.gt,
+    "<=": operator.le,
+    "<": operator.lt,
+    "==": operator.eq,
+    "": operator.eq,
+    "%": lambda count, number: count % number == 0,
+}
+
+
+@record
+class CodeRule:
+    """A breakpoint at statements.
+
+    Attributes:
+        id: its number.
+        reason: `breakpoint` or `function breakpoint`.
+        numbers: of the statements.
+        condition, hit_condition, log_message: see `LineBreakpoint`.
+    """
+
+    id: int
+    reason: str
+    numbers: frozenset[int]
+    condition: str = ""
+    hit_condition: str = ""
+    log_message: str = ""
+
+
+@record
+class DataRule:
+    """A data breakpoint; see `DataBreakpoint`."""
+
+    id: int
+    data_id: str
+    condition: str = ""
+    hit_condition: str = ""
+
+
+@record
+class Rules:
+    """All breakpoints and filters."""
+
+    code: tuple[CodeRule, ...] = ()
+    data: tuple[DataRule, ...] = ()
+    filters: frozenset[str] = frozenset((ALARM_FILTER,))
+
+    @property
+    def count_hits(self) -> bool:
+        """Whether a breakpoint depends on how often it was met since the start."""
+        return any(rule.hit_condition for rule in self.code) or any(rule.hit_condition for rule in self.data)
+
+
+NO_RULES: Final = Rules()
+
+
+def hit_condition(text: str) -> Callable[[int], bool]:
+    """Return the function of the number of hits that a text such as `>= 3` means.
+
+    Raises:
+        DebugError: it means none.
+    """
+    if not text.strip():
+        return lambda count: True
+    found = re.fullmatch(r"\s*(>=|<=|==|>|<|%|)\s*(\d{1,12})\s*", text)
+    if found is None or (found[1] == "%" and not int(found[2])):
+        raise DebugError(f"{text.strip()!r} is no number of hits: write 3, >= 3, < 3 or % 3")
+    sign, number = _SIGNS[found[1]], int(found[2])
+    return lambda count: sign(count, number)
+
+
+class Watch:
+    """Something that a data breakpoint watches.
+
+    Args:
+        data_id: see `DataBreakpoint`.
+
+    Attributes:
+        data_id: in its usual form.
+        is_polled: whether changes cannot be told from events, so that it is looked at behind each statement.
+        is_of_motion: whether it may change while nothing is due, so that it is looked at in every tick.
+        stops_when_true: whether it is an expression, which stops when it becomes true.
+
+    Raises:
+        DebugError: it names nothing that can be watched.
+    """
+
+    __slots__ = ("_read", "_tree", "data_id", "is_of_motion", "is_polled", "stops_when_true")
+
+    def __init__(self, data_id: str) -> None:
+        self.data_id = data_id.strip()
+        self.is_polled = self.is_of_motion = self.stops_when_true = False
+        self._tree: ast.expr | None = None
+        self._read: Callable[[Controller], str] | None = None
+        family = self.data_id.partition("[")[0].strip()
+        if self.data_id.lower() in (ROBOT_MODE, SAFETY):
+            self.data_id = self.data_id.lower()
+            self._read = _robot_mode if self.data_id == ROBOT_MODE else _safety_mode
+        elif family in SIGNALS and re.fullmatch(r"\w+\s*(\[\s*\d+\s*\])?", self.data_id):
+            try:
+                signal, index = parse_signal_name(self.data_id.replace(" ", ""))
+            except UsageError as error:
+                raise DebugError(str(error)) from None
+            self.data_id = signal_name(signal, index)
+            self._read = lambda controller: shown(controller.read(signal.name, index))
+        else:
+            self._tree = parsed(self.data_id)
+            self.is_polled = True
+            self.stops_when_true = not isinstance(self._tree, ast.Name)
+            self.is_of_motion = self.stops_when_true
+
+    def text(self, controller: Controller, globals_: ProgramGlobals | None, names: Any) -> str:
+        """Return the present value as text; empty for none.
+
+        Args:
+            controller: the machine.
+            globals_: of the program that runs.
+            names: of an expression: an object with `value` and `call`.
+        """
+        if self._read is not None:
+            return self._read(controller)
+        assert self._tree is not None
+        if isinstance(self._tree, ast.Name):
+            values = {} if globals_ is None else globals_.values
+            return shown(values[self._tree.id]) if self._tree.id in values else ""
+        try:
+            value = computed(self._tree, names.value, names.call)
+        except DebugError:
+            return ""
+        return shown(bool(value)) if type(value) in (bool, int, float, str, list, type(None)) else ""
+
+
+def _robot_mode(controller: Controller) -> str:
+    return controller.state().robot_mode.name.lower().replace("_", " ")
+
+
+def _safety_mode(controller: Controller) -> str:
+    return controller.state().safety_mode.name.lower().replace("_", " ")

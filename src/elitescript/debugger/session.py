@@ -1,0 +1,656 @@
+"""`DebugSession`: a run that stops at counted statements, goes back and forth in its history, and is looked into."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Final
+
+from elitescript.commands.catalogue import CATALOGUE
+from elitescript.debugger.api import (
+    AFTER_TICK,
+    ALARM_FILTER,
+    AT_END,
+    BEFORE_STATEMENT,
+    BREAKPOINT,
+    ENTRY,
+    EXCEPTION_FILTERS,
+    FUNCTION_BREAKPOINT,
+    STEP,
+    BreakpointState,
+    Change,
+    DataBreakpoint,
+    DataInfo,
+    DebugError,
+    Frame,
+    FunctionBreakpoint,
+    LineBreakpoint,
+    Output,
+    Place,
+    Position,
+    Scope,
+    State,
+    Stop,
+    ThreadInfo,
+    Variable,
+)
+from elitescript.debugger.calls import calls_by_statement
+from elitescript.debugger.engine import INTO, OUT, OVER, Engine, Goal, filled
+from elitescript.debugger.expressions import parsed
+from elitescript.debugger.inputs import Input
+from elitescript.debugger.rules import CodeRule, DataRule, Rules, Watch, hit_condition
+from elitescript.debugger.snapshots import snapshots
+from elitescript.debugger.source import Source
+from elitescript.language.diagnostics import Diagnostic
+from elitescript.messages.timing import ticks_for
+from elitescript.records import replace
+
+WINDOW: Final = 2000
+"""Statements before the present stop in which a search for an earlier one begins."""
+WINDOW_OF_SNAPSHOTS: Final = 50
+_WIDER: Final = 50
+_WIDE_ENOUGH: Final = 5
+"""A search may begin at a copy that stands so many times the width before the present stop."""
+
+
+class DebugSession:
+    """A debugged run. Calls that let it go on return the next stop; everything else is answered while it stands.
+
+    Nothing here is called from two threads at once, but for `pause`.
+
+    Args:
+        source: what is debugged.
+        on_output: receives what the run says, once on each branch of its history.
+        forks: whether snapshots of the process may be made, which makes going back in long programs fast: only in a
+            process of one thread that may be forked, on POSIX.
+
+    Raises:
+        ProgramError: the program does not compile.
+        ElitescriptError: the robot, the world or an option is wrong.
+    """
+
+    def __init__(
+        self, source: Source, on_output: Callable[[Output], None] | None = None, *, forks: bool = False
+    ) -> None:
+        self._source = source
+        self._on_output = on_output
+        self._rules = Rules()
+        self._inputs: list[Input] = []
+        self._heard = 0
+        self._logged: Position | None = None
+        self._furthest = Position(0, 0, 0, BEFORE_STATEMENT)
+        self._next_id = 1
+        self._is_closed = False
+        self._is_pausing = False
+        self._lines: list[CodeRule] = []
+        self._functions: list[CodeRule] = []
+        self._data: list[DataRule] = []
+        self._filters: frozenset[str] = frozenset((ALARM_FILTER,))
+        self._has_stale_hits = False
+        self._snapshots = snapshots(self._hear, forks=forks)
+        self._engine = self._new_engine(is_heard=True)
+        self._table = self._engine.unit()
+        self._statements = self._table.statements
+        self._stop = Stop(ENTRY, "not begun", 0, self._engine.position, 0.0)
+
+    # ---------------------------------------------------------------- going on
+
+    def start(self, *, stop_on_entry: bool = False, no_debug: bool = False) -> Stop:
+        """Begin the run; return its first stop: `entry`, before the first statement, or what `resume` returns.
+
+        Args:
+            stop_on_entry: stop before the first statement.
+            no_debug: run to the end; breakpoints and filters are not heeded.
+        """
+        if no_debug:
+            return self._run_plainly(frozenset())
+        if stop_on_entry:
+            return self._to_entry()
+        return self.resume()
+
+    def resume(self) -> Stop:
+        """Go on to the next breakpoint, exception of a filter, pause, or the end."""
+        if self._can_be_plain:
+            return self._run_plainly(self._filters)
+        self._count_hits_again()
+        return self._arrived(self._engine.run(Goal(heeds=True)))
+
+    def next(self, thread: int) -> Stop:
+        """Go on until a thread is at its next statement of the same call or of a caller; other threads run, too.
+
+        Over a `movej` that is when it returns. Breakpoints and filters stop earlier.
+        """
+        return self._step(OVER, thread)
+
+    def step_in(self, thread: int) -> Stop:
+        """Go on to the next statement of a thread, also in a function that it calls."""
+        return self._step(INTO, thread)
+
+    def step_out(self, thread: int) -> Stop:
+        """Go on until a thread has left its present function."""
+        return self._step(OUT, thread)
+
+    def step_back(self, thread: int) -> Stop:
+        """Go back to the previous statement of a thread, over calls; at its first one to that of its caller.
+
+        Before the first statement of a thread there is the statement that started it, and the start of the run
+        (reason `entry`).
+        """
+        bound = self._stop.position
+        if bound.kind == AT_END:
+            found = self._last_of_all(bound)
+        else:
+            functions, depth = self._engine.functions_of(thread)
+            goal = Goal(bound, step=OVER, thread=thread, depth=depth, last=True, functions=functions)
+            found = self._last(goal, bound) if functions else None
+            if found is None:
+                found = self._last_of_all(bound)
+        if found is None:
+            return self._to_entry()
+        return self._go_to(found.position, replace(found, reason=STEP, text="stepped back"))
+
+    def reverse(self) -> Stop:
+        """Go back to the last hit of a breakpoint or filter before the present stop; to the start if there is none."""
+        bound = self._stop.position
+        found = self._last(Goal(bound, heeds=True, last=True), bound)
+        if found is None:
+            return self._to_entry()
+        return self._go_to(found.position, found)
+
+    def run_to(self, position: Position) -> Stop:
+        """Go to a position, back or forth, without heed of breakpoints."""
+        return self._go_to(position, None)
+
+    def run_to_tick(self, tick: int) -> Stop:
+        """Go to the moment behind a tick, back or forth, without heed of breakpoints."""
+        here = self._engine.position
+        if here.kind == AFTER_TICK and here.tick == tick:
+            return self._stop
+        if tick < here.tick or (tick == here.tick and here.kind == AT_END):
+            self._replace_engine(self._new_engine(is_heard=True))
+        stop = self._engine.run(Goal(Position(0, 0, tick, AFTER_TICK)))
+        return self._arrived(stop)
+
+    def run_to_time(self, time_s: float) -> Stop:
+        """Go to a time in seconds; see `run_to_tick`."""
+        return self.run_to_tick(max(0, ticks_for(time_s)))
+
+    def last_pass(self, line: int) -> Stop:
+        """Go back to the last time that a line was about to run.
+
+        Raises:
+            DebugError: it has not run before.
+        """
+        numbers = self._numbers_at(line)
+        bound = self._stop.position
+        found = self._last(Goal(bound, numbers=numbers, last=True), bound) if numbers else None
+        if found is None:
+            raise DebugError(f"line {line} has not run before")
+        return self._go_to(found.position, found)
+
+    def restart(self, *, stop_on_entry: bool = False) -> Stop:
+        """Begin again, without the changes that the user has made."""
+        self._snapshots.forget_from(Position(0, 0, 0, BEFORE_STATEMENT))
+        self._inputs.clear()
+        self._heard = 0
+        self._logged = None
+        self._furthest = Position(0, 0, 0, BEFORE_STATEMENT)
+        self._replace_engine(self._new_engine(is_heard=True))
+        return self._to_entry() if stop_on_entry else self.resume()
+
+    def pause(self) -> None:
+        """Let the run that goes on stop at its next statement or tick. Called from any thread or signal handler."""
+        self._is_pausing = True
+        self._engine.pause()
+
+    def close(self) -> None:
+        """Drop the run."""
+        if not self._is_closed:
+            self._is_closed = True
+            self._engine.close()
+            self._snapshots.close()
+
+    # ---------------------------------------------------------------- breakpoints
+
+    def set_breakpoints(self, requests: Sequence[LineBreakpoint]) -> tuple[BreakpointState, ...]:
+        """Replace the breakpoints of lines."""
+        self._lines, states = [], []
+        for request in requests:
+            rule, state = self._line_rule(request)
+            self._lines += [rule] if rule is not None else []
+            states.append(state)
+        self._set_rules()
+        return tuple(states)
+
+    def set_function_breakpoints(self, requests: Sequence[FunctionBreakpoint]) -> tuple[BreakpointState, ...]:
+        """Replace the breakpoints of functions and commands."""
+        self._functions, states = [], []
+        for request in requests:
+            rule, state = self._function_rule(request)
+            self._functions += [rule] if rule is not None else []
+            states.append(state)
+        self._set_rules()
+        return tuple(states)
+
+    def set_data_breakpoints(self, requests: Sequence[DataBreakpoint]) -> tuple[BreakpointState, ...]:
+        """Replace the data breakpoints."""
+        self._data, states = [], []
+        for request in requests:
+            identity = self._new_id()
+            try:
+                hit_condition(request.hit_condition)
+                watch = Watch(request.data_id)
+            except DebugError as error:
+                states.append(BreakpointState(identity, False, str(error)))
+                continue
+            self._data.append(DataRule(identity, watch.data_id, request.condition, request.hit_condition))
+            states.append(BreakpointState(identity, True))
+        self._set_rules()
+        return tuple(states)
+
+    def set_exception_filters(self, filters: Sequence[str]) -> None:
+        """Replace the filters: `alarm`, `warning`. At first there is `alarm`.
+
+        Raises:
+            DebugError: no such filter.
+        """
+        for name in filters:
+            if name not in EXCEPTION_FILTERS:
+                raise DebugError(f"there are the filters {', '.join(EXCEPTION_FILTERS)}, not {name!r}")
+        self._filters = frozenset(filters)
+        self._set_rules()
+
+    def breakpoint_locations(self, line: int, end_line: int = 0) -> tuple[Place, ...]:
+        """Return the statements that begin in lines, the last one included."""
+        last = max(line, end_line)
+        return tuple(
+            Place(row.line, row.column, row.end_line, row.end_column)
+            for row in self._statements
+            if line <= row.line <= last
+        )
+
+    def data_breakpoint_info(self, name: str, reference: int = 0, frame: int = 0) -> DataInfo:
+        """Return what a data breakpoint can watch.
+
+        Args:
+            name: a name, or an expression.
+            reference: of the scope or value of which `name` is a child; 0 for an expression.
+            frame: in which it was shown.
+        """
+        try:
+            if reference:
+                data_id = next(
+                    (child.data_id for child in self.variables(reference) if child.name == name and child.data_id), ""
+                )
+                if not data_id:
+                    return DataInfo(
+                        None, f"{name} cannot be watched: only signals, program globals, robot mode, safety"
+                    )
+            else:
+                data_id = name
+            watch = Watch(data_id)
+        except DebugError as error:
+            return DataInfo(None, str(error))
+        return DataInfo(watch.data_id, f"{watch.data_id} becomes true" if watch.stops_when_true else watch.data_id)
+
+    # ---------------------------------------------------------------- looking
+
+    @property
+    def stop(self) -> Stop:
+        """The present stop."""
+        return self._stop
+
+    @property
+    def problems(self) -> tuple[Diagnostic, ...]:
+        """What was found in the program before it began."""
+        return self._source.problems
+
+    @property
+    def furthest(self) -> Position:
+        """The furthest position of this branch of history that was reached."""
+        return self._furthest
+
+    def threads(self) -> tuple[ThreadInfo, ...]:
+        """Return the script threads in the order of their start."""
+        return self._engine.threads()
+
+    def stack(self, thread: int) -> tuple[Frame, ...]:
+        """Return the calls of a thread, the innermost one first; empty before it has begun.
+
+        Raises:
+            DebugError: no such thread.
+        """
+        return self._engine.stack(thread)
+
+    def scopes(self, frame: int) -> tuple[Scope, ...]:
+        """Return the scopes of a frame: `Locals`, `Globals`, `Robot`. With frame 0 without `Locals`."""
+        return self._engine.scopes(frame)
+
+    def variables(self, reference: int, *, kind: str = "", start: int = 0, count: int = 0) -> tuple[Variable, ...]:
+        """Return what a scope or a value holds.
+
+        Args:
+            reference: of the scope or value.
+            kind: `named` or `indexed`; both if empty.
+            start: index of the first one.
+            count: how many; all if 0.
+        """
+        return self._engine.variables(reference, kind, start, count)
+
+    def evaluate(self, text: str, frame: int = 0, *, may_change: bool = False) -> Variable:
+        """Return the value of an expression.
+
+        Args:
+            text: an expression; with `may_change` also statements.
+            frame: whose variables it sees; 0 for program globals alone.
+            may_change: let it change the program and the robot; a change begins a new branch of history.
+
+        Raises:
+            DebugError: it has no value, or would change something.
+        """
+        try:
+            return self._engine.evaluate(text, frame)
+        except DebugError:
+            if not may_change:
+                raise
+        return self._changed(Input(self._stop.position, *self._engine.place_of(frame), "", text), text)
+
+    def set_variable(self, reference: int, name: str, text: str) -> Variable:
+        """Set a child of a scope or of a value to the value of an expression; begins a new branch of history."""
+        expression, place = self._engine.expression_of(reference, name)
+        return self._changed(Input(self._stop.position, *place, expression, text), name)
+
+    def set_expression(self, target: str, text: str, frame: int = 0) -> Variable:
+        """Assign the value of an expression to a variable, an item or a signal; begins a new branch of history."""
+        return self._changed(Input(self._stop.position, *self._engine.place_of(frame), target, text), target)
+
+    def set_signal(self, name: str, text: str) -> Variable:
+        """Set an input, output or register of the robot; begins a new branch of history."""
+        return self.set_expression(name, text)
+
+    def state(self) -> State:
+        """Return the robot at this moment."""
+        return self._engine.state()
+
+    # ---------------------------------------------------------------- history
+
+    def history(self, name: str, *, function: str = "") -> tuple[Change, ...]:
+        """Return every change of a variable or signal up to the furthest position of this branch.
+
+        Args:
+            name: a signal, a program global, or a variable of `function`.
+            function: as `Frame.name`; empty for a global, a signal, or a variable of the program's body.
+        """
+        engine = self._new_engine()
+        try:
+            return engine.changes(name, function, self._furthest)
+        finally:
+            engine.close()
+
+    def passes(self, line: int) -> tuple[Position, ...]:
+        """Return every moment at which a line was about to run, up to the furthest position of this branch."""
+        numbers = self._numbers_at(line)
+        if not numbers:
+            return ()
+        engine = self._new_engine()
+        try:
+            engine.run(Goal(self._furthest, numbers=numbers, collects=True))
+            return tuple(engine.collected)
+        finally:
+            engine.close()
+
+    def who_changed(self, name: str, *, function: str = "") -> Change | None:
+        """Return the last change of a variable or signal before the present stop; `run_to(change.cause)` goes there."""
+        here = self._stop.position
+        engine = self._new_engine()
+        try:
+            found = engine.changes(name, function, here)
+        finally:
+            engine.close()
+        return found[-1] if found else None
+
+    # ---------------------------------------------------------------- internal
+
+    def _new_engine(self, *, is_heard: bool = False) -> Engine:
+        return self._snapshots.first(
+            lambda hear: Engine(self._source, self._rules, self._inputs, hear), is_heard=is_heard
+        )
+
+    @property
+    def _can_be_plain(self) -> bool:
+        """Whether nothing can stop the run but an event of a filter, and it has not begun."""
+        rules = self._rules
+        if self._snapshots.forks:
+            return False  # counted from the start, it leaves snapshots to go back to
+        return self._engine.count <= 1 and not (rules.code or rules.data or self._inputs or self._engine.is_over)
+
+    def _run_plainly(self, filters: frozenset[str]) -> Stop:
+        """Run without counting, at full speed; come to a stop before the end once more, with all counted."""
+        rules = Rules(filters=filters)
+        engine = Engine(self._source, rules, (), self._hear, is_counted=False)
+        self._replace_engine(engine)
+        stop = engine.run(Goal(heeds=True))
+        assert stop is not None
+        if stop.result:
+            return self._arrived(stop)
+        self._is_pausing = False
+        again = self._new_engine()
+        self._replace_engine(again)
+        arrived = again.run(Goal(stop.position))
+        assert arrived is not None
+        return self._arrived(replace(arrived, reason=stop.reason, text=stop.text))
+
+    def _replace_engine(self, engine: Engine) -> None:
+        self._engine.close()
+        self._engine = engine
+        engine.is_heard = True
+        if self._is_pausing:
+            engine.pause()
+
+    def _hear(self, number: int, output: Output) -> None:
+        """Pass on what the run says for the first time on this branch."""
+        if self._on_output is None:
+            return
+        if number == 0:
+            if self._logged is None or self._logged.is_before(output.position):
+                self._logged = output.position
+                self._on_output(output)
+        elif number > self._heard:
+            self._heard = number
+            self._on_output(output)
+
+    def _arrived(self, stop: Stop | None) -> Stop:
+        assert stop is not None
+        self._is_pausing = False
+        self._stop = stop
+        if self._furthest.is_before(stop.position):
+            self._furthest = stop.position
+        return stop
+
+    def _to_entry(self) -> Stop:
+        """Go to the stop before the first statement."""
+        if self._engine.count > 0 or self._engine.is_over:
+            self._replace_engine(self._new_engine())
+        stop = self._engine.run(Goal(Position(1, 0, 0, BEFORE_STATEMENT)))
+        assert stop is not None
+        return self._arrived(replace(stop, reason=ENTRY, text="the start of the run") if not stop.result else stop)
+
+    def _go_to(self, position: Position, stop: Stop | None) -> Stop:
+        """Go to a position; the stop is that one, or says that it was gone to."""
+        here = self._engine.position
+        if here != position:
+            if not here.is_before(position):
+                self._replace_engine(self._engine_before(position))
+            arrived = self._engine.run(Goal(position))
+        else:
+            arrived = self._stop
+        assert arrived is not None
+        if stop is not None and arrived.position == stop.position:
+            arrived = stop
+        return self._arrived(arrived)
+
+    def _engine_before(self, position: Position) -> Engine:
+        """Return an engine that stands before a position: a copy of one that came by there, or one at the start."""
+        near = None if self._rules.count_hits else self._snapshots.before(position)
+        if near is None:
+            return self._new_engine(is_heard=True)
+        engine, at = near
+        engine.set_rules(self._rules)
+        engine.set_inputs([change for change in self._inputs if at.is_before(change.position)])
+        engine.is_heard = True
+        return engine
+
+    def _step(self, kind: str, thread: int) -> Stop:
+        if self._engine.is_over:
+            return self._stop
+        self._count_hits_again()
+        _, depth = self._engine.functions_of(thread)
+        return self._arrived(self._engine.run(Goal(heeds=True, step=kind, thread=thread, depth=depth)))
+
+    # ---------------------------------------------------------------- back
+
+    def _last(self, goal: Goal, bound: Position) -> Stop | None:
+        """Return where a goal would last have stopped before a position: first looked for shortly before it."""
+        width = WINDOW if not self._snapshots.forks else WINDOW_OF_SNAPSHOTS
+        end = self._count_at_end() if bound.kind == AT_END else bound.statement
+        while True:
+            start = 0 if self._rules.count_hits and goal.heeds else max(0, end - width)
+            near = self._snapshots.nearest(bound)
+            if near >= 0 and end - _WIDE_ENOUGH * width <= near < end:
+                start = near
+            engine = self._engine_before(Position(start + 1, 0, 0, BEFORE_STATEMENT))
+            engine.is_heard = False
+            try:
+                if start > engine.count:
+                    engine.run(Goal(Position(start, 0, 0, BEFORE_STATEMENT)))
+                    self._snapshots.keep(engine)
+                found = engine.run(goal)
+            finally:
+                engine.close()
+            if found is not None or start <= 0:
+                self._snapshots.thin(bound)
+                return found
+            width *= _WIDER
+
+    def _count_at_end(self) -> int:
+        """Return how many statements the whole run has."""
+        if self._engine.is_over and self._engine.is_counted:
+            return self._engine.count
+        engine = self._new_engine()
+        try:
+            engine.run(Goal())
+            return engine.count
+        finally:
+            engine.close()
+
+    def _last_of_all(self, bound: Position) -> Stop | None:
+        """Return the last statement of any thread before a position."""
+        everything = frozenset(row.number for row in self._statements)
+        return self._last(Goal(bound, numbers=everything, last=True), bound)
+
+    # ---------------------------------------------------------------- changes
+
+    def _changed(self, change: Input, name: str) -> Variable:
+        """Make a change here, and begin a new branch of history."""
+        if self._engine.is_over:
+            raise DebugError("the run is over: go back to change something")
+        try:
+            value = self._engine.change(change, name)
+        except DebugError:
+            self._again()
+            raise
+        here = change.position
+        self._inputs = [*(item for item in self._inputs if not here.is_before(item.position)), change]
+        self._furthest = here
+        self._heard = self._engine.outputs
+        self._logged = here
+        self._engine.set_inputs(())
+        self._snapshots.forget_from(here)
+        return value
+
+    def _again(self) -> None:
+        """Come to the present stop anew, since something has been done that does not count."""
+        position = self._stop.position
+        self._replace_engine(self._engine_before(position))
+        self._engine.run(Goal(position))
+
+    # ---------------------------------------------------------------- rules
+
+    def _new_id(self) -> int:
+        self._next_id += 1
+        return self._next_id - 1
+
+    def _set_rules(self) -> None:
+        self._rules = Rules((*self._lines, *self._functions), tuple(self._data), self._filters)
+        self._engine.set_rules(self._rules)
+        self._has_stale_hits = self._rules.count_hits and self._engine.count > 0
+
+    def _count_hits_again(self) -> None:
+        """Run again up to here, so that hits are counted from the start of the run."""
+        if self._has_stale_hits:
+            self._has_stale_hits = False
+            self._again()
+
+    def _numbers_at(self, line: int) -> frozenset[int]:
+        rows = [row for row in self._statements if row.line == line]
+        return frozenset(row.number for row in rows[:1])
+
+    def _line_rule(self, request: LineBreakpoint) -> tuple[CodeRule | None, BreakpointState]:
+        identity = self._new_id()
+        below = [row for row in self._statements if row.line >= request.line]
+        if not below:
+            return None, BreakpointState(identity, False, "there is no statement in this line or below it")
+        try:
+            hit_condition(request.hit_condition)
+            for text in (request.condition, *_expressions(request.log_message)):
+                if text:
+                    parsed(text)
+        except DebugError as error:
+            return None, BreakpointState(identity, False, str(error))
+        first = min(row.line for row in below)
+        same = [row for row in below if row.line == first]
+        row = same[0]
+        if request.column and first == request.line:
+            row = next((item for item in same if item.column >= request.column), same[-1])
+        rule = CodeRule(
+            identity,
+            BREAKPOINT,
+            frozenset((row.number,)),
+            request.condition,
+            request.hit_condition,
+            request.log_message,
+        )
+        return rule, BreakpointState(identity, True, "", row.line, row.column, row.end_line, row.end_column)
+
+    def _function_rule(self, request: FunctionBreakpoint) -> tuple[CodeRule | None, BreakpointState]:
+        identity = self._new_id()
+        name = request.name.strip().removesuffix("()")
+        own = [
+            function for function in self._table.functions if name in (function.name, function.name.rpartition(".")[2])
+        ]
+        try:
+            hit_condition(request.hit_condition)
+            if request.condition:
+                parsed(request.condition)
+        except DebugError as error:
+            return None, BreakpointState(identity, False, str(error))
+        numbers = frozenset(function.number for function in own if function.number >= 0)
+        line = own[0].line if own else 0
+        if not own:
+            if CATALOGUE.get(name) is None:
+                return None, BreakpointState(identity, False, f"there is no function or command {name!r}")
+            numbers = calls_by_statement(self._source.name, self._source.text, self._statements).get(name, frozenset())
+        if not numbers:
+            return None, BreakpointState(identity, False, f"no statement of the program calls {name!r}")
+        rule = CodeRule(identity, FUNCTION_BREAKPOINT, numbers, request.condition, request.hit_condition)
+        return rule, BreakpointState(identity, True, "", line)
+
+
+def _expressions(message: str) -> list[str]:
+    found: list[str] = []
+
+    def note(text: str) -> str:
+        found.append(text)
+        return ""
+
+    filled(message, note)
+    return found

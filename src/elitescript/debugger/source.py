@@ -1,0 +1,198 @@
+"""What is debugged: something that makes the same run whenever it is begun, such as a program file with its robot.
+
+A `DebugSession` goes back by beginning again. So a source may hold nothing that a run has changed: it makes a new robot
+and new devices each time. `ProgramSource` is a program as `elitescript run` takes it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any, Protocol
+
+from elitescript.controller.controller import Controller
+from elitescript.environment.program_file import source_of
+from elitescript.errors import ProgramError
+from elitescript.language.compiler import CompiledUnit, compile_unit
+from elitescript.language.diagnostics import Diagnostic
+from elitescript.language.options import Options
+from elitescript.language.parser import parse
+from elitescript.language.probes import STEPS_PROBES
+from elitescript.language.text.source import SourceFile
+from elitescript.lint.engine import check_parsed
+from elitescript.messages.events import Event
+from elitescript.messages.signals import Value
+from elitescript.robot import VirtualRobot
+from elitescript.runtime.host import ScriptHost
+from elitescript.runtime.probe import Probe
+
+
+class Execution(Protocol):
+    """One execution of a source, from its beginning.
+
+    Attributes:
+        controller: the machine.
+        host: runs its programs.
+    """
+
+    @property
+    def controller(self) -> Controller: ...
+
+    @property
+    def host(self) -> ScriptHost: ...
+
+    def run(self) -> str:
+        """Run to the end; return `finished`, `alarm`, `stopped`, `time_limit` or `stuck`.
+
+        It may be left for good inside any call of the probe, of `on_event` or of `after_tick`.
+        """
+
+    def close(self) -> None:
+        """Release what it holds; called once, also when `run` was left."""
+
+
+class Source(Protocol):
+    """Makes executions.
+
+    Attributes:
+        name: of the program's text: its path.
+        text: the program.
+        problems: what was found in it before it ran.
+    """
+
+    @property
+    def problems(self) -> tuple[Diagnostic, ...]: ...
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def text(self) -> str: ...
+
+    def begin(
+        self,
+        probe: Probe | None,
+        *,
+        on_event: Callable[[Event], None],
+        after_tick: Callable[[], None],
+        next_stop: Callable[[int], int | None],
+    ) -> Execution:
+        """Make a new execution that has not run yet.
+
+        Args:
+            probe: counts the statements of its programs; None for a run that nothing counts.
+            on_event: receives each event when it happens, also changes of signals.
+            after_tick: called after each tick that was run.
+            next_stop: returns for a tick the next one that has to be run although nothing is due; None for none.
+
+        Raises:
+            ProgramError: the program does not compile.
+            ElitescriptError: the robot, the world or an option is wrong.
+        """
+
+
+class ProgramSource:
+    """A program file with a robot, as `elitescript run` takes it. Implements `Source`.
+
+    Args:
+        path: the program.
+        text: its text, if that is not the one of the file.
+        world: path of a world file.
+        levels: signals at the start (`--set` of signals).
+        presets: program globals at the start (`--set` of globals).
+        until_s: as `--until`.
+        lines: serial ports, as `VirtualRobot` takes them.
+        task_dir: folder of the program's files; that of the program if None.
+        options: of the robot, by their names: `model`, `firmware`, `joints`, `seed`, ...
+
+    Attributes:
+        problems: what was found in the program.
+
+    Raises:
+        ProgramError: the program does not compile, or is refused.
+        ElitescriptError: the robot, the world or an option is wrong.
+    """
+
+    def __init__(
+        self,
+        path: str | Path,
+        *,
+        text: str | None = None,
+        world: str | Path | None = None,
+        levels: Mapping[str, Value] | None = None,
+        presets: Mapping[str, object] | None = None,
+        until_s: float | None = None,
+        lines: Mapping[str, str] | None = None,
+        task_dir: str | Path | None = None,
+        **options: Any,
+    ) -> None:
+        source = source_of(Path(path)) if text is None else SourceFile(str(path), text)
+        self.name, self.text = source.name, source.text
+        self._source = source
+        self._plain: CompiledUnit | None = None
+        self._presets = dict(presets or {})
+        self._until_s = until_s
+        self._levels = dict(levels or {})
+        if task_dir is None and text is None:
+            task_dir = Path(path).resolve().parent
+        self._robot = partial(VirtualRobot, task_dir=task_dir, world=world, lines=lines, **options)
+        robot = self._robot()
+        read = Options(strict=robot.options.strict, probes=STEPS_PROBES)
+        checked = check_parsed(parse(source, read), robot.profile, presets=self._presets, arm=robot.model)
+        self.problems = checked.problems
+        if checked.unit is None or checked.is_refused:
+            raise ProgramError(checked.problems)
+        self._unit = checked.unit
+
+    def begin(
+        self,
+        probe: Probe | None,
+        *,
+        on_event: Callable[[Event], None],
+        after_tick: Callable[[], None],
+        next_stop: Callable[[int], int | None],
+    ) -> ProgramExecution:
+        """See `Source.begin`."""
+        robot = self._robot(on_event=on_event, probe=probe)
+        robot.set_start(self._levels)
+        robot.next_stop = next_stop
+        if probe is None:
+            self._plain = self._plain or compile_unit(self._source, Options(strict=robot.options.strict))
+            return ProgramExecution(robot, self._plain, self._presets, self._until_s, after_tick)
+        probe.compiled(self._unit)
+        return ProgramExecution(robot, self._unit, self._presets, self._until_s, after_tick)
+
+
+class ProgramExecution:
+    """One execution of a `ProgramSource`."""
+
+    __slots__ = ("_after_tick", "_presets", "_robot", "_unit", "_until_s", "controller", "host")
+
+    def __init__(
+        self,
+        robot: VirtualRobot,
+        unit: CompiledUnit,
+        presets: Mapping[str, object],
+        until_s: float | None,
+        after_tick: Callable[[], None],
+    ) -> None:
+        self._robot: VirtualRobot | None = robot
+        self._unit = unit
+        self._presets = presets
+        self._until_s = until_s
+        self._after_tick = after_tick
+        self.controller = robot.controller
+        self.host = robot.host
+
+    def run(self) -> str:
+        """See `Execution.run`."""
+        robot, after_tick = self._robot, self._after_tick
+        assert robot is not None
+        robot.start(self._unit, presets=self._presets)
+        return str(robot.run_started(until_s=self._until_s, watch=lambda robot: after_tick()).state)
+
+    def close(self) -> None:
+        """See `Execution.close`."""
+        self.host.forget_threads()
+        self._robot = None

@@ -1,0 +1,154 @@
+"""Values of programs as text and as trees, without running code of the program and without addresses."""
+
+from __future__ import annotations
+
+from types import BuiltinFunctionType, FunctionType, GeneratorType, MethodType
+from typing import Any, Final
+
+from elitescript.debugger.expressions import own_fields
+from elitescript.runtime.alarms import without_addresses
+from elitescript.runtime.names.modules import Facade
+
+TEXT_MAX: Final = 2000
+_ITEMS_MAX: Final = 100
+_DEPTH_MAX: Final = 6
+
+POSE: Final = ("x", "y", "z", "rx", "ry", "rz")
+JOINTS: Final = ("base", "shoulder", "elbow", "wrist1", "wrist2", "wrist3")
+
+_SIMPLE: Final = (bool, int, float, complex, type(None), type(...), range, slice)
+_BRACKETS: Final[dict[type, tuple[str, str]]] = {
+    list: ("[", "]"),
+    tuple: ("(", ")"),
+    set: ("{", "}"),
+    frozenset: ("{", "}"),
+}
+
+
+class Pose(tuple[float, ...]):
+    """Six numbers that are a pose: x, y, z in m, a rotation vector or roll, pitch, yaw in rad."""
+
+    __slots__ = ()
+
+
+class Joints(tuple[float, ...]):
+    """Six numbers that belong to the joints."""
+
+    __slots__ = ()
+
+
+class Group(dict[str, Any]):
+    """Named values that are shown as a tree."""
+
+    __slots__ = ()
+
+
+def shown(value: Any) -> str:
+    """Return a value as text: the same in every execution."""
+    text = _text(value, 0)
+    return text if len(text) <= TEXT_MAX else f"{text[: TEXT_MAX - 3]}..."
+
+
+def type_name(value: Any) -> str:
+    """Return what kind of value it is."""
+    if isinstance(value, Pose):
+        return "pose"
+    if isinstance(value, Joints):
+        return "joints"
+    if isinstance(value, Group):
+        return ""
+    if isinstance(value, FunctionType | BuiltinFunctionType | MethodType):
+        return "function"
+    if type(value) is Facade:
+        return "module"
+    kind = type(value)
+    if kind is type(None):
+        return "None"
+    return "class" if issubclass(kind, type) else str(type.__dict__["__name__"].__get__(kind))
+
+
+def children(value: Any) -> tuple[list[tuple[str, Any, str]], list[tuple[str, Any, str]]]:
+    """Return what a value holds: named and indexed children, each as name, value and what follows its expression."""
+    kind = type(value)
+    if kind is Group:
+        return [(name, item, "") for name, item in value.items()], []
+    if kind is Pose:
+        return [(name, item, f"[{n}]") for n, (name, item) in enumerate(zip(POSE, value, strict=False))], []
+    if kind is Joints:
+        return [(name, item, f"[{n}]") for n, (name, item) in enumerate(zip(JOINTS, value, strict=False))], []
+    if kind in (list, tuple, range, bytes, bytearray):
+        return [], [(f"[{index}]", item, f"[{index}]") for index, item in enumerate(value)]
+    if kind in (set, frozenset):
+        return [], [(f"[{index}]", item, "") for index, item in enumerate(sorted(value, key=shown))]
+    if kind is dict:
+        return [(shown(key), item, f"[{shown(key)}]" if _is_literal(key) else "") for key, item in value.items()], []
+    if kind in _SIMPLE or kind is str or isinstance(value, type | FunctionType | BuiltinFunctionType | MethodType):
+        return [], []
+    if kind is Facade or isinstance(value, GeneratorType):
+        return [], []
+    return [(name, item, f".{name}") for name, item in own_fields(value).items()], []
+
+
+def count_children(value: Any) -> tuple[int, int]:
+    """Return how many named and indexed children a value has."""
+    kind = type(value)
+    if kind in (list, tuple, range, bytes, bytearray, set, frozenset):
+        return 0, len(value)
+    if kind in (dict, Group):
+        return len(value), 0
+    named, indexed = children(value)
+    return len(named), len(indexed)
+
+
+def _is_literal(key: Any) -> bool:
+    return type(key) in (bool, int, float, str, bytes, type(None))
+
+
+def _text(value: Any, depth: int) -> str:
+    kind = type(value)
+    if kind in _SIMPLE:
+        return _number(value)
+    if kind in (str, bytes, bytearray):
+        return repr(value[:TEXT_MAX])
+    if depth > _DEPTH_MAX:
+        return "..."
+    if kind is Pose or kind is Joints:
+        return f"[{', '.join(f'{item:.6g}' for item in value)}]"
+    if kind is Group:
+        return ", ".join(f"{name} {_text(item, depth + 1)}" for name, item in list(value.items())[:_ITEMS_MAX])
+    if kind in _BRACKETS:
+        return _sequence(value, kind, depth)
+    if kind is dict:
+        pairs = [f"{_text(key, depth + 1)}: {_text(item, depth + 1)}" for key, item in list(value.items())[:_ITEMS_MAX]]
+        return "{" + ", ".join([*pairs, *(["..."] if len(value) > _ITEMS_MAX else [])]) + "}"
+    if isinstance(value, FunctionType | BuiltinFunctionType):
+        return f"function {value.__qualname__.rpartition('<locals>.')[2]}"
+    if isinstance(value, MethodType):
+        return f"method {value.__func__.__name__}"
+    if kind is Facade:
+        return without_addresses(repr(value))
+    if issubclass(kind, type):
+        return f"class {type.__dict__['__name__'].__get__(value)}"
+    if issubclass(kind, BaseException) and kind.__module__ == "builtins":
+        return f"{kind.__name__}({', '.join(_text(item, depth + 1) for item in value.args)})"
+    return f"<{type.__dict__['__name__'].__get__(kind)}>"
+
+
+def _number(value: Any) -> str:
+    try:
+        return repr(value)
+    except ValueError:
+        return f"an int of {value.bit_length()} bits"
+
+
+def _sequence(value: Any, kind: type, depth: int) -> str:
+    if kind in (set, frozenset):
+        parts = sorted(_text(item, depth + 1) for item in value)[:_ITEMS_MAX]
+        if not parts:
+            return f"{kind.__name__}()"
+    else:
+        parts = [_text(item, depth + 1) for item in value[:_ITEMS_MAX]]
+    opening, closing = _BRACKETS[kind]
+    more = ["..."] if len(value) > _ITEMS_MAX else []
+    only = "," if kind is tuple and len(value) == 1 else ""
+    return f"{opening}{', '.join([*parts, *more])}{only}{closing}"
