@@ -14,7 +14,10 @@ from mcp.client.stdio import StdioServerParameters, stdio_client
 from elitescript.mcp.folder import Folder
 from elitescript.mcp.server import make_server
 
-TOOLS = {"programs", "check", "run", "trace", "explain", "commands"}
+TOOLS = {
+    *("programs", "check", "run", "trace", "explain", "commands"),
+    *("debug_start", "debug_go", "debug_breakpoints", "debug_evaluate", "debug_history", "debug_end"),
+}
 
 
 @pytest.fixture
@@ -115,6 +118,30 @@ def test_a_worker_that_does_not_answer_is_ended(folder):
     is_error, why = call(folder, "run", wall_s=0.2, text="x = 10 ** 10 ** 9\n")
     assert is_error
     assert "was ended" in why
+
+
+def test_programs_are_debugged_in_processes_of_their_own(folder):
+    stop = ("debug_go", {"session": 1, "how": "next"})
+    answers = calls(
+        make_server(Folder(folder), 20.0),
+        ("debug_start", {"file": "a.script"}),
+        ("debug_start", {"text": "x = 1\ny = 2\n"}),
+        ("debug_go", {"session": 2, "how": "next"}),
+        stop,
+        ("debug_end", {"session": 1}),
+        stop,
+    )
+    assert [is_error for is_error, _ in answers] == [False, False, False, False, False, True]
+    assert [answers[number][1]["session"] for number in (0, 1, 2, 3)] == [1, 2, 2, 1]
+    assert (answers[2][1]["stack"][0]["line"], answers[3][1]["reason"]) == (2, "end")
+    assert "under way: 2" in answers[5][1]
+
+
+def test_the_debugged_run_that_was_asked_longest_ago_makes_room(folder, monkeypatch):
+    monkeypatch.setattr("elitescript.mcp.debugged.MOST", 1)
+    started = [("debug_start", {"text": "x = 1\n"})] * 2
+    answers = calls(make_server(Folder(folder), 20.0), *started, ("debug_go", {"session": 1, "how": "next"}))
+    assert [is_error for is_error, _ in answers] == [False, False, True]
 
 
 def test_the_command_line_serves_standard_input_and_output(folder):

@@ -14,6 +14,7 @@ from typing import Any, Final, Protocol
 
 from elitescript.controller.controller import Controller
 from elitescript.debugger.connections import KeptChannels, KeptNetwork
+from elitescript.devices.surroundings import Surroundings
 from elitescript.environment.program_file import source_of
 from elitescript.errors import ProgramError
 from elitescript.language.compiler import CompiledUnit, compile_unit
@@ -107,7 +108,7 @@ class ProgramSource:
     Args:
         path: the program.
         text: its text, if that is not the one of the file.
-        world: path of a world file.
+        world: path of a world file, or a function that makes what is around the robot, for each execution anew.
         levels: signals at the start (`--set` of signals).
         presets: program globals at the start (`--set` of globals).
         until_s: as `--until`.
@@ -129,7 +130,7 @@ class ProgramSource:
         path: str | Path,
         *,
         text: str | None = None,
-        world: str | Path | None = None,
+        world: str | Path | Callable[[], Surroundings] | None = None,
         levels: Mapping[str, Value] | None = None,
         presets: Mapping[str, object] | None = None,
         until_s: float | None = None,
@@ -149,7 +150,8 @@ class ProgramSource:
         self._has_real_network = world is None
         self._network: KeptNetwork | None = None
         self.may_fork = not (self._has_real_network and _CONNECTING.search(self.text))
-        self._robot = partial(VirtualRobot, task_dir=task_dir, world=world, lines=lines, **options)
+        self._world = world
+        self._make = partial(VirtualRobot, task_dir=task_dir, lines=lines, **options)
         robot = self._robot()
         read = Options(strict=robot.options.strict, probes=STEPS_PROBES)
         checked = check_parsed(parse(source, read), robot.profile, presets=self._presets, arm=robot.model)
@@ -157,6 +159,10 @@ class ProgramSource:
         if checked.unit is None or checked.is_refused:
             raise ProgramError(checked.problems)
         self._unit = checked.unit
+
+    def _robot(self, **options: Any) -> VirtualRobot:
+        world = self._world
+        return self._make(world=world() if callable(world) else world, **options)
 
     def begin(
         self,

@@ -114,3 +114,95 @@ class Programs(TypedDict):
     folder: str
     programs: list[str]
     programs_left_out: int
+
+
+class DebugThread(TypedDict):
+    """A script thread."""
+
+    id: int
+    name: str
+    line: int
+    waits_for: str
+    """Empty while it does not wait."""
+
+
+class DebugFrame(TypedDict):
+    """A call on the stack, the innermost one first."""
+
+    function: str
+    line: int
+
+
+class Said(TypedDict):
+    """Something that the program or the robot has said."""
+
+    t: float
+    line: int
+    text: str
+
+
+class Stopped(TypedDict):
+    """Where a debugged run stands: before a statement, behind a tick, or at its end."""
+
+    session: int
+    reason: str
+    text: str
+    time_s: float
+    thread: int
+    """Whose stack and variables are shown: the one that stopped, or else the first; 0 if there is none."""
+    result: str
+    """How the run ended; empty before."""
+    threads: list[DebugThread]
+    stack: list[DebugFrame]
+    variables: dict[str, dict[str, str]]
+    """By scope: `Locals`, `Globals`, `Robot`."""
+    joints: Six
+    tcp_pose: Six
+    output: list[Said]
+    """Since the last stop."""
+
+
+class SetBreakpoint(TypedDict):
+    """Where a breakpoint is now."""
+
+    line: int
+    set: bool
+    why: str
+    """Why it is not set."""
+
+
+class Breakpoints(TypedDict):
+    """All breakpoints of a debugged run."""
+
+    breakpoints: list[SetBreakpoint]
+
+
+class Value(TypedDict):
+    """The value of an expression."""
+
+    value: str
+    type: str
+
+
+class ValueChange(TypedDict):
+    """A change of a variable or signal."""
+
+    t: float
+    line: int
+    by: str
+    """The thread that made it, or what else did."""
+    old: str
+    new: str
+
+
+class History(TypedDict):
+    """Changes in the order of time, the last ones."""
+
+    changes: list[ValueChange]
+    changes_left_out: int
+
+
+class Ended(TypedDict):
+    """A debugged run that was given up."""
+
+    session: int

@@ -11,6 +11,7 @@ from typing import Any, Final
 
 from elitescript.devices.surroundings import VIRTUAL
 from elitescript.devices.world import World
+from elitescript.environment.start_values import check_presets
 from elitescript.errors import UsageError
 from elitescript.json_records.events import record_of
 from elitescript.json_records.jsonlines import plain
@@ -34,6 +35,8 @@ UNTIL_S: Final = 3600.0
 """Most virtual time of a run that names none, s."""
 WALL_S: Final = 10.0
 """Wall time of a run whose caller names none, s."""
+
+_OPTIONS: Final = ("firmware", "seed", "joints", "strict", "task_dir")
 
 _TEXT_KINDS: Final = frozenset(("log", "print", "popup", "warning", "device", "safety"))
 """Records of events that are messages for people."""
@@ -62,30 +65,40 @@ def trace(request: Mapping[str, Any]) -> dict[str, Any]:
     return _run(request, (begin, end, step))
 
 
-def robot_and_presets(request: Mapping[str, Any]) -> tuple[VirtualRobot, dict[str, Any]]:
-    """Return the robot of a call, its signals set, and the program globals that have a value before the program."""
-    robot = _robot(request)
+def start_values(request: Mapping[str, Any]) -> tuple[dict[str, Value], dict[str, Any]]:
+    """Return the signals and the program globals that have a value before the program begins."""
     levels: dict[str, Value] = {}
     presets: dict[str, Any] = {}
     for name, value in dict(request.get("set") or {}).items():
         (levels if name.partition("[")[0] in SIGNALS or "[" in name else presets)[name] = value
-    robot.set_start(levels)
-    return robot, presets
+    check_presets(presets, request["text"])
+    return levels, presets
 
 
-def _robot(request: Mapping[str, Any]) -> VirtualRobot:
-    world = None
+def world_of(request: Mapping[str, Any]) -> World:
+    """Return what is around the robot: nothing of this computer.
+
+    Raises:
+        UsageError: an invalid world file, or one that names Python files or the network of this computer.
+    """
     settings = None
     if request.get("world"):
         settings = load_world_file(request["world"], network=VIRTUAL, is_trusted=False)
-        world = settings.world
-    if world is None:
-        world = World(network=VIRTUAL)
-        world.settings = settings
-    keywords = {
-        name: request[name] for name in ("firmware", "seed", "joints", "strict") if request.get(name) is not None
-    }
-    return VirtualRobot(request.get("robot") or None, world=world, task_dir=request.get("task_dir"), **keywords)
+        if settings.world is not None:
+            return settings.world
+    world = World(network=VIRTUAL)
+    world.settings = settings
+    return world
+
+
+def options_of(request: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the options of the robot by their names, `task_dir` among them."""
+    named = {"model": request.get("robot"), **{name: request.get(name) for name in _OPTIONS}}
+    return {name: value for name, value in named.items() if value is not None}
+
+
+def _robot(request: Mapping[str, Any]) -> VirtualRobot:
+    return VirtualRobot(world=world_of(request), **options_of(request))
 
 
 def _checked(request: Mapping[str, Any], robot: VirtualRobot, presets: Mapping[str, Any] | None = None) -> CheckResult:
@@ -120,7 +133,9 @@ def _finding(problem: Diagnostic) -> dict[str, Any]:
 
 
 def _run(request: Mapping[str, Any], window: tuple[float, float, float] | None) -> dict[str, Any]:
-    robot, presets = robot_and_presets(request)
+    levels, presets = start_values(request)
+    robot = _robot(request)
+    robot.set_start(levels)
     checked = _checked(request, robot, presets)
     found = {"check": _findings(checked)}
     if checked.unit is None or checked.is_refused:

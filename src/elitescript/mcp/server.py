@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
 from functools import wraps
-from typing import Annotated, Any, Final, ParamSpec, TypeVar, cast
+from typing import Annotated, Any, Final, Literal, NotRequired, ParamSpec, TypeVar, cast
 
 from mcp.server.mcpserver import MCPServer
 from mcp.server.mcpserver.exceptions import ToolError
 from mcp_types import ToolAnnotations
 from pydantic import Field
+from typing_extensions import TypedDict
 
 from elitescript import __version__
 from elitescript.commands.catalogue import CATALOGUE
@@ -17,7 +18,20 @@ from elitescript.commands.definition.page import matches, record
 from elitescript.errors import CODES, ElitescriptError, ProgramError, UsageError
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.explanations import body
-from elitescript.mcp.answers import Commands, Explanation, Findings, Outcome, Programs, Trace
+from elitescript.mcp.answers import (
+    Breakpoints,
+    Commands,
+    Ended,
+    Explanation,
+    Findings,
+    History,
+    Outcome,
+    Programs,
+    Stopped,
+    Trace,
+    Value,
+)
+from elitescript.mcp.debugged import DebuggedRuns
 from elitescript.mcp.folder import Folder
 from elitescript.mcp.workers import ask_once
 
@@ -52,6 +66,18 @@ Seed = Annotated[int | None, Field(description="of random numbers")]
 Until = Annotated[float | None, Field(description="stop after so much robot time, s; an hour if not given")]
 Step = Annotated[float, Field(description="time between two rows, s; at most 500 rows")]
 
+Session = Annotated[int, Field(description="number that debug_start returned")]
+Thread = Annotated[int | None, Field(description="number of a thread; the one that stopped if not given")]
+
+
+class Breakpoint(TypedDict):
+    """A breakpoint of a line."""
+
+    line: int
+    condition: NotRequired[str]
+    """Stops only where it is true."""
+
+
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
 
@@ -67,6 +93,7 @@ def make_server(folder: Folder, wall_s: float) -> MCPServer:
         "elitescript", title="EliteScript", version=__version__, instructions=INSTRUCTIONS, log_level="WARNING"
     )
     tool = _registrar(server)
+    debugged = DebuggedRuns(wall_s)
 
     def program(
         file: str | None,
@@ -169,6 +196,74 @@ def make_server(folder: Folder, wall_s: float) -> MCPServer:
         )
         window = {"from_s": from_s, "to_s": to_s, "step_s": step_s, "until_s": to_s}
         return cast("Trace", await ask_once({"do": "trace", **request, **window}, wall_s))
+
+    @tool(_RUNS)
+    async def debug_start(
+        file: ProgramFile = None,
+        text: ProgramText = None,
+        robot: Arm = None,
+        firmware: Firmware = None,
+        world: WorldPath = None,
+        set: Levels = None,
+        joints: Joints = None,
+        seed: Seed = None,
+        until_s: Until = None,
+    ) -> Stopped:
+        """Begin to debug a program; it stands before its first statement. One can go on from there, and back."""
+        request = program(
+            file, text, robot, world, firmware=firmware, set=set, joints=joints, seed=seed, until_s=until_s
+        )
+        return cast("Stopped", await debugged.start({"do": "debug_start", **request}))
+
+    @tool(_RUNS)
+    async def debug_go(
+        session: Session,
+        how: Annotated[
+            Literal["continue", "next", "in", "out", "back", "reverse", "to_time", "last_pass"],
+            Field(
+                description="continue: to the next breakpoint, alarm or the end; next, in, out, back: one step of a "
+                "thread; reverse: to the last breakpoint before; to_time, last_pass (of a line): back or forth"
+            ),
+        ],
+        thread: Thread = None,
+        time_s: Annotated[float | None, Field(description="for to_time: s of robot time")] = None,
+        line: Annotated[int | None, Field(description="for last_pass: line of the program")] = None,
+    ) -> Stopped:
+        """Let a debugged run go on or back; return where it stops, with stack, variables, robot and output."""
+        request = {"do": "debug_go", "how": how, "thread": thread, "time_s": time_s, "line": line}
+        return cast("Stopped", await debugged.ask(session, request))
+
+    @tool(_RUNS)
+    async def debug_breakpoints(
+        session: Session,
+        lines: Annotated[list[Breakpoint], Field(description="all of them; those that were set before are removed")],
+    ) -> Breakpoints:
+        """Replace the breakpoints of a debugged run."""
+        return cast("Breakpoints", await debugged.ask(session, {"do": "debug_breakpoints", "lines": lines}))
+
+    @tool(_READS)
+    async def debug_evaluate(
+        session: Session, expression: Annotated[str, Field(description="of the language")], thread: Thread = None
+    ) -> Value:
+        """Return the value of an expression where a debugged run stands; nothing can be changed by it."""
+        request = {"do": "debug_evaluate", "expression": expression, "thread": thread}
+        return cast("Value", await debugged.ask(session, request))
+
+    @tool(_READS)
+    async def debug_history(
+        session: Session,
+        name: Annotated[str, Field(description="a signal such as standard_digital_out[3], a global, or a variable")],
+        function: Annotated[str, Field(description="in which the variable is; empty for the program's body")] = "",
+    ) -> History:
+        """Return every change of a variable or signal so far, with time, line and what made it."""
+        request = {"do": "debug_history", "name": name, "function": function}
+        return cast("History", await debugged.ask(session, request))
+
+    @tool(_READS)
+    async def debug_end(session: Session) -> Ended:
+        """Give a debugged run up."""
+        await debugged.end(session)
+        return {"session": session}
 
     @tool(_READS)
     async def explain(code: Annotated[str, Field(description="such as W203")]) -> Explanation:

@@ -13,24 +13,38 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 from elitescript.environment.process import limit_memory
-from elitescript.errors import ElitescriptError
+from elitescript.errors import ElitescriptError, ProgramError
 from elitescript.mcp import runs
+from elitescript.mcp.steps import Steps
 
 MEMORY_BYTES: Final = 2 * 1024**3
 """Memory that a worker may have, where the system can limit it."""
 
-REQUESTS: Final[dict[str, Callable[[Mapping[str, Any]], dict[str, Any]]]] = {
-    "check": runs.check,
-    "run": runs.run,
-    "trace": runs.trace,
-}
+Request = Callable[[Mapping[str, Any]], dict[str, Any]]
 
 
-def answer_to(line: str) -> dict[str, Any]:
+def requests() -> dict[str, Request]:
+    """Return what a worker does, by the names of the requests."""
+    steps = Steps()
+    return {
+        "check": runs.check,
+        "run": runs.run,
+        "trace": runs.trace,
+        "debug_start": steps.start,
+        "debug_go": steps.go,
+        "debug_breakpoints": steps.breakpoints,
+        "debug_evaluate": steps.evaluate,
+        "debug_history": steps.history,
+    }
+
+
+def answer_to(line: str, known: Mapping[str, Request]) -> dict[str, Any]:
     """Return the answer to a request: `{"result": ...}`, or `{"error": text}` with a text for the caller."""
     request = json.loads(line)
     try:
-        return {"result": REQUESTS[request["do"]](request)}
+        return {"result": known[request["do"]](request)}
+    except ProgramError as error:
+        return {"error": "\n".join(map(str, error.problems))}
     except ElitescriptError as error:
         return {"error": str(error)}
     except MemoryError:
@@ -41,8 +55,9 @@ def _main() -> None:
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
     limit_memory(MEMORY_BYTES)
+    known = requests()
     for line in sys.stdin:
-        print(json.dumps(answer_to(line), ensure_ascii=True, allow_nan=False), file=answers, flush=True)
+        print(json.dumps(answer_to(line, known), ensure_ascii=True, allow_nan=False), file=answers, flush=True)
 
 
 if __name__ == "__main__":

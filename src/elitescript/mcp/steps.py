@@ -1,0 +1,158 @@
+"""Stepping through a program: one debugged run for each worker process. Plain values in and out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Any, Final
+
+from elitescript.debugger.api import Change, DebugError, Frame, LineBreakpoint, Output, Scope, Stop, Variable
+from elitescript.debugger.session import DebugSession
+from elitescript.debugger.source import ProgramSource
+from elitescript.errors import UsageError
+from elitescript.mcp.runs import options_of, start_values, world_of
+
+FRAMES_MAX: Final = 20
+VARIABLES_MAX: Final = 100
+OUTPUTS_MAX: Final = 50
+CHANGES_MAX: Final = 200
+VALUE_MAX: Final = 500
+"""Characters of a value."""
+THREAD_STEPS: Final = {
+    "next": DebugSession.next,
+    "in": DebugSession.step_in,
+    "out": DebugSession.step_out,
+    "back": DebugSession.step_back,
+}
+"""Moves of one thread."""
+RUNS: Final = {"continue": DebugSession.resume, "reverse": DebugSession.reverse}
+"""Moves of the whole run."""
+
+
+class Steps:
+    """The debugged run of a worker."""
+
+    def __init__(self) -> None:
+        self._session: DebugSession | None = None
+        self._outputs: list[Output] = []
+
+    def start(self, request: Mapping[str, Any]) -> dict[str, Any]:
+        """Begin to debug a program; stop before its first statement."""
+        levels, presets = start_values(request)
+        until_s = request.get("until_s")
+        source = ProgramSource(
+            request["name"],
+            text=request["text"],
+            world=partial(world_of, request),
+            levels=levels,
+            presets=presets,
+            until_s=until_s,
+            **options_of(request),
+        )
+        self._session = DebugSession(source, self._outputs.append, forks=False)
+        return self._stopped(self._session.start(stop_on_entry=True))
+
+    def go(self, request: Mapping[str, Any]) -> dict[str, Any]:
+        """Let the run go on or back; return where it stops."""
+        session, how = self._debugged, request["how"]
+        try:
+            if how in THREAD_STEPS:
+                return self._stopped(THREAD_STEPS[how](session, request.get("thread") or session.stop.thread or 1))
+            if how in RUNS:
+                return self._stopped(RUNS[how](session))
+            if how == "to_time":
+                return self._stopped(session.run_to_time(_given(request, "time_s")))
+            if how == "last_pass":
+                return self._stopped(session.last_pass(_given(request, "line")))
+        except DebugError as error:
+            raise UsageError(str(error)) from error
+        ways = ", ".join((*THREAD_STEPS, *RUNS, "to_time", "last_pass"))
+        raise UsageError(f"how: {how!r} is none of {ways}")
+
+    def breakpoints(self, request: Mapping[str, Any]) -> dict[str, Any]:
+        """Replace the breakpoints of lines; return where they are."""
+        wanted = [LineBreakpoint(item["line"], condition=item.get("condition") or "") for item in request["lines"]]
+        try:
+            states = self._debugged.set_breakpoints(wanted)
+        except DebugError as error:
+            raise UsageError(str(error)) from error
+        return {"breakpoints": [{"line": state.line, "set": state.verified, "why": state.message} for state in states]}
+
+    def evaluate(self, request: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the value of an expression at the present stop; nothing is changed."""
+        session = self._debugged
+        try:
+            frames = session.stack(request.get("thread") or session.stop.thread or 1)
+            found = session.evaluate(request["expression"], frames[0].id if frames else 0)
+        except DebugError as error:
+            raise UsageError(str(error)) from error
+        return {"value": _short(found.value), "type": found.type}
+
+    def history(self, request: Mapping[str, Any]) -> dict[str, Any]:
+        """Return every change of a variable or signal so far."""
+        try:
+            changes = self._debugged.history(request["name"], function=request.get("function") or "")
+        except DebugError as error:
+            raise UsageError(str(error)) from error
+        return {
+            "changes": [_change(change) for change in changes[-CHANGES_MAX:]],
+            "changes_left_out": max(0, len(changes) - CHANGES_MAX),
+        }
+
+    @property
+    def _debugged(self) -> DebugSession:
+        if self._session is None:
+            raise UsageError("no program is debugged here")
+        return self._session
+
+    def _stopped(self, stop: Stop) -> dict[str, Any]:
+        """Return a stop with everything that there is to see."""
+        session = self._debugged
+        said, self._outputs[:] = self._outputs[-OUTPUTS_MAX:], []
+        state, threads = session.state(), session.threads()
+        thread = stop.thread or (threads[0].id if threads else 0)
+        frames = session.stack(thread)[:FRAMES_MAX] if thread else ()
+        scopes = session.scopes(frames[0].id if frames else 0)
+        return {
+            "reason": stop.reason,
+            "text": stop.text,
+            "time_s": stop.time_s,
+            "thread": thread,
+            "result": stop.result,
+            "threads": [
+                {"id": item.id, "name": item.name, "line": item.line, "waits_for": item.waits_for} for item in threads
+            ],
+            "stack": [_frame(frame) for frame in frames],
+            "variables": {scope.name: self._values(scope) for scope in scopes},
+            "joints": list(state.joints),
+            "tcp_pose": list(state.tcp_pose),
+            "output": [{"t": item.time_s, "line": item.line, "text": _short(item.text)} for item in said],
+        }
+
+    def _values(self, scope: Scope) -> dict[str, str]:
+        found: tuple[Variable, ...] = self._debugged.variables(scope.reference, count=VARIABLES_MAX)
+        return {variable.name: _short(variable.value) for variable in found}
+
+
+def _given(request: Mapping[str, Any], name: str) -> Any:
+    if request.get(name) is None:
+        raise UsageError(f"{name} must be given for {request['how']!r}")
+    return request[name]
+
+
+def _frame(frame: Frame) -> dict[str, Any]:
+    return {"function": frame.name, "line": frame.line}
+
+
+def _change(change: Change) -> dict[str, Any]:
+    return {
+        "t": change.time_s,
+        "line": change.line,
+        "by": change.thread_name,
+        "old": _short(change.old),
+        "new": _short(change.new),
+    }
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= VALUE_MAX else text[:VALUE_MAX] + "..."
