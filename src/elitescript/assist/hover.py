@@ -150,8 +150,8 @@ def _own(document: Document, own: OwnName, last_run: LastRun | None) -> str:
     uses = facts.uses(own)
     if is_known and isinstance(value, list):
         parts.append(_list(document, value, kind))
-    elif is_known and uses:
-        parts.append(f"{with_unit(value, uses[0].param.quantity.unit)}")
+    elif is_known:
+        parts += [with_unit(value, unit) for unit in dict.fromkeys(use.param.quantity.unit for use in uses)]
     if uses:
         parts.append(
             "Used as " + ", ".join(f"`{use.param.name}` of `{use.command}`" for use in uses[:_LINES_MAX]) + "."

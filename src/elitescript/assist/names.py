@@ -314,11 +314,11 @@ class Names:
                 statement = self.symbols.parent(binding.node)
                 if isinstance(statement, ast.Assign) and isinstance(statement.value, ast.Lambda):
                     made = self.symbols.scope_made_by(statement.value)
-            if getattr(binding.node, "decorator_list", ()):
+            if getattr(binding.node, "decorator_list", []):
                 return None
             if made is not None and made.kind == "class":
                 made = next((child for child in made.children if child.name == "__init__"), None)
-            if made is None or getattr(made.node, "decorator_list", ()):
+            if made is None or getattr(made.node, "decorator_list", []):
                 return None
             found.append(made)
         return found

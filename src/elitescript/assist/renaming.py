@@ -10,7 +10,6 @@ import ast
 import builtins
 import io
 import re
-import time
 from functools import cache
 from keyword import iskeyword
 from typing import Final
@@ -18,7 +17,7 @@ from unicodedata import normalize
 
 from elitescript.assist.document import Document
 from elitescript.assist.names import Entity, EntityKind, Names, Occurrence, takes_keyword
-from elitescript.assist.value_types import ModuleType, OwnClass, ValueTypes, attribute, module_names
+from elitescript.assist.value_types import ModuleType, OwnClass, ValueTypes, attribute, module_names, real_module
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.reserved import RESERVED
 from elitescript.language.advice.unknown_names import KNOWN
@@ -33,7 +32,7 @@ _READ_NAMES: Final = frozenset(
     ("delattr", "dir", "eval", "exec", "getattr", "globals", "hasattr", "locals", "setattr", "vars")
 )
 """Functions by which a program reaches variables or attributes through strings."""
-_KINDS: Final = (*vars(builtins).values(), io.TextIOWrapper, io.BufferedRandom, time.struct_time)
+_KINDS: Final = (*vars(builtins).values(), io.TextIOWrapper, io.BufferedRandom, real_module("time").struct_time)
 _OF_PYTHON: Final = frozenset(name for kind in _KINDS if isinstance(kind, type) for name in dir(kind))
 """Attributes of objects that a program does not define."""
 _PROXIES: Final = frozenset(("rpc_factory",))
@@ -191,7 +190,7 @@ def _escapes(names: Names, function: Scope) -> bool:
         name, outer = target.id, names.symbols.scope_of(target)
     else:
         name, outer = function.name, names.symbols.scope_of(node)
-    if outer.kind == "class" or getattr(node, "decorator_list", ()):
+    if outer.kind == "class" or getattr(node, "decorator_list", []):
         return True
     starts = [start.args[0] for start, _ in names.thread_starts]
     for use in names.of(names.entity(name, outer)):
@@ -232,7 +231,7 @@ def _use_in_class(names: Names, owner: Scope, name: str) -> str:
     first = min(((b.line, b.column) for b in bindings), default=(0, 0))
     if reads and (is_outside or any(names.symbols.place(read) < first for read in reads)):
         return f"`{owner.name}` may read a `{name}` from outside before it has its own"
-    if getattr(owner.node, "decorator_list", ()) and any(binding.kind != "def" for binding in bindings):
+    if getattr(owner.node, "decorator_list", []) and any(binding.kind != "def" for binding in bindings):
         return f"the decorator of `{owner.name}` may use the names of its attributes"
     return ""
 
