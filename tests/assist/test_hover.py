@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import pytest
 
 from elitescript.assist.document import Settings
@@ -173,3 +175,13 @@ def test_a_number_too_large_for_a_float_is_shown_without_another_unit() -> None:
     found = hover(document, line, column)
     assert found is not None
     assert "rad/s" in found.markdown
+
+
+@pytest.mark.parametrize("text", ["sleep(¦1if 1 else 2)\n", "sleep(1if 1 else 2).¦x\n"])
+def test_pythons_warnings_about_a_text_stay_away(text: str) -> None:
+    document, line, column = marked(text)
+    _ = document.program
+    with warnings.catch_warnings(record=True) as shown:
+        warnings.simplefilter("always")
+        hover(document, line, column)
+    assert shown == []
