@@ -198,18 +198,6 @@ class Names:
         """Return where the name of a function stands."""
         return self._behind_keyword(function.node, function.name)
 
-    def scope_at(self, line: int) -> Scope:
-        """Return the innermost function, class or body that holds a line, also one that could not be read."""
-        found = self.symbols.body
-        deeper = True
-        while deeper:
-            deeper = False
-            for child in found.children:
-                if child.kind in ("function", "class") and child.node.lineno <= line <= (child.node.end_lineno or 0):  # type: ignore[attr-defined]
-                    found, deeper = child, True
-                    break
-        return found
-
     @cached_property
     def thread_starts(self) -> tuple[tuple[ast.Call, Occurrence], ...]:
         """The calls of `start_thread`, each with the name that it is given."""

@@ -17,7 +17,15 @@ from unicodedata import normalize
 
 from elitescript.assist.document import Document
 from elitescript.assist.names import Entity, EntityKind, Names, Occurrence, takes_keyword
-from elitescript.assist.value_types import ModuleType, OwnClass, ValueTypes, attribute, module_names, real_module
+from elitescript.assist.value_types import (
+    ModuleType,
+    OwnClass,
+    ValueTypes,
+    attribute,
+    attribute_names,
+    module_names,
+    real_module,
+)
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.reserved import RESERVED
 from elitescript.language.advice.unknown_names import KNOWN
@@ -204,7 +212,7 @@ def _escapes(names: Names, function: Scope) -> bool:
 def _refusal_of_attribute(document: Document, name: str) -> str:
     names = document.names
     classes = [scope for scope in names.symbols.scopes if scope.kind == "class"]
-    owners = [scope for scope in classes if name in _attributes(names, scope)]
+    owners = [scope for scope in classes if name in attribute_names(OwnClass(scope, True))]
     if not owners:
         return f"no class of this text defines `{name}`"
     if len(owners) > 1:
@@ -275,19 +283,6 @@ def _has_classes(module: str) -> bool:
     """Return whether a module may make objects with attributes that `_OF_PYTHON` does not list."""
     found = (attribute(ModuleType(module), name) for name in module_names(module))
     return module != "time" and any(isinstance(kind, type) and not issubclass(kind, Exception) for kind in found)
-
-
-def _attributes(names: Names, scope: Scope) -> set[str]:
-    """Return the names that the body of a class, and assignments to the first parameter of its methods, define."""
-    found = set(scope.bindings)
-    for method in scope.children:
-        first = next(iter(method.parameters), "")
-        for item in ast.walk(method.node) if method.kind == "function" and first else ():
-            if not isinstance(item, ast.Attribute) or isinstance(item.ctx, ast.Load):
-                continue
-            if isinstance(item.value, ast.Name) and item.value.id == first:
-                found.add(item.attr)
-    return found
 
 
 def _bases(scope: Scope) -> set[str]:
