@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import pytest
 
 from elitescript.assist.document import Settings
@@ -157,3 +159,29 @@ def test_a_variable_named_like_a_command_is_that_variable():
     found = hover(document, row, column)
     assert found is not None
     assert found.markdown.startswith("```elitescript\ntime = 3")
+
+
+def test_a_value_is_shown_in_each_unit_in_which_it_is_used() -> None:
+    document, line, column = marked("¦N = 0.5\nmovel([0.4, 0, 0.3, 3.14, 0, 0], v=N)\nmovej([0, 0, 0, 0, 0, 0], v=N)\n")
+    found = hover(document, line, column)
+    assert found is not None
+    assert "0.5 m/s (500 mm/s)" in found.markdown
+    assert "0.5 rad/s (28.648 deg/s)" in found.markdown
+
+
+def test_a_number_too_large_for_a_float_is_shown_without_another_unit() -> None:
+    number = "1" + "0" * 400
+    document, line, column = marked(f"movej([0, 0, 0, 0, 0, 0], v=¦{number})\n")
+    found = hover(document, line, column)
+    assert found is not None
+    assert "rad/s" in found.markdown
+
+
+@pytest.mark.parametrize("text", ["sleep(¦1if 1 else 2)\n", "sleep(1if 1 else 2).¦x\n"])
+def test_pythons_warnings_about_a_text_stay_away(text: str) -> None:
+    document, line, column = marked(text)
+    _ = document.program
+    with warnings.catch_warnings(record=True) as shown:
+        warnings.simplefilter("always")
+        hover(document, line, column)
+    assert shown == []

@@ -84,6 +84,16 @@ def with_edits(document: Document, edits: tuple[Edit, ...]) -> str:
             "def job():\n  class A:\n    fresh = 1\n    def get(self):\n      return self.fresh\n"
             "    end\n  end\n  A().fresh\nend\n",
         ),
+        (
+            "import math\nclass A:\n  def ¦close(self):\n    pass\n  end\nend\n"
+            "a = A()\na.close()\ndef f(b):\n  b.shut()\nend\n",
+            "import math\nclass A:\n  def fresh(self):\n    pass\n  end\nend\n"
+            "a = A()\na.fresh()\ndef f(b):\n  b.shut()\nend\n",
+        ),
+        (
+            "def f(¦a, /, **more):\n  return a\nend\nf(1, a=2)\n",
+            "def f(fresh, /, **more):\n  return fresh\nend\nf(1, a=2)\n",
+        ),
         ("def ¦job():\n  sleep(1)\nend\n", "def fresh():\n  sleep(1)\nend\n"),
         (
             "def job():\n  n = 2\n  textmsg(f'n={¦n:>{n}} é')\nend\n",
@@ -136,7 +146,64 @@ def test_a_rename_changes_all_places_and_nothing_else(text: str, expected: str) 
         ("def f(¦a):\n  pass\nend\ng = f\ng(a=1)\n", "b", "line 5 passes an argument `a`"),
         ("class A:\n  def f(self, ¦a):\n    pass\n  end\nend\nA().f(a=1)\n", "b", "line 6 passes an argument `a`"),
         ("class A:\n  ¦v = 1\nend\nclass B:\n  v = 2\nend\n", "w", "both have `v`"),
-        ("class A:\n  ¦append = 1\nend\n", "w", "objects that this text does not define"),
+        ("class A:\n  ¦append = 1\nend\ndef f(x):\n  x.append(1)\nend\n", "w", "line 5 may use the `append`"),
+        # A function may get its arguments by name from a call that does not say so.
+        (
+            "import functools\ndef f(¦a):\n  pass\nend\nfunctools.partial(f, a=1)()\n",
+            "b",
+            "line 5 passes an argument `a`",
+        ),
+        (
+            "import functools\ndef f(¦a):\n  pass\nend\ng = functools.partial(f, **{})\n",
+            "b",
+            "line 5 may pass `a` by `**`",
+        ),
+        (
+            "import threading\ndef f(¦a):\n  pass\nend\nthreading.Thread(target=f, kwargs={'a': 1}).start()\n",
+            "b",
+            "line 5 may pass `a` to a thread",
+        ),
+        ("def g(h, **more):\n  h(1)\nend\ndef f(¦a):\n  pass\nend\ng(f, a=1)\n", "b", "line 7 passes an argument `a`"),
+        ("class A:\n  def f(self, ¦a):\n    pass\n  end\nend\nA().f(**{'a': 1})\n", "b", "line 6 may pass `a` by `**`"),
+        ("class A:\n  def __init__(self, ¦a):\n    pass\n  end\nend\nA(**{'a': 1})\n", "b", "line 6 may pass `a` by"),
+        ("(lambda ¦a: a)(**{'a': 1})\n", "b", "line 1 may pass `a` by `**`"),
+        (
+            "def w(g):\n  return lambda a: g(a)\nend\n@w\ndef f(¦a):\n  pass\nend\nf(a=1)\n",
+            "b",
+            "line 8 passes an argument",
+        ),
+        (
+            "import math\ndef f(¦a):\n  pass\nend\nif get_time() > 1:\n  f = math.sin\nend\nf(a=1)\n",
+            "b",
+            "line 8 passes",
+        ),
+        # An attribute may be that of another object, or be named otherwise than by `.`.
+        ("class A:\n  def ¦close(self):\n    pass\n  end\nend\nopen('a').close()\n", "w", "line 6 may use the `close`"),
+        (
+            "import threading\nclass A:\n  ¦start = 1\nend\nthreading.Thread().start()\n",
+            "w",
+            "line 5 may use the `start`",
+        ),
+        ("import datetime\nclass A:\n  ¦year = 1\nend\ndatetime.date.today().year\n", "w", "line 5 may use the `year`"),
+        ("class A:\n  ¦grip = 1\nend\nrpc_factory('xmlrpc', 'x').grip()\n", "w", "line 4 may use the `grip`"),
+        (
+            "class A:\n  __slots__ = ('v',)\n  def __init__(self):\n    self.¦v = 1\n  end\nend\n",
+            "w",
+            "`__slots__` of `A`",
+        ),
+        ("class A:\n  ¦v = 1\nend\ntextmsg('{0.v}'.format(A()))\n", "w", "the string of line 4 may name `v`"),
+        (
+            "from dataclasses import dataclass\n@dataclass\nclass A:\n  ¦v: int = 1\nend\nA(v=2)\n",
+            "w",
+            "decorator of `A`",
+        ),
+        (
+            "x = 1\nclass A:\n  if get_time() > 5:\n    ¦x = 2\n  end\n  y = x\nend\n",
+            "w",
+            "may read a `x` from outside",
+        ),
+        ("match 1:\n  case ¦q:\n    textmsg(q)\nend\n", "_", "stands for anything"),
+        ("def f():\n  global ﬁx\n  fix = 1\nend\n¦fix = 2\n", "y", "not known exactly"),
         ("class A(B):\n  ¦v = 1\nend\n", "w", "derived"),
         ("class A:\n  ¦v = 1\n  w = 2\nend\n", "w", "there is a `w` already"),
         ("class ¦A:\n  __v = 1\nend\ntextmsg(A._A__v)\n", "w", "`_A__v` in line 4"),

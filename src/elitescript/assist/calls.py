@@ -58,17 +58,14 @@ def incoming(document: Document, item: CallItem) -> tuple[Call, ...]:
     called = document.names.at(*item.name_span[:2])
     if called is None or item.name_span == _WHOLE:
         return ()
-    uses = [use for use in document.once(_uses) if use.name.entity == called.entity]
+    uses = document.once(_uses).get(called.entity, ())
     return _grouped((_caller(document, use.name.scope), use) for use in uses)
 
 
 def outgoing(document: Document, item: CallItem) -> tuple[Call, ...]:
     """Return what a function of the program calls or starts, in the order of the text. Never raises."""
-    pairs = []
-    for use in document.once(_uses):
-        if _caller(document, use.name.scope).name_span == item.name_span:
-            pairs += [(target, use) for target in _items(document, use.name.entity)]
-    return _grouped(pairs)
+    uses = document.once(_uses_by_caller).get(item.name_span, ())
+    return _grouped((target, use) for use in uses for target in _items(document, use.name.entity))
 
 
 class _Use(NamedTuple):
@@ -82,18 +79,26 @@ _WHOLE = Span(1, 1, 1, 1)
 """Where the name of a script stands, which has none."""
 
 
-def _uses(document: Document) -> tuple[_Use, ...]:
-    """Return the calls of functions of the program, in the order of the text."""
+def _uses(document: Document) -> dict[Entity, list[_Use]]:
+    """Return the calls by what is called, each in the order of the text."""
     names = document.names
     started = {name.span for _, name in names.thread_starts}
-    found = []
+    found: dict[Entity, list[_Use]] = {}
     for item in names.occurrences:
         if item.role in ("read", "attribute"):
             above = names.symbols.parent(item.node)
             is_called = isinstance(above, ast.Call) and above.func is item.node
             if is_called or item.span in started:
-                found.append(_Use(item, item.span in started))
-    return tuple(found)
+                found.setdefault(item.entity, []).append(_Use(item, item.span in started))
+    return found
+
+
+def _uses_by_caller(document: Document) -> dict[Span, list[_Use]]:
+    """Return the calls by the name of the function in which they stand, each in the order of the text."""
+    found: dict[Span, list[_Use]] = {}
+    for use in sorted((use for uses in document.once(_uses).values() for use in uses), key=lambda use: use.name.span):
+        found.setdefault(_caller(document, use.name.scope).name_span, []).append(use)
+    return found
 
 
 def _grouped(pairs: Iterable[tuple[CallItem, _Use]]) -> tuple[Call, ...]:

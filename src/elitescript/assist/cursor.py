@@ -307,17 +307,8 @@ class Cursor:
     # Calls
 
     @cached_property
-    def calls(self) -> tuple[CallAt, ...]:
-        """The calls around the place, the innermost first; not the brackets of a `def`."""
-        return tuple(self._calls())
-
-    @property
     def call(self) -> CallAt | None:
-        """The innermost call around the place."""
-        return self.calls[0] if self.calls else None
-
-    def _calls(self) -> list[CallAt]:
-        found = []
+        """The innermost call around the place; None if there is none, or in the brackets of a `def`."""
         path: list[tuple[str, int]] = []
         depth = commas = 0
         first = self.statement_start
@@ -336,15 +327,14 @@ class Cursor:
                     start = first + callee.start(1)
                     function = "".join(self.text[start : first + callee.end(1)].split())
                     arguments, index = self._arguments(position, offset)
-                    found.append(CallAt(function, start, position, arguments, index, tuple(reversed(path))))
-                    path = []
-                elif callee:
-                    break
+                    return CallAt(function, start, position, arguments, index, tuple(reversed(path)))
+                if callee:
+                    return None
                 path.append((mark, commas))
                 commas = 0
             elif mark == "," and not depth:
                 commas += 1
-        return found
+        return None
 
     def _arguments(self, opener: int, offset: int) -> tuple[tuple[Argument, ...], int]:
         """Return the arguments behind a `(`, and the index of the one that holds an offset."""

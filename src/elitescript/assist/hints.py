@@ -12,6 +12,7 @@ from elitescript.assist.document import Document
 from elitescript.assist.last_run import LastRun, LineTime
 from elitescript.assist.own_names import NameFacts, OwnName, function_of
 from elitescript.assist.units import number_text
+from elitescript.language.scopes import Scope
 from elitescript.lint.program import Span
 from elitescript.records import record
 
@@ -92,11 +93,14 @@ def _units(document: Document, span: Span) -> Iterator[InlayHint]:
             if param.quantity.meaning == "joints" and _is_shown(node, span):
                 nodes[node] = None
     facts = document.once(NameFacts)
+    kinds: dict[tuple[str, Scope | None], str] = {}
     for statement in program.nodes(ast.Assign):
         target = statement.targets[0]
         if isinstance(target, ast.Name) and isinstance(statement.value, ast.List) and _is_shown(statement.value, span):
-            home = symbols.scope_of(target).home(target.id)
-            if facts.kind(OwnName(target.id, home, (), 0)) == "joints":
+            own = (target.id, symbols.scope_of(target).home(target.id))
+            if own not in kinds:
+                kinds[own] = facts.kind(OwnName(*own, (), 0))
+            if kinds[own] == "joints":
                 nodes[statement.value] = None
     for node in nodes:
         label = _degrees(node)

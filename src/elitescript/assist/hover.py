@@ -26,7 +26,7 @@ from elitescript.assist.own_names import (
 )
 from elitescript.assist.python_texts import python_markdown
 from elitescript.assist.units import element_names, element_unit, value_text, with_unit
-from elitescript.assist.value_types import ModuleType, OwnClass, type_of_text
+from elitescript.assist.value_types import ModuleType, OwnClass, expression, type_of_text
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.quantities import JOINTS, POSE
 from elitescript.commands.definition.registry import Param
@@ -150,8 +150,8 @@ def _own(document: Document, own: OwnName, last_run: LastRun | None) -> str:
     uses = facts.uses(own)
     if is_known and isinstance(value, list):
         parts.append(_list(document, value, kind))
-    elif is_known and uses:
-        parts.append(f"{with_unit(value, uses[0].param.quantity.unit)}")
+    elif is_known:
+        parts += [with_unit(value, unit) for unit in dict.fromkeys(use.param.quantity.unit for use in uses)]
     if uses:
         parts.append(
             "Used as " + ", ".join(f"`{use.param.name}` of `{use.command}`" for use in uses[:_LINES_MAX]) + "."
@@ -245,12 +245,12 @@ def _number_range(cursor: Cursor) -> tuple[int, int]:
 
 def _number(document: Document, cursor: Cursor, last_run: LastRun | None) -> str:
     start, end = _number_range(cursor)
-    try:
-        number = ast.literal_eval("".join(cursor.text[start:end].split()))
-    except (SyntaxError, ValueError):
-        return ""
+    node = expression("".join(cursor.text[start:end].split()))
     call = cursor.call
-    if call is None or isinstance(number, complex):
+    if call is None or not isinstance(node, (ast.Constant, ast.UnaryOp)):
+        return ""
+    number = ast.literal_eval(node)
+    if isinstance(number, complex):
         return ""
     command = document.program.command(call.function, scope_at(document, cursor.line, cursor.column))
     param = None if command is None else parameter_at(command, call)

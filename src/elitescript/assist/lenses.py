@@ -65,9 +65,7 @@ def _used(document: Document, function: Scope) -> str:
     if outer is None or outer.kind == "class":
         return ""
     name = function.name
-    home = outer.home(name)
-    users = [scope for scope in document.symbols.scopes if scope.home(name) is home and name in scope.reads]
-    count = sum(len(scope.reads[name]) for scope in users)
+    count = len(document.symbols.reads_of(name, outer.home(name)))
     return "not used" if not count else f"used {'once' if count == 1 else f'{count} times'}"
 
 

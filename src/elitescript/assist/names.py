@@ -101,7 +101,8 @@ class Names:
         program: the text.
         occurrences: every place, in the order of the text.
         unlocated: names that stand at a place which is not known exactly, such as in some formatted strings.
-        loose_keywords: by name, the keyword arguments of calls of which is not known what they call.
+        loose_keywords: by name, the keyword arguments that may reach a function which is not known.
+        splats: the calls with `**`, each with the functions of the text that it may call; None if they are not known.
     """
 
     def __init__(self, program: AnalysedProgram) -> None:
@@ -109,6 +110,7 @@ class Names:
         self.symbols = program.symbols
         self.unlocated: set[str] = set()
         self.loose_keywords: dict[str, list[ast.keyword]] = {}
+        self.splats: list[tuple[ast.Call, list[Scope] | None]] = []
         self._rows = program.source.lines
         self._same: dict[Entity, Entity] = {}
         self._label = Entity(EntityKind.LABEL, program.parsed.name) if program.parsed.unit is not None else None
@@ -196,18 +198,6 @@ class Names:
         """Return where the name of a function stands."""
         return self._behind_keyword(function.node, function.name)
 
-    def scope_at(self, line: int) -> Scope:
-        """Return the innermost function, class or body that holds a line, also one that could not be read."""
-        found = self.symbols.body
-        deeper = True
-        while deeper:
-            deeper = False
-            for child in found.children:
-                if child.kind in ("function", "class") and child.node.lineno <= line <= (child.node.end_lineno or 0):  # type: ignore[attr-defined]
-                    found, deeper = child, True
-                    break
-        return found
-
     @cached_property
     def thread_starts(self) -> tuple[tuple[ast.Call, Occurrence], ...]:
         """The calls of `start_thread`, each with the name that it is given."""
@@ -252,7 +242,10 @@ class Names:
                 for name, statements in declared.items():
                     entity = self.entity(name, scope)
                     for statement in statements:
-                        for span in self._words(statement, name):
+                        spans = list(self._words(statement, name))
+                        if not spans:
+                            self.unlocated.add(name)
+                        for span in spans:
                             yield Occurrence(span, entity, Access.TEXT, kind, statement, scope)
             for call in scope.calls:
                 if call.keywords:
@@ -261,12 +254,15 @@ class Names:
         yield from self._strings()
 
     def _keywords(self, call: ast.Call, scope: Scope) -> Iterator[Occurrence]:
-        targets = self._targets(call, scope)
+        targets = self.targets(call, scope)
+        if any(keyword.arg is None for keyword in call.keywords):
+            self.splats.append((call, targets))
+        takes_more = targets is None or any(_takes_more(target) for target in targets)
         for keyword in call.keywords:
             if keyword.arg is None:
                 continue
-            homes = [target for target in targets or () if _takes_keyword(target, keyword.arg)]
-            if targets is None:
+            homes = [target for target in targets or () if takes_keyword(target, keyword.arg)]
+            if takes_more and not homes:
                 self.loose_keywords.setdefault(keyword.arg, []).append(keyword)
             if not homes:
                 continue
@@ -288,13 +284,12 @@ class Names:
                 self._same[entity] = other
         self._same[old] = other
 
-    def _targets(self, call: ast.Call, scope: Scope) -> list[Scope] | None:
-        """Return the functions of the text that a call may call; None if they are not known."""
+    def targets(self, call: ast.Call, scope: Scope) -> list[Scope] | None:
+        """Return the functions of the text that a call may call; None if they are not known.
+
+        What a decorator makes of a function is not known, nor what a function of a module does with one that it gets.
+        """
         function = call.func
-        if isinstance(function, ast.Attribute):
-            base = function.value
-            is_module = isinstance(base, ast.Name) and bool(self.symbols.imported(base.id, scope))
-            return [] if is_module else None
         if not isinstance(function, ast.Name):
             return None
         name = function.id
@@ -307,9 +302,11 @@ class Names:
                 statement = self.symbols.parent(binding.node)
                 if isinstance(statement, ast.Assign) and isinstance(statement.value, ast.Lambda):
                     made = self.symbols.scope_made_by(statement.value)
+            if getattr(binding.node, "decorator_list", []):
+                return None
             if made is not None and made.kind == "class":
                 made = next((child for child in made.children if child.name == "__init__"), None)
-            if made is None:
+            if made is None or getattr(made.node, "decorator_list", []):
                 return None
             found.append(made)
         return found
@@ -424,12 +421,18 @@ def _variable(name: str, home: Scope) -> Entity:
     return Entity(EntityKind.ATTRIBUTE, name) if home.kind == "class" else Entity(EntityKind.LOCAL, name, home)
 
 
-def _takes_keyword(function: Scope, name: str) -> bool:
+def takes_keyword(function: Scope, name: str) -> bool:
+    """Return whether calls of a function can name a parameter."""
     parameter = function.parameters.get(name)
     args = getattr(function.node, "args", None)
     if parameter is None or not isinstance(args, ast.arguments):
         return False
     return parameter in args.args or parameter in args.kwonlyargs
+
+
+def _takes_more(function: Scope) -> bool:
+    args = getattr(function.node, "args", None)
+    return isinstance(args, ast.arguments) and args.kwarg is not None
 
 
 def _place(item: Occurrence) -> tuple[int, int]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 from elitescript.assist.document import Document
+from elitescript.assist.enclosing import scope_at
 from elitescript.assist.names import Access, Entity, EntityKind
 from elitescript.lint.program import Span
 from elitescript.records import NamedTuple
@@ -64,6 +65,6 @@ def _entity_at(document: Document, line: int, column: int) -> Entity | None:
         return None
     for word in re.finditer(r"[^\W\d]\w*", document.code_line(line)):
         if word.start() < column <= word.end() + 1:
-            entity = document.names.entity(word.group(), document.names.scope_at(line))
+            entity = document.names.entity(word.group(), scope_at(document, line, column))
             return entity if entity.kind is not EntityKind.OUTSIDE else None
     return None

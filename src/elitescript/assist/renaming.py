@@ -8,20 +8,31 @@ from __future__ import annotations
 
 import ast
 import builtins
+import io
 import re
+from functools import cache
 from keyword import iskeyword
 from typing import Final
 from unicodedata import normalize
 
 from elitescript.assist.document import Document
-from elitescript.assist.names import Entity, EntityKind, Names, Occurrence
+from elitescript.assist.names import Entity, EntityKind, Names, Occurrence, takes_keyword
+from elitescript.assist.value_types import (
+    ModuleType,
+    OwnClass,
+    ValueTypes,
+    attribute,
+    attribute_names,
+    module_names,
+    real_module,
+)
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.reserved import RESERVED
 from elitescript.language.advice.unknown_names import KNOWN
 from elitescript.language.diagnostics import Edit
-from elitescript.language.policy import DENIED_ATTRIBUTES
+from elitescript.language.policy import DENIED_ATTRIBUTES, GUARDED_ATTRIBUTES
 from elitescript.language.symbols import Scope
-from elitescript.lint.program import Span
+from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.records import record
 
 _OWN_KEYWORDS: Final = frozenset(("case", "end", "match", "sec", "thread"))
@@ -29,10 +40,13 @@ _READ_NAMES: Final = frozenset(
     ("delattr", "dir", "eval", "exec", "getattr", "globals", "hasattr", "locals", "setattr", "vars")
 )
 """Functions by which a program reaches variables or attributes through strings."""
-_OF_PYTHON: Final = frozenset(
-    name for kind in (str, bytes, list, tuple, dict, set, int, float, complex, BaseException) for name in dir(kind)
-)
+_KINDS: Final = (*vars(builtins).values(), io.TextIOWrapper, io.BufferedRandom, real_module("time").struct_time)
+_OF_PYTHON: Final = frozenset(name for kind in _KINDS if isinstance(kind, type) for name in dir(kind))
 """Attributes of objects that a program does not define."""
+_PROXIES: Final = frozenset(("rpc_factory",))
+"""Commands that return objects with any attributes."""
+_THREADS: Final = frozenset(("Thread", "Timer"))
+"""Classes whose objects call a function with the arguments of a dictionary."""
 
 
 @record
@@ -128,7 +142,7 @@ def _refusal(document: Document, entity: Entity) -> str:
 def _refusal_of_kind(document: Document, entity: Entity) -> str:
     names, program, name = document.names, document.program, entity.name
     if entity.kind is EntityKind.ATTRIBUTE:
-        return _refusal_of_attribute(names, name)
+        return _refusal_of_attribute(document, name)
     through = next((use for use in program.outside if use.name in _READ_NAMES), None)
     if through is not None:
         return f"`{through.name}` in line {through.node.lineno} may reach `{name}` through a string"
@@ -155,37 +169,50 @@ def _refusal_of_parameter(names: Names, parameter: Occurrence) -> str:
     """Return the call that may name a parameter without being known to."""
     function = parameter.scope
     name = parameter.entity.name
-    loose = names.loose_keywords.get(name, ())
+    if function is names.symbols.body or not takes_keyword(function, name):
+        return ""
+    escapes = _escapes(names, function)
+    for call, targets in names.splats:
+        if function in targets if targets is not None else escapes:
+            return f"line {call.lineno} may pass `{name}` by `**`"
+    if not escapes:
+        return ""
+    if name in names.loose_keywords:
+        line = names.loose_keywords[name][0].lineno
+        return f"line {line} passes an argument `{name}` to a function that is not known"
+    if any(use.entity.name.rpartition(".")[2] in _THREADS for use in names.occurrences):
+        keys = (key for node in names.program.nodes(ast.Dict) for key in node.keys if isinstance(key, ast.Constant))
+        line = min((key.lineno for key in keys if key.value == name), default=0)
+        return f"line {line} may pass `{name}` to a thread" if line else ""
+    return ""
+
+
+def _escapes(names: Names, function: Scope) -> bool:
+    """Return whether calls that are not known to call a function may do so."""
     node = function.node
     if isinstance(node, ast.Lambda):
         statement = names.symbols.parent(node)
         target = statement.targets[0] if isinstance(statement, ast.Assign) and len(statement.targets) == 1 else None
-        is_named = isinstance(target, ast.Name)
-        reads = _uses(names, target.id, names.symbols.scope_of(target)) if isinstance(target, ast.Name) else []
+        if not isinstance(target, ast.Name):
+            return True
+        name, outer = target.id, names.symbols.scope_of(target)
     else:
-        outer = names.symbols.scope_of(node)
-        is_named = function is not names.symbols.body and outer.kind != "class"
-        reads = _uses(names, function.name, outer) if is_named else []
-    escapes = not is_named
-    for read in reads:
-        call = names.symbols.parent(read)
-        if isinstance(call, ast.Call) and call.func is read:
-            if any(keyword.arg is None for keyword in call.keywords):
-                return f"line {call.lineno} may pass `{name}` by `**`"
-        elif not any(call is start and start.args[0] is read for start, _ in names.thread_starts):
-            escapes = True
-    if escapes and loose and function is not names.symbols.body:
-        return f"line {loose[0].lineno} passes an argument `{name}` to a function that is not known"
-    return ""
+        name, outer = function.name, names.symbols.scope_of(node)
+    if outer.kind == "class" or getattr(node, "decorator_list", []):
+        return True
+    starts = [start.args[0] for start, _ in names.thread_starts]
+    for use in names.of(names.entity(name, outer)):
+        if use.role == "read" and use.node not in starts:
+            call = names.symbols.parent(use.node)
+            if not isinstance(call, ast.Call) or call.func is not use.node or names.targets(call, use.scope) is None:
+                return True
+    return False
 
 
-def _uses(names: Names, name: str, scope: Scope) -> list[ast.AST]:
-    return [item.node for item in names.of(names.entity(name, scope)) if item.role == "read"]
-
-
-def _refusal_of_attribute(names: Names, name: str) -> str:
+def _refusal_of_attribute(document: Document, name: str) -> str:
+    names = document.names
     classes = [scope for scope in names.symbols.scopes if scope.kind == "class"]
-    owners = [scope for scope in classes if name in _attributes(names, scope)]
+    owners = [scope for scope in classes if name in attribute_names(OwnClass(scope, True))]
     if not owners:
         return f"no class of this text defines `{name}`"
     if len(owners) > 1:
@@ -194,28 +221,68 @@ def _refusal_of_attribute(names: Names, name: str) -> str:
     owner = owners[0]
     if getattr(owner.node, "bases", ()) or any(owner.name in _bases(scope) for scope in classes):
         return f"`{owner.name}` is derived from another class, or another one from it"
-    if name in _OF_PYTHON:
-        return f"objects that this text does not define have `{name}` too"
     through = next((use for use in names.program.outside if use.name in _READ_NAMES), None)
     if through is not None:
         return f"`{through.name}` in line {through.node.lineno} may reach `{name}` through a string"
-    first = min(((b.line, b.column) for b in owner.bindings.get(name, ())), default=(0, 0))
-    if any(names.symbols.place(read) < first for read in owner.reads.get(name, ())):
-        return f"`{owner.name}` reads a `{name}` from outside before it has its own"
+    return (
+        _use_in_class(names, owner, name)
+        or _use_in_string(names, owner, name)
+        or _use_of_another_object(document, owner, name)
+    )
+
+
+def _use_in_class(names: Names, owner: Scope, name: str) -> str:
+    """Return why the body of a class may read another variable of the name."""
+    bindings, reads = owner.bindings.get(name, ()), owner.reads.get(name, ())
+    outside = names.entity(name, owner.parent or names.symbols.body)
+    is_outside = outside.kind is not EntityKind.OUTSIDE or name in KNOWN or CATALOGUE.get(name) is not None
+    first = min(((b.line, b.column) for b in bindings), default=(0, 0))
+    if reads and (is_outside or any(names.symbols.place(read) < first for read in reads)):
+        return f"`{owner.name}` may read a `{name}` from outside before it has its own"
+    if getattr(owner.node, "decorator_list", []) and any(binding.kind != "def" for binding in bindings):
+        return f"the decorator of `{owner.name}` may use the names of its attributes"
     return ""
 
 
-def _attributes(names: Names, scope: Scope) -> set[str]:
-    """Return the names that the body of a class, and assignments to the first parameter of its methods, define."""
-    found = set(scope.bindings)
-    for method in scope.children:
-        first = next(iter(method.parameters), "")
-        for item in ast.walk(method.node) if method.kind == "function" and first else ():
-            if not isinstance(item, ast.Attribute) or isinstance(item.ctx, ast.Load):
-                continue
-            if isinstance(item.value, ast.Name) and item.value.id == first:
-                found.add(item.attr)
-    return found
+def _use_in_string(names: Names, owner: Scope, name: str) -> str:
+    """Return the line of a string that may name an attribute: in `__slots__`, or to be formatted."""
+    if "__slots__" in owner.bindings:
+        return f"`__slots__` of `{owner.name}` may name `{name}`"
+    if GUARDED_ATTRIBUTES.isdisjoint(node.attr for node in names.program.nodes(ast.Attribute)):
+        return ""
+    pattern = re.compile(rf"\{{[^{{}}]*\.{re.escape(name)}(?!\w)")
+    for node in names.program.nodes(ast.Constant):
+        if isinstance(node.value, str) and pattern.search(node.value):
+            return f"the string of line {node.lineno} may name `{name}`"
+    return ""
+
+
+def _use_of_another_object(document: Document, owner: Scope, name: str) -> str:
+    """Return the line that may use an attribute of an object of another class."""
+    program = document.program
+    is_of_python = name in _OF_PYTHON or any(called.command.name in _PROXIES for called in program.command_calls)
+    may_be_another = is_of_python or any(map(_has_classes, _imported(program)))
+    types = document.once(ValueTypes)
+    for item in document.names.named(name):
+        if item.entity.kind is EntityKind.ATTRIBUTE and isinstance(item.node, ast.Attribute):
+            kind = types.of(item.node.value, item.scope)
+            is_own = isinstance(kind, OwnClass) and kind.scope is owner
+            if not is_own and (may_be_another or kind is not None):
+                return f"line {item.span.line} may use the `{name}` of an object of another class"
+    return ""
+
+
+def _imported(program: AnalysedProgram) -> set[str]:
+    """Return the names of the modules that a text imports, or takes names from."""
+    found = {alias.name for node in program.nodes(ast.Import) for alias in node.names}
+    return found | {node.module or "" for node in program.nodes(ast.ImportFrom)}
+
+
+@cache
+def _has_classes(module: str) -> bool:
+    """Return whether a module may make objects with attributes that `_OF_PYTHON` does not list."""
+    found = (attribute(ModuleType(module), name) for name in module_names(module))
+    return module != "time" and any(isinstance(kind, type) and not issubclass(kind, Exception) for kind in found)
 
 
 def _bases(scope: Scope) -> set[str]:
@@ -270,6 +337,8 @@ def _conflict(document: Document, entity: Entity, new: str) -> str:
         return ""
     if entity.kind is EntityKind.GLOBAL and new in document.program.presets:
         return f"`{new}` has its value before the program begins"
+    if new == "_" and any(isinstance(item.node, (ast.MatchAs, ast.MatchStar)) for item in names.of(entity)):
+        return "in a `case`, `_` stands for anything and gets no value"
     if any(alias.name == "*" for node in document.program.nodes(ast.ImportFrom) for alias in node.names):
         return "`import *` may define that name too"
     places = names.of(entity)

@@ -39,15 +39,19 @@ def converted(value: Any, unit: str) -> str:
     """Return a number of an SI unit in another common unit, such as `90 deg` or `250 mm/s`; may be empty."""
     if not isinstance(value, (int, float)) or isinstance(value, bool) or not value:
         return ""
+    try:
+        number = float(value)
+    except OverflowError:
+        return ""
     word, slash, rest = unit.partition("/")
     if word == "rad":
-        return f"{number_text(float(degrees(value)))} deg{slash}{rest}"
+        return f"{number_text(degrees(number))} deg{slash}{rest}"
     if word == "m":
-        return f"{number_text(float(value) * 1000.0)} mm{slash}{rest}"
+        return f"{number_text(number * 1000.0)} mm{slash}{rest}"
     if unit == "deg":
-        return f"{number_text(radians(value))} rad"
-    if unit == "s" and abs(value) < 1.0:
-        return f"{number_text(float(value) * 1000.0)} ms"
+        return f"{number_text(radians(number))} rad"
+    if unit == "s" and abs(number) < 1.0:
+        return f"{number_text(number * 1000.0)} ms"
     return ""
 
 

@@ -20,6 +20,7 @@ from elitescript.commands.definition.quantities import (
     Vector,
 )
 from elitescript.language.modules import AVAILABLE, COPIED_NAMES, OWN_NAMES, SHARED_NAMES
+from elitescript.language.parser import syntax_tree
 from elitescript.language.policy import is_attribute_allowed
 from elitescript.language.scopes import Binding, Resolution, Scope
 from elitescript.records import NamedTuple
@@ -119,11 +120,17 @@ def attribute(kind: ValueType, name: str) -> Any:
 
 def type_of_text(document: Document, text: str, scope: Scope) -> ValueType | None:
     """Return the type of an expression that is given as text; None if it is not certain or does not parse."""
+    node = expression(text)
+    return None if node is None else document.once(ValueTypes).of(node, scope)
+
+
+def expression(text: str) -> ast.expr | None:
+    """Return the tree of an expression; None if the text is none."""
     try:
-        node = ast.parse(text.strip(), mode="eval").body
+        (statement,) = syntax_tree(text.strip()).body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return None
-    return document.once(ValueTypes).of(node, scope)
+    return statement.value if isinstance(statement, ast.Expr) else None
 
 
 def _own_attributes(scope: Scope) -> set[str]:

@@ -30,7 +30,12 @@ def _first(program: AnalysedProgram, statement: str, scope: Scope) -> Edit:
     is_docstring = isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant)
     if is_docstring and len(statements) > 1:
         first = statements[1]
-    line, column = program.symbols.place(first)
+    decorators = getattr(first, "decorator_list", [])
+    if decorators:
+        line = program.symbols.place(decorators[0])[0]
+        column = program.source.line(line).index("@") + 1
+    else:
+        line, column = program.symbols.place(first)
     before = program.source.line(line)[: column - 1]
     separator = "; " if before.strip() else f"\n{before}"
     return Edit(line, column, line, column, f"{statement}{separator}")

@@ -47,7 +47,7 @@ def unit_fix(program: AnalysedProgram, doubted: Doubted) -> Fix | None:
         if not _is_number(number) or span.line != span.end_line:
             continue
         text = program.source.line(span.line)[span.column - 1 : span.end_column - 1]
-        new = f"{_TO_RADIANS}({text})" if is_angle else f"{ast.literal_eval(number) / 1000.0:g}"
+        new = f"{_TO_RADIANS}({text})" if is_angle else f"{ast.literal_eval(number) / 1000.0:.12g}"
         edits.append(Edit(*span, new))
     if not edits:
         return None

@@ -34,3 +34,9 @@ def test_nothing_is_converted_that_is_computed_or_where_d2r_is_something_else():
     assert only("def job():\n  movej([0, 45 * 2, 0, 0, 0, 0])\nend\n").fix is None
     (*_, problem) = problems("def job():\n  d2r = 1\n  movej([d2r, 90, 0, 0, 0, 0])\nend\n")
     assert (problem.code, problem.fix) == ("W230", None)
+
+
+def test_lengths_keep_their_digits():
+    text = "def job():\n  movel([1234.56789, 0, 0.3, 0, 0, 0])\nend\n"
+    (problem,) = (problem for problem in problems(text) if problem.code == "W231")
+    assert "movel([1.23456789, 0," in apply_fixes(text, [problem.fix])

@@ -136,3 +136,5 @@ def test_a_module_is_imported_and_a_local_variable_of_another_function_shared():
     assert repaired("def job():\n  textmsg(math.pi)\nend\n") == "def job():\n  import math\n  textmsg(math.pi)\nend\n"
     text = "def job():\n  def fill():\n    level = 1\n    textmsg(level)\n  end\n  fill()\n  textmsg(level)\nend\n"
     assert repaired(text) == text.replace("    level = 1", "    global level\n    level = 1")
+    decorated = "def job():\n  @ staticmethod\n  def f():\n    textmsg(math.pi)\n  end\n  f()\nend\n"
+    assert repaired(decorated) == decorated.replace("  @ static", "  import math\n  @ static")
