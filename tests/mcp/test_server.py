@@ -13,6 +13,7 @@ from mcp.client.stdio import StdioServerParameters, stdio_client
 
 from elitescript.mcp.folder import Folder
 from elitescript.mcp.server import make_server
+from elitescript.mcp.workers import Worker
 
 TOOLS = {
     *("programs", "check", "run", "trace", "explain", "commands"),
@@ -142,6 +143,19 @@ def test_the_debugged_run_that_was_asked_longest_ago_makes_room(folder, monkeypa
     started = [("debug_start", {"text": "x = 1\n"})] * 2
     answers = calls(make_server(Folder(folder), 20.0), *started, ("debug_go", {"session": 1, "how": "next"}))
     assert [is_error for is_error, _ in answers] == [False, False, True]
+
+
+def test_no_process_is_left_behind_when_the_server_ends(folder, monkeypatch):
+    workers = []
+
+    class Watched(Worker):
+        def __init__(self, wall_s):
+            super().__init__(wall_s)
+            workers.append(self)
+
+    monkeypatch.setattr("elitescript.mcp.debugged.Worker", Watched)
+    calls(make_server(Folder(folder), 20.0), ("debug_start", {"file": "a.script"}))
+    assert [worker.is_alive for worker in workers] == [False]
 
 
 def test_the_command_line_serves_standard_input_and_output(folder):

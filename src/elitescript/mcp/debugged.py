@@ -69,3 +69,8 @@ class DebuggedRuns:
         if number not in self._workers:
             raise UsageError(f"no debugged run has the number {number}")
         await self._workers.pop(number).end()
+
+    async def end_all(self) -> None:
+        """Give all runs up."""
+        for number in list(self._workers):
+            await self.end(number)

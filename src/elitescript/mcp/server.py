@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
 from functools import wraps
 from typing import Annotated, Any, Final, Literal, NotRequired, ParamSpec, TypeVar, cast
 
@@ -89,11 +90,24 @@ def make_server(folder: Folder, wall_s: float) -> MCPServer:
         folder: in which all files are that can be named.
         wall_s: most wall time of one call.
     """
+    debugged = DebuggedRuns(wall_s)
+
+    @asynccontextmanager
+    async def lifespan(_: MCPServer) -> AsyncIterator[None]:
+        try:
+            yield
+        finally:
+            await debugged.end_all()
+
     server = MCPServer(
-        "elitescript", title="EliteScript", version=__version__, instructions=INSTRUCTIONS, log_level="WARNING"
+        "elitescript",
+        title="EliteScript",
+        version=__version__,
+        instructions=INSTRUCTIONS,
+        lifespan=lifespan,
+        log_level="WARNING",
     )
     tool = _registrar(server)
-    debugged = DebuggedRuns(wall_s)
 
     def program(
         file: str | None,
