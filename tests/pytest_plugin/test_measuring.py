@@ -255,6 +255,13 @@ class TestReports:
             "percent": 93.33,
         }
 
+    def test_a_session_that_a_failure_ends_has_its_reports(self, pytester, cell):
+        test = HERE + "    assert 0\ndef test_never(): pass\n"
+        result = run(pytester, test, "-x", "--script-cov", "--script-cov-report=lcov:lcov.info")
+        result.assert_outcomes(failed=1)
+        assert (pytester.path / "lcov.info").read_text() == LCOV
+        result.stdout.fnmatch_lines(["coverage of robot programs written to lcov *"])
+
     def test_a_limit(self, pytester, cell):
         assert run(pytester, HERE, "--script-cov-fail-under=93.3").ret == 0
         result = run(pytester, HERE, "--script-cov-fail-under=93.4")

@@ -26,7 +26,7 @@ def open_coverage_file(folder: str | Path, size: int) -> int:
     """
     try:
         descriptor, _ = tempfile.mkstemp(SUFFIX, f"{os.getpid()}-", folder)
-        os.truncate(descriptor, size)
+        os.ftruncate(descriptor, size)
     except OSError as error:
         raise UsageError(f"{COVERAGE_VARIABLE}={folder}: {error.strerror or error}") from error
     return descriptor

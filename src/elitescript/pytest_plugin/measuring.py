@@ -87,16 +87,17 @@ class Measuring:
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtestloop(self, session: pytest.Session) -> Generator[None, object, object]:
-        """Write the reports when all tests have run, here and in all workers."""
-        result = yield
-        if not self._is_worker and not session.config.option.collectonly:
-            self._measure()
-            for kind, target in self._reports:
-                if target is not None:
-                    self._write(kind, target)
-            if self._is_too_little:
-                session.testsfailed += 1
-        return result
+        """Write the reports when tests have run, here and in all workers; also if `-x` or Ctrl-C has cut them short."""
+        try:
+            return (yield)
+        finally:
+            if not self._is_worker and not session.config.option.collectonly:
+                self._measure()
+                for kind, target in self._reports:
+                    if target is not None:
+                        self._write(kind, target)
+                if self._is_too_little:
+                    session.testsfailed += 1
 
     def pytest_terminal_summary(self, terminalreporter: TerminalReporter) -> None:
         """Print the table, and what no test has met."""
