@@ -154,6 +154,10 @@ class TestServedRobot:
                     served_robot.ctl("flay")
                 with pytest.raises(TimeoutError, match="no line of type 'alarm' within 0 s"):
                     served_robot.wait_for("alarm", within_s=0)
+                # As when the process of the tests ends.
+                served_robot._process.stdin.close()
+                with pytest.raises(Exception, match="serve has ended with exit code 0"):
+                    served_robot.wait_for("never")
             """,
         )
         result.assert_outcomes(passed=1)

@@ -1,0 +1,23 @@
+"""The process of `served_robot`: `elitescript serve`, ended when the process of the tests is gone, however that ended.
+
+Its standard input is a pipe of the tests' process, which closes with it.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+from threading import Thread
+
+from elitescript.cli.main import main
+
+
+def _end_with_input() -> None:
+    while os.read(0, 1):
+        pass
+    os.kill(os.getpid(), signal.SIGTERM)
+
+
+if __name__ == "__main__":
+    Thread(target=_end_with_input, name="end of the tests", daemon=True).start()
+    raise SystemExit(main())
