@@ -133,6 +133,24 @@ class TestCollecting:
         result.assert_outcomes(passed=1)
         assert "DA:18,3\nDA:20,1\n" in (pytester.path / "lcov.info").read_text()
 
+    @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
+    def test_processes_that_fork_have_records_of_their_own(self, pytester, cell):
+        test = (
+            "import os\n"
+            "def test_it(robot):\n"
+            "    unit = robot.compile('programs/cell.script')\n"
+            "    for work in (unit, 'programs/unused.script'):\n"
+            "        if not (child := os.fork()):\n"
+            "            robot.run(work)\n"
+            "            os._exit(0)\n"
+            "        os.waitpid(child, 0)\n"
+            "    robot.run('sleep(0.1)\\n')\n"
+            "    robot.run(unit).check()\n"
+        )
+        run(pytester, test, "--script-cov", "--script-cov-report=lcov:lcov.info").assert_outcomes(passed=1)
+        unused = "TN:\nSF:programs/unused.script\nFNF:0\nFNH:0\nBRF:0\nBRH:0\nDA:2,1\nLF:1\nLH:1\nend_of_record\n"
+        assert (pytester.path / "lcov.info").read_text() == times(LCOV, 2) + unused
+
     def test_tests_and_workers_are_merged(self, pytester, cell, monkeypatch):
         monkeypatch.setenv("PYTEST_PLUGINS", "elitescript.pytest_plugin.plugin,xdist.plugin")
         test = (
