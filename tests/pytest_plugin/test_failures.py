@@ -217,4 +217,15 @@ class TestStrict:
             """
         result = run(pytester, text, "--script-strict")
         result.assert_outcomes(passed=1, errors=1)
-        result.stdout.fnmatch_lines(["warnings, which --script-strict refuses:", "SystemExit ends *"])
+        result.stdout.fnmatch_lines(
+            [
+                "warnings, which --script-strict refuses:",
+                "SystemExit ends *",
+                "*- elitescript serve -*",
+                "last lines of the log:",
+                "               ready",
+                "      ?.??? s  task a started",
+                "      ?.??? s  signal flag* True  (line 2)",
+                "      ?.??? s  warning SystemExit ends *",
+            ]
+        )

@@ -216,6 +216,13 @@ class TestPaths:
             ]
         )
 
+    def test_a_root_folder_that_is_a_link(self, pytester, cell):
+        link = pytester.path.with_name(f"{pytester.path.name}-link")
+        link.symlink_to(pytester.path, target_is_directory=True)
+        result = run(pytester, HERE, f"--rootdir={link}", "--script-cov", "--script-cov-report=lcov:lcov.info")
+        result.assert_outcomes(passed=1)
+        assert (pytester.path / "lcov.info").read_text() == LCOV
+
     def test_several_files(self, pytester, cell):
         words = ("--script-cov=programs/unused.script", "--script-cov=programs/cell.script")
         result = run(pytester, HERE, *words, "--script-cov-report=lcov:lcov.info")

@@ -40,6 +40,11 @@ def mapped(descriptor: int) -> mmap.mmap:
         os.close(descriptor)
 
 
+def content_of(path: Path) -> memoryview:
+    """Return the content of a record; what is not written in it is not read."""
+    return memoryview(mapped(os.open(path, os.O_RDWR | getattr(os, "O_BINARY", 0))))
+
+
 def records_in(folder: str | Path) -> list[Path]:
     """Return the files of all processes."""
     return sorted(Path(folder).glob(f"*{SUFFIX}"))

@@ -18,8 +18,6 @@ START_S: Final = 60.0
 """How long a controller may take to open its ports, on a busy computer."""
 END_S: Final = 10.0
 """How long it may take to end by itself; then it is killed."""
-LOG_SHOWN: Final = 5
-"""Lines of the log in an error."""
 _PYTHON: Final = (sys.executable, "-P", "-m")
 _ENDED: Final = ""
 
@@ -86,6 +84,7 @@ class ServedRobot:
             TimeoutError: it has not come.
             ElitescriptError: the controller has ended before.
         """
+        __tracebackhide__ = True
         deadline_s, seen = monotonic() + within_s, 0
         while True:
             for line in self.log[seen:]:
@@ -97,8 +96,8 @@ class ServedRobot:
             except Empty:
                 wanted = f"{kind!r} with {fields}" if fields else repr(kind)
                 raise TimeoutError(
-                    f"no line of type {wanted} within {within_s:g} s; the log has {len(self.log)} lines, the last ones: "
-                    f"{self.log[-LOG_SHOWN:]}"
+                    f"no line of type {wanted} within {within_s:g} s; the log has {len(self.log)} lines, the last one is "
+                    f"{self.log[-1] if self.log else 'missing'}"
                 ) from None
             if text == _ENDED:
                 self._lines.put(_ENDED)
@@ -118,6 +117,7 @@ class ServedRobot:
         Raises:
             UsageError: the robot refuses, or there is no such verb.
         """
+        __tracebackhide__ = True
         words = ["ctl", "--json", "--socket", self._control, *(["--wait"] if wait else []), verb, *arguments]
         command = [*_PYTHON, "elitescript", *words]
         done = subprocess.run(command, capture_output=True, encoding="utf-8", errors="replace", stdin=subprocess.DEVNULL)
