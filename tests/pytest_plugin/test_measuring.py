@@ -162,7 +162,7 @@ class TestCollecting:
         )
         pytester.makepyfile(test_cell=test)
         words = ("-n2", "-p", "no:cacheprovider", "--script-cov", "--script-cov-report=lcov:lcov.info")
-        pytester.runpytest_subprocess(*words).assert_outcomes(passed=2)
+        pytester.runpytest_inprocess(*words).assert_outcomes(passed=2)
         assert (pytester.path / "lcov.info").read_text() == times(LCOV, 4)
 
     def test_secondary_programs_and_texts_of_a_file_count(self, pytester, cell):

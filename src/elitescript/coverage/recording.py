@@ -93,7 +93,7 @@ class Recorder:
                 self._append(FACT, [kind, *words], 0)
 
     def copied(self, block: bytearray | memoryview, lock: AbstractContextManager[Any]) -> Recorder:
-        """Return a recorder that goes on in another block with the same programs, by the same numbers; its counts are 0.
+        """Return a recorder for another block with the same programs, by the same numbers; its counts are 0.
 
         Args:
             block: bytes that are all 0, as many as this one has.

@@ -30,6 +30,8 @@ TEXT_MAX: Final = 160
 """Characters of one text."""
 NAME_MAX: Final = 120
 """Characters of the name of a page."""
+_SERVED: Final = ("type", "name", "value", "state", "code", "class", "text")
+"""What is shown of a line that `serve --json` has printed, in this order."""
 
 
 def section(watched: Iterable[WatchedRun], pages: Iterable[Path] = ()) -> str:
@@ -44,7 +46,7 @@ def served_section(log: Sequence[Mapping[str, Any]]) -> str:
     out = []
     for line in log[-LINES_SHOWN:]:
         time = f"{line['t']:9.3f} s" if "t" in line else ""
-        text = " ".join(str(line[name]) for name in ("type", "name", "value", "state", "code", "class", "text") if name in line)
+        text = " ".join(str(line[name]) for name in _SERVED if name in line)
         place = f"  (line {line['line']})" if line.get("line") else ""
         out.append(f"  {time:11}  {_short(text)}{place}")
     return "\n".join(["last lines of the log:", *out])

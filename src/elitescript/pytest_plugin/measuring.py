@@ -87,7 +87,7 @@ class Measuring:
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtestloop(self, session: pytest.Session) -> Generator[None, object, object]:
-        """Write the reports when tests have run, here and in all workers; also if `-x` or Ctrl-C has cut them short."""
+        """Write the reports when tests have run, here and in all workers; also if `-x` or Ctrl-C ended them."""
         try:
             return (yield)
         finally:
@@ -169,9 +169,9 @@ class Measuring:
     def _note_changed(self, names: dict[str, set[str]], seen: set[str]) -> None:
         """Note programs that have been written anew since they ran, whose lines are not known any more."""
         shown = {program.path for program in self._programs}
-        for digest, known in names.items():
-            changed = sorted(name for name in known if digest not in seen and self._shown(Path(name).resolve()) in shown)
-            self._notes += [f"{self._shown(Path(name))} was changed while tests ran" for name in changed]
+        for digest in names.keys() - seen:
+            changed = {self._shown(Path(name).resolve()) for name in names[digest]} & shown
+            self._notes += [f"{path} was changed while tests ran" for path in sorted(changed)]
 
     def _records(self) -> Iterator[Record]:
         for path in records_in(self._folder):

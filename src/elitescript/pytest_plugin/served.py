@@ -96,8 +96,8 @@ class ServedRobot:
             except Empty:
                 wanted = f"{kind!r} with {fields}" if fields else repr(kind)
                 raise TimeoutError(
-                    f"no line of type {wanted} within {within_s:g} s; the log has {len(self.log)} lines, the last one is "
-                    f"{self.log[-1] if self.log else 'missing'}"
+                    f"no line of type {wanted} within {within_s:g} s; the log has {len(self.log)} lines, "
+                    f"the last one is {self.log[-1] if self.log else 'missing'}"
                 ) from None
             if text == _ENDED:
                 self._lines.put(_ENDED)
@@ -120,7 +120,9 @@ class ServedRobot:
         __tracebackhide__ = True
         words = ["ctl", "--json", "--socket", self._control, *(["--wait"] if wait else []), verb, *arguments]
         command = [*_PYTHON, "elitescript", *words]
-        done = subprocess.run(command, capture_output=True, encoding="utf-8", errors="replace", stdin=subprocess.DEVNULL)
+        done = subprocess.run(
+            command, capture_output=True, encoding="utf-8", errors="replace", stdin=subprocess.DEVNULL
+        )
         try:
             answer = json.loads(done.stdout)
         except ValueError:

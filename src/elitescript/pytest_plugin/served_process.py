@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import os
 import signal
+from runpy import run_module
 from threading import Thread
-
-from elitescript.cli.main import main
 
 
 def _end_with_input() -> None:
@@ -20,4 +19,4 @@ def _end_with_input() -> None:
 
 if __name__ == "__main__":
     Thread(target=_end_with_input, name="end of the tests", daemon=True).start()
-    raise SystemExit(main())
+    run_module("elitescript", run_name="__main__")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from threading import Lock
 from weakref import ref
 
@@ -49,6 +50,6 @@ def count_programs_in(descriptor: int) -> Callable[[], Probe] | None:
 def _count_apart(counting: ref[CoverageProbe], folder: str) -> None:
     """Count in a file of its own in a process that was forked: two cannot give away room of one."""
     probe = counting()
-    if probe is not None and os.path.isdir(folder):
+    if probe is not None and Path(folder).is_dir():
         block = memoryview(mapped(coverage_descriptor(folder)))
         probe.recorder = probe.recorder.copied(block, Lock())
