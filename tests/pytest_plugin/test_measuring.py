@@ -189,6 +189,12 @@ class TestCollecting:
         assert program["file"] == "programs/half.script"
         assert program["lines"] == {"1": 1, "2": 1, "3": 0, "5": 1, "7": 1, "8": 1}
 
+    def test_a_file_of_a_single_test_is_no_program(self, pytester, cell):
+        (cell / "one.script").write_text("def test_one():\n  x = 1\n  assert x == 1\nend\n")
+        result = pytester.runpytest_inprocess("-p", "no:cacheprovider", "programs/one.script", "--script-cov")
+        result.assert_outcomes(passed=1)
+        result.stdout.fnmatch_lines(["no program with a file was run"])
+
     def test_texts_without_a_file_are_in_no_report(self, pytester, cell):
         result = run(pytester, "def test_it(robot): robot.run('sleep(1)\\n')\n", "--script-cov")
         result.stdout.fnmatch_lines(["no program with a file was run"])

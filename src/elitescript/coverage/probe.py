@@ -9,7 +9,7 @@ from elitescript.coverage.recording import Recorder, counters_max
 from elitescript.errors import InternalError, ScriptError
 from elitescript.language.compiler import CompiledUnit
 from elitescript.language.hooks import HITS
-from elitescript.language.options import LINE, Options
+from elitescript.language.options import LINE, SCRIPT, Options
 from elitescript.language.probes import HITS_PROBES
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Alarm, Event, SafetyModeChanged, TaskStateChanged
@@ -43,8 +43,11 @@ class CoverageProbe:
         self._path_of = path_of
 
     def options(self, options: Options, source: SourceFile) -> Options:
-        """Return the options that count the statements of a text, unless it is a line of interpreter mode."""
-        if options.kind == LINE:
+        """Return the options that count the statements of a text.
+
+        Neither lines of interpreter mode are counted, nor a program that is read as a script, which has other numbers.
+        """
+        if options.kind in (LINE, SCRIPT):
             return options
         name = source.name
         first = self.recorder.counters(name if name.startswith("<") else self._path_of(name), source.text)
