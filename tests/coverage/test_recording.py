@@ -48,6 +48,24 @@ class TestRoundTrip:
         block, _ = recorder()
         assert read_record(bytes(block)) == ((), frozenset(), True)
 
+    def test_a_copy_has_the_same_programs_by_the_same_numbers_and_no_counts(self):
+        block, record = recorder()
+        first = record.counters("/cell.script", TEXT)
+        record.cells[first] += 5
+        record.fact("alarm", "R110")
+        other = bytearray(4096)
+        copy = record.copied(other, nullcontext())
+        assert copy.counters("/cell.script", TEXT) == first
+        copy.cells[first + 1] += 1
+        assert copy.counters("/more.script", TEXT + "#") == record.counters("/else.script", TEXT + "##")
+        found = read_record(bytes(other))
+        assert [(row.name, row.counts[:3]) for row in found.programs] == [
+            ("/cell.script", (0, 1, 0)),
+            ("/more.script", (0, 0, 0)),
+        ]
+        assert found.facts == {("alarm", "R110")}
+        assert [row.counts[:2] for row in read_record(bytes(block)).programs] == [(5, 0), (0, 0)]
+
     def test_threads_get_counters_of_their_own(self):
         block = bytearray(1 << 20)
         record = Recorder(memoryview(block), threading.Lock())

@@ -81,6 +81,14 @@ def compiled(text, kind, **options):
     return compile_unit(SourceFile("job.script", text), Options(probes=kind, **options))
 
 
+@pytest.mark.parametrize("last", ["_ as other", "2 | _", "1 | (_ as other)", "(other)", "(2 | (3 | _))"])
+def test_a_last_case_that_takes_all_needs_no_other_side(last):
+    if "other" in last and "|" in last:
+        last = last.replace("1 ", "(1 as other) ")
+    text = f"def job():\n  match 1:\n    case 0:\n      pass\n    case {last}:\n      pass\n  end\nend\n"
+    assert [side.line for side in compiled(text, "coverage").probes.branches] == [4, 6]
+
+
 def test_statements_by_hand():
     table = compiled(PROGRAM, "steps").statements
     assert [(row.line, row.column, row.end_line, row.end_column, row.function) for row in table] == [

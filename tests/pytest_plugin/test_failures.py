@@ -206,15 +206,3 @@ class TestStrict:
         result = run(pytester, self.CHECKED.replace("robot): ", "robot):\n    ") + "    assert 0\n", "--script-strict")
         result.assert_outcomes(failed=1)
         assert "which --script-strict refuses" not in result.stdout.str()
-
-    def test_a_served_robot(self, pytester):
-        text = """
-            import socket
-            def test_it(served_robot):
-                with socket.create_connection((served_robot.host, served_robot.ports["primary"])) as primary:
-                    primary.sendall(b"def a():\\n  set_flag(3, True)\\n  raise SystemExit\\nend\\n")
-                    served_robot.wait_for("warning")
-            """
-        result = run(pytester, text, "--script-strict")
-        result.assert_outcomes(passed=1, errors=1)
-        result.stdout.fnmatch_lines(["warnings, which --script-strict refuses:", "SystemExit ends *"])

@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 import textwrap
+from importlib.metadata import entry_points
 
 import pytest
 
@@ -107,7 +108,8 @@ class TestRobot:
         ],
     )
     def test_a_mistake_is_an_error_that_names_it(self, pytester, marker, text):
-        result = run(pytester, f"import pytest\n@pytest.mark.elitescript({marker})\ndef test_it(robot): pass\n")
+        text_of_test = f"import pytest\n@pytest.mark.elitescript({marker})\ndef test_it(robot): pass\n"
+        result = run(pytester, text_of_test, "--tb=line")
         result.assert_outcomes(errors=1)
         result.stdout.fnmatch_lines([f"*UsageError*{text}*"])
 
@@ -120,7 +122,7 @@ class TestRobot:
 
 
 class TestServedRobot:
-    def test_ports_ctl_and_log_beside_a_robot_in_virtual_time(self, pytester):
+    def test_ports_ctl_log_and_warnings_beside_a_robot_in_virtual_time(self, pytester):
         result = run(
             pytester,
             """
@@ -144,8 +146,9 @@ class TestServedRobot:
                 assert served_robot.host == "127.0.0.1"
                 assert {"dashboard", "primary", "rtsi", "modbus"} <= set(served_robot.ports)
                 with socket.create_connection((served_robot.host, served_robot.ports["primary"])) as primary:
-                    primary.sendall(b"def a():\\n  textmsg('here')\\nend\\n")
+                    primary.sendall(b"def a():\\n  set_flag(3, True)\\n  textmsg('here')\\n  raise SystemExit\\nend\\n")
                     served_robot.wait_for("log", text="here")
+                    served_robot.wait_for("warning")
                 assert served_robot.log[0]["type"] == "ready"
                 assert served_robot.log[0]["robots"][0]["model"] == "CS612"
                 assert served_robot.ctl("state")["robot_mode"] == "RUNNING"
@@ -154,9 +157,25 @@ class TestServedRobot:
                     served_robot.ctl("flay")
                 with pytest.raises(TimeoutError, match="no line of type 'alarm' within 0 s"):
                     served_robot.wait_for("alarm", within_s=0)
+                # As when the process of the tests ends.
+                served_robot._process.stdin.close()
+                with pytest.raises(Exception, match="serve has ended with exit code 0"):
+                    served_robot.wait_for("never")
             """,
+            "--script-strict",
         )
-        result.assert_outcomes(passed=1)
+        result.assert_outcomes(passed=1, errors=1)
+        result.stdout.fnmatch_lines(
+            [
+                "warnings, which --script-strict refuses:",
+                "SystemExit ends *",
+                "*- elitescript serve -*",
+                "last lines of the log:",
+                "*?.??? s  task a started",
+                "*?.??? s  signal flag* True  (line 2)",
+                "*?.??? s  warning SystemExit ends *",
+            ]
+        )
 
     @pytest.mark.parametrize(
         ("marker", "text"),
@@ -166,23 +185,31 @@ class TestServedRobot:
         ],
     )
     def test_what_serve_cannot_take_is_an_error(self, pytester, marker, text):
-        result = run(pytester, f"import pytest\n@pytest.mark.elitescript({marker})\ndef test_it(served_robot): pass\n")
+        text_of_test = f"import pytest\n@pytest.mark.elitescript({marker})\ndef test_it(served_robot): pass\n"
+        result = run(pytester, text_of_test, "--tb=line")
         result.assert_outcomes(errors=1)
         result.stdout.fnmatch_lines([f"*UsageError*{text}*"])
 
 
 class TestWithoutEffort:
-    def test_the_plugin_imports_nothing_of_the_robot(self):
+    def test_neither_the_plugin_nor_a_session_without_robots_imports_any(self, pytester):
+        """The list holds all modules that the plugin loads, those of Python too."""
+        pytester.makepyfile(
+            test_it="import sys\n"
+            "def test_it(): assert [name for name in sys.modules if name.startswith('elitescript')] == sys.ours\n"
+        )
         code = (
             "import sys, pytest, time\n"
             "before = set(sys.modules)\n"
             "start = time.process_time()\n"
             "import elitescript.pytest_plugin.plugin\n"
             "took = time.process_time() - start\n"
-            "print(sorted(set(sys.modules) - before), took)\n"
+            "sys.ours = [name for name in sys.modules if name not in before]\n"
+            "print(sorted(sys.ours), took)\n"
+            "sys.exit(pytest.main(['-q', '-p', 'no:cacheprovider', '--strict-markers']))\n"
         )
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-        modules, _, took = done.stdout.rpartition(" ")
+        modules, _, took = done.stdout.partition("\n")[0].rpartition(" ")
         assert modules == str(
             [
                 "elitescript",
@@ -194,22 +221,16 @@ class TestWithoutEffort:
             ]
         )
         assert float(took) < 0.02  # 3 ms on a quiet computer
-
-    def test_a_session_without_robots_imports_none(self, pytester):
-        pytester.makepyfile(
-            "import sys\n"
-            "def test_it():\n"
-            "    assert 'elitescript.pytest_plugin.plugin' in sys.modules\n"
-            "    assert 'elitescript.robot' not in sys.modules\n"
-            "    assert 'elitescript.kernel' not in sys.modules\n"
-        )
-        pytester.runpytest_subprocess("-p", "no:cacheprovider", "--strict-markers").assert_outcomes(passed=1)
+        assert "1 passed" in done.stdout
 
     def test_it_can_be_switched_off(self, pytester, monkeypatch):
         monkeypatch.delenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD")
         monkeypatch.delenv("PYTEST_PLUGINS")
         pytester.makepyfile("def test_it(robot): pass")
-        result = pytester.runpytest_inprocess("-p", "no:elitescript", "-p", "no:cacheprovider")
+        others = {found.name for found in entry_points(group="pytest11")} - {"elitescript"}
+        alone = ["-p", "no:cacheprovider", *(word for name in others for word in ("-p", f"no:{name}"))]
+        pytester.runpytest_inprocess(*alone).assert_outcomes(passed=1)
+        result = pytester.runpytest_inprocess(*alone, "-p", "no:elitescript")
         result.assert_outcomes(errors=1)
         result.stdout.fnmatch_lines(["*fixture 'robot' not found*"])
 

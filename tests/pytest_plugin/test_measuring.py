@@ -133,6 +133,24 @@ class TestCollecting:
         result.assert_outcomes(passed=1)
         assert "DA:18,3\nDA:20,1\n" in (pytester.path / "lcov.info").read_text()
 
+    @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
+    def test_processes_that_fork_have_records_of_their_own(self, pytester, cell):
+        test = (
+            "import os\n"
+            "def test_it(robot):\n"
+            "    unit = robot.compile('programs/cell.script')\n"
+            "    for work in (unit, 'programs/unused.script'):\n"
+            "        if not (child := os.fork()):\n"
+            "            robot.run(work)\n"
+            "            os._exit(0)\n"
+            "        os.waitpid(child, 0)\n"
+            "    robot.run('sleep(0.1)\\n')\n"
+            "    robot.run(unit).check()\n"
+        )
+        run(pytester, test, "--script-cov", "--script-cov-report=lcov:lcov.info").assert_outcomes(passed=1)
+        unused = "TN:\nSF:programs/unused.script\nFNF:0\nFNH:0\nBRF:0\nBRH:0\nDA:2,1\nLF:1\nLH:1\nend_of_record\n"
+        assert (pytester.path / "lcov.info").read_text() == times(LCOV, 2) + unused
+
     def test_tests_and_workers_are_merged(self, pytester, cell, monkeypatch):
         monkeypatch.setenv("PYTEST_PLUGINS", "elitescript.pytest_plugin.plugin,xdist.plugin")
         test = (
@@ -144,7 +162,7 @@ class TestCollecting:
         )
         pytester.makepyfile(test_cell=test)
         words = ("-n2", "-p", "no:cacheprovider", "--script-cov", "--script-cov-report=lcov:lcov.info")
-        pytester.runpytest_subprocess(*words).assert_outcomes(passed=2)
+        pytester.runpytest_inprocess(*words).assert_outcomes(passed=2)
         assert (pytester.path / "lcov.info").read_text() == times(LCOV, 4)
 
     def test_secondary_programs_and_texts_of_a_file_count(self, pytester, cell):
@@ -170,6 +188,12 @@ class TestCollecting:
         (program,) = json.loads((pytester.path / "c.json").read_text())["programs"]
         assert program["file"] == "programs/half.script"
         assert program["lines"] == {"1": 1, "2": 1, "3": 0, "5": 1, "7": 1, "8": 1}
+
+    def test_a_file_of_a_single_test_is_no_program(self, pytester, cell):
+        (cell / "one.script").write_text("def test_one():\n  x = 1\n  assert x == 1\nend\n")
+        result = pytester.runpytest_inprocess("-p", "no:cacheprovider", "programs/one.script", "--script-cov")
+        result.assert_outcomes(passed=1)
+        result.stdout.fnmatch_lines(["no program with a file was run"])
 
     def test_texts_without_a_file_are_in_no_report(self, pytester, cell):
         result = run(pytester, "def test_it(robot): robot.run('sleep(1)\\n')\n", "--script-cov")
@@ -197,6 +221,13 @@ class TestPaths:
                 "TOTAL *",
             ]
         )
+
+    def test_a_root_folder_that_is_a_link(self, pytester, cell):
+        link = pytester.path.with_name(f"{pytester.path.name}-link")
+        link.symlink_to(pytester.path, target_is_directory=True)
+        result = run(pytester, HERE, f"--rootdir={link}", "--script-cov", "--script-cov-report=lcov:lcov.info")
+        result.assert_outcomes(passed=1)
+        assert (pytester.path / "lcov.info").read_text() == LCOV
 
     def test_several_files(self, pytester, cell):
         words = ("--script-cov=programs/unused.script", "--script-cov=programs/cell.script")
@@ -254,6 +285,13 @@ class TestReports:
             "functions_hit": 1,
             "percent": 93.33,
         }
+
+    def test_a_session_that_a_failure_ends_has_its_reports(self, pytester, cell):
+        test = HERE + "    assert 0\ndef test_never(): pass\n"
+        result = run(pytester, test, "-x", "--script-cov", "--script-cov-report=lcov:lcov.info")
+        result.assert_outcomes(failed=1)
+        assert (pytester.path / "lcov.info").read_text() == LCOV
+        result.stdout.fnmatch_lines(["coverage of robot programs written to lcov *"])
 
     def test_a_limit(self, pytester, cell):
         assert run(pytester, HERE, "--script-cov-fail-under=93.3").ret == 0

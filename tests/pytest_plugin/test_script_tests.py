@@ -86,7 +86,8 @@ class TestCollection:
         ],
     )
     def test_a_mistake_in_the_file_is_an_error_of_its_collection(self, pytester, text, shown):
-        result = script(pytester, text)
+        # Else pytest prepares the traceback of its own interruption, which takes longer than all the rest.
+        result = script(pytester, text, "--continue-on-collection-errors")
         result.assert_outcomes(errors=1)
         result.stdout.fnmatch_lines([shown])
 

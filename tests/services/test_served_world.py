@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import replace
 
 import pytest
 
+from elitescript.coverage.probe import CoverageProbe
+from elitescript.coverage.recording import Recorder, read_record
 from elitescript.devices.channels.machine_faults import machine_fault
 from elitescript.environment.request_channels import RequestChannels
 from elitescript.errors import UsageError
@@ -26,6 +29,7 @@ from elitescript.messages.machine import DisturbInput
 from elitescript.messages.outcomes import Done, Refused
 from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Reply, SendChannel
 from elitescript.protocol.ports import SERVICES
+from elitescript.runtime import probe as seam
 from elitescript.services.control.verbs import VERBS, VerbRequest
 from elitescript.services.log import ServerLog
 from elitescript.services.served_devices import CHANNELS_MAX, UNSENT_MAX, ServedDevices
@@ -214,6 +218,19 @@ def test_a_disturbance_of_a_protocol_that_a_device_does_not_speak_is_refused():
     with pytest.raises(UsageError, match="form: exception on 5000: Camera there speaks no MODBUS"):
         disturbed(5000)
     assert len(disturbed(502).inputs) == 1
+
+
+def test_coverage_learns_what_can_have_faults_and_which_there_were(monkeypatch):
+    block = bytearray(4096)
+    probe = CoverageProbe(Recorder(memoryview(block), nullcontext()), str)
+    monkeypatch.setattr(seam, "_default", [lambda: probe])
+    bench = Bench(World(devices=[Camera(name="camera")], faults=[Fault("silence", 5000, at_s=1.0)]))
+    bench.world.check_fault(Fault("refuse", "camera"))
+    assert read_record(block).facts >= {
+        ("place", "5000", "tcp", "camera"),
+        ("fault", "5000", "silence"),
+        ("fault", "5000", "refuse"),
+    }
 
 
 def test_faults_come_and_go_by_inputs():

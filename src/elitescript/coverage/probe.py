@@ -9,7 +9,7 @@ from elitescript.coverage.recording import Recorder, counters_max
 from elitescript.errors import InternalError, ScriptError
 from elitescript.language.compiler import CompiledUnit
 from elitescript.language.hooks import HITS
-from elitescript.language.options import LINE, Options
+from elitescript.language.options import LINE, SCRIPT, Options
 from elitescript.language.probes import HITS_PROBES
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Alarm, Event, SafetyModeChanged, TaskStateChanged
@@ -31,20 +31,26 @@ class CoverageProbe:
     Args:
         recorder: keeps the counters.
         path_of: returns the path of a program by its name, as reports need it.
+
+    Attributes:
+        recorder: see above; in a process that was forked, a copy takes its place.
     """
 
-    __slots__ = ("_path_of", "_recorder")
+    __slots__ = ("__weakref__", "_path_of", "recorder")
 
     def __init__(self, recorder: Recorder, path_of: Callable[[str], str]) -> None:
-        self._recorder = recorder
+        self.recorder = recorder
         self._path_of = path_of
 
     def options(self, options: Options, source: SourceFile) -> Options:
-        """Return the options that count the statements of a text, unless it is a line of interpreter mode."""
-        if options.kind == LINE:
+        """Return the options that count the statements of a text.
+
+        Neither lines of interpreter mode are counted, nor a program that is read as a script, which has other numbers.
+        """
+        if options.kind in (LINE, SCRIPT):
             return options
         name = source.name
-        first = self._recorder.counters(name if name.startswith("<") else self._path_of(name), source.text)
+        first = self.recorder.counters(name if name.startswith("<") else self._path_of(name), source.text)
         return options if first is None else replace(options, probes=HITS_PROBES, first_probe=first)
 
     def compiled(self, unit: CompiledUnit) -> None:
@@ -58,24 +64,24 @@ class CoverageProbe:
 
     def hooks(self) -> dict[str, object]:
         """Return the counters, by the name under which programs find them."""
-        return {HITS: self._recorder.cells}
+        return {HITS: self.recorder.cells}
 
     def event(self, event: Event) -> None:
         """Take note of alarms and states."""
         if isinstance(event, Alarm):
-            self._recorder.fact(ALARM, event.code)
+            self.recorder.fact(ALARM, event.code)
         elif isinstance(event, SafetyModeChanged):
-            self._recorder.fact(SAFETY, event.mode.name)
+            self.recorder.fact(SAFETY, event.mode.name)
         elif isinstance(event, TaskStateChanged):
-            self._recorder.fact(TASK, event.state.name)
+            self.recorder.fact(TASK, event.state.name)
 
     def refused(self, command: str, error: ScriptError) -> None:
         """Take note of the refusal of a command."""
-        self._recorder.fact(REFUSAL, command, type(error).__name__, error.code)
+        self.recorder.fact(REFUSAL, command, type(error).__name__, error.code)
 
     def faults(self, places: Sequence[tuple[str, str, str]], faults: Sequence[tuple[str, str]]) -> None:
         """Take note of what can have faults, and of faults."""
         for place in places:
-            self._recorder.fact(PLACE, *place)
+            self.recorder.fact(PLACE, *place)
         for fault in faults:
-            self._recorder.fact(FAULT, *fault)
+            self.recorder.fact(FAULT, *fault)

@@ -92,6 +92,22 @@ class Recorder:
                 self._facts.add(text)
                 self._append(FACT, [kind, *words], 0)
 
+    def copied(self, block: bytearray | memoryview, lock: AbstractContextManager[Any]) -> Recorder:
+        """Return a recorder for another block with the same programs, by the same numbers; its counts are 0.
+
+        Args:
+            block: bytes that are all 0, as many as this one has.
+            lock: of the other one.
+        """
+        copy = Recorder(block, lock)
+        copy.cells[1 : self._end] = self.cells[1 : self._end]
+        copy._end, copy._firsts, copy._facts = self._end, dict(self._firsts), set(self._facts)
+        for kind, payload in _records(copy.cells):
+            if kind == COUNTERS:
+                counters = payload[1 + _text_cells(payload) :]
+                counters.cast("B")[:] = bytes(counters.nbytes)
+        return copy
+
     def _append(self, kind: int, about: object, counters: int) -> int | None:
         """Append a record; return the index of its first counter, None if there is no room."""
         data = json.dumps(about).encode("ascii")
@@ -172,8 +188,12 @@ def _records(cells: memoryview) -> Iterator[tuple[int, memoryview]]:
 
 def _parts(payload: memoryview) -> tuple[Any, tuple[int, ...]]:
     """Return the object of a record and its counters."""
-    length = payload[0] if len(payload) else 0
-    text_cells = -(-length // CELL)
+    text_cells = _text_cells(payload)
     if not 0 < text_cells < len(payload):
         raise ValueError("a record without its text")
-    return json.loads(bytes(payload[1:].cast("B")[:length])), tuple(payload[1 + text_cells :])
+    return json.loads(bytes(payload[1:].cast("B")[: payload[0]])), tuple(payload[1 + text_cells :])
+
+
+def _text_cells(payload: memoryview) -> int:
+    """Return the number of cells of the text of a record."""
+    return -(-payload[0] // CELL) if len(payload) else 0

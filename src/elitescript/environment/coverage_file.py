@@ -26,7 +26,7 @@ def open_coverage_file(folder: str | Path, size: int) -> int:
     """
     try:
         descriptor, _ = tempfile.mkstemp(SUFFIX, f"{os.getpid()}-", folder)
-        os.truncate(descriptor, size)
+        os.ftruncate(descriptor, size)
     except OSError as error:
         raise UsageError(f"{COVERAGE_VARIABLE}={folder}: {error.strerror or error}") from error
     return descriptor
@@ -38,6 +38,11 @@ def mapped(descriptor: int) -> mmap.mmap:
         return mmap.mmap(descriptor, 0)
     finally:
         os.close(descriptor)
+
+
+def content_of(path: Path) -> memoryview:
+    """Return the content of a record; what is not written in it is not read."""
+    return memoryview(mapped(os.open(path, os.O_RDWR | getattr(os, "O_BINARY", 0))))
 
 
 def records_in(folder: str | Path) -> list[Path]:

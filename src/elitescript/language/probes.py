@@ -226,7 +226,7 @@ class _Insertion:
             for case in statement.cases:
                 self._add_side(statement, case.body)
             last = statement.cases[-1]
-            if last.guard is not None or not isinstance(last.pattern, ast.MatchAs) or last.pattern.pattern is not None:
+            if last.guard is not None or not _takes_all(last.pattern):
                 nothing = ast.match_case(_at(ast.MatchAs(None, None), statement), None, [])
                 statement.cases.append(nothing)
                 self._add_side(statement, nothing.body)
@@ -304,6 +304,13 @@ def _walk(body: list[ast.stmt]) -> tuple[list[tuple[list[ast.stmt], str]], list[
             elif isinstance(statement, ast.Match):
                 stack += [(case.body, inner) for case in statement.cases]
     return lists, functions
+
+
+def _takes_all(pattern: ast.pattern) -> bool:
+    """Return whether a pattern matches everything: behind its case Python allows none."""
+    if isinstance(pattern, ast.MatchOr):
+        return _takes_all(pattern.patterns[-1])
+    return isinstance(pattern, ast.MatchAs) and (pattern.pattern is None or _takes_all(pattern.pattern))
 
 
 def _is_counted(statement: ast.stmt) -> bool:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import (
@@ -30,6 +30,8 @@ TEXT_MAX: Final = 160
 """Characters of one text."""
 NAME_MAX: Final = 120
 """Characters of the name of a page."""
+_SERVED: Final = ("type", "name", "value", "state", "code", "class", "text")
+"""What is shown of a line that `serve --json` has printed, in this order."""
 
 
 def section(watched: Iterable[WatchedRun], pages: Iterable[Path] = ()) -> str:
@@ -37,6 +39,17 @@ def section(watched: Iterable[WatchedRun], pages: Iterable[Path] = ()) -> str:
     parts = [_about(run) for run in watched]
     parts += [f"page: {path}" for path in pages]
     return "\n".join(parts)
+
+
+def served_section(log: Sequence[Mapping[str, Any]]) -> str:
+    """Return the section of a report about a served robot: the last lines of its log."""
+    out = []
+    for line in log[-LINES_SHOWN:]:
+        time = f"{line['t']:9.3f} s" if "t" in line else ""
+        text = " ".join(str(line[name]) for name in _SERVED if name in line)
+        place = f"  (line {line['line']})" if line.get("line") else ""
+        out.append(f"  {time:11}  {_short(text)}{place}")
+    return "\n".join(["last lines of the log:", *out])
 
 
 def _about(watched: WatchedRun) -> str:

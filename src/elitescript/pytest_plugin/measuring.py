@@ -22,7 +22,7 @@ from elitescript.coverage.model import ProgramCoverage, total
 from elitescript.coverage.recording import Record, digest_of, read_record
 from elitescript.coverage.terminal import table, unmet_lines
 from elitescript.coverage.unmet import Unmet
-from elitescript.environment.coverage_file import records_in
+from elitescript.environment.coverage_file import content_of, records_in
 from elitescript.errors import ProgramError
 from elitescript.language.text.source import SourceFile
 from elitescript.observer import COVERAGE_VARIABLE
@@ -52,7 +52,7 @@ class Measuring:
 
     def __init__(self, config: pytest.Config) -> None:
         options = config.option
-        self._root = config.rootpath
+        self._root = config.rootpath.resolve()
         self._start = config.invocation_params.dir
         self._paths = [self._start / path for path in options.script_cov if path]
         for path in self._paths:
@@ -87,16 +87,17 @@ class Measuring:
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtestloop(self, session: pytest.Session) -> Generator[None, object, object]:
-        """Write the reports when all tests have run, here and in all workers."""
-        result = yield
-        if not self._is_worker and not session.config.option.collectonly:
-            self._measure()
-            for kind, target in self._reports:
-                if target is not None:
-                    self._write(kind, target)
-            if self._is_too_little:
-                session.testsfailed += 1
-        return result
+        """Write the reports when tests have run, here and in all workers; also if `-x` or Ctrl-C ended them."""
+        try:
+            return (yield)
+        finally:
+            if not self._is_worker and not session.config.option.collectonly:
+                self._measure()
+                for kind, target in self._reports:
+                    if target is not None:
+                        self._write(kind, target)
+                if self._is_too_little:
+                    session.testsfailed += 1
 
     def pytest_terminal_summary(self, terminalreporter: TerminalReporter) -> None:
         """Print the table, and what no test has met."""
@@ -168,15 +169,15 @@ class Measuring:
     def _note_changed(self, names: dict[str, set[str]], seen: set[str]) -> None:
         """Note programs that have been written anew since they ran, whose lines are not known any more."""
         shown = {program.path for program in self._programs}
-        for digest, known in names.items():
-            changed = sorted(name for name in known if digest not in seen and self._shown(Path(name)) in shown)
-            self._notes += [f"{self._shown(Path(name))} was changed while tests ran" for name in changed]
+        for digest in names.keys() - seen:
+            changed = {self._shown(Path(name).resolve()) for name in names[digest]} & shown
+            self._notes += [f"{path} was changed while tests ran" for path in sorted(changed)]
 
     def _records(self) -> Iterator[Record]:
         for path in records_in(self._folder):
             try:
-                record = read_record(path.read_bytes())
-            except ValueError as error:
+                record = read_record(content_of(path))
+            except (OSError, ValueError) as error:
                 self._notes.append(f"the record of a process cannot be read: {error}")
                 continue
             if not record.is_complete:
@@ -197,14 +198,17 @@ class Measuring:
                 found.update(dict.fromkeys(_programs_below(path)))
         if not self._paths:
             for name in names:
-                path = Path(name)
+                path = Path(name).resolve()
                 if path.is_file() and self._root in path.parents and not holds_tests(path.name):
-                    found[path.resolve()] = None
+                    found[path] = None
         return sorted(found, key=self._shown)
 
     def _shown(self, path: Path) -> str:
         """Return a path as reports show it."""
-        return Path(os.path.relpath(path, self._root)).as_posix()
+        try:
+            return Path(os.path.relpath(path, self._root)).as_posix()
+        except ValueError:  # on another drive
+            return path.as_posix()
 
     # ---------------------------------------------------------------- reports
 

@@ -143,12 +143,16 @@ def _refuse(warnings: list[str]) -> None:
 def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
     """Add to the report of a failed test what its robots did."""
     report = yield
-    if report.failed and (runs := item.stash[_WATCHER].runs):
+    if report.failed and (watcher := item.stash.get(_WATCHER, None)) is not None and (runs := watcher.runs):
         from elitescript.pytest_plugin.failures import section, write_pages
 
         folder: str | None = item.config.option.script_record
         pages = [] if folder is None else write_pages(item.config.invocation_params.dir / folder, item.nodeid, runs)
         report.sections.append(("elitescript", section(runs, pages)))
+    if report.failed and (served := (getattr(item, "funcargs", None) or {}).get("served_robot")) is not None:
+        from elitescript.pytest_plugin.failures import served_section
+
+        report.sections.append(("elitescript serve", served_section(served.log)))
     return report
 
 

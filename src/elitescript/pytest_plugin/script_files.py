@@ -83,7 +83,8 @@ class ScriptTest(pytest.Item):
             raise ScriptFailure(self.name, run, tuple(stack))
 
     def _unit(self, source: SourceFile, robot: VirtualRobot) -> CompiledUnit:
-        parsed = read_tests(source, robot.text_options(source))
+        kind = read_tests(source, DEFAULT).options.kind
+        parsed = parse(source, robot.text_options(source, kind))
         make_test(parsed, self.name)
         return compile_parsed(parsed)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
@@ -17,7 +18,7 @@ START_S: Final = 60.0
 """How long a controller may take to open its ports, on a busy computer."""
 END_S: Final = 10.0
 """How long it may take to end by itself; then it is killed."""
-_COMMAND: Final = (sys.executable, "-P", "-m", "elitescript")
+_PYTHON: Final = (sys.executable, "-P", "-m")
 _ENDED: Final = ""
 
 
@@ -43,10 +44,13 @@ class ServedRobot:
         self._lines: Queue[str] = Queue()
         words = ["serve", "--json", "--power-on", "--port", "all=0", *arguments]
         self._process = subprocess.Popen(
-            [*_COMMAND, *words],
-            stdin=subprocess.DEVNULL,
+            [*_PYTHON, "elitescript.pytest_plugin.served_process", *words],
+            # Closed when this process ends, in whatever way, which ends the controller.
+            stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
+            # Else `serve` starts Python once more.
+            env={**os.environ, "PYTHONHASHSEED": "0"},
             encoding="utf-8",
             errors="replace",
         )
@@ -80,6 +84,7 @@ class ServedRobot:
             TimeoutError: it has not come.
             ElitescriptError: the controller has ended before.
         """
+        __tracebackhide__ = True
         deadline_s, seen = monotonic() + within_s, 0
         while True:
             for line in self.log[seen:]:
@@ -91,7 +96,8 @@ class ServedRobot:
             except Empty:
                 wanted = f"{kind!r} with {fields}" if fields else repr(kind)
                 raise TimeoutError(
-                    f"no line of type {wanted} within {within_s:g} s; the log holds {self.log}"
+                    f"no line of type {wanted} within {within_s:g} s; the log has {len(self.log)} lines, "
+                    f"the last one is {self.log[-1] if self.log else 'missing'}"
                 ) from None
             if text == _ENDED:
                 self._lines.put(_ENDED)
@@ -111,8 +117,12 @@ class ServedRobot:
         Raises:
             UsageError: the robot refuses, or there is no such verb.
         """
-        words = [*_COMMAND, "ctl", "--json", "--socket", self._control, *(["--wait"] if wait else []), verb, *arguments]
-        done = subprocess.run(words, capture_output=True, encoding="utf-8", errors="replace", stdin=subprocess.DEVNULL)
+        __tracebackhide__ = True
+        words = ["ctl", "--json", "--socket", self._control, *(["--wait"] if wait else []), verb, *arguments]
+        command = [*_PYTHON, "elitescript", *words]
+        done = subprocess.run(
+            command, capture_output=True, encoding="utf-8", errors="replace", stdin=subprocess.DEVNULL
+        )
         try:
             answer = json.loads(done.stdout)
         except ValueError:
@@ -138,7 +148,7 @@ class ServedRobot:
             self._process.wait()
         for reader in self._readers:
             reader.join(END_S)
-        for stream in (self._process.stdout, self._process.stderr):
+        for stream in (self._process.stdin, self._process.stdout, self._process.stderr):
             if stream is not None:
                 stream.close()
 

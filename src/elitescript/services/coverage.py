@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from functools import partial
+from pathlib import Path
 from threading import Lock
+from weakref import ref
 
 from elitescript.coverage.probe import CoverageProbe
 from elitescript.coverage.recording import BLOCK_BYTES, Recorder
 from elitescript.environment.coverage_file import mapped, open_coverage_file
-from elitescript.runtime.probe import Probe, set_default
+from elitescript.runtime.probe import Probe, default_probe, set_default
 
 
 def count_programs(folder: str) -> Callable[[], Probe] | None:
@@ -21,7 +24,12 @@ def count_programs(folder: str) -> Callable[[], Probe] | None:
     Raises:
         UsageError: the file cannot be made.
     """
-    return count_programs_in(coverage_descriptor(folder))
+    before = count_programs_in(coverage_descriptor(folder))
+    if hasattr(os, "register_at_fork"):
+        probe = default_probe()
+        assert isinstance(probe, CoverageProbe)
+        os.register_at_fork(after_in_child=partial(_count_apart, ref(probe), folder))
+    return before
 
 
 def coverage_descriptor(folder: str) -> int:
@@ -37,3 +45,11 @@ def count_programs_in(descriptor: int) -> Callable[[], Probe] | None:
     """Do as `count_programs`, in a file that is open."""
     probe = CoverageProbe(Recorder(memoryview(mapped(descriptor)), Lock()), os.path.abspath)
     return set_default(lambda: probe)
+
+
+def _count_apart(counting: ref[CoverageProbe], folder: str) -> None:
+    """Count in a file of its own in a process that was forked: two cannot give away room of one."""
+    probe = counting()
+    if probe is not None and Path(folder).is_dir():
+        block = memoryview(mapped(coverage_descriptor(folder)))
+        probe.recorder = probe.recorder.copied(block, Lock())

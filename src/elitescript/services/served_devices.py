@@ -31,6 +31,7 @@ from elitescript.messages.outputs import (
 from elitescript.messages.signals import Value
 from elitescript.protocol.connection import Connection
 from elitescript.records import replace
+from elitescript.runtime.probe import default_probe, witness
 from elitescript.services.log import DEVICE, ServerLog
 
 CHANNELS_MAX: Final = 64
@@ -132,8 +133,11 @@ class ServedDevices:
     # ---------------------------------------------------------------- called by the robot server
 
     def check_fault(self, fault: Fault) -> Fault:
-        """See `World.check_fault`."""
-        return self._world.check_fault(fault)
+        """See `World.check_fault`; take note that the robot gets this fault."""
+        checked = self._world.check_fault(fault)
+        if (observing := witness(default_probe())) is not None:
+            observing.faults((), [(str(checked.on), checked.kind)])
+        return checked
 
     def begin(self, output: Output, connect: Connect) -> None:
         """Begin beside a robot that is up.
@@ -145,6 +149,8 @@ class ServedDevices:
         self._output = output
         self._connect = connect
         self._world.begin(self)
+        if (observing := witness(default_probe())) is not None:
+            observing.faults(self._world.fault_places(), self._world.faults_so_far())
 
     def reads(self, tick: int) -> int:
         """Return the parts of the snapshot of a tick that devices read at ports of the robot, as bits."""
