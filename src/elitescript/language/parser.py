@@ -93,12 +93,25 @@ class Parsed(NamedTuple):
 
 
 @without_collection
-def parse(source: SourceFile, options: Options = DEFAULT) -> Parsed:
-    """Read a text. Never raises: mistakes are among the diagnostics."""
+def translated(source: SourceFile, options: Options = DEFAULT) -> Translation:
+    """Return a text as `parse` gives it to Python. Never raises: mistakes are among the diagnostics."""
+    return translate(_readable(source)[0], options)
+
+
+@without_collection
+def parse(source: SourceFile, options: Options = DEFAULT, translation: Translation | None = None) -> Parsed:
+    """Read a text. Never raises: mistakes are among the diagnostics.
+
+    Args:
+        source: the text.
+        options: how it is read.
+        translation: what `translated` has returned for them, if it was called.
+    """
     if options.kind is not None and options.kind not in KINDS:
         raise ValueError(f"kind must be one of {', '.join(KINDS)}, not {options.kind!r}")
     source, unreadable = _readable(source)
-    translation = translate(source, options)
+    if translation is None:
+        translation = translate(source, options)
     return _TextReader(source, translation, options, {}, [*unreadable, *translation.diagnostics]).read()
 
 
