@@ -20,6 +20,7 @@ from elitescript.language.options import Options
 from elitescript.language.parser import Parsed, parse, translated
 from elitescript.language.symbols import Symbols
 from elitescript.language.text.dialect import Translation
+from elitescript.language.text.pieces import Pieces
 from elitescript.language.text.source import BOM, SourceFile
 from elitescript.lint.engine import problems_of
 from elitescript.lint.program import AnalysedProgram
@@ -66,6 +67,7 @@ class Document:
         self.text = text
         self.version = version
         self.settings = settings or Settings()
+        self._pieces = Pieces()
         self._found: dict[Callable[[Document], Any], Any] = {}
 
     # ---------------------------------------------------------------- the text
@@ -118,7 +120,10 @@ class Document:
             end = max(start, after.offset(edit.end_line, edit.end_column))
             text = after.text[:start] + edit.text + after.text[end:]
             after = Document(self.name, text, version, self.settings)
-        return after if after is not self else Document(self.name, self.text, version, self.settings)
+        if after is self:
+            after = Document(self.name, self.text, version, self.settings)
+        after._pieces = self._pieces
+        return after
 
     # ---------------------------------------------------------------- what is known of it
 
@@ -148,7 +153,7 @@ class Document:
     @cached_property
     def parsed(self) -> Parsed:
         """The text as it was read; lines with mistakes are left out of its tree. Compiling would change it."""
-        return parse(self.source, self._options, self.translation)
+        return parse(self.source, self._options, self.translation, self._pieces)
 
     @cached_property
     def _code_lines(self) -> list[str]:
