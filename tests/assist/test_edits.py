@@ -5,6 +5,7 @@ The text is kept a second time by a model that knows nothing of documents.
 
 from __future__ import annotations
 
+import ast
 import json
 import re
 from itertools import pairwise
@@ -157,12 +158,28 @@ def check_places(document: Document, found: Any) -> None:
         assert 1 <= span.end_column <= len(document.line(span.end_line)) + 1, span
 
 
+def functions(rng: Random) -> str:
+    """Return a program whose functions are trees that the next version may use again."""
+    rows = ["def cell():", *rng.choice(([], ["  a = 1"], ["  global a", "  # first"]))]
+    for number in range(rng.randrange(2, 5)):
+        more = rng.choice(([], ["    # b", ""]))
+        rows += [f"  def f{number % 3}(a=1):", "    b = a + 1", *more, "    return b", "  end"]
+    return "\n".join([*rows, *rng.choice(([], ["  f0(a=2)"])), "end", ""])
+
+
 def first_text(rng: Random) -> str:
     text = rng.choice((random_program, random_scopes))(rng)
-    if rng.random() < 0.2:
+    chance = rng.random()
+    if chance < 0.2:
         text = rng.choice(EXAMPLES)[:1500]
+    elif chance < 0.5:
+        text = functions(rng)
     text = text.replace("\n", rng.choice(("\n", "\n", "\r\n", "\r")))
     return (BOM if rng.random() < 0.2 else "") + text
+
+
+def tree_of(document: Document) -> tuple[Any, ...]:
+    return ast.dump(document.parsed.tree, include_attributes=True), document.parsed.diagnostics
 
 
 def edit_and_compare(seed: int, edits: int) -> None:
@@ -175,6 +192,8 @@ def edit_and_compare(seed: int, edits: int) -> None:
         document = document.edited(group, version)
         assert document.text == text
         assert document.version == version
+        # It is asked for in each version, since the next one uses what does not change again.
+        assert tree_of(document) == tree_of(Document("cell.script", text, 0))
         line, column = rng.randrange(1, document.line_count + 1), rng.randrange(1, 40)
         assert document.place(document.offset(line, column)) == (line, min(column, len(document.line(line)) + 1))
     found = answers(document, Random(seed))

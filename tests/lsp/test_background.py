@@ -157,6 +157,33 @@ class TestProgress:
         bare.notify("window/workDoneProgress/cancel", {"token": created["params"]["token"]})
         assert bare.answer(asked["id"])["error"]["code"] == -32803
 
+    def test_a_closed_text_ends_a_run_on_request_and_its_progress(self, bare, runs, monkeypatch):
+        monkeypatch.setattr(background, "QUIET_S", 3600.0)
+        bare.initialize({"window": {"workDoneProgress": True}})
+        bare.open(PROGRAM)
+        asked = bare.request_message(
+            "workspace/executeCommand", {"command": "elitescript.server.run", "arguments": [URI]}
+        )
+        bare.send(asked)
+        created = bare.until(lambda message: message.get("method") == "window/workDoneProgress/create")
+        bare.reply(created, None)
+        bare.notification("$/progress")
+        bare.notify("textDocument/didClose", {"textDocument": {"uri": URI}})
+        assert bare.notification("$/progress")["value"] == {"kind": "end"}
+        assert bare.answer(asked["id"])["error"]["code"] == -32803
+        assert runs.killed == 1
+
+    def test_a_late_answer_to_a_request_that_was_given_up_is_nothing(self, bare, runs, caplog):
+        bare.initialize({"window": {"workDoneProgress": True}})
+        bare.open(PROGRAM)
+        created = bare.until(lambda message: message.get("method") == "window/workDoneProgress/create")
+        bare.notify("textDocument/didClose", {"textDocument": {"uri": URI}})
+        until(bare, lambda: runs.killed)
+        passes(bare)
+        bare.reply(created, None)
+        assert caplog.text == ""
+        assert created["id"] not in bare.server.connection._request_futures
+
     def test_a_cancelled_request_kills_its_run(self, bare, runs, monkeypatch):
         monkeypatch.setattr(background, "QUIET_S", 3600.0)
         bare.initialize()

@@ -74,6 +74,24 @@ def test_a_closed_text_has_none_any_more(bare):
     assert pushed(bare) == {"uri": URI, "diagnostics": []}
 
 
+def test_asking_for_those_of_a_text_that_was_just_closed_is_no_mistake(bare):
+    """VS Code does so, and would show the error of a mistake to the user."""
+    bare.initialize({"textDocument": {"diagnostic": {}}})
+    bare.open(WRONG)
+    bare.notify("textDocument/didClose", {"textDocument": {"uri": URI}})
+    assert bare.ask("textDocument/diagnostic", {"textDocument": {"uri": URI}})["error"]["code"] == -32801
+
+
+def test_nothing_is_due_after_the_end(bare, monkeypatch):
+    monkeypatch.setattr(findings, "PAUSE_S", 3600.0)
+    monkeypatch.setattr(findings, "PAUSE_MAX_S", 3600.0)
+    bare.initialize()
+    bare.open(WRONG)
+    bare.change({"text": "x = 1\n"})
+    bare.result("shutdown")
+    assert bare.server._findings._timers == {}
+
+
 def test_settings_that_change_are_a_reason_to_look_again(bare):
     bare.initialize()
     bare.open('def p():\n  print "x"\nend\n')

@@ -100,7 +100,7 @@ def _meets(problem: Diagnostic, span: Span) -> bool:
 def _missing_ends(document: Document, span: Span, here: list[Diagnostic]) -> Iterator[CodeAction]:
     """Yield the insertion of `end` for blocks that begin in the range and have none."""
     repaired_lines = {problem.line for problem in here if problem.code == "W216"}
-    for block in document.parsed.translation.ends:
+    for block in document.translation.ends:
         line, last = block.opener.line, block.last.last_line
         if block.has_end or not block.word or not span.line <= line <= span.end_line or line in repaired_lines:
             continue

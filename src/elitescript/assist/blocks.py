@@ -35,7 +35,7 @@ def blocks(document: Document) -> tuple[Block, ...]:
 
 
 def _blocks(document: Document) -> tuple[Block, ...]:
-    translation = document.parsed.translation
+    translation = document.translation
     ends = {found.opener: found for found in translation.ends}
     headers = sorted(translation.headers, key=lambda line: line.line)
     found: list[Block] = []

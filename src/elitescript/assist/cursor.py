@@ -107,8 +107,8 @@ class Cursor:
     def __init__(self, document: Document, line: int, column: int) -> None:
         self.document = document
         self.text = document.source.text
-        self.masked = document.parsed.translation.masked
-        self.lines = document.parsed.translation.lines
+        self.masked = document.translation.masked
+        self.lines = document.translation.lines
         self.starts = document.source_starts
         self.line = min(max(line, 1), len(self.starts))
         self.column = min(max(column, 1), len(document.line(self.line)) + 1)

@@ -17,8 +17,10 @@ from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.language.diagnostics import Diagnostic, Edit
 from elitescript.language.garbage import without_collection
 from elitescript.language.options import Options
-from elitescript.language.parser import Parsed, parse
+from elitescript.language.parser import Parsed, parse, translated
 from elitescript.language.symbols import Symbols
+from elitescript.language.text.dialect import Translation
+from elitescript.language.text.pieces import Pieces
 from elitescript.language.text.source import BOM, SourceFile
 from elitescript.lint.engine import problems_of
 from elitescript.lint.program import AnalysedProgram
@@ -65,6 +67,7 @@ class Document:
         self.text = text
         self.version = version
         self.settings = settings or Settings()
+        self._pieces = Pieces()
         self._found: dict[Callable[[Document], Any], Any] = {}
 
     # ---------------------------------------------------------------- the text
@@ -117,7 +120,10 @@ class Document:
             end = max(start, after.offset(edit.end_line, edit.end_column))
             text = after.text[:start] + edit.text + after.text[end:]
             after = Document(self.name, text, version, self.settings)
-        return after if after is not self else Document(self.name, self.text, version, self.settings)
+        if after is self:
+            after = Document(self.name, self.text, version, self.settings)
+        after._pieces = self._pieces
+        return after
 
     # ---------------------------------------------------------------- what is known of it
 
@@ -128,15 +134,31 @@ class Document:
         found: _Found = self._found[find]
         return found
 
+    def twin(self) -> Document:
+        """Return the same version for another thread: what is found of it later is found by each for itself."""
+        made = Document(self.name, self.text, self.version, self.settings)
+        if "translation" in self.__dict__:
+            made.translation = self.translation
+        return made
+
+    @property
+    def _options(self) -> Options:
+        return Options(strict=self.settings.strict)
+
+    @cached_property
+    def translation(self) -> Translation:
+        """The text as Python sees it, with its logical lines and blocks; takes half of the time of `parsed`."""
+        return translated(self.source, self._options)
+
     @cached_property
     def parsed(self) -> Parsed:
         """The text as it was read; lines with mistakes are left out of its tree. Compiling would change it."""
-        return parse(self.source, Options(strict=self.settings.strict))
+        return parse(self.source, self._options, self.translation, self._pieces)
 
     @cached_property
     def _code_lines(self) -> list[str]:
         # Line ends inside brackets are masked too, so the lines are cut where they are in the text.
-        masked = self.parsed.translation.masked
+        masked = self.translation.masked
         rows = []
         start = 0
         for row in self.source.lines:

@@ -29,7 +29,7 @@ class Block(NamedTuple):
 def blocks_around(document: Document, line: int, column: int) -> tuple[Block, ...]:
     """Return the blocks whose bodies hold a place, or could if something were written there; outer ones first."""
     found = []
-    for end in document.parsed.translation.ends:
+    for end in document.translation.ends:
         first = end.opener.line
         if first < line <= _last_line(document, end) and (
             line <= end.last.last_line or end.has_end or column > _column(document, first)
@@ -71,9 +71,9 @@ def _function_scopes(document: Document) -> dict[int, Scope]:
 
 def indentation_step(document: Document) -> int:
     """Return the width of one level of indentation: that of the first block, else two."""
-    for end in document.parsed.translation.ends:
+    for end in document.translation.ends:
         if end.opener.last_line < end.last.line:
-            lines = document.parsed.translation.lines
+            lines = document.translation.lines
             body = next((line for line in lines if line.start > end.opener.start), None)
             if body is not None and body.column > end.opener.column:
                 return body.column - end.opener.column

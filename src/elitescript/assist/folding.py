@@ -62,7 +62,7 @@ def _blocks(document: Document) -> Iterator[Fold]:
     for block in blocks(document):
         headers.add(block.header)
         yield Fold(block.header.line, block.last_line, FoldKind.BLOCK)
-    for line in document.parsed.translation.lines:
+    for line in document.translation.lines:
         if line.last_line > line.line and line not in headers:
             yield Fold(line.line, line.last_line, FoldKind.LINES)
 
@@ -98,7 +98,7 @@ def _fenced(fence: re.Match[str], line: int, fences: list[tuple[str, int]]) -> I
 
 def _imports(document: Document) -> Iterator[Fold]:
     first = last = 0
-    for line in (*document.parsed.translation.lines, None):
+    for line in (*document.translation.lines, None):
         if line is not None and line.word in ("import", "from"):
             first, last = first or line.line, line.last_line
         else:

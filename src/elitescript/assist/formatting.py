@@ -17,7 +17,7 @@ from elitescript.assist.spacing import spaced
 from elitescript.language.diagnostics import Diagnostic, Edit
 from elitescript.language.parser import Parsed
 from elitescript.language.text.flat import INDENT
-from elitescript.language.text.lexer import STRING_FILL, Lexed, LogicalLine, indentation_width, lex
+from elitescript.language.text.lexer import STRING_FILL, LogicalLine, indentation_width
 from elitescript.language.text.source import BOM
 from elitescript.lint.program import Span
 from elitescript.records import NamedTuple
@@ -169,13 +169,14 @@ class _Layout:
         within: the first and the last line to change; None for all.
     """
 
-    __slots__ = ("_levels", "_lexed", "_lines", "_rows", "_trailing", "document", "within")
+    __slots__ = ("_levels", "_lines", "_masked", "_rows", "_text", "_trailing", "document", "within")
 
     def __init__(self, document: Document, within: tuple[int, int] | None) -> None:
         self.document = document
         self.within = within
-        self._lexed: Lexed = lex(document.source.text)
-        self._lines: Sequence[LogicalLine] = self._lexed.lines
+        self._text = document.source.text
+        self._masked = document.translation.masked
+        self._lines: Sequence[LogicalLine] = document.translation.lines
         self._levels: list[_Level] = []
         """The level of each logical line."""
         self._rows = list(document.source.lines)
@@ -185,9 +186,9 @@ class _Layout:
         """Return the lines of the text, laid out, as many as there were."""
         self._read_levels()
         old = self.document.source.lines
-        headers = {line.line for line in self.document.parsed.translation.headers}
+        headers = {line.line for line in self.document.translation.headers}
         kept = {
-            problem.line for problem in self.document.parsed.translation.diagnostics if problem.code != _BESIDE_LAYOUT
+            problem.line for problem in self.document.translation.diagnostics if problem.code != _BESIDE_LAYOUT
         }
         done = 0
         for index, line in enumerate(self._lines):
@@ -238,11 +239,11 @@ class _Layout:
 
     def _has_split_indentation(self) -> bool:
         """Return whether a line begins with a backslash, so that its indentation is that of another line."""
-        if "\\\n" not in self._lexed.text:
+        if "\\\n" not in self._text:
             return False
-        starts, ends = self._lexed.starts, [line.last_line for line in self._lines]
+        starts, ends = self.document.source_starts, [line.last_line for line in self._lines]
         return any(
-            self._lexed.text[starts[line.line - 2] : starts[line.line - 1]].strip(_BLANKS + "\n") == "\\"
+            self._text[starts[line.line - 2] : starts[line.line - 1]].strip(_BLANKS + "\n") == "\\"
             for line, before in zip(self._lines, [0, *ends], strict=False)
             if line.line - 1 > before
         )
@@ -284,9 +285,8 @@ class _Layout:
 
     def _row(self, line: LogicalLine, level: _Level, is_header: bool, is_kept: bool) -> None:
         """Lay out a logical line in one row."""
-        lexed = self._lexed
-        text, end = lexed.text, line.end
-        row_start = lexed.starts[line.line - 1]
+        text, end = self._text, line.end
+        row_start = self.document.source_starts[line.line - 1]
         stop = row_start + len(self.document.source.lines[line.line - 1])
         code = text[line.start : end]
         rest = text[end:stop].strip(_BLANKS)
@@ -294,7 +294,7 @@ class _Layout:
         if is_kept:
             new += code
         else:
-            new += spaced(code, lexed.masked[line.start : end], is_header)
+            new += spaced(code, self._masked[line.start : end], is_header)
         if not rest:
             self._rows[line.line - 1] = new
         elif rest[0] != "#":
@@ -307,17 +307,16 @@ class _Layout:
 
     def _several(self, line: LogicalLine, level: _Level, is_header: bool, is_kept: bool) -> None:
         """Lay out a logical line in several rows: its beginning, and the indentation of the others."""
-        lexed = self._lexed
-        masked, starts = lexed.masked, lexed.starts
+        masked, starts = self._masked, self.document.source_starts
         stop = starts[line.line] - 1
         split = self._inside(line, stop)
         moved = 0
-        head = lexed.text[line.start : split]
+        head = self._text[line.start : split]
         if not is_kept:
             new = spaced(head, masked[line.start : split], is_header)
             moved = len(new) - len(head)
             head = new
-        tail = lexed.text[split:stop]
+        tail = self._text[split:stop]
         self._rows[line.line - 1] = level.blanks + head + self._without_end_blanks(tail, stop)
         shift = indentation_width(level.blanks) - line.column
         deltas: dict[int, int] = {}
@@ -338,7 +337,7 @@ class _Layout:
 
     def _inside(self, line: LogicalLine, stop: int) -> int:
         """Return the offset behind the outermost bracket that is open at the end of the first row, or of its code."""
-        masked = self._lexed.masked
+        masked = self._masked
         open_at = []
         for offset in range(line.start, stop):
             character = masked[offset]
@@ -354,14 +353,14 @@ class _Layout:
         self, start: int, split: int, stop: int, column: int, delta: int, deltas: dict[int, int]
     ) -> None:
         """Note how far the column behind each bracket of a row moves; rows below may be aligned with it."""
-        masked = self._lexed.masked
+        masked = self._masked
         for offset in range(max(start, split - 1), stop):
             if masked[offset] in "([{":
                 deltas[column + offset - start + 1] = delta
 
     def _without_end_blanks(self, text: str, stop: int) -> str:
         """Return the end of a row without blanks, unless they belong to a string."""
-        masked = self._lexed.masked
+        masked = self._masked
         return text if stop < len(masked) and masked[stop] == STRING_FILL else text.rstrip(_BLANKS)
 
     # Comments behind code

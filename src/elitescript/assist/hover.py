@@ -128,7 +128,7 @@ def _argument_name(document: Document, cursor: Cursor, scope: Scope) -> str:
 
 
 def _function(document: Document, function: ast.FunctionDef) -> str:
-    word = "sec" if function.lineno in document.parsed.translation.secondaries else "def"
+    word = "sec" if function.lineno in document.translation.secondaries else "def"
     text = function_text(document, function)
     return "\n\n".join(part for part in (fenced(f"{word} {function_signature(function)}:"), text) if part)
 

@@ -39,7 +39,7 @@ def code_lenses(document: Document, last_run: LastRun | None = None) -> tuple[Co
 
 
 def _of_program(document: Document) -> Iterator[CodeLens]:
-    lines = document.parsed.translation.lines
+    lines = document.translation.lines
     if not lines:
         return
     unit = document.parsed.unit

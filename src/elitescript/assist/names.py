@@ -8,11 +8,13 @@ from bisect import bisect_right
 from collections.abc import Iterator
 from enum import StrEnum
 from functools import cached_property
+from operator import itemgetter
 from typing import Final
 from unicodedata import normalize
 
 from elitescript.language.parser import character_offset
 from elitescript.language.symbols import THREAD_STARTER, Binding, Resolution, Scope
+from elitescript.lint.arguments import arrange
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.records import NamedTuple
 
@@ -26,6 +28,9 @@ STRING_NAMES: Final = {
 
 _MAKERS: Final = frozenset(("modbus_add_rw_signal", "modbus_add_signal", "serial_config", "socket_open"))
 """Commands that make what their string names."""
+
+_START: Final = itemgetter(0, 1)
+"""Line and column of a span."""
 
 _MAIN_BINDINGS: Final = ("class", "def", "import", "parameter")
 
@@ -119,11 +124,11 @@ class Names:
             # `a += 1` reads and writes at one place; two names at one place are a formatted string of an old Python.
             if found.setdefault(occurrence.span, occurrence).node is not occurrence.node:
                 self.unlocated.add(occurrence.entity.name)
-        ordered = sorted(found.values(), key=_place)
-        self.occurrences = tuple(
-            item._replace(entity=self._same[item.entity]) if item.entity in self._same else item for item in ordered
-        )
-        self._starts = [item.span[:2] for item in self.occurrences]
+        ordered = [found[span] for span in sorted(found, key=_START)]
+        if self._same:
+            ordered = [item._replace(entity=self._same.get(item.entity, item.entity)) for item in ordered]
+        self.occurrences = tuple(ordered)
+        self._starts = [item.span[:2] for item in ordered]
 
     # ---------------------------------------------------------------- what is at a place
 
@@ -328,8 +333,10 @@ class Names:
             self.unlocated.update(pattern.kwd_attrs)
 
     def _strings(self) -> Iterator[Occurrence]:
-        for called, arguments in zip(self.program.command_calls, self.program.arguments, strict=True):
-            for param, node in arguments.given:
+        for called in self.program.command_calls:
+            if STRING_NAMES.keys().isdisjoint(param.name for param in called.command.params):
+                continue
+            for param, node in arrange(called.command, called.call).given:
                 family = STRING_NAMES.get(param.name)
                 if family is None or not isinstance(node, ast.Constant) or not isinstance(node.value, str):
                     continue
@@ -433,7 +440,3 @@ def takes_keyword(function: Scope, name: str) -> bool:
 def _takes_more(function: Scope) -> bool:
     args = getattr(function.node, "args", None)
     return isinstance(args, ast.arguments) and args.kwarg is not None
-
-
-def _place(item: Occurrence) -> tuple[int, int]:
-    return item.span.line, item.span.column

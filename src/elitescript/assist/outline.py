@@ -124,7 +124,7 @@ def _symbol(document: Document, draft: _Draft) -> Symbol:
 
 
 def _definitions(document: Document) -> Iterator[_Draft]:
-    translation = document.parsed.translation
+    translation = document.translation
     threads = _thread_lines(document)
     last_lines = {block.header: block.last_line for block in blocks(document)}
     for line in translation.headers:
@@ -158,7 +158,7 @@ def _parameters(document: Document, line: LogicalLine, code: str) -> str:
 
 def _nodes(document: Document) -> Iterator[_Draft]:
     """Yield the nodes: each lasts to the next mark that is not deeper, or to the end of the block around it."""
-    translation = document.parsed.translation
+    translation = document.translation
     if not translation.marks:
         return
     places: dict[int, list[int]] = {}

@@ -59,7 +59,7 @@ def _words(document: Document, line: int) -> Iterator[Span]:
 
 def _statements(document: Document, line: int) -> Iterator[Span]:
     """Yield the logical line, and the blocks around it with and without their headers and `end`s."""
-    lines = document.parsed.translation.lines
+    lines = document.translation.lines
     index = bisect_right(lines, line, key=lambda logical: logical.line) - 1
     if index >= 0 and line <= lines[index].last_line:
         yield _lines(document, lines[index].line, lines[index].last_line)

@@ -114,7 +114,7 @@ def _tokens(document: Document) -> tuple[Token, ...]:
 
 
 def _keywords(document: Document) -> Iterator[Token]:
-    translation = document.parsed.translation
+    translation = document.translation
     for end in translation.ends:
         if end.has_end and end.follower is not None:
             yield _keyword(document, end.follower.line, len("end"))

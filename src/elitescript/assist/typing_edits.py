@@ -9,7 +9,7 @@ from typing import Final
 from elitescript.assist.document import Document
 from elitescript.language.diagnostics import Edit
 from elitescript.language.text.blocks import CLAUSES_OF
-from elitescript.language.text.dialect import Translation, translate
+from elitescript.language.text.dialect import Translation
 from elitescript.language.text.flat import CLAUSES, INDENT
 from elitescript.language.text.lexer import LogicalLine
 from elitescript.records import NamedTuple
@@ -31,7 +31,7 @@ def typing_edits(document: Document, line: int, column: int, typed: str) -> tupl
         column: the same, from 1.
         typed: the character, one of `TRIGGERS`.
     """
-    translation = translate(document.source)
+    translation = document.translation
     if typed == "\n":
         return _new_line(document, translation, line)
     found = next((logical for logical in translation.lines if logical.line == line), None)

@@ -21,6 +21,7 @@ from elitescript.language.kinds import kind_of, outer_definition
 from elitescript.language.options import DEFAULT, KINDS, LINE, PROGRAM, SCRIPT, SECONDARY, Options
 from elitescript.language.text.dialect import Translation, translate
 from elitescript.language.text.lexer import LogicalLine
+from elitescript.language.text.pieces import Pieces
 from elitescript.language.text.rewriting import PositionMap
 from elitescript.language.text.source import SourceFile
 from elitescript.records import NamedTuple
@@ -93,13 +94,33 @@ class Parsed(NamedTuple):
 
 
 @without_collection
-def parse(source: SourceFile, options: Options = DEFAULT) -> Parsed:
-    """Read a text. Never raises: mistakes are among the diagnostics."""
+def translated(source: SourceFile, options: Options = DEFAULT) -> Translation:
+    """Return a text as `parse` gives it to Python. Never raises: mistakes are among the diagnostics."""
+    return translate(_readable(source)[0], options)
+
+
+@without_collection
+def parse(
+    source: SourceFile,
+    options: Options = DEFAULT,
+    translation: Translation | None = None,
+    pieces: Pieces | None = None,
+) -> Parsed:
+    """Read a text. Never raises: mistakes are among the diagnostics.
+
+    Args:
+        source: the text.
+        options: how it is read.
+        translation: what `translated` has returned for them, if it was called.
+        pieces: those of the version before; the tree shares nodes with that, and must not be compiled.
+    """
     if options.kind is not None and options.kind not in KINDS:
         raise ValueError(f"kind must be one of {', '.join(KINDS)}, not {options.kind!r}")
     source, unreadable = _readable(source)
-    translation = translate(source, options)
-    return _TextReader(source, translation, options, {}, [*unreadable, *translation.diagnostics]).read()
+    if translation is None:
+        translation = translate(source, options)
+    problems = [*unreadable, *translation.diagnostics]
+    return _TextReader(source, translation, options, {}, problems, pieces).read()
 
 
 def parse_without(parsed: Parsed, line: int) -> Parsed | None:
@@ -157,7 +178,18 @@ def _readable(source: SourceFile) -> tuple[SourceFile, list[Diagnostic]]:
 class _TextReader:
     """Reads a text repeatedly, with one more line replaced each time."""
 
-    __slots__ = ("_starts", "blamed", "complete", "hidden", "options", "problems", "rows", "source", "translation")
+    __slots__ = (
+        "_starts",
+        "blamed",
+        "complete",
+        "hidden",
+        "options",
+        "pieces",
+        "problems",
+        "rows",
+        "source",
+        "translation",
+    )
 
     def __init__(
         self,
@@ -166,11 +198,14 @@ class _TextReader:
         options: Options,
         hidden: dict[int, int],
         problems: list[Diagnostic],
+        pieces: Pieces | None = None,
     ) -> None:
         self.source = source
         self.translation = translation
         self.options = options
         self.problems = problems
+        # Places of nodes that are shared must not be moved.
+        self.pieces = pieces if translation.positions.is_identity and not translation.marks else None
         self.complete = True
         self.hidden: dict[int, int] = {}
         self.blamed: set[int] | None = None
@@ -216,6 +251,8 @@ class _TextReader:
     def _tree(self) -> ast.Module:
         text = self.translation.text
         while True:
+            if (tree := self._tree_of_pieces()) is not None:
+                return tree
             try:
                 return syntax_tree("\n".join(self.rows) if self.rows else text)
             except SyntaxError as error:
@@ -226,6 +263,15 @@ class _TextReader:
                 break
         self.complete = False
         return ast.Module(body=[], type_ignores=[])
+
+    def _tree_of_pieces(self) -> ast.Module | None:
+        if self.pieces is None:
+            return None
+        try:
+            return self.pieces.tree(self._rows(), self.translation.lines, syntax_tree)
+        except (SyntaxError, RecursionError, MemoryError, ValueError, OverflowError):
+            # Only the whole text says what is wrong, and where.
+            return None
 
     def _blame(self, error: SyntaxError) -> bool:
         """Report a mistake and hide its line; False to give up."""

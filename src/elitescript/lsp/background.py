@@ -56,6 +56,8 @@ class BackgroundRuns:
         self._running: dict[str, asyncio.Task[Any]] = {}
         self._one_at_a_time = asyncio.Semaphore(1)
         self._tokens: dict[str | int, asyncio.Task[Any]] = {}
+        self._under_way: dict[asyncio.Task[Any], str] = {}
+        """Every run, with the URI of its text."""
         self._numbers = count(1)
         self._pages: TemporaryDirectory[str] | None = None
 
@@ -73,8 +75,11 @@ class BackgroundRuns:
             self.text_changed(uri)
 
     def forget(self, uri: str) -> None:
-        """Forget a text that was closed."""
+        """Forget a text that was closed, and end its runs, also one on request: its progress would stay in sight."""
         self._stop(uri)
+        for run, other in self._under_way.items():
+            if other == uri:
+                run.cancel()
         self._session.last_runs.pop(uri, None)
 
     def cancel(self, token: str | int) -> None:
@@ -150,6 +155,7 @@ class BackgroundRuns:
         settings = self._session.texts.settings(uri).client
         request = request_for(uri, document, settings, with_page=with_page)
         run: asyncio.Task[Outcome] = self._session.begin(run_in_process(request, wall_s))
+        self._under_way[run] = uri
         token = f"elitescript/{next(self._numbers)}"
         title = f"Run {Path(document.name).name}"
         progress = self._session.begin(self._progress(token, title, run))
@@ -161,6 +167,7 @@ class BackgroundRuns:
             run.cancel()
             raise
         finally:
+            del self._under_way[run]
             progress.cancel()
             if self._tokens.pop(token, None) is not None:
                 end = types.WorkDoneProgressEnd()

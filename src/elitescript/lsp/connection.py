@@ -141,6 +141,11 @@ class Connection(LanguageServerProtocol):
         if data.get("id") not in self._request_futures:
             _log.warning("an answer to nothing: %.200r", data)
             return
+        if self._request_futures[data["id"]].cancelled():
+            # Nothing waits for it any more.
+            del self._request_futures[data["id"]]
+            self._result_types.pop(data["id"], None)
+            return
         try:
             message = self.structure_message(data)
         except JsonRpcException:

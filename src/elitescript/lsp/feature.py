@@ -19,11 +19,13 @@ class Feature(NamedTuple):
             result, or, if it is slow, a coroutine.
         options: what the client is told about it; None for the usual.
         is_slow: it waits for findings, for files or for a run, and holds no other request up.
+        may_be_late: clients ask it by themselves, also about a text that they have just closed, which is no mistake.
     """
 
     answer: Callable[..., Any]
     options: Any = None
     is_slow: bool = False
+    may_be_late: bool = False
 
 
 TAGS: Final = {

@@ -94,6 +94,11 @@ class Findings:
         if (timer := self._timers.pop(uri, None)) is not None:
             timer.cancel()
 
+    def close(self) -> None:
+        """Leave out what is due."""
+        for uri in list(self._timers):
+            self.forget(uri)
+
     def renew(self) -> None:
         """Look for the findings of all open texts again, since settings have changed."""
         if self._session.client.has("workspace.diagnostics.refresh_support"):
@@ -173,7 +178,7 @@ async def _workspace_diagnostic(
 
 FEATURES: Final = {
     types.TEXT_DOCUMENT_DIAGNOSTIC: Feature(
-        _document_diagnostic, types.DiagnosticOptions(False, True, identifier=SOURCE), is_slow=True
+        _document_diagnostic, types.DiagnosticOptions(False, True, identifier=SOURCE), is_slow=True, may_be_late=True
     ),
     types.WORKSPACE_DIAGNOSTIC: Feature(_workspace_diagnostic, is_slow=True),
 }

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import gc
 import logging
 import os
 import sys
@@ -13,6 +12,7 @@ from typing import Any, Final
 
 from elitescript.assist.diagnostics import diagnostics
 from elitescript.assist.document import Document
+from elitescript.lsp.collecting import Collector
 from elitescript.lsp.frames import Frames
 from elitescript.lsp.processes import is_alive
 from elitescript.lsp.server import Server
@@ -21,6 +21,9 @@ HOST: Final = "127.0.0.1"
 READ_BYTES: Final = 1 << 16
 ALIVE_EVERY_S: Final = 3.0
 """Time between two looks whether the process of the editor is still there, s."""
+
+SWITCH_S: Final = 0.0005
+"""Time for which a thread holds the interpreter while another one waits for it, s."""
 
 _FIRST: Final = "def p():\n  movej([0, -1.57, 0, -1.57, 0, 0], v=1.0)\nend\n"
 
@@ -58,9 +61,10 @@ def serve_stdio() -> int:
         end = _end_once(ended)
         server = _server(end, _Output(output, lambda: end(1)))
         frames = Frames()
+        collector = Collector()
 
         def take(data: bytes) -> None:
-            _feed(server, frames, data)
+            _feed(server, collector, frames, data)
             if not data:
                 end(0 if server.connection.is_shut_down else 1)
 
@@ -94,6 +98,7 @@ def serve_tcp(port: int) -> int:
         ended: asyncio.Future[int] = loop.create_future()
         end = _end_once(ended)
         server = _server(end, None)
+        collector = Collector()
 
         async def connected(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
             if server.protocol.writer is not None:
@@ -103,7 +108,7 @@ def serve_tcp(port: int) -> int:
             frames = Frames()
             try:
                 while data := await reader.read(READ_BYTES):
-                    _feed(server, frames, data)
+                    _feed(server, collector, frames, data)
             except ConnectionError:
                 pass
             end(0 if server.connection.is_shut_down else 1)
@@ -129,12 +134,13 @@ def _server(end: Callable[[int], None], output: Any) -> Server:
         server.protocol.set_writer(output)
     # The rules and the catalogue load now, and not while the first text waits for its findings.
     diagnostics(Document("first.script", _FIRST))
-    gc.collect()
-    gc.freeze()
+    # The thread of findings gives way to an answer soon: each message takes several turns.
+    sys.setswitchinterval(SWITCH_S)
     return server
 
 
-def _feed(server: Server, frames: Frames, data: bytes) -> None:
+def _feed(server: Server, collector: Collector, frames: Frames, data: bytes) -> None:
+    collector.message_came()
     for message in frames.feed(data):
         server.connection.receive(message)
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from lsprotocol import types
 from pygls.capabilities import ServerCapabilitiesBuilder
-from pygls.exceptions import JsonRpcInvalidParams
+from pygls.exceptions import JsonRpcContentModified, JsonRpcInvalidParams
 from pygls.uris import from_fs_path
 
 from elitescript import __version__
@@ -74,6 +74,7 @@ class Server(Session):
 
     def close(self) -> None:
         """End what is under way."""
+        self._findings.close()
         self.runs.close()
         super().close()
 
@@ -128,6 +129,7 @@ class Server(Session):
     def _shut_down(self, params: None) -> None:
         self.connection.is_shut_down = True
         self.connection.close()
+        self._findings.close()
         self.runs.close()
 
     def _set_trace(self, params: types.SetTraceParams) -> None:
@@ -216,9 +218,11 @@ def _answer(session: Session, feature: Feature, document: Document | None, param
     """Answer a request.
 
     Raises:
-        JsonRpcInvalidParams: it is about a text that is not open.
+        JsonRpcContentModified: it may be about a text that was closed, and is.
+        JsonRpcInvalidParams: another one is about a text that is not open.
     """
     named = getattr(params, "text_document", None) or getattr(params, "item", None)
     if document is None and named is not None:
-        raise JsonRpcInvalidParams(f"{named.uri} is not open")
+        error = JsonRpcContentModified if feature.may_be_late else JsonRpcInvalidParams
+        raise error(f"{named.uri} is not open")
     return feature.answer(session, document, params)

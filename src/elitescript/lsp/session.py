@@ -113,8 +113,7 @@ class Session(LanguageServer):
         """
         found = self._twins.get(document)
         if found is None:
-            found = Document(document.name, document.text, document.version, document.settings)
-            self._twins[document] = found
+            found = self._twins[document] = document.twin()
         return found
 
     def twins(self) -> dict[str, Document]:

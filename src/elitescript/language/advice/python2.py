@@ -151,7 +151,8 @@ def _lone_backquote(draft: Draft, line: LogicalLine, at: int) -> None:
 
 
 def read_numbers(draft: Draft) -> None:
-    for _, found in draft.find(r"(?<![\w.])(?<![0-9.][eE][+-])0[0-9_]*[1-9][0-9_]*[lL]?(?![\w.])"):
+    # Patterns that begin with a character that they look for are searched much faster than those that look back first.
+    for _, found in draft.find(r"0(?<![\w.]0)(?<![0-9.][eE][+-]0)[0-9_]*[1-9][0-9_]*[lL]?(?![\w.])"):
         start, end = found.span()
         digits = found.group().rstrip("lL").lstrip("0_")
         fix = None
@@ -162,6 +163,8 @@ def read_numbers(draft: Draft) -> None:
             fix = Fix(f"write {new}", (draft.edit(start, end, new),), safe=True)
         draft.report("E001", start, end, "a number cannot begin with 0", hint, fix)
         draft.replace(start, end, "0" * (end - start))
+    if compiled(r"[lL](?<=[0-9a-fA-F_][lL])(?!\w)").search(draft.lexed.masked) is None:
+        return
     pattern = r"(?<![\w.])(?:0[xX][0-9a-fA-F_]+|0[oO][0-7_]+|0[bB][01_]+|[1-9][0-9_]*|0+)[lL](?!\w)"
     for _, found in draft.find(pattern):
         start, end = found.span()
