@@ -631,3 +631,12 @@ class TestProcesses:
                 os.waitpid(process, 0)
         with pytest.raises(ProcessLookupError):
             os.kill(process, 0)
+
+
+def test_a_thread_that_was_looked_at_in_its_turn_waits_at_its_present_line():
+    with debugging("a = 1\nsleep(1)\n") as session:
+        session.start(stop_on_entry=True)
+        (strand,) = session._engine.execution.host.scheduler.strands
+        assert strand.line == 1
+        session.run_to_tick(10)
+        assert strand.line == 2
