@@ -640,3 +640,66 @@ def test_a_thread_that_was_looked_at_in_its_turn_waits_at_its_present_line():
         assert strand.line == 1
         session.run_to_tick(10)
         assert strand.line == 2
+
+
+COMPARED = """
+log = []
+class Part:
+  def __eq__(self, other):
+    log.append(other)
+    return True
+  end
+  def __hash__(self):
+    return 1
+  end
+  def __len__(self):
+    log.append(0)
+    return 1
+  end
+  def __repr__(self):
+    log.append(0)
+    return ""
+  end
+end
+part = Part()
+parts = {part: 2}
+keys = parts.keys()
+held = {1: part}
+values = held.values()
+items = held.items()
+sync()
+sync()
+"""
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("1 in values", "(1, 2) in items", "1 in keys", "keys & {1}", "max(values)", "str(values)", "f'{items}'"),
+        *("parts[1]", "set(items)"),
+    ],
+)
+def test_no_code_of_the_program_runs_through_a_view_or_a_key(text):
+    with debugging(COMPARED) as session:
+        session.run_to_tick(1)
+        frame = session.stack(1)[0].id
+        with pytest.raises(DebugError, match="refused"):
+            session.evaluate(text, frame)
+        assert session.evaluate("held[1]", frame).value == "<Part>"
+        assert session.evaluate("log", frame).value == "[]"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("math.factorial(10**9)", "math.comb(10**9, 10**8)", "math.prod(range(1, 10**6))", "pow(2, 10**11)"),
+        *("0.5 in range(10**12)", "[*range(10**12)]", "{1}.isdisjoint(range(2, 10**12))", "round(5, -10**10)"),
+        *("range(10**12).index(0.5)", "bytes(10**11)", "[items * 10000 for n in range(100000)]"),
+    ],
+)
+def test_an_expression_that_would_not_end_or_fill_the_memory_is_refused(text):
+    with debugging("import math\nitems = [1] * 100\nsleep(1)\n") as session:
+        session.run_to_tick(1)
+        frame = session.stack(1)[0].id
+        with pytest.raises(DebugError, match="too "):
+            session.evaluate(text, frame)

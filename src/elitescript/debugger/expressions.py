@@ -19,6 +19,9 @@ STEPS_MAX: Final = 200_000
 SIZE_MAX: Final = 1_000_000
 """Most elements of a text or list that an expression makes, and digits of a number."""
 
+ROOM_MAX: Final = 20_000_000
+"""Most elements of all texts and lists that it makes on its way."""
+
 PLAIN: Final = frozenset(
     (
         *(bool, int, float, complex, str, bytes, bytearray, type(None), type(...), range, slice),
@@ -65,6 +68,9 @@ _MOST: Final = {
     **dict.fromkeys(("factorial", "comb", "perm", "prod", "lcm", "round"), 10_000),
 }
 """Largest number, and most elements, that are passed to functions whose result may be far larger."""
+
+_MAKING: Final = (ast.BinOp, ast.Call, ast.JoinedStr)
+_FILLED: Final = (str, bytes, bytearray, list, tuple)
 
 _CONVERSIONS: Final[dict[str, Callable[[Any], str]]] = {"r": repr, "s": str, "a": ascii}
 
@@ -139,6 +145,7 @@ class _Computation:
         self._call = call
         self._own: dict[str, Any] = {}
         self._left = STEPS_MAX
+        self._room = ROOM_MAX
 
     def value(self, node: ast.expr) -> Any:
         self._left -= 1
@@ -147,7 +154,12 @@ class _Computation:
         compute = getattr(self, f"_{type(node).__name__}", None)
         if compute is None:
             raise DebugError(f"refused: {_described(node)} may change something; allow changes to run it")
-        return compute(node)
+        made = compute(node)
+        if isinstance(node, _MAKING) and type(made) in _FILLED:
+            self._room -= len(made)
+            if self._room < 0:
+                raise DebugError("the expression takes too much memory")
+        return made
 
     def _plain(self, node: ast.expr) -> Any:
         return _checked(self.value(node))
