@@ -703,3 +703,56 @@ def test_an_expression_that_would_not_end_or_fill_the_memory_is_refused(text):
         frame = session.stack(1)[0].id
         with pytest.raises(DebugError, match="too "):
             session.evaluate(text, frame)
+
+
+HOLDING = """
+items = [1, [2, 3]]
+print("first")
+sync()
+print("last")
+sync()
+"""
+
+
+@pytest.mark.parametrize("forks", [False, True] if hasattr(os, "fork") else [False])
+@pytest.mark.parametrize("text", ["items[0] = 5", "items.append(nothing)", "no program", "stop_thread(0)"])
+def test_numbers_of_frames_and_values_stay_valid_when_something_is_changed(text, forks):
+    with debugging(HOLDING, forks=forks) as session:
+        session.set_breakpoints([LineBreakpoint(4)])
+        session.start()
+        frame = session.stack(1)[0].id
+        scope = session.scopes(frame)[0].reference
+        (items,) = session.variables(scope)
+        inner = session.evaluate("items[1]", frame)
+        with contextlib.suppress(DebugError):
+            session.evaluate(text, frame, may_change=True)
+        assert [child.value for child in session.variables(items.reference)][1] == "[2, 3]"
+        assert [child.value for child in session.variables(inner.reference)] == ["2", "3"]
+        assert session.evaluate("items", frame).value == session.variables(scope)[0].value
+        session.set_variable(items.reference, "[0]", "8")
+        assert session.evaluate("items[0]", frame).value == "8"
+
+
+@pytest.mark.parametrize("target", ["joints[0]", "tcp.x", "items[:][0]", "sorted(items)[0]", "[1][0]"])
+def test_a_copy_cannot_be_set(target):
+    with debugging("items = [1]\nsleep(1)\n") as session:
+        session.run_to_tick(1)
+        with pytest.raises(DebugError, match="cannot be set"):
+            session.set_expression(target, "5", session.stack(1)[0].id)
+
+
+def test_what_a_change_prints_is_shown_once():
+    outputs = []
+    with debugging(HOLDING, outputs) as session:
+        session.set_breakpoints([LineBreakpoint(4)])
+        stop = session.start()
+        session.resume()
+        session.run_to(stop.position)
+        frame = session.stack(1)[0].id
+        session.evaluate('print("typed")', frame, may_change=True)
+        with contextlib.suppress(DebugError):
+            session.evaluate("1 / 0", frame, may_change=True)
+        session.resume()
+        session.run_to(stop.position)
+        session.resume()
+    assert [output.text for output in outputs] == ["first", "last", "typed", "last"]
