@@ -631,3 +631,128 @@ class TestProcesses:
                 os.waitpid(process, 0)
         with pytest.raises(ProcessLookupError):
             os.kill(process, 0)
+
+
+def test_a_thread_that_was_looked_at_in_its_turn_waits_at_its_present_line():
+    with debugging("a = 1\nsleep(1)\n") as session:
+        session.start(stop_on_entry=True)
+        (strand,) = session._engine.execution.host.scheduler.strands
+        assert strand.line == 1
+        session.run_to_tick(10)
+        assert strand.line == 2
+
+
+COMPARED = """
+log = []
+class Part:
+  def __eq__(self, other):
+    log.append(other)
+    return True
+  end
+  def __hash__(self):
+    return 1
+  end
+  def __len__(self):
+    log.append(0)
+    return 1
+  end
+  def __repr__(self):
+    log.append(0)
+    return ""
+  end
+end
+part = Part()
+parts = {part: 2}
+keys = parts.keys()
+held = {1: part}
+values = held.values()
+items = held.items()
+sync()
+sync()
+"""
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("1 in values", "(1, 2) in items", "1 in keys", "keys & {1}", "max(values)", "str(values)", "f'{items}'"),
+        *("parts[1]", "set(items)"),
+    ],
+)
+def test_no_code_of_the_program_runs_through_a_view_or_a_key(text):
+    with debugging(COMPARED) as session:
+        session.run_to_tick(1)
+        frame = session.stack(1)[0].id
+        with pytest.raises(DebugError, match="refused"):
+            session.evaluate(text, frame)
+        assert session.evaluate("held[1]", frame).value == "<Part>"
+        assert session.evaluate("log", frame).value == "[]"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("math.factorial(10**9)", "math.comb(10**9, 10**8)", "math.prod(range(1, 10**6))", "pow(2, 10**11)"),
+        *("0.5 in range(10**12)", "[*range(10**12)]", "{1}.isdisjoint(range(2, 10**12))", "round(5, -10**10)"),
+        *("range(10**12).index(0.5)", "bytes(10**11)", "[items * 10000 for n in range(100000)]"),
+    ],
+)
+def test_an_expression_that_would_not_end_or_fill_the_memory_is_refused(text):
+    with debugging("import math\nitems = [1] * 100\nsleep(1)\n") as session:
+        session.run_to_tick(1)
+        frame = session.stack(1)[0].id
+        with pytest.raises(DebugError, match="too "):
+            session.evaluate(text, frame)
+
+
+HOLDING = """
+items = [1, [2, 3]]
+print("first")
+sync()
+print("last")
+sync()
+"""
+
+
+@pytest.mark.parametrize("forks", [False, True] if hasattr(os, "fork") else [False])
+@pytest.mark.parametrize("text", ["items[0] = 5", "items.append(nothing)", "no program", "stop_thread(0)"])
+def test_numbers_of_frames_and_values_stay_valid_when_something_is_changed(text, forks):
+    with debugging(HOLDING, forks=forks) as session:
+        session.set_breakpoints([LineBreakpoint(4)])
+        session.start()
+        frame = session.stack(1)[0].id
+        scope = session.scopes(frame)[0].reference
+        (items,) = session.variables(scope)
+        inner = session.evaluate("items[1]", frame)
+        with contextlib.suppress(DebugError):
+            session.evaluate(text, frame, may_change=True)
+        assert [child.value for child in session.variables(items.reference)][1] == "[2, 3]"
+        assert [child.value for child in session.variables(inner.reference)] == ["2", "3"]
+        assert session.evaluate("items", frame).value == session.variables(scope)[0].value
+        session.set_variable(items.reference, "[0]", "8")
+        assert session.evaluate("items[0]", frame).value == "8"
+
+
+@pytest.mark.parametrize("target", ["joints[0]", "tcp.x", "items[:][0]", "sorted(items)[0]", "[1][0]"])
+def test_a_copy_cannot_be_set(target):
+    with debugging("items = [1]\nsleep(1)\n") as session:
+        session.run_to_tick(1)
+        with pytest.raises(DebugError, match="cannot be set"):
+            session.set_expression(target, "5", session.stack(1)[0].id)
+
+
+def test_what_a_change_prints_is_shown_once():
+    outputs = []
+    with debugging(HOLDING, outputs) as session:
+        session.set_breakpoints([LineBreakpoint(4)])
+        stop = session.start()
+        session.resume()
+        session.run_to(stop.position)
+        frame = session.stack(1)[0].id
+        session.evaluate('print("typed")', frame, may_change=True)
+        with contextlib.suppress(DebugError):
+            session.evaluate("1 / 0", frame, may_change=True)
+        session.resume()
+        session.run_to(stop.position)
+        session.resume()
+    assert [output.text for output in outputs] == ["first", "last", "typed", "last"]

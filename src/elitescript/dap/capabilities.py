@@ -34,7 +34,7 @@ CAPABILITIES: Final[dict[str, Any]] = {
         {
             "filter": ALARM_FILTER,
             "label": "Alarms",
-            "description": "Stop at an alarm, before it unwinds the calls that led to it.",
+            "description": "Stop at an alarm that ends the program, with the calls that led to it; `finally` has run.",
             "default": True,
         },
         {"filter": WARNING_FILTER, "label": "Warnings", "description": "Stop at each warning.", "default": False},

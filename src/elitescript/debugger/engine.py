@@ -44,7 +44,7 @@ from elitescript.debugger.api import (
     Variable,
 )
 from elitescript.debugger.inputs import Input, apply_input
-from elitescript.debugger.looking import CallFrame, Look, Names
+from elitescript.debugger.looking import RESULT, CallFrame, Look, Names
 from elitescript.debugger.places import CountedText, Places
 from elitescript.debugger.rules import NO_RULES, CodeRule, DataRule, Rules, Watch, hit_condition
 from elitescript.debugger.source import Source
@@ -176,6 +176,7 @@ class Engine:
         """Of each thread the count and the number of its last statement, as far as all are looked at."""
         self._last_strand: Strand | None = None
         self._freezes = False
+        self._is_changing = False
         self._step_has_ended = False
         self._recorder: Recorder | None = None
         self.collected: list[Position] = []
@@ -247,7 +248,7 @@ class Engine:
         """Return the value of an expression, without any effect; see `DebugSession.evaluate`."""
         look = self._look
         call = look.call(frame)
-        return look.variable(text, look.value(text, call), call, text)
+        return look.variable(text, look.value(text, call), call, text, way=(RESULT, text, frame))
 
     def place_of(self, frame: int) -> tuple[int, int]:
         """Return thread and depth of a frame; twice 0 for frame 0."""
@@ -648,6 +649,8 @@ class Engine:
     def _event(self, event: Event) -> None:
         """Take note of an event; freeze at an alarm or a warning that stops the run."""
         if not self._freezes:
+            if self._is_changing and (said := output_of(event, self.position, self._time_s)) is not None:
+                self._say(said)
             return
         strand = self._scheduler.current
         if strand is not None and not strand.is_running:
@@ -779,9 +782,19 @@ class Engine:
         Raises:
             DebugError: it cannot be done; the run may be in between then, and is to be dropped.
         """
+        handles = self.handles()
         value = self.apply(change)
         self._look = self._new_look()
+        self._look.show_again(handles)
         return self._look.variable(name, value)
+
+    def handles(self) -> Any:
+        """Return what the numbers of frames and values stand for at this stop."""
+        return self._look.handles()
+
+    def show_again(self, handles: Any) -> None:
+        """Give numbers that were shown at this stop by another execution the same meaning."""
+        self._look.show_again(handles)
 
     def apply(self, change: Input) -> Any:
         """Carry out what the user has changed, here; return the value.
@@ -793,9 +806,11 @@ class Engine:
         loose = [True] * _LOOSE
         table, self._table[:] = list(self._table), [loose.pop] * len(self._table)
         fuel = list(self._scheduler.fuel)
+        self._is_changing = True
         try:
             return apply_input(change, look, self._controller, self.execution.host)
         finally:
+            self._is_changing = False
             self._scheduler.fuel[:] = fuel
             self._table[:] = table
 

@@ -19,13 +19,18 @@ STEPS_MAX: Final = 200_000
 SIZE_MAX: Final = 1_000_000
 """Most elements of a text or list that an expression makes, and digits of a number."""
 
+ROOM_MAX: Final = 20_000_000
+"""Most elements of all texts and lists that it makes on its way."""
+
 PLAIN: Final = frozenset(
     (
         *(bool, int, float, complex, str, bytes, bytearray, type(None), type(...), range, slice),
         *(list, tuple, dict, set, frozenset, type({}.keys()), type({}.values()), type({}.items())),
     )
 )
-_HOLDERS: Final = frozenset((list, tuple, set, frozenset))
+_HOLDERS: Final = frozenset(
+    (list, tuple, set, frozenset, type({}.keys()), type({}.values()), type({}.items())),
+)
 
 _BINARY: Final[dict[type[ast.operator], Callable[[Any, Any], Any]]] = {
     ast.Add: operator.add,
@@ -57,6 +62,15 @@ _COMPARE: Final[dict[type[ast.cmpop], Callable[[Any, Any], Any]]] = {
     ast.In: lambda a, b: a in b,
     ast.NotIn: lambda a, b: a not in b,
 }
+
+_MOST: Final = {
+    **dict.fromkeys(("ljust", "rjust", "center", "zfill", "expandtabs", "to_bytes", "bytes", "bytearray"), SIZE_MAX),
+    **dict.fromkeys(("factorial", "comb", "perm", "prod", "lcm", "round"), 10_000),
+}
+"""Largest number, and most elements, that are passed to functions whose result may be far larger."""
+
+_MAKING: Final = (ast.BinOp, ast.Call, ast.JoinedStr)
+_FILLED: Final = (str, bytes, bytearray, list, tuple)
 
 _CONVERSIONS: Final[dict[str, Callable[[Any], str]]] = {"r": repr, "s": str, "a": ascii}
 
@@ -131,6 +145,7 @@ class _Computation:
         self._call = call
         self._own: dict[str, Any] = {}
         self._left = STEPS_MAX
+        self._room = ROOM_MAX
 
     def value(self, node: ast.expr) -> Any:
         self._left -= 1
@@ -139,7 +154,12 @@ class _Computation:
         compute = getattr(self, f"_{type(node).__name__}", None)
         if compute is None:
             raise DebugError(f"refused: {_described(node)} may change something; allow changes to run it")
-        return compute(node)
+        made = compute(node)
+        if isinstance(node, _MAKING) and type(made) in _FILLED:
+            self._room -= len(made)
+            if self._room < 0:
+                raise DebugError("the expression takes too much memory")
+        return made
 
     def _plain(self, node: ast.expr) -> Any:
         return _checked(self.value(node))
@@ -165,7 +185,7 @@ class _Computation:
         items: list[Any] = []
         for node in nodes:
             if isinstance(node, ast.Starred):
-                items += self._plain(node.value)
+                items += _counted(self._plain(node.value))
             else:
                 items.append(self.value(node))
         return items
@@ -205,6 +225,8 @@ class _Computation:
             if isinstance(sign, ast.Is | ast.IsNot):
                 is_true: Any = (left is right) is isinstance(sign, ast.Is)
             else:
+                if isinstance(sign, ast.In | ast.NotIn) and type(left) not in (int, bool):
+                    _counted(right)  # a range is searched for it, number by number
                 is_true = _COMPARE[type(sign)](_checked(left), _checked(right))
             if not is_true:
                 return is_true
@@ -218,6 +240,8 @@ class _Computation:
             return holder.at(key)
         if type(holder) not in PLAIN:
             raise _refused("the brackets of an object")
+        if type(holder) is dict:
+            _checked(holder.keys())  # which are compared with the key
         return holder[key]
 
     def _Slice(self, node: ast.Slice) -> Any:
@@ -281,24 +305,23 @@ class _Computation:
             else:
                 named[keyword.arg] = self.value(keyword.value)
         for value in (*arguments, *named.values()):
-            _checked(value)
+            _counted(_checked(value))
         if isinstance(function, ast.Name):
             if function.id in self._own:
                 raise _refused(f"{function.id}()")
+            _refuse_too_long(function.id, arguments, named)
             return self._call(function.id, arguments, named)
         if not isinstance(function, ast.Attribute):
             raise _refused("a call")
         holder = self.value(function.value)
         if isinstance(holder, Pure):
+            _refuse_too_long(function.attr, arguments, named)
             return holder.function(function.attr)(*arguments, **named)
         kind = type(holder)
         if kind not in PLAIN or function.attr.startswith("_") or function.attr in _CHANGING_METHODS:
             raise _refused(f"{function.attr}()")
-        _checked(holder)
-        if function.attr in ("ljust", "rjust", "center", "zfill", "expandtabs", "to_bytes") and any(
-            isinstance(value, int) and value > SIZE_MAX for value in arguments
-        ):
-            raise DebugError("the text would be too long")
+        _counted(_checked(holder))
+        _refuse_too_long(function.attr, arguments, named)
         return getattr(holder, function.attr)(*arguments, **named)
 
 
@@ -382,6 +405,13 @@ def _checked(value: Any) -> Any:
     raise _refused("an operation with an object of the program")
 
 
+def _counted(value: Any) -> Any:
+    """Return a value; refuse one that has too many elements to go through, such as a long range."""
+    if hasattr(value, "__len__") and len(value) > SIZE_MAX:
+        raise DebugError("the result would be too large")
+    return value
+
+
 def _refused(what: str) -> DebugError:
     return DebugError(f"refused: {what} may run code of the program; allow changes to run it")
 
@@ -404,6 +434,19 @@ def _refuse_too_large(sign: ast.operator, left: Any, right: Any) -> None:
     else:
         return
     if size > SIZE_MAX:
+        raise DebugError("the result would be too large")
+
+
+def _refuse_too_long(name: str, arguments: tuple[Any, ...], named: dict[str, Any]) -> None:
+    """Refuse calls whose result or time grows with the value of a number: nothing could end them."""
+    if name == "pow" and len(arguments) == 2 and not named:
+        _refuse_too_large(ast.Pow(), *arguments)
+    values = [*(arguments[1:] if name == "round" else arguments), *named.values()]
+    most = _MOST.get(name)
+    if most is not None and any(
+        (isinstance(value, int) and abs(value) > most) or (hasattr(value, "__len__") and len(value) > most)
+        for value in values
+    ):
         raise DebugError("the result would be too large")
 
 

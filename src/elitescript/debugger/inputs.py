@@ -73,6 +73,8 @@ def _assign(
     if isinstance(held, ast.Name) and held.id in SIGNALS and not _is_own(held.id, look, call):
         _set_signal(ast.unparse(target), value, controller)
         return
+    if not _is_part(held, look, call):
+        raise DebugError(f"{ast.unparse(target)} cannot be set: it is no part of a variable of the program")
     holder = look.value(ast.unparse(held), call)
     if isinstance(target, ast.Attribute):
         fields = own_fields(holder)
@@ -87,6 +89,15 @@ def _assign(
         holder[key] = value
     except (LookupError, TypeError, ValueError) as error:
         raise DebugError(f"{type(error).__name__}: {error}") from None
+
+
+def _is_part(node: ast.expr, look: Look, call: CallFrame | None) -> bool:
+    """Return whether an expression names a variable of the program or a part of one, and not a copy."""
+    while isinstance(node, ast.Attribute | ast.Subscript):
+        if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Slice):
+            return False
+        node = node.value
+    return isinstance(node, ast.Name) and _is_own(node.id, look, call)
 
 
 def _is_own(name: str, look: Look, call: CallFrame | None) -> bool:

@@ -6,7 +6,7 @@ import builtins
 import copy
 from collections.abc import Callable, Mapping
 from types import FrameType
-from typing import Any, Final
+from typing import Any, Final, TypeAlias
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.controller.controller import Controller
@@ -26,6 +26,15 @@ LOCALS: Final = "Locals"
 GLOBALS: Final = "Globals"
 ROBOT: Final = "Robot"
 SIGNALS_GROUP: Final = "signals"
+
+SCOPE: Final = -1
+RESULT: Final = -2
+GONE: Final = "gone"
+
+Way: TypeAlias = tuple[int, str, int]
+"""How a value was come by: the number of what holds it, and its name there; or `SCOPE` and the name of the scope, or
+`RESULT` and an expression, each with the number of the frame."""
+NO_WAY: Final[Way] = (0, "", 0)
 
 _CALLABLE: Final = PURE_BUILTINS - {"id", "hash", "type", "format"}
 _PURE_MODULES: Final = frozenset(("math", "cmath"))
@@ -73,9 +82,11 @@ class Look:
         self._host = host
         self._places = places
         self._error = error
-        self._frames: list[CallFrame] = []
+        self._frames: list[CallFrame | None] = []
         self._shown: list[tuple[str, Any, CallFrame | None, str]] = []
         """Scopes and values that can be expanded: kind, value, frame, expression."""
+        self._ways: list[Way] = []
+        """How each of them was come by."""
 
     # ---------------------------------------------------------------- threads
 
@@ -144,7 +155,7 @@ class Look:
         """
         if frame == 0:
             return None
-        if not 0 < frame <= len(self._frames):
+        if not 0 < frame <= len(self._frames) or self._frames[frame - 1] is None:
             raise DebugError("the run has gone on since this frame was shown")
         return self._frames[frame - 1]
 
@@ -157,6 +168,47 @@ class Look:
                 return call
         raise DebugError(f"thread {thread} has no call at depth {depth}")
 
+    # ---------------------------------------------------------------- numbers that stay valid
+
+    def handles(self) -> tuple[tuple[tuple[int, int], ...], tuple[Way, ...]]:
+        """Return what the numbers of frames, as thread and depth, and of values stand for; for `show_again`."""
+        places = tuple((0, 0) if call is None else (call.strand.order + 1, call.depth) for call in self._frames)
+        return places, tuple(self._ways)
+
+    def show_again(self, handles: tuple[tuple[tuple[int, int], ...], tuple[Way, ...]]) -> None:
+        """Give the numbers of an earlier look at the same stop their meaning, with the values of now."""
+        frames, ways = handles
+        self._frames = [self._living_call(*place) for place in frames]
+        for way in ways:
+            parent, name, frame = way
+            try:
+                self._show_again(parent, name, frame)
+            except DebugError:
+                self._keep(way, (GONE, None, None, ""))
+
+    def _living_call(self, thread: int, depth: int) -> CallFrame | None:
+        try:
+            return self.call_at(thread, depth)
+        except DebugError:
+            return None
+
+    def _show_again(self, parent: int, name: str, frame: int) -> None:
+        call = self.call(frame)
+        if parent == SCOPE:
+            self._keep((parent, name, frame), (name, self._group(name, call), call, ""))
+        elif parent == RESULT:
+            self._keep((parent, name, frame), ("", self.value(name, call), call, name))
+        else:
+            count = len(self._shown)
+            self._child_of(parent, name)
+            if len(self._shown) == count:
+                raise DebugError("it holds nothing any more")
+
+    def _keep(self, way: Way, held: tuple[str, Any, CallFrame | None, str]) -> int:
+        self._ways.append(way)
+        self._shown.append(held)
+        return len(self._shown)
+
     # ---------------------------------------------------------------- scopes
 
     def scopes(self, frame: int) -> tuple[Scope, ...]:
@@ -165,8 +217,7 @@ class Look:
         found = []
         for name in (LOCALS, GLOBALS, ROBOT) if call is not None else (GLOBALS, ROBOT):
             group = self._group(name, call)
-            self._shown.append((name, group, call, ""))
-            found.append(Scope(name, len(self._shown), len(group)))
+            found.append(Scope(name, self._keep((SCOPE, name, frame), (name, group, call, "")), len(group)))
         return tuple(found)
 
     def _group(self, name: str, call: CallFrame | None) -> Group:
@@ -227,14 +278,16 @@ class Look:
         named, indexed = children(value)
         found = {"named": named, "indexed": indexed}.get(kind, [*named, *indexed])
         chosen = found[start : start + count] if count else found[start:]
-        return tuple(self._child(group, name, item, call, expression, path) for name, item, path in chosen)
+        return tuple(self._child(reference, group, name, item, call, expression, path) for name, item, path in chosen)
 
     def _held(self, reference: int) -> tuple[str, Any, CallFrame | None, str]:
-        if not 0 < reference <= len(self._shown):
+        if not 0 < reference <= len(self._shown) or self._shown[reference - 1][0] == GONE:
             raise DebugError("the run has gone on since this value was shown")
         return self._shown[reference - 1]
 
-    def _child(self, group: str, name: str, value: Any, call: CallFrame | None, expression: str, path: str) -> Variable:
+    def _child(
+        self, parent: int, group: str, name: str, value: Any, call: CallFrame | None, expression: str, path: str
+    ) -> Variable:
         data_id, is_settable = "", False
         inner = ""
         if group in (LOCALS, GLOBALS):
@@ -249,7 +302,8 @@ class Look:
             inner = expression + path
             is_settable = path.startswith("[") and expression not in ROBOT_NAMES
         held = SIGNALS_GROUP if group == ROBOT and name == SIGNALS_GROUP else ""
-        return self.variable(name, value, call, inner, held, data_id=data_id, is_settable=is_settable)
+        way = parent, name, 0
+        return self.variable(name, value, call, inner, held, way=way, data_id=data_id, is_settable=is_settable)
 
     def variable(
         self,
@@ -259,6 +313,7 @@ class Look:
         expression: str = "",
         group: str = "",
         *,
+        way: Way = NO_WAY,
         data_id: str = "",
         is_settable: bool = False,
     ) -> Variable:
@@ -266,8 +321,7 @@ class Look:
         named, indexed = count_children(value)
         reference = 0
         if named or indexed:
-            self._shown.append((group, value, call, expression))
-            reference = len(self._shown)
+            reference = self._keep(way, (group, value, call, expression))
         text = f"{named} not at default" if group == SIGNALS_GROUP else shown(value)
         kind = type_name(value)
         return Variable(name, text, kind, reference, named, indexed, expression, data_id, is_settable)
@@ -278,14 +332,18 @@ class Look:
         Raises:
             DebugError: there is none.
         """
+        shown_as = self._child_of(reference, name)
+        if not shown_as.evaluate_name:
+            raise DebugError(f"{name} cannot be named in an expression")
+        return shown_as.evaluate_name, self._held(reference)[2]
+
+    def _child_of(self, reference: int, name: str) -> Variable:
         group, value, call, expression = self._held(reference)
         named, indexed = children(value)
         for child, item, path in (*named, *indexed):
             if child == name:
-                shown_as = self._child(group, child, item, call, expression, path)
-                if shown_as.evaluate_name:
-                    return shown_as.evaluate_name, call
-        raise DebugError(f"{name} cannot be named in an expression")
+                return self._child(reference, group, child, item, call, expression, path)
+        raise DebugError(f"there is no {name} here")
 
     # ---------------------------------------------------------------- expressions
 

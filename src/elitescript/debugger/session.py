@@ -563,10 +563,15 @@ class DebugSession:
         """Make a change here, and begin a new branch of history."""
         if self._engine.is_over:
             raise DebugError("the run is over: go back to change something")
+        handles, heard = self._engine.handles(), self._heard
+        # What it says itself is new, also where an earlier branch has said something.
+        self._heard = self._engine.outputs
         try:
             value = self._engine.change(change, name)
         except DebugError:
+            self._heard = heard
             self._again()
+            self._engine.show_again(handles)
             raise
         here = change.position
         self._inputs = [*(item for item in self._inputs if not here.is_before(item.position)), change]

@@ -220,6 +220,10 @@ class Strand:
             self._line_activation = self.activations
         return self._line
 
+    def forget_line(self) -> None:
+        """Find the line out again when it is next read: the thread was looked at in the middle of its turn."""
+        self._line_activation = -1
+
     def line_behind(self, frames: int) -> int:
         """Return its innermost line of script text, called inside it.
 
@@ -315,6 +319,8 @@ class Freezer:
         outer = sys.getrecursionlimit()
         frozen = self._inner if strand is None else strand._greenlet
         assert frozen is not None
+        if strand is not None:
+            strand.forget_line()
         if self._limit:
             sys.setrecursionlimit(self._limit)
         try:
