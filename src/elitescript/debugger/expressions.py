@@ -67,6 +67,13 @@ _CHANGING_METHODS: Final = frozenset(
     """.split()  # noqa: SIM905
 )
 
+_GROWING_METHODS: Final = frozenset(
+    "center expandtabs join ljust replace rjust to_bytes translate zfill".split()  # noqa: SIM905
+)
+"""Methods whose result can be much larger than what they are given."""
+_GROWING_FUNCTIONS: Final = frozenset(("comb", "factorial", "perm"))
+_GROWING_MAX: Final = 10_000
+
 Call = Callable[[str, tuple[Any, ...], dict[str, Any]], Any]
 
 
@@ -285,20 +292,26 @@ class _Computation:
         if isinstance(function, ast.Name):
             if function.id in self._own:
                 raise _refused(f"{function.id}()")
+            if function.id == "pow" and len(arguments) + len(named) == 2:
+                _refuse_too_large(ast.Pow(), *arguments, *named.values())
             return self._call(function.id, arguments, named)
         if not isinstance(function, ast.Attribute):
             raise _refused("a call")
         holder = self.value(function.value)
+        numbers = [value for value in (*arguments, *named.values()) if isinstance(value, int)]
         if isinstance(holder, Pure):
+            if function.attr in _GROWING_FUNCTIONS and any(number > _GROWING_MAX for number in numbers):
+                raise DebugError("the result would be too large")
             return holder.function(function.attr)(*arguments, **named)
         kind = type(holder)
         if kind not in PLAIN or function.attr.startswith("_") or function.attr in _CHANGING_METHODS:
             raise _refused(f"{function.attr}()")
         _checked(holder)
-        if function.attr in ("ljust", "rjust", "center", "zfill", "expandtabs", "to_bytes") and any(
-            isinstance(value, int) and value > SIZE_MAX for value in arguments
+        if function.attr in _GROWING_METHODS and (
+            any(number > SIZE_MAX for number in numbers)
+            or _size_of(holder) * max(map(_size_of, (*arguments, *named.values())), default=0) > SIZE_MAX
         ):
-            raise DebugError("the text would be too long")
+            raise DebugError("the result would be too large")
         return getattr(holder, function.attr)(*arguments, **named)
 
 
@@ -375,6 +388,8 @@ def own_fields(value: Any) -> dict[str, Any]:
 
 def _checked(value: Any) -> Any:
     if type(value) in PLAIN:
+        if type(value) is range and value and abs((value[-1] - value[0]) // value.step) > SIZE_MAX:
+            raise DebugError("the range is too long")
         if is_plain(value):
             return value
     elif isinstance(value, Indexed):
@@ -405,6 +420,15 @@ def _refuse_too_large(sign: ast.operator, left: Any, right: Any) -> None:
         return
     if size > SIZE_MAX:
         raise DebugError("the result would be too large")
+
+
+def _size_of(value: Any) -> int:
+    """Return the number of elements of a value, those of its texts included."""
+    if type(value) is dict:
+        value = list(value.values())
+    if type(value) in _HOLDERS:
+        return len(value) + sum(len(item) for item in value if isinstance(item, str | bytes | bytearray))
+    return len(value) if isinstance(value, str | bytes | bytearray) else 0
 
 
 def _numbers(form: str) -> list[str]:
