@@ -12,7 +12,7 @@ from contextlib import suppress
 from pathlib import Path
 from queue import SimpleQueue
 from threading import Thread
-from typing import Any, Final
+from typing import Final
 
 import elitescript
 from elitescript.codec.json_text import from_text, to_text

@@ -13,7 +13,17 @@ from elitescript.controller.controller import Controller
 from elitescript.debugger.api import DebugError, Frame, Scope, ThreadInfo, Variable
 from elitescript.debugger.expressions import SIZE_MAX, Indexed, Pure, computed, is_plain, parsed
 from elitescript.debugger.places import Places
-from elitescript.debugger.values import POSE, Group, Joints, Pose, children, count_children, indexed_part, shown, type_name
+from elitescript.debugger.values import (
+    POSE,
+    Group,
+    Joints,
+    Pose,
+    children,
+    count_children,
+    indexed_part,
+    shown,
+    type_name,
+)
 from elitescript.lint.effects import PURE_BUILTINS, only_gives_a_value
 from elitescript.messages.profile import release_of
 from elitescript.messages.signals import SIGNALS

@@ -146,7 +146,8 @@ def _text(value: Any, depth: int, left: list[int]) -> str:
     if kind in _BRACKETS:
         return _sequence(value, kind, depth, left)
     if kind is dict:
-        pairs = [f"{_text(key, depth + 1, left)}: {_text(item, depth + 1, left)}" for key, item in islice(value.items(), _ITEMS_MAX)]
+        first = islice(value.items(), _ITEMS_MAX)
+        pairs = [f"{_text(key, depth + 1, left)}: {_text(item, depth + 1, left)}" for key, item in first]
         return "{" + ", ".join([*pairs, *(["..."] if len(value) > _ITEMS_MAX else [])]) + "}"
     if isinstance(value, FunctionType | BuiltinFunctionType):
         return f"function {value.__qualname__.rpartition('<locals>.')[2]}"
