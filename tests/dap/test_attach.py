@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import os
 import socket
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from threading import Thread
 
 import pytest
 
@@ -76,3 +78,29 @@ def test_where_nothing_is_served_is_an_error(tmp_path):
     client.initialize()
     with pytest.raises(Failed, match="no controller is served here"):
         client.request("attach", socket=str(tmp_path / "no.sock"))
+
+
+def test_a_robot_that_lies_does_not_end_the_adapter(tmp_path: Path) -> None:
+    lies = ({"event": "breakpoint", "state": 7}, {"event": "stopped", "stop": {"reason": 5}}, {"event": None})
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(str(tmp_path / "lies.sock"))
+        listener.listen(1)
+
+        def lie() -> None:
+            robot, _ = listener.accept()
+            with robot, robot.makefile("rwb") as lines:
+                for _ in lines:
+                    answers = [*lies, {"ok": True, "text": "", "result": {"result": None}}]
+                    lines.write(b"".join(json.dumps(answer).encode() + b"\n" for answer in answers))
+                    lines.flush()
+
+        Thread(target=lie, daemon=True).start()
+        with process_client() as client:
+            client.initialize()
+            attach = client.send("attach", socket=str(tmp_path / "lies.sock"))
+            client.event("initialized")
+            client.request("configurationDone")
+            client.answer(attach)
+            client.request("threads")
+            assert "the robot: BreakpointState, not 7" in client.outputs()
+            client.disconnect()

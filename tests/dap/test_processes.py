@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -98,6 +99,17 @@ def test_clients_of_a_port_come_one_after_the_other():
         with socket_client(port) as client:
             assert client.start(CELL, 12)["body"]["reason"] == "breakpoint"
             client.disconnect()
+
+
+def test_a_web_page_cannot_speak_to_a_port():
+    body = b'{"seq":1,"type":"request","command":"initialize","arguments":{}}'
+    request = b"POST / HTTP/1.1\r\nHost: here\r\nContent-Length: %d\r\n\r\n%b" % (len(body), body)
+    with server() as port:
+        with socket.create_connection(("127.0.0.1", port)) as browser:
+            browser.sendall(request)
+            assert browser.recv(1) == b""
+        with socket_client(port) as client:
+            client.initialize()
 
 
 @pytest.mark.parametrize("port", ["70000", "-1"])

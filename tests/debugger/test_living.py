@@ -554,6 +554,27 @@ def test_nothing_that_a_user_runs_may_wait() -> None:
     assert living.stop()["line"] == 6
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "raise SystemExit",
+        "raise GeneratorExit",
+        "class E(BaseException):\n  pass\nend\nraise E()",
+        "class E(Exception):\n  def __str__(self):\n    while True:\n      pass\n    end\n  end\nend\nraise E()",
+    ],
+)
+def test_no_exception_of_a_user_ends_the_robot(text) -> None:
+    living = Living()
+    living.run()
+    living.ask("set_breakpoints", requests=[{"line": 6}])
+    living.stop()
+    (frame,) = living.ask("stack", thread=1)
+    answer = living.ask("evaluate", text=text, frame=frame["id"], may_change=True)
+    assert str(answer).startswith("refused: "), answer
+    living.ask("resume")
+    assert living.stop()["line"] == 6
+
+
 def test_signals_are_set_at_any_time() -> None:
     living = Living()
     assert living.ask("set_signal", name="standard_digital_in[3]", text="True")["value"] == "True"

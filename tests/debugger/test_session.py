@@ -756,3 +756,54 @@ def test_what_a_change_prints_is_shown_once():
         session.run_to(stop.position)
         session.resume()
     assert [output.text for output in outputs] == ["first", "last", "typed", "last"]
+
+
+class TestValuesThatAreLarge:
+    """Looking takes the time of the robot that serves, so that it has to be bounded whatever a program holds."""
+
+    TEXT = """def job():
+  a = [0] * 100
+  for n in range(8):
+    a = [a] * 100
+  end
+  s = set([frozenset([1, 2]), 3])
+  r = range(10 ** 30)
+  long = [0] * 3000
+  sleep(0.1)
+end
+"""
+
+    def test_they_are_shown_in_part(self):
+        with debugging(self.TEXT) as session:
+            session.start(stop_on_entry=True)
+            session.set_breakpoints([LineBreakpoint(9)])
+            session.resume()
+            frame = session.stack(1)[0].id
+            found = {item.name: item for item in session.variables(session.scopes(frame)[0].reference)}
+            assert len(found["a"].value) == 2000
+            assert found["s"].value == "{3, {1, 2}}"
+            assert (found["r"].value, found["r"].reference) == (f"range(0, {10**30})", 0)
+            part = session.variables(found["long"].reference, kind="indexed", start=2999, count=5)
+            assert [(item.name, item.value) for item in part] == [("[2999]", "0")]
+            assert session.evaluate("r[5]", frame).value == "5"
+            assert session.evaluate("set(long + [2])", frame).value == "{0, 2}"
+
+    @pytest.mark.parametrize(
+        "text",
+        [
+            "0.5 in r",
+            "sum(r)",
+            "[*r]",
+            "pow(3, 10 ** 9)",
+            "math.factorial(10 ** 9)",
+            "('a' * 10 ** 6).replace('a', 'b' * 10 ** 6)",
+            "(5).to_bytes(length=10 ** 9, byteorder='big')",
+            "('x' * 10 ** 4).join(['x'] * 10 ** 4)",
+        ],
+    )
+    def test_what_would_take_too_long_is_refused(self, text):
+        with at_entry("import math\nr = range(10 ** 12)\nsleep(1)\n") as session:
+            session.next(1)
+            session.next(1)
+            with pytest.raises(DebugError, match="too l"):
+                session.evaluate(text, session.stack(1)[0].id)

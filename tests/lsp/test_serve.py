@@ -149,6 +149,9 @@ def test_tcp():
         ready = process.stdout.readline().decode()
         host, _, port = ready.removeprefix("ready on ").strip().partition(":")
         assert host == "127.0.0.1"
+        with socket.create_connection((host, int(port))) as browser:
+            browser.sendall(b"POST / HTTP/1.1\r\nContent-Length: 2\r\n\r\n{}")
+            assert browser.recv(1) == b""
         with socket.create_connection((host, int(port))) as client, client.makefile("rwb") as stream:
             for message in (
                 {"id": 1, "method": "initialize", "params": {"processId": None, "rootUri": None, "capabilities": {}}},

@@ -187,9 +187,7 @@ class _Layout:
         self._read_levels()
         old = self.document.source.lines
         headers = {line.line for line in self.document.translation.headers}
-        kept = {
-            problem.line for problem in self.document.translation.diagnostics if problem.code != _BESIDE_LAYOUT
-        }
+        kept = {problem.line for problem in self.document.translation.diagnostics if problem.code != _BESIDE_LAYOUT}
         done = 0
         for index, line in enumerate(self._lines):
             self._between(done + 1, line.line, index)

@@ -376,7 +376,7 @@ class Adapter:
             self._report_stop(self.stop)
         early, self._early = self._early, []
         for kind, content in early:
-            self._take_news(kind, content)
+            self._take_news_or_say(kind, content)
 
     def _answer_deferred(self) -> bool:
         """Answer what came while the program ran; return whether nothing of that lets it go on."""
@@ -419,11 +419,18 @@ class Adapter:
 
     def heard(self, kind: str, content: dict[str, Any]) -> None:
         """Take what has happened to a living robot, in its own thread; see `services.control.debugging`."""
-        self._requests.post(lambda: self._take_news(kind, content))
+        self._requests.post(lambda: self._take_news_or_say(kind, content))
 
     def heard_output(self, output: Output) -> None:
         """Take what a living robot's programs say, in its own thread."""
         self._requests.post(lambda: self.report_output(output))
+
+    def _take_news_or_say(self, kind: str, content: dict[str, Any]) -> None:
+        """As `_take_news`; a robot that has gone meanwhile, or lies, does not end this process."""
+        try:
+            self._take_news(kind, content)
+        except DebugError as error:
+            self.note(f"the robot: {error}", "important")
 
     def _take_news(self, kind: str, content: dict[str, Any]) -> None:
         if self.state is State.CONFIGURING:

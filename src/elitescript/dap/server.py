@@ -16,6 +16,7 @@ from typing import Final
 from elitescript.dap.relay import Relay
 from elitescript.dap.worker_process import WorkerProcess
 from elitescript.errors import UsageError
+from elitescript.protocol.browsers import FirstBytes
 
 READ_BYTES: Final = 1 << 16
 INBOX_MAX: Final = 256
@@ -62,10 +63,16 @@ def serve_tcp(port: int, announce: Callable[[str], None]) -> None:
             client, _ = listener.accept()
             with client:
                 client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-                serve(partial(client.recv, READ_BYTES), client.sendall)
+                serve(partial(_received, client, FirstBytes()), client.sendall)
                 with suppress(OSError):
                     # Ends the thread that reads.
                     client.shutdown(socket.SHUT_RDWR)
+
+
+def _received(client: socket.socket, first: FirstBytes) -> bytes:
+    """Return what a client sends next; nothing, as at its end, from a web browser: pages must not start programs."""
+    data = client.recv(READ_BYTES)
+    return b"" if first.feed(data) else data
 
 
 def serve(read: Callable[[], bytes], write: Callable[[bytes], object]) -> None:

@@ -23,7 +23,7 @@ from elitescript.codec.json_text import from_text, to_text
 from elitescript.dap.adapter import Adapter
 from elitescript.dap.messages import Message
 from elitescript.dap.requests.catalogue import HANDLERS
-from elitescript.environment.process import limit_memory
+from elitescript.environment.process import end_with_parent, limit_memory
 
 MEMORY: Final = 4 << 30
 """Bytes of memory that a debugged program may have, with its snapshots each: as `elitescript run`."""
@@ -127,22 +127,10 @@ class ThreadedIncoming:
         interrupt_main()
 
 
-def _end_with_parent(descriptor: int) -> None:
-    """Let the system end this process and its copies when the parent's end of a pipe closes, where it can."""
-    try:
-        import fcntl
-    except ImportError:
-        return
-    signal.signal(signal.SIGIO, signal.SIG_DFL)
-    fcntl.fcntl(descriptor, fcntl.F_SETOWN, -os.getpgrp())
-    fcntl.fcntl(descriptor, fcntl.F_SETFL, fcntl.fcntl(descriptor, fcntl.F_GETFL) | os.O_ASYNC)
-
-
 def main() -> None:
     """Serve requests until the input ends."""
     faulthandler.enable(all_threads=False)
-    if len(sys.argv) > 1 and os.name == "posix":
-        _end_with_parent(int(sys.argv[1]))
+    end_with_parent(int(sys.argv[1]))
     limit_memory(MEMORY)
     requests, responses = os.dup(0), os.dup(1)
     # What the program reads and prints is not the protocol.

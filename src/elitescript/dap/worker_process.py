@@ -12,13 +12,13 @@ from contextlib import suppress
 from pathlib import Path
 from queue import SimpleQueue
 from threading import Thread
-from typing import Any, Final
+from typing import Final
 
 import elitescript
 from elitescript.codec.json_text import from_text, to_text
 from elitescript.codec.values import CodecError
 from elitescript.dap.messages import Message
-from elitescript.environment.process import place_in_trace
+from elitescript.environment.process import Life, place_in_trace
 
 HASH_SEED: Final = "0"
 """The order of a set of strings depends on it; every process that runs programs has the same."""
@@ -47,24 +47,22 @@ class WorkerProcess:
         self.is_killed = False
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115
         # The end of this process closes the pipe, which ends the other one, whatever it does.
-        theirs, self._life = os.pipe()
-        groups: dict[str, Any] = {"start_new_session": True, "pass_fds": [theirs]} if os.name == "posix" else {}
+        self._life = Life()
         try:
             self._process = subprocess.Popen(
-                [sys.executable, "-P", "-m", "elitescript.dap.worker", str(theirs)],
+                [sys.executable, "-P", "-m", "elitescript.dap.worker", str(self._life.descriptor)],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=self._errors,
                 bufsize=0,
                 env=_environment(),
-                **groups,
+                **self._life.options,
             )
         except BaseException:
-            os.close(self._life)
+            self._life.close()
             self._errors.close()
             raise
-        finally:
-            os.close(theirs)
+        self._life.started()
         Thread(target=self._read, daemon=True).start()
         Thread(target=self._write, daemon=True).start()
 
@@ -101,7 +99,7 @@ class WorkerProcess:
         code = self._process.wait()
         self._outgoing.put(b"")
         reason = fault or self._reason(code)
-        os.close(self._life)
+        self._life.close()
         self._errors.close()
         if not self.is_killed:
             self._on_end(reason)

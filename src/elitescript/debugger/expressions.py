@@ -81,6 +81,9 @@ _CHANGING_METHODS: Final = frozenset(
     """.split()  # noqa: SIM905
 )
 
+_GROWING_METHODS: Final = frozenset(("join", "replace", "translate"))
+"""Methods whose result can be as large as the product of what they are given."""
+
 Call = Callable[[str, tuple[Any, ...], dict[str, Any]], Any]
 
 
@@ -322,6 +325,10 @@ class _Computation:
             raise _refused(f"{function.attr}()")
         _counted(_checked(holder))
         _refuse_too_long(function.attr, arguments, named)
+        if function.attr in _GROWING_METHODS:
+            largest = max(map(_size_of, (*arguments, *named.values())), default=0)
+            if _size_of(holder) * largest > SIZE_MAX:
+                raise DebugError("the result would be too large")
         return getattr(holder, function.attr)(*arguments, **named)
 
 
@@ -398,6 +405,8 @@ def own_fields(value: Any) -> dict[str, Any]:
 
 def _checked(value: Any) -> Any:
     if type(value) in PLAIN:
+        if type(value) is range and value and abs((value[-1] - value[0]) // value.step) > SIZE_MAX:
+            raise DebugError("the range is too long")
         if is_plain(value):
             return value
     elif isinstance(value, Indexed):
@@ -439,8 +448,8 @@ def _refuse_too_large(sign: ast.operator, left: Any, right: Any) -> None:
 
 def _refuse_too_long(name: str, arguments: tuple[Any, ...], named: dict[str, Any]) -> None:
     """Refuse calls whose result or time grows with the value of a number: nothing could end them."""
-    if name == "pow" and len(arguments) == 2 and not named:
-        _refuse_too_large(ast.Pow(), *arguments)
+    if name == "pow" and len(arguments) + len(named) == 2:
+        _refuse_too_large(ast.Pow(), *arguments, *named.values())
     values = [*(arguments[1:] if name == "round" else arguments), *named.values()]
     most = _MOST.get(name)
     if most is not None and any(
@@ -448,6 +457,15 @@ def _refuse_too_long(name: str, arguments: tuple[Any, ...], named: dict[str, Any
         for value in values
     ):
         raise DebugError("the result would be too large")
+
+
+def _size_of(value: Any) -> int:
+    """Return the number of elements of a value, those of its texts included."""
+    if type(value) is dict:
+        value = list(value.values())
+    if type(value) in _HOLDERS:
+        return len(value) + sum(len(item) for item in value if isinstance(item, str | bytes | bytearray))
+    return len(value) if isinstance(value, str | bytes | bytearray) else 0
 
 
 def _numbers(form: str) -> list[str]:

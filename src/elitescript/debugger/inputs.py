@@ -182,9 +182,10 @@ def _run(text: str, look: Look, call: CallFrame | None, host: ScriptHost) -> Any
             raise DebugError(
                 "refused: it waits or does not end, and the robot stands while the run is stopped"
             ) from None
-        if not isinstance(error, Exception):
+        if isinstance(error, KeyboardInterrupt):
             raise
-        raise DebugError(f"{type(error).__name__}: {error}") from None
+        # Also those that leave `except Exception`, such as SystemExit: nothing that a user writes ends this process.
+        raise DebugError(_described(error)) from None
     finally:
         scheduler.current = current
     for name, new in names.items():
@@ -194,3 +195,14 @@ def _run(text: str, look: Look, call: CallFrame | None, host: ScriptHost) -> Any
             elif not name.startswith(("__", "@")):
                 program.globals.values[name] = new
     return value
+
+
+def _described(error: BaseException) -> str:
+    """Return an exception in words; a class of the program may have any `__str__`."""
+    name = type(error).__name__
+    try:
+        return f"{name}: {error}"
+    except BaseException as failed:
+        if isinstance(failed, KeyboardInterrupt):
+            raise
+        return name

@@ -13,7 +13,17 @@ from elitescript.controller.controller import Controller
 from elitescript.debugger.api import DebugError, Frame, Scope, ThreadInfo, Variable
 from elitescript.debugger.expressions import SIZE_MAX, Indexed, Pure, computed, is_plain, parsed
 from elitescript.debugger.places import Places
-from elitescript.debugger.values import POSE, Group, Joints, Pose, children, count_children, shown, type_name
+from elitescript.debugger.values import (
+    POSE,
+    Group,
+    Joints,
+    Pose,
+    children,
+    count_children,
+    indexed_part,
+    shown,
+    type_name,
+)
 from elitescript.lint.effects import PURE_BUILTINS, only_gives_a_value
 from elitescript.messages.profile import release_of
 from elitescript.messages.signals import SIGNALS
@@ -275,9 +285,11 @@ class Look:
     def variables(self, reference: int, kind: str = "", start: int = 0, count: int = 0) -> tuple[Variable, ...]:
         """See `DebugSession.variables`."""
         group, value, call, expression = self._held(reference)
-        named, indexed = children(value)
-        found = {"named": named, "indexed": indexed}.get(kind, [*named, *indexed])
-        chosen = found[start : start + count] if count else found[start:]
+        chosen = None if kind == "named" else indexed_part(value, start, count)
+        if chosen is None:
+            named, indexed = children(value)
+            found = {"named": named, "indexed": indexed}.get(kind, [*named, *indexed])
+            chosen = found[start : start + count] if count else found[start:]
         return tuple(self._child(reference, group, name, item, call, expression, path) for name, item, path in chosen)
 
     def _held(self, reference: int) -> tuple[str, Any, CallFrame | None, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import islice
 from types import BuiltinFunctionType, FunctionType, GeneratorType, MethodType
 from typing import Any, Final
 
@@ -17,6 +18,8 @@ POSE: Final = ("x", "y", "z", "rx", "ry", "rz")
 JOINTS: Final = ("base", "shoulder", "elbow", "wrist1", "wrist2", "wrist3")
 
 _SIMPLE: Final = (bool, int, float, complex, type(None), type(...), range, slice)
+_SEQUENCES: Final = (list, tuple, bytes, bytearray)
+"""Types whose items are shown by index. Not those of a range: its text says all, and it can be endless."""
 _BRACKETS: Final[dict[type, tuple[str, str]]] = {
     list: ("[", "]"),
     tuple: ("(", ")"),
@@ -45,7 +48,7 @@ class Group(dict[str, Any]):
 
 def shown(value: Any) -> str:
     """Return a value as text: the same in every execution."""
-    text = _text(value, 0)
+    text = _text(value, 0, [TEXT_MAX])
     return text if len(text) <= TEXT_MAX else f"{text[: TEXT_MAX - 3]}..."
 
 
@@ -67,6 +70,19 @@ def type_name(value: Any) -> str:
     return "class" if issubclass(kind, type) else str(type.__dict__["__name__"].__get__(kind))
 
 
+def indexed_part(value: Any, start: int, count: int) -> list[tuple[str, Any, str]] | None:
+    """Return some of the indexed children of a list or text of bytes; None for other values.
+
+    Args:
+        start: index of the first one.
+        count: how many at most; 0 for all that follow.
+    """
+    if type(value) not in _SEQUENCES:
+        return None
+    end = min(start + count, len(value)) if count else len(value)
+    return [(f"[{index}]", value[index], f"[{index}]") for index in range(start, end)]
+
+
 def children(value: Any) -> tuple[list[tuple[str, Any, str]], list[tuple[str, Any, str]]]:
     """Return what a value holds: named and indexed children, each as name, value and what follows its expression."""
     kind = type(value)
@@ -76,8 +92,8 @@ def children(value: Any) -> tuple[list[tuple[str, Any, str]], list[tuple[str, An
         return [(name, item, f"[{n}]") for n, (name, item) in enumerate(zip(POSE, value, strict=False))], []
     if kind is Joints:
         return [(name, item, f"[{n}]") for n, (name, item) in enumerate(zip(JOINTS, value, strict=False))], []
-    if kind in (list, tuple, range, bytes, bytearray):
-        return [], [(f"[{index}]", item, f"[{index}]") for index, item in enumerate(value)]
+    if (indexed := indexed_part(value, 0, 0)) is not None:
+        return [], indexed
     if kind in (set, frozenset):
         return [], [(f"[{index}]", item, "") for index, item in enumerate(sorted(value, key=shown))]
     if kind is dict:
@@ -92,7 +108,7 @@ def children(value: Any) -> tuple[list[tuple[str, Any, str]], list[tuple[str, An
 def count_children(value: Any) -> tuple[int, int]:
     """Return how many named and indexed children a value has."""
     kind = type(value)
-    if kind in (list, tuple, range, bytes, bytearray, set, frozenset):
+    if kind in _SEQUENCES or kind in (set, frozenset):
         return 0, len(value)
     if kind in (dict, Group):
         return len(value), 0
@@ -104,8 +120,19 @@ def _is_literal(key: Any) -> bool:
     return type(key) in (bool, int, float, str, bytes, type(None))
 
 
-def _text(value: Any, depth: int) -> str:
+def _text(value: Any, depth: int, left: list[int]) -> str:
+    """Return a value as text.
+
+    Args:
+        value: any.
+        depth: values that it is in.
+        left: how many values may still be looked at. Each gives a character at least, so what is left out when none is
+            left stands behind the longest text that is shown.
+    """
     kind = type(value)
+    left[0] -= 1
+    if left[0] < 0:
+        return "..."
     if kind in _SIMPLE:
         return _number(value)
     if kind in (str, bytes, bytearray):
@@ -115,11 +142,12 @@ def _text(value: Any, depth: int) -> str:
     if kind is Pose or kind is Joints:
         return f"[{', '.join(f'{item:.6g}' for item in value)}]"
     if kind is Group:
-        return ", ".join(f"{name} {_text(item, depth + 1)}" for name, item in list(value.items())[:_ITEMS_MAX])
+        return ", ".join(f"{name} {_text(item, depth + 1, left)}" for name, item in islice(value.items(), _ITEMS_MAX))
     if kind in _BRACKETS:
-        return _sequence(value, kind, depth)
+        return _sequence(value, kind, depth, left)
     if kind is dict:
-        pairs = [f"{_text(key, depth + 1)}: {_text(item, depth + 1)}" for key, item in list(value.items())[:_ITEMS_MAX]]
+        first = islice(value.items(), _ITEMS_MAX)
+        pairs = [f"{_text(key, depth + 1, left)}: {_text(item, depth + 1, left)}" for key, item in first]
         return "{" + ", ".join([*pairs, *(["..."] if len(value) > _ITEMS_MAX else [])]) + "}"
     if isinstance(value, FunctionType | BuiltinFunctionType):
         return f"function {value.__qualname__.rpartition('<locals>.')[2]}"
@@ -130,7 +158,7 @@ def _text(value: Any, depth: int) -> str:
     if issubclass(kind, type):
         return f"class {type.__dict__['__name__'].__get__(value)}"
     if issubclass(kind, BaseException) and kind.__module__ == "builtins":
-        return f"{kind.__name__}({', '.join(_text(item, depth + 1) for item in value.args)})"
+        return f"{kind.__name__}({', '.join(_text(item, depth + 1, left) for item in value.args[:_ITEMS_MAX])})"
     return f"<{type.__dict__['__name__'].__get__(kind)}>"
 
 
@@ -141,13 +169,18 @@ def _number(value: Any) -> str:
         return f"an int of {value.bit_length()} bits"
 
 
-def _sequence(value: Any, kind: type, depth: int) -> str:
+def _sequence(value: Any, kind: type, depth: int, left: list[int]) -> str:
     if kind in (set, frozenset):
-        parts = sorted(_text(item, depth + 1) for item in value)[:_ITEMS_MAX]
-        if not parts:
+        if not value:
             return f"{kind.__name__}()"
+        if len(value) > left[0]:
+            return f"{kind.__name__} of {len(value)} items"
+        # Their order is not that of the text, so each gets the same share.
+        share = left[0] // len(value)
+        left[0] -= len(value)
+        parts = sorted(_text(item, depth + 1, [share]) for item in value)[:_ITEMS_MAX]
     else:
-        parts = [_text(item, depth + 1) for item in value[:_ITEMS_MAX]]
+        parts = [_text(item, depth + 1, left) for item in value[:_ITEMS_MAX]]
     opening, closing = _BRACKETS[kind]
     more = ["..."] if len(value) > _ITEMS_MAX else []
     only = "," if kind is tuple and len(value) == 1 else ""

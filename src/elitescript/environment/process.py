@@ -1,4 +1,4 @@
-"""Limits of a process that runs programs, and the place of a program in the trace of its crash."""
+"""Limits of a process that runs programs, its end with its parent, and the place of a program in a trace."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import os
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from typing import Final
+    from typing import Any, Final
 
 MEMORY_DEFAULT: Final = "4GiB"
 """Limit of the memory of a run, *assumed*: more than a controller has, less than most computers."""
@@ -38,3 +38,59 @@ def limit_memory(size: int) -> None:
     hard = resource.getrlimit(resource.RLIMIT_AS)[1]
     soft = size if hard == resource.RLIM_INFINITY else min(size, hard)
     resource.setrlimit(resource.RLIMIT_AS, (max(soft, MEMORY_MIN), hard))
+
+
+class Life:
+    """A pipe whose end in this process ends another one, whatever that does; see `end_with_parent`.
+
+    Attributes:
+        descriptor: for the other process; -1 where there is no such thing.
+    """
+
+    __slots__ = ("_own", "descriptor")
+
+    def __init__(self) -> None:
+        self.descriptor, self._own = os.pipe() if os.name == "posix" else (-1, -1)
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """Keyword arguments for the start of the other process."""
+        return {"start_new_session": True, "pass_fds": [self.descriptor]} if self._own >= 0 else {}
+
+    def started(self) -> None:
+        """Close the end of the other process here, once that has it."""
+        if self.descriptor >= 0:
+            os.close(self.descriptor)
+            self.descriptor = -1
+
+    def close(self) -> None:
+        """Close both ends."""
+        self.started()
+        if self._own >= 0:
+            os.close(self._own)
+            self._own = -1
+
+
+def end_with_parent(descriptor: int) -> None:
+    """Let the system end this process and its copies when the parent's end of a pipe closes, where it can.
+
+    Args:
+        descriptor: of `Life`; below 0 for none.
+    """
+    if descriptor < 0:
+        return
+    import fcntl
+    import signal
+
+    signal.signal(signal.SIGIO, signal.SIG_DFL)
+    fcntl.fcntl(descriptor, fcntl.F_SETOWN, -os.getpgrp())
+    fcntl.fcntl(descriptor, fcntl.F_SETFL, fcntl.fcntl(descriptor, fcntl.F_GETFL) | os.O_ASYNC)
+    if _is_closed(descriptor):
+        # The parent had gone before.
+        os._exit(1)
+
+
+def _is_closed(descriptor: int) -> bool:
+    import select
+
+    return bool(select.select([descriptor], [], [], 0)[0])

@@ -20,6 +20,7 @@ from lsprotocol import types
 
 from elitescript.assist.document import Document
 from elitescript.assist.last_run import LastRun
+from elitescript.environment.process import Life
 from elitescript.lsp.connection import RequestFailed
 from elitescript.lsp.run_data import Outcome, decoded
 from elitescript.lsp.session import Session
@@ -213,14 +214,24 @@ async def run_in_process(request: dict[str, Any], wall_s: float) -> Outcome:
     Raises:
         RequestFailed: it took too long, or ended without an outcome.
     """
+    life = Life()
+    try:
+        return await _run_with(life, request, wall_s)
+    finally:
+        life.close()
+
+
+async def _run_with(life: Life, request: dict[str, Any], wall_s: float) -> Outcome:
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-P", "-m", "elitescript.lsp.run_worker"),
+        *(sys.executable, "-P", "-m", "elitescript.lsp.run_worker", str(life.descriptor)),
         stdin=asyncio.subprocess.PIPE,
         stdout=asyncio.subprocess.PIPE,
         stderr=asyncio.subprocess.DEVNULL,
         limit=OUTCOME_BYTES_MAX,
         env={**os.environ, "PYTHONHASHSEED": "0", "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+        **life.options,
     )
+    life.started()
     try:
         # It ends by itself, with what it has so far, unless it hangs.
         asked = json.dumps({"wall_s": WALL_SHARE * wall_s, **request}).encode()

@@ -17,6 +17,7 @@ from typing import Any, Final
 
 from elitescript.devices.surroundings import VIRTUAL
 from elitescript.devices.world import World
+from elitescript.environment.process import end_with_parent
 from elitescript.errors import ElitescriptError, ProgramError
 from elitescript.language.text.source import SourceFile
 from elitescript.lsp.last_run import last_run_of
@@ -131,6 +132,7 @@ def _report(run: Run) -> dict[str, Any]:
 
 
 def _main() -> None:
+    end_with_parent(int(sys.argv[1]))
     answers = os.fdopen(os.dup(1), "wb")
     # What a program prints is not the outcome.
     os.dup2(2, 1)

@@ -16,6 +16,7 @@ from elitescript.lsp.collecting import Collector
 from elitescript.lsp.frames import Frames
 from elitescript.lsp.processes import is_alive
 from elitescript.lsp.server import Server
+from elitescript.protocol.browsers import FirstBytes
 
 HOST: Final = "127.0.0.1"
 READ_BYTES: Final = 1 << 16
@@ -90,7 +91,7 @@ def serve_stdio() -> int:
 def serve_tcp(port: int) -> int:
     """Serve the first client of a TCP port until it ends; return the exit code. Further ones are refused.
 
-    A line `ready on 127.0.0.1:PORT` says that the port is open; 0 is any free one.
+    Web browsers are hung up on. A line `ready on 127.0.0.1:PORT` says that the port is open; 0 is any free one.
     """
 
     async def serve() -> int:
@@ -104,13 +105,19 @@ def serve_tcp(port: int) -> int:
             if server.protocol.writer is not None:
                 writer.close()
                 return
-            server.protocol.set_writer(writer)
-            frames = Frames()
             try:
-                while data := await reader.read(READ_BYTES):
+                data = await _first_of(reader)
+                if not data or server.protocol.writer is not None:
+                    writer.close()
+                    return
+                server.protocol.set_writer(writer)
+                frames = Frames()
+                while data:
                     _feed(server, collector, frames, data)
+                    data = await reader.read(READ_BYTES)
             except ConnectionError:
-                pass
+                if server.protocol.writer is not writer:
+                    return
             end(0 if server.connection.is_shut_down else 1)
 
         listener = await asyncio.start_server(connected, HOST, port)
@@ -124,6 +131,15 @@ def serve_tcp(port: int) -> int:
             listener.close()
 
     return asyncio.run(serve())
+
+
+async def _first_of(reader: asyncio.StreamReader) -> bytes:
+    """Return the first bytes of a client; none of a web browser: a page must not speak to the server, nor end it."""
+    first, data = FirstBytes(), b""
+    while not first.is_decided and (more := await reader.read(READ_BYTES)):
+        first.feed(more)
+        data += more
+    return b"" if first.found else data
 
 
 def _server(end: Callable[[int], None], output: Any) -> Server:

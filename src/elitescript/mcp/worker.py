@@ -12,7 +12,7 @@ import sys
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
-from elitescript.environment.process import limit_memory
+from elitescript.environment.process import end_with_parent, limit_memory
 from elitescript.errors import ElitescriptError, ProgramError
 from elitescript.mcp import runs
 from elitescript.mcp.steps import Steps
@@ -52,6 +52,7 @@ def answer_to(line: str, known: Mapping[str, Request]) -> dict[str, Any]:
 
 
 def _main() -> None:
+    end_with_parent(int(sys.argv[1]))
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
     limit_memory(MEMORY_BYTES)

@@ -9,6 +9,7 @@ import sys
 from contextlib import suppress
 from typing import Any, Final
 
+from elitescript.environment.process import Life
 from elitescript.errors import UsageError
 
 ANSWER_BYTES_MAX: Final = 8 * 1024 * 1024
@@ -27,11 +28,12 @@ class Worker:
         is_alive: whether it takes requests.
     """
 
-    __slots__ = ("_lock", "_process", "_wall_s", "is_alive")
+    __slots__ = ("_life", "_lock", "_process", "_wall_s", "is_alive")
 
     def __init__(self, wall_s: float) -> None:
         self._wall_s = wall_s
         self._process: asyncio.subprocess.Process | None = None
+        self._life = Life()
         self._lock = asyncio.Lock()
         self.is_alive = True
 
@@ -59,19 +61,24 @@ class Worker:
     async def _exchange(self, request: dict[str, Any]) -> dict[str, Any]:
         if self._process is None:
             self._process = await asyncio.create_subprocess_exec(
-                *(sys.executable, "-P", "-m", "elitescript.mcp.worker"),
+                *(sys.executable, "-P", "-m", "elitescript.mcp.worker", str(self._life.descriptor)),
                 stdin=asyncio.subprocess.PIPE,
                 stdout=asyncio.subprocess.PIPE,
                 limit=ANSWER_BYTES_MAX,
                 env={**os.environ, "PYTHONHASHSEED": "0", "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+                **self._life.options,
             )
+            self._life.started()
         process = self._process
         assert process.stdin is not None
         assert process.stdout is not None
-        process.stdin.write(json.dumps(request).encode() + b"\n")
-        await process.stdin.drain()
+        line = b""
         try:
-            line = await process.stdout.readline()
+            # A process that has ended meanwhile takes nothing.
+            with suppress(ConnectionError):
+                process.stdin.write(json.dumps(request).encode() + b"\n")
+                await process.stdin.drain()
+                line = await process.stdout.readline()
         except ValueError:
             await self.end()
             raise UsageError(f"the answer is longer than {ANSWER_BYTES_MAX} bytes") from None
@@ -87,6 +94,7 @@ class Worker:
     async def end(self) -> None:
         """End the process."""
         self.is_alive = False
+        self._life.close()
         process = self._process
         if process is not None and process.returncode is None:
             with suppress(ProcessLookupError):
