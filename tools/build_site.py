@@ -106,13 +106,15 @@ def place_of(wanted: str, places: dict[str, str]) -> str:
     """Find the place of a page, folder or file on the site; a file that is no page is copied there.
 
     Raises:
-        ValueError: it is not there, or is a folder without a page.
+        ValueError: it is not there, is a folder without a page, or a text that Sphinx would take for a page.
     """
     if wanted in places:
         return places[wanted]
     path = ROOT / wanted
     if not path.is_file():
         raise ValueError("a folder without a page" if path.exists() else "there is no such file")
+    if path.suffix == ".md":
+        raise ValueError("a page that is not on the site")
     place = wanted.removeprefix("docs/") if wanted.startswith("docs/") else f"files/{wanted}"
     target = SOURCE / place
     target.parent.mkdir(parents=True, exist_ok=True)
