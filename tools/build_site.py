@@ -44,6 +44,7 @@ OTHER_PAGES: Final = {
     "CHANGELOG.md": "reference/changelog.md",
     "CONTRIBUTING.md": "explanation/contributing.md",
     "README.md": "index.md",
+    "README.zh.md": "index.md",
     "tests/spec/README.md": "reference/language/index.md",
 }
 LANGUAGES: Final = {".script": "elitescript", ".toml": "toml", ".py": "python"}
@@ -258,7 +259,7 @@ def write_sources() -> None:
     shutil.rmtree(BUILD, ignore_errors=True)
     places = site_pages()
     for name, place in places.items():
-        if name.endswith(".md") and name != "README.md":
+        if name.endswith(".md") and not name.startswith("README"):
             write_page(place, site_text(name, (ROOT / name).read_text(encoding="utf-8"), places))
     name = f"docs/{EXAMPLES}"
     about = example_sections((ROOT / name).read_text(encoding="utf-8"))
