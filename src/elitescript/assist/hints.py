@@ -17,6 +17,8 @@ from elitescript.records import record
 
 _LONG_CALL: Final = 3
 """Fewest arguments without a keyword that get names."""
+LABEL_MAX: Final = 43
+"""Characters of a hint that VS Code shows; the rest is cut."""
 
 
 class HintKind(StrEnum):
@@ -119,7 +121,11 @@ def _degrees(node: ast.expr) -> str:
         return ""
     if not all(type(value) in (int, float) for value in values) or not any(values):
         return ""
-    return ", ".join(number_text(round(degrees(value), 2)) for value in values) + " deg"
+    for digits in (2, 1, 0):
+        label = ", ".join(number_text(round(degrees(value), digits)) for value in values) + " deg"
+        if len(label) <= LABEL_MAX:
+            break
+    return label
 
 
 # -------------------------------------------------------------------- names of arguments
