@@ -121,11 +121,10 @@ def _degrees(node: ast.expr) -> str:
         return ""
     if not all(type(value) in (int, float) for value in values) or not any(values):
         return ""
-    for digits in (2, 1, 0):
-        label = ", ".join(number_text(round(degrees(value), digits)) for value in values) + " deg"
-        if len(label) <= LABEL_MAX:
-            break
-    return label
+    labels = [
+        ", ".join(number_text(round(degrees(value), digits)) for value in values) + " deg" for digits in (2, 1, 0)
+    ]
+    return next((label for label in labels if len(label) <= LABEL_MAX), labels[-1])
 
 
 # -------------------------------------------------------------------- names of arguments
