@@ -24,6 +24,7 @@ MODULES = (
     "asyncssh",
     "serial",
     "pygls.lsp.server",
+    "mcp.server.mcpserver",
 )
 JAIL = """
 from time import perf_counter, process_time

@@ -100,6 +100,7 @@ QUOTES = (
     Quote(DEPENDENCIES, "| pyserial 3.5,", "choices", "import serial"),
     Quote(DEPENDENCIES, "| asyncssh 2,", "choices", "import asyncssh"),
     Quote(DEPENDENCIES, "| pygls 2,", "choices", "import pygls.lsp.server"),
+    Quote(DEPENDENCIES, "| mcp 2,", "choices", "import mcp.server.mcpserver"),
     Quote(DEPENDENCIES, "| numpy | floats", "choices", "import numpy"),
 )
 

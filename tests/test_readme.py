@@ -68,5 +68,7 @@ def test_the_number_of_commands_is_true(text: str) -> None:
     assert numbers == [str(len(CATALOGUE))]
 
 
-def test_the_picture_is_small() -> None:
-    assert PICTURE.stat().st_size <= LARGEST
+def test_pictures_are_small() -> None:
+    sizes = {path.name: path.stat().st_size for path in PICTURE.parent.glob("*.png")}
+    assert PICTURE.name in sizes
+    assert [name for name, size in sizes.items() if size > LARGEST] == []

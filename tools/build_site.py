@@ -44,6 +44,7 @@ OTHER_PAGES: Final = {
     "CHANGELOG.md": "reference/changelog.md",
     "CONTRIBUTING.md": "explanation/contributing.md",
     "README.md": "index.md",
+    "README.zh.md": "index.md",
     "tests/spec/README.md": "reference/language/index.md",
 }
 LANGUAGES: Final = {".script": "elitescript", ".toml": "toml", ".py": "python"}
@@ -106,13 +107,15 @@ def place_of(wanted: str, places: dict[str, str]) -> str:
     """Find the place of a page, folder or file on the site; a file that is no page is copied there.
 
     Raises:
-        ValueError: it is not there, or is a folder without a page.
+        ValueError: it is not there, is a folder without a page, or a text that Sphinx would take for a page.
     """
     if wanted in places:
         return places[wanted]
     path = ROOT / wanted
     if not path.is_file():
         raise ValueError("a folder without a page" if path.exists() else "there is no such file")
+    if path.suffix == ".md":
+        raise ValueError("a page that is not on the site")
     place = wanted.removeprefix("docs/") if wanted.startswith("docs/") else f"files/{wanted}"
     target = SOURCE / place
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -256,7 +259,7 @@ def write_sources() -> None:
     shutil.rmtree(BUILD, ignore_errors=True)
     places = site_pages()
     for name, place in places.items():
-        if name.endswith(".md") and name != "README.md":
+        if name.endswith(".md") and not name.startswith("README"):
             write_page(place, site_text(name, (ROOT / name).read_text(encoding="utf-8"), places))
     name = f"docs/{EXAMPLES}"
     about = example_sections((ROOT / name).read_text(encoding="utf-8"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from elitescript.assist.document import Document
-from elitescript.assist.hints import HintKind, inlay_hints
+from elitescript.assist.hints import LABEL_MAX, HintKind, inlay_hints
 from elitescript.assist.last_run import LastRun, LineTime, ShortenedBlend
 from elitescript.lint.program import Span
 
@@ -52,6 +52,21 @@ BLENDS = ["10:33 blend -> 0.02 m"]
 
 def test_without_a_run():
     assert shown() == [*UNITS, *ARGUMENTS]
+
+
+@pytest.mark.parametrize(
+    ("joints", "label"),
+    [
+        ("0.4, -1.3, -1.9, -1.5, 1.57, 0.1", "22.9, -74.5, -108.9, -85.9, 90, 5.7 deg"),
+        ("-2.41, -2.32, -1.92, -2.53, -2.57, -3.11", "-138, -133, -110, -145, -147, -178 deg"),
+    ],
+)
+def test_degrees_are_rounded_so_that_editors_show_them_whole(joints, label):
+    assert (
+        shown(f"def job():\n  HOME = [{joints}]\n  movej(HOME)\nend\n", kinds=[HintKind.UNIT])[0].partition(" unit ")[2]
+        == label
+    )
+    assert len(label) <= LABEL_MAX
 
 
 @pytest.mark.parametrize(

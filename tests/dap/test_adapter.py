@@ -242,14 +242,16 @@ class TestStops:
         items = [{"dataId": "standard_digital_out[3]"}, {"dataId": "count"}]
         states = client.request("setDataBreakpoints", breakpoints=items)["breakpoints"]
         assert [one["verified"] for one in states] == [True, True]
-        seen = []
+        seen, told = [], []
         stop = client.stop_of(launch)
         while stop["event"] == "stopped":
             assert stop["body"]["reason"] == "data breakpoint"
+            told.append(stop["body"]["description"])
             seen.append(stop["body"]["hitBreakpointIds"])
             stop = client.go("continue")
         output, count = ([one["id"]] for one in states)
         assert seen == [count, output, count, count, count]
+        assert told[:3] == ["count: not there -> 0", "standard_digital_out[3]: False -> True", "count: 0 -> 1"]
 
     def test_at_an_alarm_before_it_unwinds(self, client):
         stop = client.start(ALARM, filters=("alarm",))
@@ -258,6 +260,8 @@ class TestStops:
         info = client.request("exceptionInfo", threadId=1)
         assert info["breakMode"] == "always"
         assert "index" in info["description"]
+        assert stop["body"]["description"] == f"alarm {info['exceptionId']}"
+        assert stop["body"]["text"] == info["details"]["message"]
         assert client.variables(client.scopes()["Locals"]).get("parts", "[1, 2]") == "[1, 2]"
         assert client.go("continue")["event"] == "terminated"
         assert client.bodies("exited") == [{"exitCode": 1}]

@@ -209,6 +209,20 @@ class TestBreakpoints:
         assert found == expected
         assert all(stop.hits and stop.reason == "data breakpoint" for stop in stops)
 
+    def test_an_expression_where_names_of_functions_are_typed(self):
+        wanted = [FunctionBreakpoint("pick()"), FunctionBreakpoint(" total > 0"), FunctionBreakpoint("total >")]
+        with at_entry(PICK) as session:
+            states = session.set_function_breakpoints(wanted)
+            assert [state.verified for state in states] == [True, True, False]
+            assert states[2].message
+            picked, reached = states[0].id, states[1].id
+            assert [session.resume().hits for _ in range(3)] == [(picked,), (picked,), (reached,)]
+            session.set_function_breakpoints(())
+            assert session.resume().reason == "end"
+            session.set_function_breakpoints(wanted[1:])
+            stop = session.reverse()
+            assert (stop.reason, stop.text) == ("data breakpoint", "total > 0 is true by main in line 6")
+
     def test_the_arm_in_the_middle_of_a_move(self):
         down = "movel(pose_trans(get_target_tcp_pose(), [0,0,0.1,0,0,0]))"
         text = f"def job():\n  movej([0,-1.57,-1.57,-1.57,1.57,0])\n  {down}\nend\n"
@@ -295,9 +309,11 @@ end
             stop = session.start()
             assert stop.exception.code == "R130"
             assert [(thread.name, thread.line) for thread in session.threads()] == [("main", 16), ("other", 8)]
-            assert all("lock" in thread.waits_for for thread in session.threads())
+            waits = [thread.waits_for for thread in session.threads()]
+            assert waits == ["lock b, held by other", "lock a, held by main"]
             names = [session.stack(thread.id)[0].name for thread in session.threads()]
-            assert names == ["job (waits for a lock)", "other (waits for a lock)"]
+            assert names == [f"job (waits for {waits[0]})", f"other (waits for {waits[1]})"]
+            assert session.evaluate("a", session.stack(1)[0].id).value == "<lock, held by main>"
             assert session.step_back(2).line == 8
 
 

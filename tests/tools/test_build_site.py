@@ -48,6 +48,7 @@ def test_a_file_that_is_no_page_goes_with_the_site(source: Path) -> None:
     [
         ("nowhere.md", r"docs/index.md:3: nowhere.md: there is no such file"),
         ("../src", r"docs/index.md:3: ../src: a folder without a page"),
+        ("../editors/vscode/README.md", r"docs/index.md:3: .*: a page that is not on the site"),
     ],
 )
 def test_a_link_without_a_place_is_refused(target: str, message: str) -> None:

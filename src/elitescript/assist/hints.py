@@ -18,6 +18,8 @@ from elitescript.records import record
 
 _LONG_CALL: Final = 3
 """Fewest arguments without a keyword that get names."""
+LABEL_MAX: Final = 43
+"""Characters of a hint that VS Code shows; the rest is cut."""
 
 
 class HintKind(StrEnum):
@@ -123,7 +125,10 @@ def _degrees(node: ast.expr) -> str:
         return ""
     if not all(type(value) in (int, float) for value in values) or not any(values):
         return ""
-    return ", ".join(number_text(round(degrees(value), 2)) for value in values) + " deg"
+    labels = [
+        ", ".join(number_text(round(degrees(value), digits)) for value in values) + " deg" for digits in (2, 1, 0)
+    ]
+    return next((label for label in labels if len(label) <= LABEL_MAX), labels[-1])
 
 
 # -------------------------------------------------------------------- names of arguments

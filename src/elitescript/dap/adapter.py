@@ -395,11 +395,12 @@ class Adapter:
             # What a client goes back from.
             threads = {MAIN_THREAD: "main"}
         self._report_threads(threads)
-        body: Body = {"reason": stop.reason, "description": stop.text, "allThreadsStopped": True}
+        # Clients show the description beside the name of the thread, where little room is.
+        body: Body = {"reason": stop.reason, "description": _brief(stop), "allThreadsStopped": True}
         if thread := stop.thread or next(iter(threads), 0):
             body["threadId"] = thread
-        if stop.exception is not None:
-            body["text"] = stop.exception.text
+        if body["description"] != stop.text:
+            body["text"] = stop.text
         if hits := self.breakpoints.numbers(stop.hits):
             body["hitBreakpointIds"] = hits
         self.event("stopped", body)
@@ -492,3 +493,14 @@ class Adapter:
             body["source"] = self.sources.shown(texts[0])
             body.update(self.client.place(output.line, 0))
         self.event("output", body)
+
+
+def _brief(stop: Stop) -> str:
+    """Return in a few words why a run has stopped."""
+    if stop.exception is not None:
+        return f"{stop.exception.filter} {stop.exception.code}".rstrip()
+    if stop.changes:
+        return "; ".join(
+            f"{change.name}: {change.old or 'not there'} -> {change.new or 'not there'}" for change in stop.changes
+        )
+    return stop.text

@@ -21,7 +21,6 @@ CAPABILITIES: Final[dict[str, Any]] = {
     "completionTriggerCharacters": [".", "[", '"'],
     "supportsExceptionInfoRequest": True,
     "supportTerminateDebuggee": True,
-    "supportsDelayedStackTraceLoading": True,
     "supportsLoadedSourcesRequest": True,
     "supportsLogPoints": True,
     "supportsSetExpression": True,

@@ -182,7 +182,8 @@ class FunctionBreakpoint:
     """A request to stop before a function of the program begins, or before a command is called.
 
     Args:
-        name: of a function (`pick`, `outer.inner`) or of a command (`movej`).
+        name: of a function (`pick`, `outer.inner`) or of a command (`movej`); or what a data breakpoint on an
+            expression or a signal takes (`tcp.z < 0.1`).
         condition, hit_condition: as in `LineBreakpoint`; for a function its parameters have their values.
     """
 
@@ -260,7 +261,7 @@ class ThreadInfo:
         id: its number: its place in the order of start, from 1.
         name: `main`, that of a thread, or `sec NAME`.
         is_secondary: whether it is a secondary program.
-        waits_for: reason of its wait, such as `lock 'pallet', held by main`; empty while it does not wait.
+        waits_for: reason of its wait, such as `lock pallet, held by main`; empty while it does not wait.
         line: innermost line of program text; 0 before it has begun.
     """
 

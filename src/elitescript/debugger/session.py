@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from typing import Final
 
@@ -54,6 +55,8 @@ WINDOW_OF_SNAPSHOTS: Final = 50
 _WIDER: Final = 50
 _WIDE_ENOUGH: Final = 5
 """A search may begin at a copy that stands so many times the width before the present stop."""
+_NAME: Final = re.compile(r"[\w.]*(\(\))?")
+"""Of a function or a command."""
 
 
 class DebugSession:
@@ -89,6 +92,8 @@ class DebugSession:
         """By the name of the text."""
         self._functions: list[CodeRule] = []
         self._data: list[DataRule] = []
+        self._typed: list[DataRule] = []
+        """Of expressions that stand where names of functions are typed."""
         self._filters: frozenset[str] = frozenset((ALARM_FILTER,))
         self._has_stale_hits = False
         self._snapshots = snapshots(self._hear, forks=forks and source.may_fork)
@@ -234,11 +239,20 @@ class DebugSession:
         return tuple(states)
 
     def set_function_breakpoints(self, requests: Sequence[FunctionBreakpoint]) -> tuple[BreakpointState, ...]:
-        """Replace the breakpoints of functions and commands."""
-        self._functions, states = [], []
+        """Replace the breakpoints of functions and commands.
+
+        A name that is an expression, such as `tcp.z < 0.1`, stops when it becomes true, as a data breakpoint does:
+        editors let people type the names of functions, but not what data breakpoints watch.
+        """
+        self._functions, self._typed, states = [], [], []
         for request in requests:
-            rule, state = self._function_rule(request)
-            self._functions += [rule] if rule is not None else []
+            if _NAME.fullmatch(request.name.strip()):
+                rule, state = self._function_rule(request)
+                self._functions += [rule] if rule is not None else []
+            else:
+                watched = DataBreakpoint(request.name, request.condition, request.hit_condition)
+                typed, state = self._data_rule(watched)
+                self._typed += [typed] if typed is not None else []
             states.append(state)
         self._set_rules()
         return tuple(states)
@@ -247,17 +261,21 @@ class DebugSession:
         """Replace the data breakpoints."""
         self._data, states = [], []
         for request in requests:
-            identity = self._new_id()
-            try:
-                hit_condition(request.hit_condition)
-                watch = Watch(request.data_id)
-            except DebugError as error:
-                states.append(BreakpointState(identity, False, str(error)))
-                continue
-            self._data.append(DataRule(identity, watch.data_id, request.condition, request.hit_condition))
-            states.append(BreakpointState(identity, True))
+            rule, state = self._data_rule(request)
+            self._data += [rule] if rule is not None else []
+            states.append(state)
         self._set_rules()
         return tuple(states)
+
+    def _data_rule(self, request: DataBreakpoint) -> tuple[DataRule | None, BreakpointState]:
+        identity = self._new_id()
+        try:
+            hit_condition(request.hit_condition)
+            watch = Watch(request.data_id)
+        except DebugError as error:
+            return None, BreakpointState(identity, False, str(error))
+        rule = DataRule(identity, watch.data_id, request.condition, request.hit_condition)
+        return rule, BreakpointState(identity, True)
 
     def set_exception_filters(self, filters: Sequence[str]) -> None:
         """Replace the filters: `alarm`, `warning`. At first there is `alarm`.
@@ -596,7 +614,7 @@ class DebugSession:
 
     def _set_rules(self) -> None:
         lines = [rule for rules in self._lines.values() for rule in rules]
-        self._rules = Rules((*lines, *self._functions), tuple(self._data), self._filters)
+        self._rules = Rules((*lines, *self._functions), (*self._data, *self._typed), self._filters)
         self._engine.set_rules(self._rules)
         self._has_stale_hits = self._rules.count_hits and self._engine.count > 0
 

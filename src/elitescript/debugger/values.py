@@ -9,6 +9,7 @@ from typing import Any, Final
 from elitescript.debugger.expressions import own_fields
 from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.names.modules import Facade
+from elitescript.runtime.stdlib.locks import holder_of, is_lock
 
 TEXT_MAX: Final = 2000
 _ITEMS_MAX: Final = 100
@@ -155,6 +156,9 @@ def _text(value: Any, depth: int, left: list[int]) -> str:
         return f"method {value.__func__.__name__}"
     if kind is Facade:
         return without_addresses(repr(value))
+    if is_lock(value):
+        holder = holder_of(value)
+        return f"<lock, {f'held by {holder.name}' if holder is not None else 'free'}>"
     if issubclass(kind, type):
         return f"class {type.__dict__['__name__'].__get__(value)}"
     if issubclass(kind, BaseException) and kind.__module__ == "builtins":

@@ -93,7 +93,7 @@ def exception_info(adapter: Adapter, arguments: Arguments) -> Body:
             "message": found.text,
             "typeName": found.name,
             "fullTypeName": found.name,
-            "stackTrace": f"line {found.line}, column {found.column}, thread {found.thread_name}",
+            "stackTrace": f"line {found.line}, thread {found.thread_name}",
         },
     }
 

@@ -16,6 +16,9 @@ from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand
 
+A_LOCK: Final = "a lock"
+"""Reason of a wait for a lock."""
+
 TIMEOUT_MAX: Final = 9_223_372_036.0
 """Longest timeout, s; that of CPython on 64-bit systems."""
 
@@ -67,7 +70,7 @@ class _Mutex:
         self.claims.append(claim)
         until = None if timeout_s is None else scheduler.now + max(1, ticks_for(timeout_s))
         try:
-            scheduler.wait("a lock", until)
+            scheduler.wait(A_LOCK, until)
         except BaseException:
             if claim.is_granted:
                 self.give_on()
@@ -268,6 +271,26 @@ def new_rlock(scheduler: Scheduler) -> RLock:
     result = RLock()
     _rmutex.__set__(result, _Mutex(scheduler))
     return result
+
+
+def is_lock(value: object) -> bool:
+    """Return whether a value is a lock of a program, plain or re-entrant."""
+    return type(value) in (lock, RLock)
+
+
+def holder_of(value: object) -> Strand | None:
+    """Return the thread that has taken a lock last; None if it is free."""
+    return _state_of(value).owner
+
+
+def waits_at(strand: Strand, value: object) -> bool:
+    """Return whether a thread waits for a lock."""
+    return any(claim.strand is strand for claim in _state_of(value).claims)
+
+
+def _state_of(value: object) -> _Mutex:
+    mutex: _Mutex = _mutex_of(value) if type(value) is lock else _rmutex_of(value)
+    return mutex
 
 
 def release_at_end(lock_: lock) -> None:
