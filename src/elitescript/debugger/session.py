@@ -48,6 +48,8 @@ from elitescript.records import replace
 
 REAL_NETWORK: Final = "going back does not reach the peers of real connections: what they have sent is used again"
 """Said at the start of a program that may connect to something outside the simulation."""
+WRITTEN_FILES: Final = "going back does not reach files: what the program has written stays in its task folder"
+"""Said at the start of a program that opens files."""
 WINDOW: Final = 2000
 """Statements before the present stop in which a search for an earlier one begins."""
 WINDOW_OF_SNAPSHOTS: Final = 50
@@ -66,6 +68,8 @@ class DebugSession:
         on_output: receives what the run says, once on each branch of its history.
         forks: whether snapshots of the process may be made, which makes going back in long programs fast: only in a
             process of one thread that may be forked, on POSIX.
+        keeps_end: whether it can go back from the end of the run. If not, a run without breakpoints that comes to its
+            end need not be counted.
 
     Raises:
         ProgramError: the program does not compile.
@@ -73,10 +77,16 @@ class DebugSession:
     """
 
     def __init__(
-        self, source: Source, on_output: Callable[[Output], None] | None = None, *, forks: bool = False
+        self,
+        source: Source,
+        on_output: Callable[[Output], None] | None = None,
+        *,
+        forks: bool = False,
+        keeps_end: bool = True,
     ) -> None:
         self._source = source
         self._on_output = on_output
+        self._keeps_end = keeps_end
         self._rules = Rules()
         self._inputs: list[Input] = []
         self._heard = 0
@@ -105,8 +115,10 @@ class DebugSession:
             stop_on_entry: stop before the first statement.
             no_debug: run to the end; breakpoints and filters are not heeded.
         """
-        if not self._source.may_fork and self._on_output is not None:
-            self._on_output(Output("console", REAL_NETWORK, 0, "", self._engine.position, 0.0))
+        limits = ((not self._source.may_fork, REAL_NETWORK), (self._source.may_write, WRITTEN_FILES))
+        for is_so, text in limits:
+            if is_so and not no_debug and self._on_output is not None:
+                self._on_output(Output("console", text, 0, "", self._engine.position, 0.0))
         if no_debug:
             return self._run_plainly(frozenset())
         if stop_on_entry:
@@ -116,7 +128,10 @@ class DebugSession:
     def resume(self) -> Stop:
         """Go on to the next breakpoint, exception of a filter, pause, or the end."""
         if self._can_be_plain and not self._is_pausing:
-            return self._run_plainly(self._filters)
+            if not self._snapshots.forks:
+                return self._run_plainly(self._filters)
+            if not self._keeps_end and not self._source.may_write:
+                return self._run_in_company()
         self._count_hits_again()
         return self._arrived(self._engine.run(Goal(heeds=True)))
 
@@ -428,8 +443,6 @@ class DebugSession:
     def _can_be_plain(self) -> bool:
         """Whether nothing can stop the run but an event of a filter, and it has not begun."""
         rules = self._rules
-        if self._snapshots.forks:
-            return False  # counted from the start, it leaves snapshots to go back to
         return self._engine.count <= 1 and not (rules.code or rules.data or self._inputs or self._engine.is_over)
 
     def _run_plainly(self, filters: frozenset[str]) -> Stop:
@@ -447,6 +460,16 @@ class DebugSession:
         arrived = again.run(Goal(stop.position))
         assert arrived is not None
         return self._arrived(replace(arrived, reason=stop.reason, text=stop.text))
+
+    def _run_in_company(self) -> Stop:
+        """Run counted, so that there are snapshots at an alarm and a pause; an uncounted run may end it earlier."""
+        rules = self._rules
+        engine, stop = self._snapshots.run(
+            self._engine, Goal(heeds=True), lambda hear: _heard(Engine(self._source, rules, (), hear, is_counted=False))
+        )
+        if engine is not self._engine:
+            self._replace_engine(engine)
+        return self._arrived(stop)
 
     def _replace_engine(self, engine: Engine) -> None:
         self._engine.close()
@@ -662,6 +685,11 @@ class DebugSession:
             return None, BreakpointState(identity, False, f"no statement of the program calls {name!r}")
         rule = CodeRule(identity, FUNCTION_BREAKPOINT, numbers, request.condition, request.hit_condition)
         return rule, BreakpointState(identity, True, "", line)
+
+
+def _heard(engine: Engine) -> Engine:
+    engine.is_heard = True
+    return engine
 
 
 def _expressions(message: str) -> list[str]:
