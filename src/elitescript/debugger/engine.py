@@ -264,6 +264,12 @@ class Engine:
         found = frozenset((call.frame.f_code.co_filename, call.frame.f_code.co_qualname) for call in calls)
         return found, len(calls) - 1
 
+    def function_of(self, frame: int, name: str) -> str:
+        """See `DebugSession.function_of`."""
+        call = self._look.call(frame)
+        is_local = call is not None and name in self._look.locals_of(call)
+        return self.places.function_name(call.frame.f_code.co_qualname) if call is not None and is_local else ""
+
     def texts(self) -> tuple[CountedText, ...]:
         """Return what is counted of each text that is known; the program is the first one."""
         return tuple(CountedText(unit.source.name, unit.source.text, unit.probes) for unit in self.places.units)

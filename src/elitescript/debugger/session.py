@@ -195,13 +195,13 @@ class DebugSession:
         """Go to a time in seconds; see `run_to_tick`."""
         return self.run_to_tick(max(0, ticks_for(time_s)))
 
-    def last_pass(self, line: int) -> Stop:
-        """Go back to the last time that a line was about to run.
+    def last_pass(self, line: int, *, text: str = "") -> Stop:
+        """Go back to the last time that a line of a text was about to run; see `set_breakpoints`.
 
         Raises:
             DebugError: it has not run before.
         """
-        numbers = self._numbers_at(line)
+        numbers = self._numbers_at(line, text)
         bound = self._stop.position
         found = self._last(Goal(bound, numbers=numbers, last=True), bound) if numbers else None
         if found is None:
@@ -409,6 +409,10 @@ class DebugSession:
             return engine.changes(name, function, self._furthest)
         finally:
             engine.close()
+
+    def function_of(self, frame: int, name: str) -> str:
+        """Return the function whose local variable a name is in a frame, as `history` takes it; empty for none."""
+        return self._engine.function_of(frame, name)
 
     def passes(self, line: int, *, text: str = "") -> tuple[Position, ...]:
         """Return every moment at which a line was about to run, up to the furthest position of this branch."""
