@@ -297,8 +297,32 @@ end
             assert [(thread.name, thread.line) for thread in session.threads()] == [("main", 16), ("other", 8)]
             assert all("lock" in thread.waits_for for thread in session.threads())
             names = [session.stack(thread.id)[0].name for thread in session.threads()]
-            assert names == ["job (waits for a lock)", "other (waits for a lock)"]
+            assert names == ["job (waits for a lock, held by other)", "other (waits for a lock, held by main)"]
             assert session.step_back(2).line == 8
+
+    def test_a_lock_names_the_thread_that_holds_it_also_the_waiting_one_and_one_that_has_ended(self):
+        text = """import threading
+a = threading.Lock()
+b = threading.Lock()
+def taker():
+  b.acquire()
+end
+start_thread(taker, ())
+sleep(0.1)
+def waiter():
+  b.acquire()
+end
+start_thread(waiter, ())
+a.acquire()
+a.acquire()
+"""
+        with debugging(text) as session:
+            session.start()
+            waits = {thread.name: thread.waits_for for thread in session.threads()}
+            assert waits == {
+                "main": "a lock, which it holds itself",
+                "waiter": "a lock, held by taker, which has ended",
+            }
 
 
 LOOK = """def job():

@@ -20,7 +20,8 @@ from elitescript.messages.signals import SIGNALS
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.names.modules import Facade
 from elitescript.runtime.program import Program, is_shown
-from elitescript.runtime.threads.strand import Strand, state_of
+from elitescript.runtime.stdlib.locks import holder_awaited
+from elitescript.runtime.threads.strand import ENDED, Strand, state_of
 
 LOCALS: Final = "Locals"
 GLOBALS: Final = "Globals"
@@ -99,7 +100,7 @@ class Look:
         found = []
         for strand in self.strands():
             calls = self.calls(strand)
-            wait = "" if self._is_failed(strand) else state_of(strand).waits_for
+            wait = self._wait_of(strand)
             line = calls[0].line if calls else 0
             found.append(ThreadInfo(strand.order + 1, strand.name, strand.is_secondary, wait, line))
         return tuple(found)
@@ -119,18 +120,31 @@ class Look:
         depth = len(found)
         return [CallFrame(strand, frame, line, depth - 1 - index) for index, (frame, line) in enumerate(found)]
 
+    def _wait_of(self, strand: Strand) -> str:
+        """Return what a thread waits for, with the thread that holds a lock; empty if it does not wait."""
+        if self._is_failed(strand):
+            return ""
+        wait = state_of(strand).waits_for
+        holder = holder_awaited(strand) if wait else None
+        if holder is None:
+            return wait
+        if holder is strand:
+            return f"{wait}, which it holds itself"
+        return f"{wait}, held by {holder.name}" + (", which has ended" if holder.state is ENDED else "")
+
     def _is_failed(self, strand: Strand) -> bool:
         return self._error is not None and strand is self._host.scheduler.current
 
     def stack(self, thread: int) -> tuple[Frame, ...]:
         """See `DebugSession.stack`."""
         strand = self.strand(thread)
+        wait = self._wait_of(strand)
         found = []
         for index, call in enumerate(self.calls(strand)):
             code = call.frame.f_code
             name = self._places.function_name(code.co_qualname)
-            if index == 0 and strand.waits_for and not self._is_failed(strand):
-                name = f"{name} (waits for {state_of(strand).waits_for})"
+            if index == 0 and wait:
+                name = f"{name} (waits for {wait})"
             self._frames.append(call)
             place = self._places.at_line(code.co_filename, call.line)
             found.append(Frame(len(self._frames), thread, name, code.co_filename, *place))
