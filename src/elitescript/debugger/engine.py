@@ -48,7 +48,7 @@ from elitescript.debugger.looking import CallFrame, Look, Names
 from elitescript.debugger.places import CountedText, Places
 from elitescript.debugger.rules import NO_RULES, CodeRule, DataRule, Rules, Watch, hit_condition
 from elitescript.debugger.source import Source
-from elitescript.debugger.telling import exception_of, filled, logged, output_of
+from elitescript.debugger.telling import exception_of, filled, logged, output_of, running_text
 from elitescript.debugger.values import shown
 from elitescript.language.compiler import CompiledUnit
 from elitescript.language.hooks import STEP as STEP_HOOK
@@ -546,7 +546,8 @@ class Engine:
         call = self._innermost(look, strand)
         text = filled(rule.log_message, lambda expression: logged(look, expression, call))
         line = self.places.statement(self._number).line
-        self._say(Output("console", text, line, strand.name, self.position, self._time_s), is_log=True)
+        source = self.places.unit_of(self._number).source.name
+        self._say(Output("console", text, line, strand.name, self.position, self._time_s, source), is_log=True)
 
     def _data_stops(self, previous: Strand | None) -> list[Stop]:
         if not self._watches:
@@ -672,7 +673,7 @@ class Engine:
         output = output_of(event, self.position, self._time_s)
         self._kind = ""
         if output is not None:
-            self._say(output)
+            self._say(replace(output, source=running_text(strand)) if output.line and self.is_heard else output)
         if isinstance(event, Alarm | Warned):
             self._freeze_in(event, strand, ALARM_FILTER if is_alarm else WARNING_FILTER)
 
