@@ -63,7 +63,8 @@ class Editor(FramedProcess):
     def ask(self, method: str, params: Any = None) -> Any:
         """Return the result of a request."""
         self._next += 1
-        self.send({"jsonrpc": "2.0", "id": self._next, "method": method} | ({} if params is None else {"params": params}))
+        more = {} if params is None else {"params": params}
+        self.send({"jsonrpc": "2.0", "id": self._next, "method": method, **more})
         answer = self.until(lambda message: message.get("id") == self._next)
         if "error" in answer:
             raise RuntimeError(f"{method}: {answer['error']}")

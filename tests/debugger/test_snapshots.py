@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
+import signal
 
 import pytest
 
+from elitescript.debugger import snapshots
 from elitescript.debugger.api import ALARM_FILTER, END, EXCEPTION, PAUSE
 from elitescript.debugger.session import WRITTEN_FILES, DebugSession
+from elitescript.debugger.snapshots import Snapshots
 from elitescript.debugger.source import ProgramSource
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
@@ -80,6 +83,36 @@ def test_a_pause_stops_the_counted_run():
         assert session.step_back(1).position.is_before(stop.position)
     finally:
         session.close()
+
+
+@pytest.mark.usefixtures("always_in_company")
+def test_company_of_a_run_without_end_ends_with_it(monkeypatch):
+    began = []
+    begun = Snapshots._begun
+    monkeypatch.setattr(Snapshots, "_begun", lambda *given: began.append(begun(*given)) or began[-1])
+    text = "def job():\n  n = 0\n  while True:\n    n = n + 1\n    if n % 100000 == 0:\n      textmsg(n)\n    end\n  end\nend\n"
+    source = ProgramSource("job.script", text=text, work_per_tick=10_000)
+    session = DebugSession(source, lambda output: len(began) > 1 and session.pause(), forks=True, keeps_end=False)
+    try:
+        assert session.start().reason == PAUSE
+        _, company = began
+        assert os.waitpid(company._process, 0)[1] == signal.SIGKILL
+    finally:
+        session.close()
+
+
+def test_processes_that_have_ended_are_reaped():
+    session = DebugSession(ProgramSource("job.script", text="n = 1\nn = 2\n"), forks=True)
+    try:
+        session.start(stop_on_entry=True)
+        session.history("n")
+    finally:
+        session.close()
+    assert len(snapshots._children) >= 2
+    for child in snapshots._children:
+        os.waitid(os.P_PID, child, os.WEXITED | os.WNOWAIT)
+    snapshots._reap()
+    assert not snapshots._children
 
 
 def test_a_program_that_opens_files_is_said_to_leave_them_once(tmp_path):

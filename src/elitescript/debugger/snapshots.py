@@ -22,6 +22,7 @@ import signal
 import socket
 import struct
 from collections.abc import Callable
+from contextlib import suppress
 from time import process_time
 from typing import Any, Final, cast
 
@@ -117,10 +118,13 @@ class Snapshots(NoSnapshots):
     def _begun(self, make: Callable[[Hear], Engine], hear: Hear) -> EngineProcess:
         """Return an engine in a new process."""
         ours, theirs = socket.socketpair()
-        if os.fork() == 0:
+        _reap()
+        child = os.fork()
+        if child == 0:
             for other in (ours, *self._sockets):
                 other.close()
             _serve_new(theirs, make)
+        _children.add(child)
         theirs.close()
         return self._process(ours, hear)
 
@@ -171,6 +175,7 @@ class Snapshots(NoSnapshots):
                     if not has_tried and counting.count - count > COUNTING_MAX * EACH_S:
                         has_tried = True
                         plain = self._begun(make, lambda *item: said.append(item))
+                        plain.refresh()
                         plain.ask("run", goal)
                     count = counting.count
                 elif plain is not None:
@@ -187,11 +192,10 @@ class Snapshots(NoSnapshots):
                         continue
                     for item in said:
                         self._hear(*item)
-                    ended.refresh()
                     return cast("Engine", ended), stop
         finally:
             if plain is not None:
-                plain.close()
+                plain.kill()
 
     def keep(self, engine: Engine) -> None:
         """See `NoSnapshots.keep`."""
@@ -279,6 +283,12 @@ class EngineProcess:
         """End it."""
         self._gone(self._link)
         self._link.close()
+
+    def kill(self) -> None:
+        """End it while it runs."""
+        with suppress(ProcessLookupError):
+            os.kill(self._process, signal.SIGKILL)
+        self.close()
 
     def __getattr__(self, name: str) -> Callable[..., Any]:
         if name.startswith("_") or not hasattr(Engine, name):
@@ -433,6 +443,19 @@ class _Server:
             link.close()
             return None
         return getattr(engine, name)(*arguments)
+
+
+_children: Final[set[int]] = set()
+"""Processes that this one has started and not reaped; the copies are children of theirs."""
+
+
+def _reap() -> None:
+    """Forget the children that have ended."""
+    for child in tuple(_children):
+        with suppress(ChildProcessError):
+            if os.waitpid(child, os.WNOHANG) == (0, 0):
+                continue
+        _children.discard(child)
 
 
 def _cores() -> int:
