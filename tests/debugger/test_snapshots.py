@@ -30,6 +30,18 @@ def job():
 end
 """
 
+ENDLESS = """
+def job():
+  n = 0
+  while True:
+    n = n + 1
+    if n % 20000 == 0:
+      textmsg(n)
+    end
+  end
+end
+"""
+
 
 @pytest.fixture
 def always_in_company(monkeypatch):
@@ -73,30 +85,18 @@ def test_at_an_alarm_the_counted_run_stands():
 
 
 @pytest.mark.usefixtures("always_in_company")
-def test_a_pause_stops_the_counted_run():
-    # The first output comes while both run.
-    source = ProgramSource("job.script", text=COMPUTING.format(end="total = 1"))
-    session = DebugSession(source, lambda output: session.pause(), forks=True, keeps_end=False)
-    try:
-        stop = session.start()
-        assert stop.reason == PAUSE
-        assert session.step_back(1).position.is_before(stop.position)
-    finally:
-        session.close()
-
-
-@pytest.mark.usefixtures("always_in_company")
-def test_company_of_a_run_without_end_ends_with_it(monkeypatch):
+def test_a_pause_stops_the_counted_run_and_ends_its_company(monkeypatch):
     began = []
     begun = Snapshots._begun
     monkeypatch.setattr(Snapshots, "_begun", lambda *given: began.append(begun(*given)) or began[-1])
-    text = "def job():\n  n = 0\n  while True:\n    n = n + 1\n    if n % 100000 == 0:\n      textmsg(n)\n    end\n  end\nend\n"
-    source = ProgramSource("job.script", text=text, work_per_tick=10_000)
+    source = ProgramSource("job.script", text=ENDLESS, work_per_tick=10_000)
     session = DebugSession(source, lambda output: len(began) > 1 and session.pause(), forks=True, keeps_end=False)
     try:
-        assert session.start().reason == PAUSE
+        stop = session.start()
+        assert stop.reason == PAUSE
         _, company = began
         assert os.waitpid(company._process, 0)[1] == signal.SIGKILL
+        assert session.step_back(1).position.is_before(stop.position)
     finally:
         session.close()
 
