@@ -18,9 +18,9 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
 COMPUTING = """
 def job():
   total = 0
-  for step in range(6):
+  for step in range(3):
     count = 0
-    while count < 20000:
+    while count < {count}:
       count = count + 1
     end
     total = total + count
@@ -65,10 +65,10 @@ def run(text, **settings):
 
 @pytest.mark.usefixtures("always_in_company")
 def test_a_run_that_only_computes_ends_when_an_uncounted_one_beside_it_has_ended():
-    text = COMPUTING.format(end="total = total + 1")
+    text = COMPUTING.format(count=100_000, end="total = total + 1")
     alone, in_company = run(text), run(text, keeps_end=False)
     assert alone[0].reason == END
-    assert alone[1] == [f"step {number}" for number in range(6)]
+    assert alone[1] == [f"step {number}" for number in range(3)]
     assert (in_company[0].result, in_company[1:3]) == (alone[0].result, alone[1:3])
     assert alone[3]
     assert not in_company[3]
@@ -76,7 +76,7 @@ def test_a_run_that_only_computes_ends_when_an_uncounted_one_beside_it_has_ended
 
 @pytest.mark.usefixtures("always_in_company")
 def test_at_an_alarm_the_counted_run_stands():
-    text = COMPUTING.format(end="total = 1 / 0")
+    text = COMPUTING.format(count=10_000, end="total = 1 / 0")
     alone, in_company = run(text), run(text, keeps_end=False)
     assert in_company == alone
     assert in_company[0].reason == EXCEPTION
