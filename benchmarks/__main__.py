@@ -26,6 +26,7 @@ MODULES = (
     "devices",
     "choices",
     "editor",
+    "debugger",
 )
 LONG = ("growth",)
 """Measured only by name: it takes ten minutes."""

@@ -6,17 +6,12 @@ again. Findings are pushed, as to a client that does not ask for them, and are o
 
 from __future__ import annotations
 
-import json
 import os
-import subprocess
-import sys
-from collections.abc import Callable
-from pathlib import Path
 from statistics import quantiles
 from time import perf_counter
 from typing import Any
 
-from benchmarks.measure import ROOT, environment
+from benchmarks.framed import FramedProcess
 from benchmarks.table import Row, Time, timed_row
 
 LINES = 2000
@@ -50,18 +45,12 @@ def program(lines: int = LINES) -> str:
     return "\n".join([*rows, "end"]) + "\n"
 
 
-class Editor:
+class Editor(FramedProcess):
     """A server as a process, and the client of it."""
 
     def __init__(self) -> None:
         began = perf_counter()
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "elitescript", "lsp"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            env=environment(),
-            cwd=ROOT,
-        )
+        super().__init__("lsp")
         self._next = 0
         self.ask("initialize", {"processId": None, "rootUri": None, "capabilities": {}, **QUIET})
         self.ready = Time(perf_counter() - began, self.cpu_s())
@@ -69,23 +58,17 @@ class Editor:
 
     def tell(self, method: str, params: Any) -> None:
         """Send a notification."""
-        self._send({"method": method, "params": params})
+        self.send({"jsonrpc": "2.0", "method": method, "params": params})
 
     def ask(self, method: str, params: Any = None) -> Any:
         """Return the result of a request."""
         self._next += 1
-        self._send({"id": self._next, "method": method} | ({} if params is None else {"params": params}))
+        more = {} if params is None else {"params": params}
+        self.send({"jsonrpc": "2.0", "id": self._next, "method": method, **more})
         answer = self.until(lambda message: message.get("id") == self._next)
         if "error" in answer:
             raise RuntimeError(f"{method}: {answer['error']}")
         return answer["result"]
-
-    def until(self, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
-        """Return the first message that is wanted; those before it are dropped."""
-        while True:
-            message = self._read()
-            if wanted(message):
-                return message
 
     def findings(self, version: int) -> None:
         """Wait for the findings of a version."""
@@ -109,38 +92,6 @@ class Editor:
         self.ask("shutdown")
         self.tell("exit", None)
         self.process.communicate()
-
-    def cpu_s(self) -> float:
-        """Return the CPU time of the server so far, s; 0 where the system does not say it."""
-        try:
-            fields = Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()
-        except OSError:
-            return 0.0
-        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-    def memory_mib(self) -> float:
-        """Return the resident memory of the server, MiB; 0 where the system does not say it."""
-        try:
-            pages = int(Path(f"/proc/{self.process.pid}/statm").read_text().split()[1])
-        except OSError:
-            return 0.0
-        return pages * os.sysconf("SC_PAGE_SIZE") / 2**20
-
-    def _send(self, message: dict[str, Any]) -> None:
-        assert self.process.stdin is not None
-        body = json.dumps({"jsonrpc": "2.0", **message}).encode()
-        self.process.stdin.write(b"Content-Length: %d\r\n\r\n%s" % (len(body), body))
-        self.process.stdin.flush()
-
-    def _read(self) -> dict[str, Any]:
-        assert self.process.stdout is not None
-        length = 0
-        while (header := self.process.stdout.readline()) != b"\r\n":
-            if not header:
-                raise RuntimeError("the server has ended")
-            length = int(header.split(b":")[1])
-        message: dict[str, Any] = json.loads(self.process.stdout.read(length))
-        return message
 
 
 QUIET = {"initializationOptions": {"hints": {"run": False}}}

@@ -30,6 +30,7 @@ NO_FIGURE = (
     (DEPENDENCIES, "Sizes are those of the package alone"),
     ("docs/explanation/inside.md", "cost (`python -m benchmarks language_loop`)"),
     (RECORDS + "0015-pygls.md", "| import (`python -m benchmarks choices`)"),
+    (RECORDS + "0017-debugger.md", "`python -m benchmarks debugger` measures it."),
     (RECORDS + "0014-start.md", "Both processes of a run together"),
     (RECORDS + "0013-msgspec.md", "`python -m benchmarks ticks` prints what writing"),
 )

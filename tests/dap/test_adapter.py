@@ -344,6 +344,30 @@ class TestGoing:
         for arguments in ({}, {"tick": 1, "t": 1.0}, {"t": -1.0}, {"statement": 0}, {"tick": "x"}):
             assert error(client, "elitescript/goto", **arguments)[0] == WRONG_ARGUMENTS
 
+    def test_to_the_last_time_that_a_line_ran(self, client):
+        client.start(CELL, 11)
+        client.go("continue")
+        stop = client.go("elitescript/lastPass", source={"path": str(CELL)}, line=10)
+        assert (client.line(), client.evaluate("count")) == (10, "1")
+        assert stop["body"]["reason"] == "goto"
+        there = client.moment()
+        client.go("elitescript/lastPass", source={"path": str(CELL)}, line=1000)
+        assert client.moment() == there
+        assert "line 1000 has not run before" in client.texts()[-1]
+
+    def test_changes_of_a_local_are_those_of_the_function_of_a_frame(self, client, tmp_path):
+        path = tmp_path / "job.script"
+        path.write_text(
+            "def job():\n  n = 1\n  def half(n):\n    n = n * 0.5\n    return n\n  end\n  half(8)\n  n = 2\nend\n"
+        )
+        client.start(path, 5)
+        inner, outer = client.stack()
+        changes = [
+            [(one["old"], one["new"]) for one in client.request("elitescript/history", name="n", **of)["changes"]]
+            for of in ({"frameId": inner["id"]}, {"frameId": outer["id"]}, {"function": "half"})
+        ]
+        assert changes == [[("", "8"), ("8", "4.0")], [("", "1")], [("", "8"), ("8", "4.0")]]
+
     def test_the_same_moment_shows_the_same_from_either_side(self, client):
         client.start(CELL, stopOnEntry=True)
         moments = [client.moment()]

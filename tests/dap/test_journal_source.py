@@ -97,7 +97,9 @@ def test_what_came_from_outside_is_there_again(client):
     found = client.request("evaluate", expression="input_float_register[0]", frameId=0, context="watch")
     assert found["result"] == "0.5"
     assert frames
-    assert "parts 12\n" in client.texts()
+    (said,) = [one for one in client.bodies("output") if one["output"] == "parts 12\n"]
+    task, *_ = client.request("loadedSources")["sources"]
+    assert (said["source"], said["line"]) == (task, 1)
 
 
 @pytest.mark.parametrize(("settings", "text"), [({"robot": "CS66"}, "robot is in the journal"), ({}, "cannot be")])

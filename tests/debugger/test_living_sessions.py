@@ -144,7 +144,7 @@ def test_random_sessions_leave_a_program_what_it_computes() -> None:
     plain = end_of(Kernel(OPTIONS))
     assert plain[0][-1].startswith("total ")
     stops = 0
-    for seed in range(max(6, CASES // 4)):
+    for seed in range(max(6, CASES // 8)):
         rng = Random(seed)
         client = Client(rng)
         assert end_of(Kernel(OPTIONS, debugging=debugging()), client, rng) == plain, seed

@@ -316,6 +316,30 @@ end
             assert session.evaluate("a", session.stack(1)[0].id).value == "<lock, held by main>"
             assert session.step_back(2).line == 8
 
+    def test_a_lock_names_the_thread_that_holds_it_also_the_waiting_one_and_one_that_has_ended(self):
+        text = """import threading
+a = threading.Lock()
+b = threading.Lock()
+def taker():
+  b.acquire()
+end
+start_thread(taker, ())
+sleep(0.1)
+def waiter():
+  b.acquire()
+end
+start_thread(waiter, ())
+a.acquire()
+a.acquire()
+"""
+        with debugging(text) as session:
+            session.start()
+            waits = {thread.name: thread.waits_for for thread in session.threads()}
+            assert waits == {
+                "main": "lock a, which it holds itself",
+                "waiter": "lock b, held by taker, which has ended",
+            }
+
 
 LOOK = """def job():
   global total

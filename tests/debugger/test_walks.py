@@ -86,10 +86,10 @@ def test_all_the_way_back_are_the_stops_of_the_way_there(seed):
         session.set_breakpoints([LineBreakpoint(line) for line in range(1, text.count("\n"), 9)])
         session.set_data_breakpoints([DataBreakpoint("shared"), DataBreakpoint("tcp.z < 0.4")])
         there = [session.start()]
-        while there[-1].position.kind != AT_END and len(there) < 40:
+        while there[-1].position.kind != AT_END and len(there) < 20:
             there.append(session.resume())
         back = [there[-1]]
-        while back[-1].reason != "entry" and len(back) < 60:
+        while back[-1].reason != "entry" and len(back) < 30:
             back.append(session.reverse())
         assert [stop.position for stop in reversed(back[:-1])] == [stop.position for stop in there]
         assert back[-1].position.statement == 1

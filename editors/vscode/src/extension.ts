@@ -7,6 +7,7 @@ import { offerInstall } from "./program";
 import { ScriptTests } from "./script_tests";
 import { Server } from "./server";
 import { runProgram, saved, Tasks } from "./tasks";
+import { lastPass, runToTime, whoChanged } from "./travel";
 
 const PROGRAM = `def hello():
   movej([0.3, -1.4, -1.7, -1.6, 1.57, 0], a=1.4, v=1.05)
@@ -38,6 +39,9 @@ async function start(context: vscode.ExtensionContext): Promise<void> {
     tests,
     registerCommand("elitescript.run", (given?: unknown) => withProgram(given, runProgram)),
     registerCommand("elitescript.debug", (given?: unknown) => withProgram(given, debugProgram)),
+    registerCommand("elitescript.debug.runToTime", runToTime),
+    registerCommand("elitescript.debug.whoChanged", whoChanged),
+    registerCommand("elitescript.debug.lastPass", lastPass),
     registerCommand("elitescript.showPath", (given?: unknown) => withProgram(given, (uri) => pages.show(uri))),
     registerCommand("elitescript.restartServer", () => server.restart()),
     registerCommand("elitescript.install", () => offerInstall(vscode.window.activeTextEditor?.document.uri)),

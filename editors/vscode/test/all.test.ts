@@ -182,6 +182,63 @@ describe("debugging", onPosix, () => {
   });
 });
 
+describe("going through a run", onPosix, () => {
+  const asked: unknown[][] = [];
+
+  beforeEach(async () => {
+    executable(".venv/bin/elitescript");
+    await activate({ subscriptions: [] } as any);
+    asked.length = 0;
+    const changes = [
+      { old: "0", new: "1", t: 0.5, thread: "main", statement: 7, line: 3, cause: { statement: 6 } },
+      { old: "1", new: "2", t: 1.5, thread: "main", statement: 17, line: 3, cause: { statement: 16 } },
+    ];
+    const customRequest = async (...words: unknown[]) => {
+      asked.push(words);
+      return { changes };
+    };
+    fake.session = { type: "elitescript", customRequest };
+    const document = {
+      uri: program(),
+      languageId: "elitescript",
+      getWordRangeAtPosition: () => new Range(1, 2, 1, 7),
+      getText: () => "count",
+    };
+    fake.editor = { document, selection: { active: { line: 1, character: 3 } } };
+  });
+
+  test("to a time", async () => {
+    fake.answer = "1.25";
+    await command("elitescript.debug.runToTime");
+    assert.deepEqual(asked, [["elitescript/goto", { t: 1.25 }]]);
+    fake.answer = "soon";
+    await command("elitescript.debug.runToTime");
+    assert.equal(asked.length, 1);
+  });
+
+  test("to the statement that changed the word at the cursor last", async () => {
+    await command("elitescript.debug.whoChanged");
+    assert.deepEqual(asked, [
+      ["elitescript/history", { name: "count", frameId: 4 }],
+      ["elitescript/goto", { statement: 16 }],
+    ]);
+  });
+
+  test("to the last time that the line of the cursor ran", async () => {
+    await command("elitescript.debug.lastPass");
+    const source = { path: (fake.editor as any).document.uri.fsPath };
+    assert.deepEqual(asked, [["elitescript/lastPass", { source, line: 2 }]]);
+  });
+
+  test("needs a session, and shows what the adapter refuses", async () => {
+    fake.session!.customRequest = async () => Promise.reject(new Error("line 2 has not run before"));
+    await command("elitescript.debug.lastPass");
+    fake.session = undefined;
+    await command("elitescript.debug.lastPass");
+    assert.deepEqual(fake.messages, ["line 2 has not run before", "Debug a program first (F5)."]);
+  });
+});
+
 describe("running", onPosix, () => {
   test("saves the program and runs it as a task with the settings", async () => {
     const own = executable(".venv/bin/elitescript");

@@ -150,6 +150,7 @@ export const fake = {
   terminals: [] as { name: string; sent: [string, boolean][] }[],
   tasks: [] as Task[],
   debugged: [] as unknown[],
+  session: undefined as { type: string; customRequest(name: string, given: unknown): Promise<unknown> } | undefined,
   panels: [] as FakePanel[],
   controllers: [] as FakeController[],
   results: [] as string[],
@@ -162,7 +163,7 @@ export const fake = {
 export function reset(): void {
   Object.assign(fake, {
     settings: {}, folders: [], documents: [], active: undefined, editor: undefined, isTrusted: true, python: undefined, answer: undefined,
-    files: [], commands: new Map(), executed: [], messages: [], terminals: [], tasks: [], debugged: [], panels: [],
+    files: [], commands: new Map(), executed: [], messages: [], terminals: [], tasks: [], debugged: [], session: undefined, panels: [],
     controllers: [], results: [], onSaved: new EventEmitter(), onTrusted: new EventEmitter(), onSettings: new EventEmitter(),
   });
 }
@@ -286,6 +287,8 @@ export const window = {
   showWarningMessage: ask,
   showErrorMessage: ask,
   showInformationMessage: ask,
+  showInputBox: async (given: { value?: string }) => given.value || fake.answer,
+  showQuickPick: async (items: unknown[]) => items[0],
   showTextDocument: async (document: { content: string }) => fake.messages.push(document.content),
   createTerminal: (given: { name: string }) => {
     const terminal = { name: given.name, sent: [] as [string, boolean][] };
@@ -315,6 +318,10 @@ export const extensions = {
 };
 
 export const debug = {
+  activeStackItem: { frameId: 4 },
+  get activeDebugSession(): unknown {
+    return fake.session;
+  },
   registerDebugAdapterDescriptorFactory: nothing,
   registerDebugConfigurationProvider: nothing,
   startDebugging: async (_folder: unknown, configuration: unknown) => fake.debugged.push(configuration),

@@ -489,8 +489,9 @@ class Adapter:
         """Write what a program says to the client's console."""
         body: Body = {"category": output.category, "output": f"{output.text}\n"}
         texts = [] if self._debuggee is None else self._debuggee.texts()
-        if output.line and len(texts) == 1:
-            body["source"] = self.sources.shown(texts[0])
+        source = output.source if output.source in texts else next(iter(texts), "") if len(texts) == 1 else ""
+        if output.line and source:
+            body["source"] = self.sources.shown(source)
             body.update(self.client.place(output.line, 0))
         self.event("output", body)
 

@@ -42,12 +42,13 @@ class JournalSource:
         text: of the first program.
         may_fork: True: nothing that is connected is real.
         problems: none: what was wrong with a program was said in the session.
-        may_fork: a journal has no connections.
+        may_write: False: what files held is in the journal.
         texts: of all programs, by their names; one that has run more than once by the name that it had first.
         first_names: that name of every text, by the name that it has each time.
     """
 
     may_fork = True
+    may_write = False
 
     def __init__(self, path: Path, until_tick: int | None = None) -> None:
         self._reader = JournalReader(path)
@@ -69,7 +70,6 @@ class JournalSource:
         if not self._units:
             raise UsageError(f"{path}: no program has run in this session")
         self.problems: tuple[Diagnostic, ...] = ()
-        self.may_fork = True
         firsts: dict[str, str] = {}
         for name, text in self._units:
             firsts.setdefault(text, name)

@@ -92,7 +92,7 @@ class Launched:
             self._texts = self._source.texts
             for name, first in self._source.first_names.items():
                 sources.same(name, first)
-        self.session = DebugSession(self._source, on_output, forks=forks)
+        self.session = DebugSession(self._source, on_output, forks=forks, keeps_end=self.stops_on_end)
 
     def texts(self) -> list[str]:
         """Return the names of its texts."""

@@ -357,6 +357,7 @@ class Output:
         thread_name: script thread; empty for none.
         position: where in the history.
         time_s: robot time.
+        source: name of the text whose line it is; empty if that is not known.
     """
 
     category: str
@@ -365,6 +366,7 @@ class Output:
     thread_name: str
     position: Position
     time_s: float
+    source: str = ""
 
 
 class DebugError(Exception):

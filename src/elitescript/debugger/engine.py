@@ -48,7 +48,7 @@ from elitescript.debugger.looking import RESULT, CallFrame, Look, Names
 from elitescript.debugger.places import CountedText, Places
 from elitescript.debugger.rules import NO_RULES, CodeRule, DataRule, Rules, Watch, hit_condition
 from elitescript.debugger.source import Source
-from elitescript.debugger.telling import exception_of, filled, logged, output_of
+from elitescript.debugger.telling import exception_of, filled, logged, output_of, running_text
 from elitescript.debugger.values import shown
 from elitescript.language.compiler import CompiledUnit
 from elitescript.language.hooks import STEP as STEP_HOOK
@@ -264,6 +264,12 @@ class Engine:
         calls = self._look.calls(self._look.strand(thread))
         found = frozenset((call.frame.f_code.co_filename, call.frame.f_code.co_qualname) for call in calls)
         return found, len(calls) - 1
+
+    def function_of(self, frame: int, name: str) -> str:
+        """See `DebugSession.function_of`."""
+        call = self._look.call(frame)
+        is_local = call is not None and name in self._look.locals_of(call)
+        return self.places.function_name(call.frame.f_code.co_qualname) if call is not None and is_local else ""
 
     def texts(self) -> tuple[CountedText, ...]:
         """Return what is counted of each text that is known; the program is the first one."""
@@ -541,7 +547,8 @@ class Engine:
         call = self._innermost(look, strand)
         text = filled(rule.log_message, lambda expression: logged(look, expression, call))
         line = self.places.statement(self._number).line
-        self._say(Output("console", text, line, strand.name, self.position, self._time_s), is_log=True)
+        source = self.places.unit_of(self._number).source.name
+        self._say(Output("console", text, line, strand.name, self.position, self._time_s, source), is_log=True)
 
     def _data_stops(self, previous: Strand | None) -> list[Stop]:
         if not self._watches:
@@ -669,7 +676,7 @@ class Engine:
         output = output_of(event, self.position, self._time_s)
         self._kind = ""
         if output is not None:
-            self._say(output)
+            self._say(replace(output, source=running_text(strand)) if output.line and self.is_heard else output)
         if isinstance(event, Alarm | Warned):
             self._freeze_in(event, strand, ALARM_FILTER if is_alarm else WARNING_FILTER)
 

@@ -30,8 +30,8 @@ from elitescript.messages.signals import SIGNALS
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.names.modules import Facade
 from elitescript.runtime.program import Program, is_shown
-from elitescript.runtime.stdlib.locks import A_LOCK, holder_of, is_lock, waits_at
-from elitescript.runtime.threads.strand import Strand, state_of
+from elitescript.runtime.stdlib.locks import A_LOCK, holder_awaited, is_lock, waits_at
+from elitescript.runtime.threads.strand import ENDED, Strand, state_of
 
 LOCALS: Final = "Locals"
 GLOBALS: Final = "Globals"
@@ -121,7 +121,7 @@ class Look:
         found = []
         for strand in self.strands():
             calls = self.calls(strand)
-            wait = "" if self._is_failed(strand) else self._wait_of(strand, calls)
+            wait = self._wait_of(strand, calls)
             line = calls[0].line if calls else 0
             found.append(ThreadInfo(strand.order + 1, strand.name, strand.is_secondary, wait, line))
         return tuple(found)
@@ -142,17 +142,27 @@ class Look:
         return [CallFrame(strand, frame, line, depth - 1 - index) for index, (frame, line) in enumerate(found)]
 
     def _wait_of(self, strand: Strand, calls: list[CallFrame]) -> str:
-        """Return what a thread waits for; of a lock its name in the innermost call that has one, and its holder."""
+        """Return what a thread waits for; of a lock its name, if a call has one, and its holder; else empty."""
+        if self._is_failed(strand):
+            return ""
         reason = state_of(strand).waits_for
         if strand.waits_for != A_LOCK or f"{A_LOCK} in " in reason:
             return reason
+        reason = reason.replace(A_LOCK, self._lock_of(strand, calls), 1)
+        holder = holder_awaited(strand)
+        if holder is None:
+            return reason
+        if holder is strand:
+            return f"{reason}, which it holds itself"
+        return f"{reason}, held by {holder.name}" + (", which has ended" if holder.state is ENDED else "")
+
+    def _lock_of(self, strand: Strand, calls: list[CallFrame]) -> str:
+        """Return the lock that a thread waits for, by its name in the innermost call that has one."""
         for call in calls:
             for name, value in (*self.locals_of(call).items(), *self.globals_of(call).items()):
                 if is_lock(value) and waits_at(strand, value):
-                    holder = holder_of(value)
-                    by = f", held by {holder.name}" if holder is not None else ""
-                    return reason.replace(A_LOCK, f"lock {name}{by}", 1)
-        return reason
+                    return f"lock {name}"
+        return A_LOCK
 
     def _is_failed(self, strand: Strand) -> bool:
         return self._error is not None and strand is self._host.scheduler.current
@@ -160,13 +170,14 @@ class Look:
     def stack(self, thread: int) -> tuple[Frame, ...]:
         """See `DebugSession.stack`."""
         strand = self.strand(thread)
-        found = []
         calls = self.calls(strand)
+        wait = self._wait_of(strand, calls)
+        found = []
         for index, call in enumerate(calls):
             code = call.frame.f_code
             name = self._places.function_name(code.co_qualname)
-            if index == 0 and strand.waits_for and not self._is_failed(strand):
-                name = f"{name} (waits for {self._wait_of(strand, calls)})"
+            if index == 0 and wait:
+                name = f"{name} (waits for {wait})"
             self._frames.append(call)
             place = self._places.at_line(code.co_filename, call.line)
             found.append(Frame(len(self._frames), thread, name, code.co_filename, *place))

@@ -49,6 +49,8 @@ from elitescript.records import replace
 
 REAL_NETWORK: Final = "going back does not reach the peers of real connections: what they have sent is used again"
 """Said at the start of a program that may connect to something outside the simulation."""
+WRITTEN_FILES: Final = "going back does not reach files: what the program has written stays in its task folder"
+"""Said at the start of a program that opens files."""
 WINDOW: Final = 2000
 """Statements before the present stop in which a search for an earlier one begins."""
 WINDOW_OF_SNAPSHOTS: Final = 50
@@ -69,6 +71,8 @@ class DebugSession:
         on_output: receives what the run says, once on each branch of its history.
         forks: whether snapshots of the process may be made, which makes going back in long programs fast: only in a
             process of one thread that may be forked, on POSIX.
+        keeps_end: whether it can go back from the end of the run. If not, a run without breakpoints that comes to its
+            end need not be counted.
 
     Raises:
         ProgramError: the program does not compile.
@@ -76,10 +80,16 @@ class DebugSession:
     """
 
     def __init__(
-        self, source: Source, on_output: Callable[[Output], None] | None = None, *, forks: bool = False
+        self,
+        source: Source,
+        on_output: Callable[[Output], None] | None = None,
+        *,
+        forks: bool = False,
+        keeps_end: bool = True,
     ) -> None:
         self._source = source
         self._on_output = on_output
+        self._keeps_end = keeps_end
         self._rules = Rules()
         self._inputs: list[Input] = []
         self._heard = 0
@@ -110,8 +120,10 @@ class DebugSession:
             stop_on_entry: stop before the first statement.
             no_debug: run to the end; breakpoints and filters are not heeded.
         """
-        if not self._source.may_fork and self._on_output is not None:
-            self._on_output(Output("console", REAL_NETWORK, 0, "", self._engine.position, 0.0))
+        limits = ((not self._source.may_fork, REAL_NETWORK), (self._source.may_write, WRITTEN_FILES))
+        for is_so, text in limits:
+            if is_so and not no_debug and self._on_output is not None:
+                self._on_output(Output("console", text, 0, "", self._engine.position, 0.0))
         if no_debug:
             return self._run_plainly(frozenset())
         if stop_on_entry:
@@ -121,7 +133,10 @@ class DebugSession:
     def resume(self) -> Stop:
         """Go on to the next breakpoint, exception of a filter, pause, or the end."""
         if self._can_be_plain and not self._is_pausing:
-            return self._run_plainly(self._filters)
+            if not self._snapshots.forks:
+                return self._run_plainly(self._filters)
+            if not self._keeps_end and not self._source.may_write:
+                return self._run_in_company()
         self._count_hits_again()
         return self._arrived(self._engine.run(Goal(heeds=True)))
 
@@ -185,13 +200,13 @@ class DebugSession:
         """Go to a time in seconds; see `run_to_tick`."""
         return self.run_to_tick(max(0, ticks_for(time_s)))
 
-    def last_pass(self, line: int) -> Stop:
-        """Go back to the last time that a line was about to run.
+    def last_pass(self, line: int, *, text: str = "") -> Stop:
+        """Go back to the last time that a line of a text was about to run; see `set_breakpoints`.
 
         Raises:
             DebugError: it has not run before.
         """
-        numbers = self._numbers_at(line)
+        numbers = self._numbers_at(line, text)
         bound = self._stop.position
         found = self._last(Goal(bound, numbers=numbers, last=True), bound) if numbers else None
         if found is None:
@@ -413,6 +428,10 @@ class DebugSession:
         finally:
             engine.close()
 
+    def function_of(self, frame: int, name: str) -> str:
+        """Return the function whose local variable a name is in a frame, as `history` takes it; empty for none."""
+        return self._engine.function_of(frame, name)
+
     def passes(self, line: int, *, text: str = "") -> tuple[Position, ...]:
         """Return every moment at which a line was about to run, up to the furthest position of this branch."""
         numbers = self._numbers_at(line, text)
@@ -446,8 +465,6 @@ class DebugSession:
     def _can_be_plain(self) -> bool:
         """Whether nothing can stop the run but an event of a filter, and it has not begun."""
         rules = self._rules
-        if self._snapshots.forks:
-            return False  # counted from the start, it leaves snapshots to go back to
         return self._engine.count <= 1 and not (rules.code or rules.data or self._inputs or self._engine.is_over)
 
     def _run_plainly(self, filters: frozenset[str]) -> Stop:
@@ -465,6 +482,16 @@ class DebugSession:
         arrived = again.run(Goal(stop.position))
         assert arrived is not None
         return self._arrived(replace(arrived, reason=stop.reason, text=stop.text))
+
+    def _run_in_company(self) -> Stop:
+        """Run counted, so that there are snapshots at an alarm and a pause; an uncounted run may end it earlier."""
+        rules = self._rules
+        engine, stop = self._snapshots.run(
+            self._engine, Goal(heeds=True), lambda hear: _heard(Engine(self._source, rules, (), hear, is_counted=False))
+        )
+        if engine is not self._engine:
+            self._replace_engine(engine)
+        return self._arrived(stop)
 
     def _replace_engine(self, engine: Engine) -> None:
         self._engine.close()
@@ -685,6 +712,11 @@ class DebugSession:
             return None, BreakpointState(identity, False, f"no statement of the program calls {name!r}")
         rule = CodeRule(identity, FUNCTION_BREAKPOINT, numbers, request.condition, request.hit_condition)
         return rule, BreakpointState(identity, True, "", line)
+
+
+def _heard(engine: Engine) -> Engine:
+    engine.is_heard = True
+    return engine
 
 
 def _expressions(message: str) -> list[str]:

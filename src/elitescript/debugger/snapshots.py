@@ -6,26 +6,34 @@ talks to it through a socket, with frozen records only. While it runs it forks a
 processor time and passes the end of a new socket on. Of the copies few are kept, most of them close to the present
 position.
 
+Counting is a small part of the time of a program that moves, but more than half of one that only computes. Such a run
+gets company: another process runs the same without counting, and if that comes to the end first, the run is over.
+
 A process ends when its socket is closed, so none is left when the session ends in whatever way. Only for POSIX, and for
 a process that has no other threads and may be forked. `NoSnapshots` is what a session has elsewhere.
 """
 
 from __future__ import annotations
 
+import gc
 import os
+import select
 import signal
 import socket
 import struct
 from collections.abc import Callable
+from contextlib import suppress
 from time import process_time
 from typing import Any, Final, cast
 
-from elitescript.debugger.api import DebugError, Output, Position
-from elitescript.debugger.engine import Engine
+from elitescript.debugger.api import DebugError, Output, Position, Stop
+from elitescript.debugger.engine import Engine, Goal
 from elitescript.debugger.engine_records import read, written
 
-EACH_S: Final = 0.1
-"""Processor time of a run from one copy to the next."""
+EACH_S: Final = 0.05
+"""Processor time of a run from one copy to the next. A copy takes 2 to 3 ms, with the pages that both change then."""
+COUNTING_MAX: Final = 5e6
+"""Statements in a second of processor time, from which on counting them is a good part of it: each costs 28 ns."""
 COPIES_MAX: Final = 20
 
 Hear = Callable[[int, Output], None]
@@ -64,6 +72,19 @@ class NoSnapshots:
         """Return the count at which the copy nearest before a position stands; -1 if there is none."""
         return -1
 
+    def run(self, engine: Engine, goal: Goal, make: Callable[[Hear], Engine]) -> tuple[Engine, Stop | None]:
+        """Run an engine; if counting slows it down, another one that does not count may come to the end first.
+
+        Args:
+            engine: counts.
+            goal: without any stop that is found by counting.
+            make: makes an engine at the start that does not count.
+
+        Returns:
+            The engine that has arrived, and its stop.
+        """
+        return engine, engine.run(goal)
+
     def keep(self, engine: Engine) -> None:
         """Keep a copy of an engine as it stands."""
 
@@ -89,20 +110,27 @@ class Snapshots(NoSnapshots):
 
     def first(self, make: Callable[[Hear], Engine], *, is_heard: bool) -> Engine:
         """See `NoSnapshots.first`."""
-        ours, theirs = socket.socketpair()
-        if os.fork() == 0:
-            for other in (ours, *self._sockets):
-                other.close()
-            _serve_new(theirs, make)
-        theirs.close()
-        engine = self._process(ours)
+        engine = self._begun(make, self._hear)
         engine.refresh()
         engine.is_heard = is_heard
         return cast("Engine", engine)
 
-    def _process(self, link: socket.socket) -> EngineProcess:
+    def _begun(self, make: Callable[[Hear], Engine], hear: Hear) -> EngineProcess:
+        """Return an engine in a new process."""
+        ours, theirs = socket.socketpair()
+        _reap()
+        child = os.fork()
+        if child == 0:
+            for other in (ours, *self._sockets):
+                other.close()
+            _serve_new(theirs, make)
+        _children.add(child)
+        theirs.close()
+        return self._process(ours, hear)
+
+    def _process(self, link: socket.socket, hear: Hear | None = None) -> EngineProcess:
         self._sockets.add(link)
-        return EngineProcess(link, self._hear, self._came, self._sockets.discard)
+        return EngineProcess(link, hear or self._hear, self._came, self._sockets.discard)
 
     def _came(self, link: socket.socket, position: Position) -> None:
         process = self._process(link)
@@ -127,6 +155,47 @@ class Snapshots(NoSnapshots):
         """See `NoSnapshots.nearest`."""
         near = [at for at, _ in self._copies if at.is_before(position)]
         return near[-1].statement if near else -1
+
+    def run(self, engine: Engine, goal: Goal, make: Callable[[Hear], Engine]) -> tuple[Engine, Stop | None]:
+        """See `NoSnapshots.run`."""
+        counting = cast("EngineProcess", engine)
+        counting.ask("run", goal)
+        if _cores() < 2:
+            return engine, counting.answer()
+        said: list[tuple[int, Output]] = []
+        plain: EngineProcess | None = None
+        has_tried, count = False, counting.count
+        try:
+            while True:
+                readable, _, _ = select.select([counting, *filter(None, [plain])], [], [])
+                if counting in readable:
+                    is_answer, stop = counting.take()
+                    if is_answer:
+                        return engine, stop
+                    if not has_tried and counting.count - count > COUNTING_MAX * EACH_S:
+                        has_tried = True
+                        plain = self._begun(make, lambda *item: said.append(item))
+                        plain.refresh()
+                        plain.ask("run", goal)
+                    count = counting.count
+                elif plain is not None:
+                    try:
+                        is_answer, stop = plain.take()
+                    except (DebugError, OSError, EOFError):
+                        is_answer, stop = True, None
+                    if not is_answer:
+                        continue
+                    ended, plain = plain, None
+                    if stop is None or not stop.result:
+                        # A stop can be looked at and gone back from only where all is counted.
+                        ended.close()
+                        continue
+                    for item in said:
+                        self._hear(*item)
+                    return cast("Engine", ended), stop
+        finally:
+            if plain is not None:
+                plain.kill()
 
     def keep(self, engine: Engine) -> None:
         """See `NoSnapshots.keep`."""
@@ -178,14 +247,14 @@ class EngineProcess:
         self._hear = hear
         self._came = came
         self._gone = gone
-        self._facts: tuple[Any, ...] = (0, False, Position(0, 0, 0, "tick"), 0)
+        self._facts: tuple[Any, ...] = (0, False, Position(0, 0, 0, "tick"), 0, True)
         self._process = 0
 
-    is_counted = True
     count = property(lambda self: self._facts[0])
     is_over = property(lambda self: self._facts[1])
     position = property(lambda self: self._facts[2])
     outputs = property(lambda self: self._facts[3])
+    is_counted = property(lambda self: self._facts[4])
     is_heard = property(None, lambda self, value: self._asked("hear", value))
 
     @property
@@ -203,7 +272,7 @@ class EngineProcess:
         with theirs:
             _write(self._link, ("copy", ()))
             socket.send_fds(self._link, [b"f"], [theirs.fileno()])
-            self._answer()
+            self.answer()
         return ours
 
     def pause(self) -> None:
@@ -215,27 +284,53 @@ class EngineProcess:
         self._gone(self._link)
         self._link.close()
 
+    def kill(self) -> None:
+        """End it while it runs."""
+        with suppress(ProcessLookupError):
+            os.kill(self._process, signal.SIGKILL)
+        self.close()
+
     def __getattr__(self, name: str) -> Callable[..., Any]:
         if name.startswith("_") or not hasattr(Engine, name):
             raise AttributeError(name)
         return lambda *arguments: self._asked(name, *arguments)
 
     def _asked(self, name: str, *arguments: Any) -> Any:
-        _write(self._link, (name, arguments))
-        return self._answer()
+        self.ask(name, *arguments)
+        return self.answer()
 
-    def _answer(self) -> Any:
+    def fileno(self) -> int:
+        """Return the descriptor that is readable when `take` does not wait."""
+        return self._link.fileno()
+
+    def ask(self, name: str, *arguments: Any) -> None:
+        """Have a method called; `answer` returns what it returns."""
+        _write(self._link, (name, arguments))
+
+    def answer(self) -> Any:
+        """Return the answer when it has come.
+
+        Raises:
+            DebugError: that is the answer.
+        """
         while True:
-            kind, value, self._facts = _read(self._link)
-            if kind == _SAID:
-                self._hear(*value)
-            elif kind == _COPY:
-                _, (number,), _, _ = socket.recv_fds(self._link, 1, 1)
-                self._came(socket.socket(fileno=number), value)
-            elif kind == _REPLY:
+            is_answer, value = self.take()
+            if is_answer:
                 return value
-            else:
-                raise DebugError(value)
+
+    def take(self) -> tuple[bool, Any]:
+        """Take the next that comes; return whether it is the answer, and that. See `answer`."""
+        kind, value, self._facts = _read(self._link)
+        if kind == _SAID:
+            self._hear(*value)
+        elif kind == _COPY:
+            _, (number,), _, _ = socket.recv_fds(self._link, 1, 1)
+            self._came(socket.socket(fileno=number), value)
+        elif kind == _REPLY:
+            return True, value
+        else:
+            raise DebugError(value)
+        return False, None
 
 
 # ---------------------------------------------------------------- in the process of an engine
@@ -264,7 +359,10 @@ class _Server:
 
     def begin(self, engine: Engine) -> None:
         self._engine = engine
-        engine.pulse, engine.is_pulse_due = self.pulse, self.is_due
+        if engine.is_counted:
+            engine.pulse, engine.is_pulse_due = self.pulse, self.is_due
+        # What is there now stays: a collection of garbage that looked at it would copy its pages in each process.
+        gc.freeze()
         signal.signal(signal.SIGUSR1, lambda *_: engine.pause())
 
     def fail(self, error: Exception) -> None:
@@ -306,7 +404,9 @@ class _Server:
 
     def _say(self, kind: int, value: Any) -> None:
         engine = self._engine
-        facts = None if engine is None else (engine.count, engine.is_over, engine.position, engine.outputs)
+        facts = None
+        if engine is not None:
+            facts = engine.count, engine.is_over, engine.position, engine.outputs, engine.is_counted
         _write(self._link, (kind, value, facts))
 
     def serve(self) -> None:
@@ -343,6 +443,24 @@ class _Server:
             link.close()
             return None
         return getattr(engine, name)(*arguments)
+
+
+_children: Final[set[int]] = set()
+"""Processes that this one has started and not reaped; the copies are children of theirs."""
+
+
+def _reap() -> None:
+    """Forget the children that have ended."""
+    for child in tuple(_children):
+        with suppress(ChildProcessError):
+            if os.waitpid(child, os.WNOHANG) == (0, 0):
+                continue
+        _children.discard(child)
+
+
+def _cores() -> int:
+    """Return how many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _write(link: socket.socket, message: object) -> None:

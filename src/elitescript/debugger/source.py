@@ -31,6 +31,7 @@ from elitescript.runtime.environment import Channels
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.probe import Probe
 
+_OPENING: Final = re.compile(r"\bopen\s*\(")
 _CONNECTING: Final = re.compile(r"\b(socket_open|rpc_factory|\w*serial_config|modbus_add_signal|modbus_\w+_rtu)\s*\(")
 
 
@@ -66,10 +67,14 @@ class Source(Protocol):
         text: the program.
         problems: what was found in it before it ran.
         may_fork: whether copies of a process may hold executions: not with real connections, which they would share.
+        may_write: whether its programs may write files outside of the simulation.
     """
 
     @property
     def may_fork(self) -> bool: ...
+
+    @property
+    def may_write(self) -> bool: ...
 
     @property
     def problems(self) -> tuple[Diagnostic, ...]: ...
@@ -118,7 +123,7 @@ class ProgramSource:
 
     Attributes:
         problems: what was found in the program.
-        may_fork: see `Source`.
+        may_fork, may_write: see `Source`.
 
     Raises:
         ProgramError: the program does not compile, or is refused.
@@ -150,6 +155,7 @@ class ProgramSource:
         self._has_real_network = world is None
         self._network: KeptNetwork | None = None
         self.may_fork = not (self._has_real_network and _CONNECTING.search(self.text))
+        self.may_write = _OPENING.search(self.text) is not None
         self._world = world
         self._make = partial(VirtualRobot, task_dir=task_dir, lines=lines, **options)
         robot = self._robot()

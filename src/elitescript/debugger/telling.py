@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 
 from elitescript.debugger.api import ALARM_FILTER, WARNING_FILTER, DebugError, ExceptionInfo, Output, Position
 from elitescript.debugger.looking import CallFrame, Look
 from elitescript.debugger.values import shown
 from elitescript.messages.events import Alarm, DeviceNoted, Event, Popup, Printed, TextMessage, Warned
+from elitescript.runtime.threads.strand import Strand
 
 
 def output_of(event: Event, position: Position, time_s: float) -> Output | None:
@@ -26,6 +28,19 @@ def output_of(event: Event, position: Position, time_s: float) -> Output | None:
     if isinstance(event, DeviceNoted):
         return Output("console", f"{event.device}: {event.text}", 0, "", position, time_s)
     return None
+
+
+def running_text(strand: Strand | None) -> str:
+    """Return the name of the text that a thread runs, or in which it has just failed; empty for none."""
+    if strand is None:
+        return ""
+    frame, error = strand.script_frame(), sys.exception()
+    trace = None if error is None or frame is not None else error.__traceback__
+    while trace is not None:
+        if strand.is_script_frame(trace.tb_frame):
+            frame = trace.tb_frame
+        trace = trace.tb_next
+    return "" if frame is None else frame.f_code.co_filename
 
 
 def exception_of(event: Alarm | Warned) -> ExceptionInfo:

@@ -35,9 +35,21 @@ def goto(adapter: Adapter, arguments: Arguments) -> None:
         adapter.travel(lambda session: session.run_to(position))
 
 
+def last_pass(adapter: Adapter, arguments: Arguments) -> None:
+    """Go back to the last time that a line was about to run."""
+    line = adapter.client.line_from(arguments.number("line"))
+    text = adapter.sources.named(arguments.inner("source"))
+    adapter.travel(lambda session: session.last_pass(line, text=text or ""))
+
+
 def history(adapter: Adapter, arguments: Arguments) -> Body:
-    """Return every change of a variable or a signal, with what has made it."""
+    """Return every change of a variable or a signal, with what has made it.
+
+    A local variable is named with its `function`, or with the `frameId` of a call of it.
+    """
     name, function = arguments.text("name"), arguments.text("function", "")
+    if not function and (frame := arguments.number("frameId", 0)):
+        function = adapter.run.function_of(frame, name)
     changes = adapter.run.history(name, function=function)
     return {"changes": [_change(adapter, change) for change in changes]}
 
@@ -67,5 +79,6 @@ def _position(position: Position) -> Body:
 HANDLERS: Final = {
     "elitescript/state": Handler(state, STANDING | {State.RUNNING}),
     "elitescript/goto": Handler(goto, STANDING | {State.RUNNING}),
+    "elitescript/lastPass": Handler(last_pass, STANDING | {State.RUNNING}),
     "elitescript/history": Handler(history, STANDING | {State.RUNNING}),
 }

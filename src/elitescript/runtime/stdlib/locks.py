@@ -114,6 +114,17 @@ class _Mutex:
             self.owner = None
 
 
+def holder_awaited(strand: Strand) -> Strand | None:
+    """Return the thread that holds the lock for which a thread waits; None if it waits for none."""
+    frame = strand.top_frame()
+    while frame is not None and not strand.is_script_frame(frame):
+        if frame.f_code is _Mutex.take.__code__:
+            mutex: _Mutex = frame.f_locals["self"]
+            return mutex.owner
+        frame = frame.f_back
+    return None
+
+
 def _timeout(blocking: Any, timeout: Any) -> float | None:
     """Return the arguments of `acquire` as a timeout in s: None for ever, 0 without waiting.
 

@@ -245,7 +245,7 @@ class Strand:
 
     def script_frame(self) -> FrameType | None:
         """Return the innermost frame of the program's own text, or else of a text of `eval`."""
-        return self._script_frame(self._top_frame())
+        return self._script_frame(self.top_frame())
 
     def _script_frame(self, frame: FrameType | None) -> FrameType | None:
         builtins = self._builtins
@@ -260,7 +260,7 @@ class Strand:
 
     def script_frames(self) -> Iterator[FrameType]:
         """Yield its frames of script text, the innermost one first; also while it waits or is frozen."""
-        frame, builtins = self._top_frame(), self._builtins
+        frame, builtins = self.top_frame(), self._builtins
         while frame is not None:
             if frame.f_builtins is builtins:
                 yield frame
@@ -273,12 +273,13 @@ class Strand:
     def called_from_script(self) -> FrameType | None:
         """Return the frame that the innermost script frame has called; None if there is none."""
         called = None
-        frame = self._top_frame()
+        frame = self.top_frame()
         while frame is not None and frame.f_builtins is not self._builtins:
             called, frame = frame, frame.f_back
         return called
 
-    def _top_frame(self) -> FrameType | None:
+    def top_frame(self) -> FrameType | None:
+        """Return its innermost frame of any code; None before it has begun and when it has ended."""
         if self._greenlet is None:
             return None
         return sys._getframe(1) if self._greenlet is getcurrent() else self._greenlet.gr_frame
