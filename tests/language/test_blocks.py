@@ -148,6 +148,27 @@ def test_structure_mistakes_are_reported_once_each(text, expected):
     assert codes(text) == expected
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "def a():\n  x = 1\n«finally»\n  y = 2\nend",
+        "def a():\n  if x:\n    f()\n«elif» y\n  end\nend",
+        "def a():\n  if x:\n    f()\n«except» E\n  else:\n    g()\n  end\nend",
+        "def a():\n  def b():\n«else»\n    f()\n  end\n  g()\nend",
+        "def a():\n  try:\n«else»\n    f()\n  except E:\n    g()\n  end\nend",
+        "def a():\n  while x:\n    f()\n  «finally»\n    g()\n  end\nend",
+    ],
+)
+def test_a_clause_of_no_statement_does_not_end_the_block_that_goes_on_below_it(text):
+    check_marks("E001", text)
+
+
+def test_mistakes_below_a_clause_of_no_statement_are_found():
+    (clause, below) = findings("def a():\n  x = 1\nfinally\n  while x:\n  end\nend")
+    assert (clause.line, below.code, below.line) == (3, "E104", 4)
+    assert codes("x = 1\nelse\n  f()\nelif x:\n  g()\nend") == ["E001 2", "E001 4"]
+
+
 def test_a_line_behind_the_closer_of_its_block_is_explained():
     (found,) = findings("while x:\n  f()\nend\n  g()\n")
     assert "`end` in line 3" in found.text

@@ -89,11 +89,14 @@ class _BlockReader:
         lines = self.draft.lexed.lines
         last = len(lines) - 1
         for index, line in enumerate(lines):
-            deeper_follows = index < last and lines[index + 1].column > line.column
+            following = lines[index + 1] if index < last else line
+            deeper_follows = following.column > line.column
             if self._skipped(line, deeper_follows):
                 continue
-            if line.word == "end" and _end().fullmatch(self.draft.code(line)):
-                following = lines[index + 1] if index < last else line
+            if self._is_out_of_place(line, following):
+                self._report_orphan(line)
+                self.draft.dropped.add(line)
+            elif line.word == "end" and _end().fullmatch(self.draft.code(line)):
                 self._end(line, following.word in CLAUSES and following.column == line.column)
             elif self._indent(line, deeper_follows):
                 self._line(line, deeper_follows)
@@ -154,6 +157,23 @@ class _BlockReader:
         self.draft.dropped.add(line)
         self.skip_above = above
         self.skipping_at = line.column
+
+    def _is_out_of_place(self, line: LogicalLine, following: LogicalLine) -> bool:
+        """Return whether a clause without a colon belongs to no block, and stands left of one that goes on below it.
+
+        What is below is then not its body, and is read as if the line were not there.
+        """
+        column = line.column
+        if line.word not in CLAUSES or line.broken or column not in self.indents or following.column <= column:
+            return False
+        waiting = self.waiting
+        goes_on = following.column in self.indents
+        if waiting is not None and column <= waiting.column:
+            goes_on = goes_on or following.column > waiting.column
+        if not goes_on or header_colon(self.draft.code(line)) >= 0:
+            return False
+        block = next((block for block in reversed(self.blocks) if block.column <= column), None)
+        return block is None or block.column < column or line.word not in CLAUSES_OF.get(block.word, ())
 
     # Blocks
 
@@ -268,7 +288,7 @@ class _BlockReader:
         block.waits = block.colon_missing = False
         self._header(block, line, code, deeper_follows)
 
-    def _orphan(self, line: LogicalLine, deeper_follows: bool) -> None:
+    def _report_orphan(self, line: LogicalLine) -> None:
         takers = [word for word, clauses in CLAUSES_OF.items() if line.word in clauses and word != "async"]
         near = next((block for block in reversed(self.blocks) if line.word in CLAUSES_OF.get(block.word, ())), None)
         left = self.left.get(line.column)
@@ -281,13 +301,17 @@ class _BlockReader:
         names = ", ".join(f"`{word}`" for word in takers)
         text = f"`{line.word}` belongs to no {names} in this column"
         self.draft.report("E001", line.start, line.start + len(line.word), text, hint)
+
+    def _orphan(self, line: LogicalLine, deeper_follows: bool) -> None:
+        self._report_orphan(line)
         label = f"`{line.word}`"
+        is_last = line.word in ("else", "finally")
         line.word = ""
         self.draft.broken.add(line)
         code = self.draft.code(line)
         colon = header_colon(code)
         if colon >= 0 or deeper_follows:
-            block = _Block(line, "if")
+            block = _Block(line, "" if colon < 0 and is_last else "if")
             self._open(block, line, colon if colon >= 0 else len(code), code)
             block.label = label
 
