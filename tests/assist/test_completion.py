@@ -149,6 +149,12 @@ TABLE: list[tuple[str, str, str]] = [
     ("except ¦", "Exception ValueError", "sync"),
     ("try:\n  sync()\nexcept ¦", "Exception ValueError", "sync"),
     ("raise ¦", "ValueError", "sync"),
+    # Line marks.
+    (at("$ ¦"), "LINE", "movej HOME while"),
+    (at("$mov¦"), "LINE", "movej"),
+    (at("$ LINE: (¦"), "", "LINE movej HOME"),
+    (at('$ LINE: (1, "a"); mov¦'), "movej", "LINE"),
+    (at('x = "$" + ¦'), "HOME", "LINE"),
     # Modules.
     ("import ¦", "math time threading queue", "socket movej"),
     ("import ma¦", "math", "movej"),

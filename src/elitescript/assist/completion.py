@@ -166,6 +166,10 @@ class _Offers:
             yield from self._members(cursor.receiver)
         elif cursor.is_in_number or _NEW_NAME.search(head):
             return
+        elif "$" in head:
+            # A line mark consists of that word, a number and texts.
+            if head.rstrip().endswith("$"):
+                yield self._word("LINE")
         elif _MODULES.match(head):
             yield from self._modules(head)
         elif found := _MODULE_NAMES.match(head):
