@@ -210,6 +210,11 @@ def test_a_rename_changes_all_places_and_nothing_else(text: str, expected: str) 
         ("x = [].¦append\n", "w", "no class of this text defines"),
         ("¦x = 1\ntextmsg(locals())\n", "y", "through a string"),
         ("from math import *\n¦x = 1\n", "tau", "import *"),
+        ("¦x = 1\ny = 2\ntextmsg(f'{y}{x=}')\n", "z", "line 3 prints the name `x`"),
+        ("¦x = 1\ntextmsg(f'{1:{(x + 1) = !s:>9}}')\n", "z", "line 2 prints"),
+        ("¦x = 1\ntextmsg(f'''{x\n=}''')\n", "z", "line 2 prints"),
+        ("def f(¦x):\n  return x\nend\ntextmsg(f'{f(x=2)=}')\n", "z", "line 4 prints"),
+        ("class A:\n  ¦v = 1\nend\ntextmsg(f'{A().v=}')\n", "w", "line 4 prints"),
         ("socket_open('1.2.3.4', 80, 'c¦am')\n", "y", "strings are not changed"),
     ],
 )
@@ -310,6 +315,12 @@ def test_a_new_name_leaves_the_compiled_code_as_it_is() -> None:
                 assert code_of(with_edits(document, result.edits), {f"{old}_": old}) == code, (seed, item)
                 done += 1
     assert done >= CASES // 3
+
+
+def test_a_name_in_a_formatted_string_that_prints_its_value_is_renamed() -> None:
+    text = "¦x = 1\ny = 2\ntextmsg(f'{y=}{x}x={x!r}={x:=5}{x==1}{x}=}}')\n"
+    expected = "z = 1\ny = 2\ntextmsg(f'{y=}{z}x={z!r}={z:=5}{z==1}{z}=}}')\n"
+    assert changed(text, "z") == expected
 
 
 def test_a_name_that_is_there_already_is_refused_or_means_the_same() -> None:

@@ -1,7 +1,8 @@
 """Renames variables, parameters, functions and what else a program defines.
 
 A rename is refused if any name, the renamed one or another, would stand for something else afterwards, and if a use of
-the name may be hidden: in a line that cannot be read, behind `**`, in an attribute of an unknown object.
+the name may be hidden: in a line that cannot be read, behind `**`, in an attribute of an unknown object. So is one that
+would change what `f"{name=}"` prints.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import builtins
 import io
 import re
 from functools import cache
+from itertools import pairwise
 from keyword import iskeyword
 from typing import Final
 from unicodedata import normalize
@@ -136,7 +138,7 @@ def _refusal(document: Document, entity: Entity) -> str:
         return f"the name of a {entity.family} stands in a string, and strings are not changed"
     if name.startswith("__"):
         return f"`{name}` has a meaning of its own: names that begin with two underscores are not renamed"
-    return _hidden_uses(document, name) or _refusal_of_kind(document, entity)
+    return _hidden_uses(document, name) or _refusal_of_kind(document, entity) or _printed(document, entity)
 
 
 def _refusal_of_kind(document: Document, entity: Entity) -> str:
@@ -163,6 +165,29 @@ def _refusal_of_kind(document: Document, entity: Entity) -> str:
             if refusal:
                 return refusal
     return ""
+
+
+def _printed(document: Document, entity: Entity) -> str:
+    """Return the line of a formatted string that prints the source of an expression with a name, as `f"{x=}"` does."""
+    symbols = document.symbols
+    printed = set()
+    for string in document.program.nodes(ast.JoinedStr):
+        for before, value in pairwise(string.values):
+            text = before.value if isinstance(before, ast.Constant) else ""
+            # The parser puts the source, up to the `=`, into the text before the value.
+            if isinstance(value, ast.FormattedValue) and isinstance(text, str) and text.rstrip().endswith("="):
+                end_line, end = symbols.range_of(value.value)[2:]
+                if _shows_source(document.source.line(end_line)[end - 1 :]):
+                    printed.add(value)
+    for item in document.names.of(entity) if printed else ():
+        if not printed.isdisjoint(symbols.ancestors(item.node)):
+            return f"the formatted string of line {item.span.line} prints the name `{entity.name}`"
+    return ""
+
+
+def _shows_source(behind: str) -> bool:
+    """Return whether `=` ends an expression in a formatted string; also if that stands on a later line."""
+    return re.match(r"[\s)]*(?:=\s*(?:[!:}]|$)|#|$)", behind) is not None
 
 
 def _refusal_of_parameter(names: Names, parameter: Occurrence) -> str:
