@@ -475,6 +475,29 @@ class TestLooking:
         assert other[0]["line"] in (3, 4)
         assert {"reason": "started", "threadId": threads[1]["id"]} in client.bodies("thread")
 
+    def test_a_step_of_another_thread_than_the_stopped_one_lets_both_go_on(self, client, tmp_path):
+        text = (
+            "def cell():\n  def watch():\n    while True:\n      sleep(0.5)\n    end\n  end\n"
+            "  start_thread(watch, ())\n  sleep(1.0)\n  x = [][0]\nend\n"
+        )
+        stop = client.start(program(tmp_path, text), filters=("alarm",))
+        other = client.request("threads")["threads"][1]["id"]
+        assert (stop["body"]["reason"], stop["body"]["threadId"]) == ("exception", 1)
+        client.go("stepBack", 1)
+        assert client.bodies("continued") == []
+        client.go("continue", other)
+        assert client.bodies("continued") == []
+        # A client that hears nothing takes the exception for that of the main thread still.
+        stop = client.go("stepBack", other)
+        assert stop["body"]["threadId"] == other
+        assert client.bodies("continued") == [{"threadId": 1, "allThreadsContinued": True}]
+        names = [one["event"] for one in client.all_events]
+        assert names.index("continued") < len(names) - 1 - names[::-1].index("stopped")
+        client.go("stepBack", other)
+        assert len(client.bodies("continued")) == 1
+        client.go("elitescript/goto", t=0.0)
+        assert client.bodies("continued")[1:] == [{"threadId": other, "allThreadsContinued": True}]
+
     def test_evaluate_without_effects_and_with_them(self, client):
         client.start(CELL, 12)
         assert client.evaluate("count + 1") == "1"
