@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property
 from typing import Final
 
 from elitescript.commands.catalogue import CATALOGUE
@@ -309,7 +310,7 @@ class DebugSession:
         names = watch.variables - (ROBOT_VALUES.keys() | SIGNALS.keys()) if watch.stops_when_true else watch.variables
         if not names:
             return watch
-        known, local = _global_names([(text.name, text.text) for text in self._texts])
+        known, local = self._names
         for name in sorted(names - known):
             if name in local:
                 raise DebugError(f"{name} is a local variable: only program globals and signals are watched")
@@ -318,6 +319,11 @@ class DebugSession:
             near = did_you_mean(name, known | SIGNALS.keys())
             raise DebugError(f"there is no program global or signal {name!r}{near}")
         return watch
+
+    @cached_property
+    def _names(self) -> tuple[frozenset[str], frozenset[str]]:
+        """The names of program globals, and of other variables; a long text takes a second."""
+        return _global_names([(text.name, text.text) for text in self._texts])
 
     def set_exception_filters(self, filters: Sequence[str]) -> None:
         """Replace the filters: `alarm`, `warning`. At first there is `alarm`.
