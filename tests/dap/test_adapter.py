@@ -258,13 +258,20 @@ class TestStops:
         assert stop["body"]["reason"] == "exception"
         assert client.line() == 3
         info = client.request("exceptionInfo", threadId=1)
-        assert info["breakMode"] == "always"
+        assert info["breakMode"] == "unhandled"
         assert "index" in info["description"]
         assert stop["body"]["description"] == f"alarm {info['exceptionId']}"
         assert stop["body"]["text"] == info["details"]["message"]
         assert client.variables(client.scopes()["Locals"]).get("parts", "[1, 2]") == "[1, 2]"
         assert client.go("continue")["event"] == "terminated"
         assert client.bodies("exited") == [{"exitCode": 1}]
+
+    def test_a_warning_stops_wherever_it_comes_up(self, client, tmp_path):
+        text = "def cell():\n  movej([0,-1.57,-1.57,-1.57,1.57,0], r=0.5)\n  movej([0.1,-1.57,-1.57,-1.57,1.57,0])\nend\n"
+        stop = client.start(program(tmp_path, text), filters=("alarm", "warning"))
+        assert stop["body"]["reason"] == "exception"
+        info = client.request("exceptionInfo", threadId=1)
+        assert (info["exceptionId"], info["breakMode"]) == ("W235", "always")
 
     def test_there_is_no_exception_to_ask_for_elsewhere(self, client):
         client.start(CELL, stopOnEntry=True)
