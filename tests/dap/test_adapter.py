@@ -267,7 +267,8 @@ class TestStops:
         assert client.bodies("exited") == [{"exitCode": 1}]
 
     def test_a_warning_stops_wherever_it_comes_up(self, client, tmp_path):
-        text = "def cell():\n  movej([0,-1.57,-1.57,-1.57,1.57,0], r=0.5)\n  movej([0.1,-1.57,-1.57,-1.57,1.57,0])\nend\n"
+        moves = ("movej([0, -1.57, -1.57, -1.57, 1.57, 0], r=0.5)", "movej([0.1, -1.57, -1.57, -1.57, 1.57, 0])")
+        text = f"def cell():\n  {moves[0]}\n  {moves[1]}\nend\n"
         stop = client.start(program(tmp_path, text), filters=("alarm", "warning"))
         assert stop["body"]["reason"] == "exception"
         info = client.request("exceptionInfo", threadId=1)
