@@ -539,10 +539,26 @@ class TestLooking:
     def test_completions_in_the_console(self, client):
         client.start(CELL, 12)
         frame = client.stack()[0]["id"]
-        found = client.request("completions", text="x = mov", column=8, frameId=frame)["targets"]
-        assert {"label": "movej", "type": "function", "length": 3} in found
-        found = client.request("completions", text="cou", column=4, frameId=frame)["targets"]
-        assert {"label": "count", "type": "variable", "length": 3} in found
+
+        def offers(text, line=1, column=0):
+            where = {"line": line, "column": column or len(text) + 1, "frameId": frame}
+            return client.request("completions", text=text, **where)["targets"]
+
+        def kinds(targets):
+            return [(one["label"], one["type"], one["length"]) for one in targets]
+
+        found = offers("x = mov")
+        assert ("movej", "function", 3) in kinds(found)
+        assert "movej" not in [label for label, _, _ in kinds(offers("textmsg(mo.mov"))]
+        assert kinds(offers("cou"))[0] == ("count", "variable", 3)
+        assert kinds(offers("tc"))[0] == ("tcp", "value", 2)
+        assert ("standard_digital_in", "value", 4) in kinds(offers("x = stan"))
+        assert kinds(offers("movej([1], "))[:2] == [("a=", "property", 0), ("v=", "property", 0)]
+        assert ("count", "variable", 1) in kinds(offers("movej([1], v=c"))
+        assert kinds(offers("# cou")) == kinds(offers('"cou')) == []
+        # A column behind the text, in the last line of several.
+        assert kinds(offers("x = 1\ncou", line=2, column=99))[0] == ("count", "variable", 3)
+        assert [one["sortText"] for one in offers("")[:2]] == ["000", "001"]
 
     def test_texts(self, client):
         client.start(CELL, stopOnEntry=True)
