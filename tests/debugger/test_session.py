@@ -499,6 +499,23 @@ class TestLooking:
 
         assert run(True) == run(False)
 
+    def test_the_present_motion_and_the_move_that_waits_for_its_end(self):
+        first, second = "movej([0.5,-1.57,-1.57,-1.57,1.57,0], r=0.2)", "movej([0.5,-1,-1.57,-1.57,1.57,0])"
+        with debugging(f"def job():\n  {first}\n  sleep(0.02)\n  {second}\n  textmsg(1)\nend\n") as session:
+            session.set_breakpoints([LineBreakpoint(4)])
+            called = session.start().position.tick
+            seen = []
+            for tick in (called - 1, called + 5, called + 250):
+                session.run_to_tick(tick)
+                scope = session.scopes(0)[-1]
+                robot = {one.name: one.value for one in session.variables(scope.reference)}
+                seen.append((robot["motion"], robot["next_motion"]))
+            assert seen == [
+                ("'move of line 2'", "''"),
+                ("'move of line 2'", "'move of line 4'"),
+                ("'move of line 4'", "''"),
+            ]
+
     def test_scopes_and_pages(self, looking):
         frame = looking.stack(1)[0].id
         scopes = looking.scopes(frame)
