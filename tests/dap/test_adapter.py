@@ -258,13 +258,21 @@ class TestStops:
         assert stop["body"]["reason"] == "exception"
         assert client.line() == 3
         info = client.request("exceptionInfo", threadId=1)
-        assert info["breakMode"] == "always"
+        assert info["breakMode"] == "unhandled"
         assert "index" in info["description"]
         assert stop["body"]["description"] == f"alarm {info['exceptionId']}"
         assert stop["body"]["text"] == info["details"]["message"]
         assert client.variables(client.scopes()["Locals"]).get("parts", "[1, 2]") == "[1, 2]"
         assert client.go("continue")["event"] == "terminated"
         assert client.bodies("exited") == [{"exitCode": 1}]
+
+    def test_a_warning_stops_wherever_it_comes_up(self, client, tmp_path):
+        moves = ("movej([0, -1.57, -1.57, -1.57, 1.57, 0], r=0.5)", "movej([0.1, -1.57, -1.57, -1.57, 1.57, 0])")
+        text = f"def cell():\n  {moves[0]}\n  {moves[1]}\nend\n"
+        stop = client.start(program(tmp_path, text), filters=("alarm", "warning"))
+        assert stop["body"]["reason"] == "exception"
+        info = client.request("exceptionInfo", threadId=1)
+        assert (info["exceptionId"], info["breakMode"]) == ("W235", "always")
 
     def test_there_is_no_exception_to_ask_for_elsewhere(self, client):
         client.start(CELL, stopOnEntry=True)
@@ -475,6 +483,29 @@ class TestLooking:
         assert other[0]["line"] in (3, 4)
         assert {"reason": "started", "threadId": threads[1]["id"]} in client.bodies("thread")
 
+    def test_a_step_of_another_thread_than_the_stopped_one_lets_both_go_on(self, client, tmp_path):
+        text = (
+            "def cell():\n  def watch():\n    while True:\n      sleep(0.5)\n    end\n  end\n"
+            "  start_thread(watch, ())\n  sleep(1.0)\n  x = [][0]\nend\n"
+        )
+        stop = client.start(program(tmp_path, text), filters=("alarm",))
+        other = client.request("threads")["threads"][1]["id"]
+        assert (stop["body"]["reason"], stop["body"]["threadId"]) == ("exception", 1)
+        client.go("stepBack", 1)
+        assert client.bodies("continued") == []
+        client.go("continue", other)
+        assert client.bodies("continued") == []
+        # A client that hears nothing takes the exception for that of the main thread still.
+        stop = client.go("stepBack", other)
+        assert stop["body"]["threadId"] == other
+        assert client.bodies("continued") == [{"threadId": 1, "allThreadsContinued": True}]
+        names = [one["event"] for one in client.all_events]
+        assert names.index("continued") < len(names) - 1 - names[::-1].index("stopped")
+        client.go("stepBack", other)
+        assert len(client.bodies("continued")) == 1
+        client.go("elitescript/goto", t=0.0)
+        assert client.bodies("continued")[1:] == [{"threadId": other, "allThreadsContinued": True}]
+
     def test_evaluate_without_effects_and_with_them(self, client):
         client.start(CELL, 12)
         assert client.evaluate("count + 1") == "1"
@@ -508,10 +539,26 @@ class TestLooking:
     def test_completions_in_the_console(self, client):
         client.start(CELL, 12)
         frame = client.stack()[0]["id"]
-        found = client.request("completions", text="x = mov", column=8, frameId=frame)["targets"]
-        assert {"label": "movej", "type": "function", "length": 3} in found
-        found = client.request("completions", text="cou", column=4, frameId=frame)["targets"]
-        assert {"label": "count", "type": "variable", "length": 3} in found
+
+        def offers(text, line=1, column=0):
+            where = {"line": line, "column": column or len(text) + 1, "frameId": frame}
+            return client.request("completions", text=text, **where)["targets"]
+
+        def kinds(targets):
+            return [(one["label"], one["type"], one["length"]) for one in targets]
+
+        found = offers("x = mov")
+        assert ("movej", "function", 3) in kinds(found)
+        assert "movej" not in [label for label, _, _ in kinds(offers("textmsg(mo.mov"))]
+        assert kinds(offers("cou"))[0] == ("count", "variable", 3)
+        assert kinds(offers("tc"))[0] == ("tcp", "value", 2)
+        assert ("standard_digital_in", "value", 4) in kinds(offers("x = stan"))
+        assert kinds(offers("movej([1], "))[:2] == [("a=", "property", 0), ("v=", "property", 0)]
+        assert ("count", "variable", 1) in kinds(offers("movej([1], v=c"))
+        assert kinds(offers("# cou")) == kinds(offers('"cou')) == []
+        # A column behind the text, in the last line of several.
+        assert kinds(offers("x = 1\ncou", line=2, column=99))[0] == ("count", "variable", 3)
+        assert [one["sortText"] for one in offers("")[:2]] == ["000", "001"]
 
     def test_texts(self, client):
         client.start(CELL, stopOnEntry=True)

@@ -252,6 +252,28 @@ class TestBreakpoints:
             (state,) = session.set_function_breakpoints([FunctionBreakpoint("nothing")])
             assert not state.verified
 
+    @pytest.mark.parametrize(
+        ("data_id", "reason"),
+        [
+            ("total", ""),
+            ("total > 0 and standard_digital_out[1] and tcp.z < 1", ""),
+            ("any(x > 0 for x in joints)", ""),
+            ("parts", ""),
+            ("totl", "there is no program global or signal 'totl'; did you mean 'total'?"),
+            ("totl > 0", "there is no program global or signal 'totl'; did you mean 'total'?"),
+            ("n", "n is a local variable: only program globals and signals are watched"),
+            ("tick", "tick is a value of the robot: write an expression of it, such as tcp.z < 0.1"),
+            ("sleep", "there is no program global or signal 'sleep'"),
+        ],
+    )
+    def test_names_that_can_never_be_there_are_not_watched(self, data_id, reason):
+        text = f"{PICK.rstrip().removesuffix('end')}  textmsg(parts)\nend\n"
+        with debugging(text) as session:
+            (state,) = session.set_data_breakpoints([DataBreakpoint(data_id)])
+            assert (state.verified, state.message) == (not reason, reason)
+            info = session.data_breakpoint_info(data_id)
+            assert (info.data_id is None) == bool(reason)
+
     def test_log_messages_once_on_each_branch(self):
         said = []
         with debugging(PICK, said) as session:
@@ -476,6 +498,23 @@ class TestLooking:
                 return stops
 
         assert run(True) == run(False)
+
+    def test_the_present_motion_and_the_move_that_waits_for_its_end(self):
+        first, second = "movej([0.5,-1.57,-1.57,-1.57,1.57,0], r=0.2)", "movej([0.5,-1,-1.57,-1.57,1.57,0])"
+        with debugging(f"def job():\n  {first}\n  sleep(0.02)\n  {second}\n  textmsg(1)\nend\n") as session:
+            session.set_breakpoints([LineBreakpoint(4)])
+            called = session.start().position.tick
+            seen = []
+            for tick in (called - 1, called + 5, called + 250):
+                session.run_to_tick(tick)
+                scope = session.scopes(0)[-1]
+                robot = {one.name: one.value for one in session.variables(scope.reference)}
+                seen.append((robot["motion"], robot["next_motion"]))
+            assert seen == [
+                ("'move of line 2'", "''"),
+                ("'move of line 2'", "'move of line 4'"),
+                ("'move of line 4'", "''"),
+            ]
 
     def test_scopes_and_pages(self, looking):
         frame = looking.stack(1)[0].id

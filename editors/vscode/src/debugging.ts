@@ -60,7 +60,8 @@ export class Configurations implements vscode.DebugConfigurationProvider {
   }
 }
 
-/** A configuration that debugs one program. */
+/** A configuration that debugs one program, and stays at its end, since one can step back from there. */
 export function launchOf(program: string): vscode.DebugConfiguration {
-  return { type: TYPE, request: "launch", name: "EliteScript: current program", program, stopOnEntry: true };
+  const name = "EliteScript: current program";
+  return { type: TYPE, request: "launch", name, program, stopOnEntry: true, stopOnEnd: true };
 }

@@ -162,6 +162,22 @@ describe("debugging", onPosix, () => {
     assert.equal(configurations.resolveDebugConfiguration(undefined, {} as any)?.["program"], "${file}");
   });
 
+  test("what it offers stays at the end, for a way back from there; what others write does so if it says so", () => {
+    const configurations = new Configurations();
+    fake.active = { uri: program(), languageId: "elitescript" };
+    const { initialConfigurations, configurationSnippets } = ABOUT.contributes.debuggers[0];
+    const offered = [
+      configurations.resolveDebugConfiguration(undefined, {} as any),
+      ...configurations.provideDebugConfigurations(),
+      ...initialConfigurations,
+      ...configurationSnippets.map((snippet: any) => snippet.body),
+    ].filter((one) => one.request === "launch");
+    assert.equal(offered.length, 6);
+    assert.ok(offered.every((one) => one.stopOnEnd === true));
+    const written: any = { type: "elitescript", request: "launch", name: "x", program: "/a.script" };
+    assert.equal(configurations.resolveDebugConfiguration(undefined, written)?.["stopOnEnd"], undefined);
+  });
+
   test("takes what a configuration leaves out from the settings", () => {
     Object.assign(fake.settings, { "elitescript.robot": "CS612", "elitescript.world": "cell.toml", "elitescript.strict": true });
     const given = { type: "elitescript", request: "launch", name: "x", program: "/a.script", robot: "CS66" };

@@ -117,6 +117,7 @@ class Adapter:
         "_requests",
         "_running",
         "_send",
+        "_stopped_thread",
         "_threads",
         "breakpoints",
         "client",
@@ -155,6 +156,8 @@ class Adapter:
         self._is_sending = False
         self._threads: dict[int, str] = {}
         """Threads that the client knows, by number."""
+        self._stopped_thread = 0
+        """With which the client shows why the program has stopped; 0 for none."""
         self.state = State.NEW
         self.client = ClientSettings()
         self._debuggee: Debuggee | None = None
@@ -289,11 +292,16 @@ class Adapter:
         """Let the program go on once the present request is answered."""
         self._goal = goal
 
-    def travel(self, run: Callable[[DebugSession], Stop]) -> None:
-        """Go back in history, or to a moment, once the present request is answered."""
+    def travel(self, run: Callable[[DebugSession], Stop], thread: int = 0) -> None:
+        """Go back in history, or to a moment, once the present request is answered.
+
+        Args:
+            run: carries it out.
+            thread: that the request has named; 0 for none.
+        """
         # Refused now if there is no history.
         assert self.run is not None
-        self.go(Goal.travel(run))
+        self.go(Goal.travel(run, thread))
 
     def pause(self) -> None:
         """Have the run that goes on stop, and report that."""
@@ -339,6 +347,10 @@ class Adapter:
         self._goal = None
         self.references.clear()
         self.frames.clear()
+        thread, self._stopped_thread = self._stopped_thread, 0
+        if thread and goal.how != "resume" and goal.thread != thread:
+            # A client takes a step for one of its thread alone, and would go on to show why the other had stopped.
+            self.event("continued", {"threadId": thread, "allThreadsContinued": True})
         session = self.session
         if not isinstance(session, DebugSession):
             self._go_on_elsewhere(session, goal)
@@ -398,7 +410,7 @@ class Adapter:
         # Clients show the description beside the name of the thread, where little room is.
         body: Body = {"reason": stop.reason, "description": _brief(stop), "allThreadsStopped": True}
         if thread := stop.thread or next(iter(threads), 0):
-            body["threadId"] = thread
+            body["threadId"] = self._stopped_thread = thread
         if body["description"] != stop.text:
             body["text"] = stop.text
         if hits := self.breakpoints.numbers(stop.hits):

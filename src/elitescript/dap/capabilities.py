@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Final
 
+from elitescript.assist.completion import TRIGGERS
 from elitescript.debugger.api import ALARM_FILTER, WARNING_FILTER
 
 CAPABILITIES: Final[dict[str, Any]] = {
@@ -18,7 +19,7 @@ CAPABILITIES: Final[dict[str, Any]] = {
     "supportsGotoTargetsRequest": True,
     "supportsStepInTargetsRequest": True,
     "supportsCompletionsRequest": True,
-    "completionTriggerCharacters": [".", "[", '"'],
+    "completionTriggerCharacters": list(TRIGGERS),
     "supportsExceptionInfoRequest": True,
     "supportTerminateDebuggee": True,
     "supportsLoadedSourcesRequest": True,

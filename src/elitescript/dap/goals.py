@@ -21,7 +21,7 @@ class Goal:
         rest: returns what is left of it after it stopped halfway.
         is_interruptible: whether it stops halfway to answer requests.
         how: method of `ServedSession.proceed`, for a robot that lives; empty to let it be.
-        thread: that takes a step.
+        thread: that takes a step, or that a request to go in history has named; 0 for none.
     """
 
     run: Run
@@ -67,7 +67,7 @@ class Goal:
         return replace(whole, rest=lambda: whole) if how == "step_in" else whole
 
     @staticmethod
-    def travel(run: Run) -> Goal:
+    def travel(run: Run, thread: int = 0) -> Goal:
         """Go back in history, or to a moment; it does not stop halfway to answer requests."""
-        goal = Goal(run, lambda: goal, is_interruptible=False)
+        goal = Goal(run, lambda: goal, is_interruptible=False, thread=thread)
         return goal

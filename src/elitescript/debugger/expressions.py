@@ -100,6 +100,14 @@ def parsed(text: str) -> ast.expr:
         raise DebugError(f"{text.strip()!r} is no expression: {reason}") from None
 
 
+def variables_of(tree: ast.expr) -> frozenset[str]:
+    """Return the names of variables that an expression reads: not of functions that it calls, nor its own ones."""
+    names = [node for node in ast.walk(tree) if isinstance(node, ast.Name)]
+    called = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
+    own = {node.id for node in names if not isinstance(node.ctx, ast.Load)}
+    return frozenset(node.id for node in names if id(node) not in called) - own
+
+
 def computed(tree: ast.expr, names: Callable[[str], Any], call: Call) -> Any:
     """Return the value of an expression.
 

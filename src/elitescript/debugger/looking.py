@@ -304,6 +304,7 @@ class Look:
                 "speed": state.speed_scale,
                 "moving": state.is_moving,
                 "motion": _motion(motion.source),
+                "next_motion": _motion(motion.next_move),
                 SIGNALS_GROUP: signals,
             }
         )

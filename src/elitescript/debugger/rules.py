@@ -10,7 +10,7 @@ from typing import Any, Final
 
 from elitescript.controller.controller import Controller
 from elitescript.debugger.api import ALARM_FILTER, DebugError
-from elitescript.debugger.expressions import computed, parsed
+from elitescript.debugger.expressions import computed, parsed, variables_of
 from elitescript.debugger.values import shown
 from elitescript.errors import UsageError
 from elitescript.messages.signals import SIGNALS, parse_signal_name, signal_name
@@ -103,18 +103,20 @@ class Watch:
         is_polled: whether changes cannot be told from events, so that it is looked at behind each statement.
         is_of_motion: whether it may change while nothing is due, so that it is looked at in every tick.
         stops_when_true: whether it is an expression, which stops when it becomes true.
+        variables: that it reads, by their names: program globals, for an expression also values of the robot.
 
     Raises:
         DebugError: it names nothing that can be watched.
     """
 
-    __slots__ = ("_read", "_tree", "data_id", "is_of_motion", "is_polled", "stops_when_true")
+    __slots__ = ("_read", "_tree", "data_id", "is_of_motion", "is_polled", "stops_when_true", "variables")
 
     def __init__(self, data_id: str) -> None:
         self.data_id = data_id.strip()
         self.is_polled = self.is_of_motion = self.stops_when_true = False
         self._tree: ast.expr | None = None
         self._read: Callable[[Controller], str] | None = None
+        self.variables: frozenset[str] = frozenset()
         family = self.data_id.partition("[")[0].strip()
         if self.data_id.lower() in (ROBOT_MODE, SAFETY):
             self.data_id = self.data_id.lower()
@@ -128,6 +130,7 @@ class Watch:
             self._read = lambda controller: shown(controller.read(signal.name, index))
         else:
             self._tree = parsed(self.data_id)
+            self.variables = variables_of(self._tree)
             self.is_polled = True
             self.stops_when_true = not isinstance(self._tree, ast.Name)
             self.is_of_motion = self.stops_when_true

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property
 from typing import Final
 
 from elitescript.commands.catalogue import CATALOGUE
@@ -38,12 +39,19 @@ from elitescript.debugger.calls import calls_by_statement
 from elitescript.debugger.engine import INTO, OUT, OVER, Engine, Goal
 from elitescript.debugger.expressions import parsed
 from elitescript.debugger.inputs import Input
+from elitescript.debugger.looking import ROBOT_VALUES
 from elitescript.debugger.rules import CodeRule, DataRule, Rules, Watch, hit_condition
 from elitescript.debugger.snapshots import snapshots
 from elitescript.debugger.source import Source
 from elitescript.debugger.telling import filled
+from elitescript.errors import did_you_mean
 from elitescript.language.diagnostics import Diagnostic
+from elitescript.language.parser import parse
 from elitescript.language.probes import CountedStatement
+from elitescript.language.scopes import Resolution
+from elitescript.language.symbols import Symbols
+from elitescript.language.text.source import SourceFile
+from elitescript.messages.signals import SIGNALS
 from elitescript.messages.timing import ticks_for
 from elitescript.records import replace
 
@@ -286,11 +294,36 @@ class DebugSession:
         identity = self._new_id()
         try:
             hit_condition(request.hit_condition)
-            watch = Watch(request.data_id)
+            watch = self._watch(request.data_id)
         except DebugError as error:
             return None, BreakpointState(identity, False, str(error))
         rule = DataRule(identity, watch.data_id, request.condition, request.hit_condition)
         return rule, BreakpointState(identity, True)
+
+    def _watch(self, data_id: str) -> Watch:
+        """Return what a data breakpoint watches.
+
+        Raises:
+            DebugError: that can never be there: a name that is misspelt, or of a local variable.
+        """
+        watch = Watch(data_id)
+        names = watch.variables - (ROBOT_VALUES.keys() | SIGNALS.keys()) if watch.stops_when_true else watch.variables
+        if not names:
+            return watch
+        known, local = self._names
+        for name in sorted(names - known):
+            if name in local:
+                raise DebugError(f"{name} is a local variable: only program globals and signals are watched")
+            if name in ROBOT_VALUES:
+                raise DebugError(f"{name} is a value of the robot: write an expression of it, such as tcp.z < 0.1")
+            near = did_you_mean(name, known | SIGNALS.keys())
+            raise DebugError(f"there is no program global or signal {name!r}{near}")
+        return watch
+
+    @cached_property
+    def _names(self) -> tuple[frozenset[str], frozenset[str]]:
+        """The names of program globals, and of other variables; a long text takes a second."""
+        return _global_names([(text.name, text.text) for text in self._texts])
 
     def set_exception_filters(self, filters: Sequence[str]) -> None:
         """Replace the filters: `alarm`, `warning`. At first there is `alarm`.
@@ -329,7 +362,7 @@ class DebugSession:
                     )
             else:
                 data_id = name
-            watch = Watch(data_id)
+            watch = self._watch(data_id)
         except DebugError as error:
             return DataInfo(None, str(error))
         return DataInfo(watch.data_id, f"{watch.data_id} becomes true" if watch.stops_when_true else watch.data_id)
@@ -728,3 +761,20 @@ def _expressions(message: str) -> list[str]:
 
     filled(message, note)
     return found
+
+
+def _global_names(texts: Iterable[tuple[str, str]]) -> tuple[frozenset[str], frozenset[str]]:
+    """Return the names of program globals in texts, and of their other variables.
+
+    A name that is bound nowhere in its text may have got its value before the start.
+    """
+    found: set[str] = set()
+    local: set[str] = set()
+    for name, text in texts:
+        symbols = Symbols(parse(SourceFile(name, text)))
+        found |= symbols.global_names
+        for scope in symbols.scopes:
+            local |= scope.bindings.keys()
+            free = {read for read in scope.reads if scope.resolve(read) is Resolution.BUILTIN}
+            found |= {read for read in free if CATALOGUE.get(read) is None}
+    return frozenset(found), frozenset(local)

@@ -139,6 +139,11 @@ class MotionControl:
         return self._source
 
     @property
+    def next_move(self) -> Move | None:
+        """The move that waits until the present motion has come to rest; there is at most one."""
+        return self._next
+
+    @property
     def next_tick(self) -> int | None:
         """Tick at which the present motion changes by itself; None if it does not."""
         source = self._source

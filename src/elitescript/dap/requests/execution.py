@@ -42,7 +42,7 @@ def step_in(adapter: Adapter, arguments: Arguments) -> None:
     if not isinstance(name, str):
         arguments.refuse("targetId", "one of the last `stepInTargets`", arguments.data["targetId"])
     thread = _thread(adapter, arguments)
-    adapter.travel(lambda session: adapter.breakpoints.step_into(session, thread, name))
+    adapter.travel(lambda session: adapter.breakpoints.step_into(session, thread, name), thread)
 
 
 def step_out(adapter: Adapter, arguments: Arguments) -> None:
@@ -54,13 +54,12 @@ def step_back(adapter: Adapter, arguments: Arguments) -> None:
     """Go back to the previous statement of the thread, over calls."""
     _granularity(arguments)
     thread = _thread(adapter, arguments)
-    adapter.travel(lambda session: session.step_back(thread))
+    adapter.travel(lambda session: session.step_back(thread), thread)
 
 
 def reverse_continue(adapter: Adapter, arguments: Arguments) -> None:
     """Go back to the last hit of a breakpoint, else to the start."""
-    _thread(adapter, arguments)
-    adapter.travel(DebugSession.reverse)
+    adapter.travel(DebugSession.reverse, _thread(adapter, arguments))
 
 
 def pause(adapter: Adapter, arguments: Arguments) -> None:
@@ -99,11 +98,11 @@ def goto_targets(adapter: Adapter, arguments: Arguments) -> Body:
 
 def goto(adapter: Adapter, arguments: Arguments) -> None:
     """Go to a moment that `gotoTargets` has offered."""
-    _thread(adapter, arguments)
+    thread = _thread(adapter, arguments)
     position = adapter.references.get(arguments.number("targetId"))
     if not isinstance(position, Position):
         arguments.refuse("targetId", "one of the last `gotoTargets`", arguments.data["targetId"])
-    adapter.travel(lambda session: session.run_to(position))
+    adapter.travel(lambda session: session.run_to(position), thread)
 
 
 def _step(adapter: Adapter, arguments: Arguments, how: str) -> None:

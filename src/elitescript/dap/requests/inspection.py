@@ -8,7 +8,7 @@ from elitescript.dap.adapter import Adapter, Handler
 from elitescript.dap.client import ClientSettings
 from elitescript.dap.messages import REFUSED, Arguments, Body, RequestError
 from elitescript.dap.states import BEGUN, STANDING, State, WhileRunning
-from elitescript.debugger.api import END, Frame, Variable
+from elitescript.debugger.api import ALARM_FILTER, END, Frame, Variable
 
 FILTERS: Final = ("", "named", "indexed")
 
@@ -88,7 +88,8 @@ def exception_info(adapter: Adapter, arguments: Arguments) -> Body:
     return {
         "exceptionId": found.code or found.name,
         "description": text,
-        "breakMode": "always",
+        # An alarm stops the program if it is not caught, a warning wherever it comes up.
+        "breakMode": "unhandled" if found.filter == ALARM_FILTER else "always",
         "details": {
             "message": found.text,
             "typeName": found.name,
