@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import sys
+from concurrent.futures import ThreadPoolExecutor
 from time import sleep
 
 import pytest
@@ -74,3 +76,19 @@ def test_a_process_that_serves_has_no_other_collection():
         gc.unfreeze()
         if was_on:
             gc.enable()
+
+
+def test_a_collection_leaves_tuples_alone_that_another_thread_is_filling():
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    collector = Collector()
+    try:
+        with ThreadPoolExecutor(1) as pool:
+            filled = pool.submit(lambda: [tuple(item for item in range(100_000)) for _ in range(5)])
+            while not filled.done():
+                collector._collect()
+            assert all(len(found) == 100_000 for found in filled.result())
+    finally:
+        sys.setswitchinterval(interval)
+        gc.unfreeze()
+        gc.enable()

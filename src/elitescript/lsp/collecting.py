@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import sys
 from typing import Final
 
 QUIET_S: Final = 0.05
@@ -17,6 +18,9 @@ OBJECTS_MIN: Final = 20_000
 OBJECTS_MAX: Final = 300_000
 """Number of new objects with which it is not put off any more: about four versions of 2,000 lines."""
 
+BLOCKS_OF_OBJECT: Final = 2
+"""Blocks of memory for an object that a collection looks at, about."""
+
 
 class Collector:
     """Takes the place of Python's own collection from when it is made on; what lives then is never looked at again.
@@ -24,14 +28,16 @@ class Collector:
     A collection goes through all that lives, so there must have come up a share of that before the next one.
     """
 
-    __slots__ = ("_due_s", "_live", "_timer")
+    __slots__ = ("_due_s", "_frozen", "_live", "_timer")
 
     def __init__(self) -> None:
         gc.collect()
         gc.freeze()
         gc.disable()
+        self._frozen = sys.getallocatedblocks()
+        """Blocks of memory of what is never looked at."""
         self._live = 0
-        """Number of objects that the last collection has left."""
+        """Number of objects that the last collection has left, about."""
         self._due_s = 0.0
         self._timer: asyncio.TimerHandle | None = None
 
@@ -62,4 +68,5 @@ class Collector:
 
     def _collect(self) -> None:
         gc.collect()
-        self._live = len(gc.get_objects())
+        # Not `gc.get_objects`: a tuple that another thread is filling must not be referred to.
+        self._live = (sys.getallocatedblocks() - self._frozen) // BLOCKS_OF_OBJECT
