@@ -78,7 +78,7 @@ def test_every_page_that_a_text_of_the_program_names_is_there() -> None:
     files = [
         *(ROOT / "src").rglob("*.py"),
         *(ROOT / "tools").rglob("*.py"),
-        *(ROOT / "examples").iterdir(),
+        *(path for path in (ROOT / "examples").iterdir() if path.is_file()),
         ROOT / "Makefile",
     ]
     named = {
