@@ -1,4 +1,4 @@
-"""What a debugged run shows and takes: frozen records, which can be pickled. No protocol, no object of the run itself.
+"""What a debugged run shows and takes: frozen records. No protocol, no object of the run itself.
 
 Lines and columns count from 1, columns in characters, ends are exclusive. Times are seconds of robot time since the
 start of the robot; a tick is 4 ms. Threads and breakpoints have positive numbers; 0 stands for none.

@@ -1,4 +1,4 @@
-"""Breakpoints as an engine follows them, and what it watches for them. Frozen and picklable, but for the watches."""
+"""Breakpoints as an engine follows them, and what it watches for them. Frozen, but for the watches."""
 
 from __future__ import annotations
 
