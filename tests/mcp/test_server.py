@@ -145,6 +145,28 @@ def test_the_debugged_run_that_was_asked_longest_ago_makes_room(folder, monkeypa
     assert [is_error for is_error, _ in answers] == [False, False, True]
 
 
+def test_further_calls_wait_for_those_that_run(folder, monkeypatch):
+    under_way, most = [], []
+
+    async def answer(request, wall_s):
+        under_way.append(request)
+        most.append(len(under_way))
+        await asyncio.sleep(0)
+        under_way.pop()
+        return {"starts": True, "errors": 0, "warnings": 0, "problems": [], "problems_left_out": 0}
+
+    monkeypatch.setattr("elitescript.mcp.server.ask_once", answer)
+    monkeypatch.setattr("elitescript.mcp.server.RUNS_MAX", 2)
+
+    async def run():
+        async with Client(make_server(Folder(folder), 1.0)) as client:
+            await asyncio.gather(*(client.call_tool("check", {"text": "x = 1"}) for _ in range(6)))
+
+    asyncio.run(run())
+    assert max(most) == 2
+    assert len(most) == 6
+
+
 def test_no_process_is_left_behind_when_the_server_ends(folder, monkeypatch):
     workers = []
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from functools import wraps
@@ -37,6 +38,8 @@ from elitescript.mcp.folder import Folder
 from elitescript.mcp.workers import ask_once
 
 COMMANDS_MAX: Final = 30
+RUNS_MAX: Final = 4
+"""Programs that are checked or run at the same time; further calls wait."""
 PROGRAMS_MAX: Final = 500
 TEXT_MAX: Final = 500_000
 """Longest text of a program that comes with a call, characters."""
@@ -91,6 +94,11 @@ def make_server(folder: Folder, wall_s: float) -> MCPServer:
         wall_s: most wall time of one call.
     """
     debugged = DebuggedRuns(wall_s)
+    turns = asyncio.Semaphore(RUNS_MAX)
+
+    async def once(request: dict[str, Any]) -> dict[str, Any]:
+        async with turns:
+            return await ask_once(request, wall_s)
 
     @asynccontextmanager
     async def lifespan(_: MCPServer) -> AsyncIterator[None]:
@@ -151,7 +159,7 @@ def make_server(folder: Folder, wall_s: float) -> MCPServer:
     ) -> Findings:
         """Find every mistake of a program without running it."""
         request = program(file, text, robot, world, firmware=firmware, strict=strict)
-        return cast("Findings", await ask_once({"do": "check", **request}, wall_s))
+        return cast("Findings", await once({"do": "check", **request}))
 
     @tool(_RUNS)
     async def run(
@@ -179,7 +187,7 @@ def make_server(folder: Folder, wall_s: float) -> MCPServer:
             until_s=until_s,
             strict=strict,
         )
-        return cast("Outcome", await ask_once({"do": "run", **request}, wall_s))
+        return cast("Outcome", await once({"do": "run", **request}))
 
     @tool(_RUNS)
     async def trace(
@@ -209,7 +217,7 @@ def make_server(folder: Folder, wall_s: float) -> MCPServer:
             strict=strict,
         )
         window = {"from_s": from_s, "to_s": to_s, "step_s": step_s, "until_s": to_s}
-        return cast("Trace", await ask_once({"do": "trace", **request, **window}, wall_s))
+        return cast("Trace", await once({"do": "trace", **request, **window}))
 
     @tool(_RUNS)
     async def debug_start(
