@@ -151,9 +151,9 @@ EXTENSION := editors/vscode
 EXTENSION_READY := $(EXTENSION)/node_modules/.ready
 WITH_NODE := cd $(EXTENSION) && PATH="$(CURDIR)/$(NODE)/bin:$$PATH"
 
-$(NODE_READY): $(READY) requirements-vscode.lock
+$(NODE_READY): $(READY) requirements-node.lock
 	$(BIN)/python -m venv --clear $(NODE)
-	$(NODE)/bin/python -m pip install -qq --disable-pip-version-check --require-hashes -r requirements-vscode.lock
+	$(NODE)/bin/python -m pip install -qq --disable-pip-version-check --require-hashes -r requirements-node.lock
 	@touch $@
 
 $(EXTENSION_READY): $(NODE_READY) $(EXTENSION)/package-lock.json
@@ -186,7 +186,8 @@ lock:
 	$(COMPILE) --extra dev --output-file requirements-dev.lock $(LOCK_FLAGS)
 	$(COMPILE) --extra docs --constraint requirements-dev.lock --output-file requirements-docs.lock $(LOCK_FLAGS)
 	$(COMPILE) --extra dist --output-file requirements-dist.lock $(LOCK_FLAGS)
-	$(COMPILE) --extra vscode --output-file requirements-vscode.lock $(LOCK_FLAGS)
+	$(COMPILE) --extra node --output-file requirements-node.lock $(LOCK_FLAGS)
+	$(COMPILE) --extra browser --constraint requirements-dev.lock --output-file requirements-browser.lock $(LOCK_FLAGS)
 
 clean:
 	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis build dist $(EXTENSION)/node_modules $(EXTENSION)/build $(EXTENSION)/dist

@@ -1,0 +1,1 @@
+"""Solids of arms, tools and things: their shapes, closest distances and contacts."""
