@@ -1,4 +1,4 @@
-"""The front end as it is built from `web/` by `make studio`: pages, code and style. No code of Python but this finder."""
+"""The front end as it is built from `web/` by `make studio`, and the finder of its files."""
 
 from __future__ import annotations
 
