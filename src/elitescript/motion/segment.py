@@ -82,6 +82,11 @@ class Segment:
         return self.path.kind
 
     @property
+    def is_joint_line(self) -> bool:
+        """Whether it is one straight line in joint space."""
+        return self.path.kind == "joint"
+
+    @property
     def q_start(self) -> Six:
         """Joint angles at the start, rad."""
         return self.path.q_start
@@ -178,6 +183,10 @@ class BlendedSegment(Segment):
         self.entered_s = approach_s + corner.length
         """Time of the end of the corner."""
         self.duration_s = self.entered_s + profile.duration_s
+
+    @property
+    def is_joint_line(self) -> bool:
+        return False
 
     @property
     def q_start(self) -> Six:

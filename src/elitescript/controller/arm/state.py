@@ -117,6 +117,11 @@ class ArmState:
         return max(map(abs, (*joints.qd_target, *joints.qd_actual))) < STANDING_RAD_PER_S
 
     @property
+    def is_on_joint_line(self) -> bool:
+        """Whether every joint of the target turns in one direction until something is due."""
+        return not self._is_stepped and self._motion.is_on_joint_line
+
+    @property
     def next_tick(self) -> int | None:
         """Next tick at which the motion changes by itself; None if it does not."""
         return self._tick + 1 if self._is_stepped else self._motion.next_tick

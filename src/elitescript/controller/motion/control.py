@@ -166,6 +166,12 @@ class MotionControl:
         self._sampled_tick = -1
 
     @property
+    def is_on_joint_line(self) -> bool:
+        """Whether every joint turns in one direction until the present motion changes by itself."""
+        source = self._source
+        return source is None or (isinstance(source, Move) and source.segment.is_joint_line)
+
+    @property
     def is_stepped(self) -> bool:
         """Whether the present motion is known for the next tick only, not in between."""
         return self._source is not None and self._source.is_stepped
