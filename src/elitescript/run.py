@@ -204,7 +204,7 @@ class Run:
 
     @property
     def contacts(self) -> list[Contact]:
-        """Where the arm, its tool or payload touched a thing of the world file, or itself, in the order of their begins.
+        """Where the arm, its tool or payload touched a thing of the world file, or itself, in the order of time.
 
         Contacts are looked for if the world file has solids: `[[box]]`, `[[cylinder]]`, `[[sphere]]` or `[tool]`.
         """
@@ -212,7 +212,7 @@ class Run:
 
     @property
     def clearances(self) -> list[Contact]:
-        """The closest that arm, tool or payload came to each thing of the world file; negative distances are contacts."""
+        """The closest that arm, tool or payload came to each thing of the world file; below 0 it was a contact."""
         return [] if self.watch is None else self.watch.clearances
 
     @property

@@ -365,10 +365,9 @@ class Controller:
         """Return both wrenches of `tcp_wrench`: the compensated one, and the one as the sensor measures it."""
         return self.yielding.wrenches(self.arm_state, self._tick)
 
-    @property
-    def is_on_joint_line(self) -> bool:
-        """Whether every joint of the target turns in one direction until something is due."""
-        return self.arm_state.is_on_joint_line
+    def turned(self, begin: int, end: int) -> Six | None:
+        """Return how far each joint of the target turns between two ticks, rad; see `MotionControl.turned`."""
+        return self.arm_state.turned(begin, end)
 
     def targets_at(self, ticks: range) -> list[tuple[Six, Six]]:
         """Return the target joints, rad, and their speeds, rad/s, from the present tick to the next that is due."""

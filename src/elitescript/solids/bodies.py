@@ -8,7 +8,7 @@ are exact but for what the polygon stands out, at most `ROUND_EXCESS` of the rad
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import atan2, cos, hypot, pi, sin
+from math import atan2, cos, hypot, pi, sin, sqrt
 from typing import Final
 
 from elitescript.kinematics.rotations import Vector3
@@ -36,11 +36,13 @@ class Body:
         support: `support(T, dx, dy, dz)` returns the point of the core, placed at T, that is farthest in a direction.
     """
 
-    __slots__ = ("across", "along", "bound", "half", "is_box", "is_slim", "margin", "support")
+    __slots__ = ("across", "along", "bound", "half", "is_box", "is_slim", "is_symmetric", "margin", "support")
 
     def __init__(self, kind: str, size: tuple[float, ...]) -> None:
         self.margin = 0.0
         self.is_box = kind == "box"
+        self.is_symmetric = kind != "cone"
+        """Whether it looks the same from opposite sides."""
         self.is_slim = kind in ("sphere", "capsule")
         """Whether the core is a point or a segment."""
         self.support: Callable[[Transform, float, float, float], Vector3]
@@ -114,7 +116,7 @@ class Body:
             u = abs(r11 * nx + r21 * ny + r31 * nz)
             v = abs(r12 * nx + r22 * ny + r32 * nz)
             return a * u + b * v + c * w
-        return self.across * max(0.0, 1.0 - w * w) ** 0.5 + self.along * w
+        return self.across * sqrt(max(0.0, 1.0 - w * w)) + self.along * w
 
     def normals(self, T: Transform) -> Iterator[Vector3]:
         """Yield the unit normals of the faces of the core, one of each parallel pair."""

@@ -2,8 +2,8 @@
 
 `[[box]]`, `[[cylinder]]` and `[[sphere]]` are things, which stand in the base frame. `[tool]` has lists of the same
 solids in the flange frame, `[[tool.box]]` and so on, and `[tool.payload]` those of what the tool holds. Solids of one
-name are one thing. Lengths are m; a pose is that of the centre as scripts write it, angles in rad, or as `pose_deg` with
-angles in degrees.
+name are one thing. Lengths are m; a pose is that of the centre as scripts write it, angles in rad, or as `pose_deg`
+with angles in degrees.
 """
 
 from __future__ import annotations
@@ -93,7 +93,9 @@ class _Reader:
         known = ("name", "color", "ignore", *KINDS, *more)
         for key in table:
             if key not in known:
-                raise UsageError(f"[{place}] {key}: is not known; there are {', '.join(known)}{did_you_mean(key, known)}")
+                raise UsageError(
+                    f"[{place}] {key}: is not known; there are {', '.join(known)}{did_you_mean(key, known)}"
+                )
         if not any(table.get(kind) for kind in KINDS) and "payload" not in table:
             raise UsageError(f"[{place}] has no solid: write [[{place}.box]] with its size below")
         return table
@@ -105,9 +107,7 @@ class _Reader:
             if kind in table:
                 self.solids(f"{place}.{kind}", kind, table[kind], FLANGE, role, defaults)
 
-    def solids(
-        self, place: str, kind: str, rows: object, link: int, role: str, defaults: Mapping[str, Any]
-    ) -> None:
+    def solids(self, place: str, kind: str, rows: object, link: int, role: str, defaults: Mapping[str, Any]) -> None:
         """Read a list of solids of one kind."""
         if not isinstance(rows, list) or not all(isinstance(row, Mapping) for row in rows):
             raise UsageError(f"[[{place}]] must be a list of tables: write [[{place}]] on a line of its own")

@@ -7,7 +7,7 @@ time exceeds what matters by more than the travel since, it need not be computed
 computed at the end of the stretch, and, where the distances at both ends and the travel between them leave room for a
 nearer place, in the middle, down to single control periods (Piyavskii's method; Shubert 1972). What matters is contact
 and, for things, the closest distance so far. So the result is that of computing every pair in every control period, to
-`TOLERANCE_M`.
+the tolerances below; begin and end of contacts are exact.
 """
 
 from __future__ import annotations
@@ -30,11 +30,15 @@ from elitescript.solids.frames import Frames, frames_of, lever_arms
 from elitescript.solids.shapes import BASE, FLANGE, Part
 
 TOLERANCE_M: Final = 1e-5
-"""By so much the closest distance that is found may be above that of all control periods."""
+TOLERANCE: Final = 0.01
+"""By so much, or this share of it, the closest distance that is found may be above that of all control periods."""
+DEPTH_TOLERANCE: Final = 0.1
+"""Share of its depth by which a contact may get deeper than is found; exact at the ends of moves."""
 
-NEVER_TOUCH: Final = frozenset(((0, 2), (3, 5), (4, 6)))
-"""Links that no turn of the joints between them brings together, though they are not neighbours: the upper arm passes
-the base at the side, and the wrists turn within their lengths."""
+NOT_WATCHED: Final = frozenset(((0, 2), (3, 5), (4, 6)))
+"""Links that the joints between them do not bring together, though they are not neighbours: the upper arm passes the
+base at the side, and the wrists turn within their lengths. The solids of forearm and wrist 2 of CS620 and CS625 meet by
+11 mm where the edge of a cap, which is rounded on the real arm, passes; that they do not is *assumed*."""
 
 _AMPLE_M: Final = 0.05
 """A lower bound that exceeds what matters by so much is taken instead of the distance."""
@@ -80,9 +84,11 @@ class MovingArm(Protocol):
     def is_resting(self) -> bool:
         """Whether nothing moves until something is due."""
 
-    @property
-    def is_on_joint_line(self) -> bool:
-        """Whether every joint turns in one direction until something is due."""
+    def turned(self, begin: int, end: int) -> Six | None:
+        """Return how far each joint turns between two ticks, back and forth added up, at most, rad.
+
+        Both are from the present tick to the next that is due. None if it is not known without sampling.
+        """
 
     def targets_at(self, ticks: range) -> list[tuple[Six, Six]]:
         """Return the target joints, rad, and their speeds at ticks from the present one to the next that is due."""
@@ -91,11 +97,11 @@ class MovingArm(Protocol):
 class _Group:
     """Solids that move together and have one name."""
 
-    __slots__ = ("ball", "center", "link", "name", "solids")
+    __slots__ = ("ball", "center", "levels", "link", "name", "solids")
 
-    def __init__(self, name: str, parts: Sequence[Part]) -> None:
+    def __init__(self, name: str, parts: Sequence[Part], link: int | None = None) -> None:
         self.name = name
-        self.link = min(parts[0].link, FLANGE - 1)
+        self.link = min(parts[0].link, FLANGE - 1) if link is None else link
         self.solids = [body_of(part) for part in parts]
         low, high = [inf] * 3, [-inf] * 3
         for body, T in self.solids:
@@ -103,8 +109,13 @@ class _Group:
                 low[i], high[i] = min(low[i], T[9 + i] - body.bound), max(high[i], T[9 + i] + body.bound)
         x, y, z = [0.5 * (a + b) for a, b in zip(low, high, strict=True)]
         self.center = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, x, y, z)
-        self.ball = Body("sphere", (max(hypot(T[9] - x, T[10] - y, T[11] - z) + body.bound for body, T in self.solids),))
+        self.ball = Body(
+            "sphere", (max(hypot(T[9] - x, T[10] - y, T[11] - z) + body.bound for body, T in self.solids),)
+        )
         """Encloses all of it, about `center` of the frame of the link."""
+        tops = [(T[11], body.reach(T, 0.0, 0.0, 1.0)) for body, T in self.solids]
+        self.levels = min(z - reach for z, reach in tops), max(z + reach for z, reach in tops)
+        """Lowest and highest point, in the frame of the link."""
 
     @property
     def reach(self) -> float:
@@ -120,7 +131,7 @@ class _Group:
 class _Pair:
     """Two groups, and what is known of their distance."""
 
-    __slots__ = ("contact", "first", "is_thing", "levers", "limit", "second", "value", "way")
+    __slots__ = ("contact", "first", "gap", "is_thing", "levers", "limit", "rise", "rise_limit", "second", "way")
 
     def __init__(self, first: _Group, second: _Group, levers: tuple[float, ...], is_thing: bool) -> None:
         self.first = first
@@ -129,11 +140,29 @@ class _Pair:
         self.levers = levers
         self.way = 0.0
         """Travel since the start of the run."""
-        self.value = inf
-        """Distance, or a lower bound, when it was computed last, less the travel since."""
-        self.limit = -1.0
-        """Up to this `way` nothing that matters can have happened."""
+        self.rise = 0.0
+        """Vertical travel since then; the base joint turns about the vertical and adds nothing."""
+        self.gap = _Gap(inf, inf)
+        """As it was computed last, less the travel since."""
+        self.limit = self.rise_limit = -1.0
+        """Up to this `way`, or this `rise`, nothing that matters can have happened."""
         self.contact: _Open | None = None
+
+    def travel(self, turned: tuple[float, ...]) -> tuple[float, float]:
+        """Return travel and vertical travel, m, where the joints turn by these angles, rad."""
+        a, b, c, d, e, f = turned
+        i, j, k, m, n, o = self.levers
+        rise = j * b + k * c + m * d + n * e + o * f
+        return i * a + rise, rise
+
+
+class _Gap(NamedTuple):
+    """How far two groups are apart at a tick, m."""
+
+    distance: float
+    """Or a lower bound that is well above what matters."""
+    height: float
+    """Vertical gap, or a lower bound; -inf between links."""
 
 
 class _Open:
@@ -163,7 +192,7 @@ class _Span:
         self._frames_at: dict[int, Frames] = {}
         self._joints_at: dict[int, Six] = {}
         self._sums: list[tuple[float, ...]] | None = None
-        if end > self.begin + 1 and not arm.is_on_joint_line:
+        if end > self.begin + 1 and arm.turned(self.begin, end) is None:
             ticks = range(self.begin, end + 1)
             targets = [q for q, _ in arm.targets_at(ticks)]
             self._joints_at.update(zip(ticks, targets, strict=True))
@@ -186,6 +215,9 @@ class _Span:
     def turned(self, begin: int, end: int) -> tuple[float, ...]:
         """Return how far each joint turns between two ticks, back and forth added up, rad."""
         if self._sums is None:
+            known = self._arm.turned(begin, end)
+            if known is not None:
+                return known
             return tuple([abs(b - a) for a, b in zip(self.joints(begin), self.joints(end), strict=True)])
         first, last = self._sums[begin - self.begin], self._sums[end - self.begin]
         return tuple([b - a for a, b in zip(first, last, strict=True)])
@@ -244,16 +276,14 @@ class ContactWatch:
         turned = span.turned(span.begin, span.end)
         if not any(turned):
             return
-        a, b, c, d, e, f = turned
         for pair in self._pairs:
-            i, j, k, m, n, o = pair.levers
-            travel = i * a + j * b + k * c + m * d + n * e + o * f
-            way = pair.way + travel
-            if way > pair.limit:
-                self._resolve(pair, span, travel)
+            travel, rise = pair.travel(turned)
+            if pair.way + travel > pair.limit and pair.rise + rise > pair.rise_limit:
+                self._resolve(pair, span, travel, rise)
             else:
-                pair.value -= travel
-            pair.way = way
+                pair.gap = _Gap(pair.gap.distance - travel, pair.gap.height - rise)
+            pair.way += travel
+            pair.rise += rise
         if self._news:
             self._tell_news()
 
@@ -284,33 +314,48 @@ class ContactWatch:
         span = _Span(arm, arm.tick, self._frames)
         # Things in their own order, whatever comes closest.
         for pair in self._pairs:
-            pair.value = self._distance(pair, span, arm.tick)
-            self._visit(pair, span, arm.tick, pair.value)
-            pair.limit = pair.way + self._slack(pair)
+            pair.gap = self._gap(pair, span, arm.tick)
+            self._visit(pair, span, arm.tick, pair.gap.distance)
+            self._set_limits(pair, 0.0, 0.0)
         if self._news:
             self._tell_news()
 
-    def _resolve(self, pair: _Pair, span: _Span, travel: float) -> None:
+    def _resolve(self, pair: _Pair, span: _Span, travel: float, rise: float) -> None:
         """Find what happens to a pair in a span."""
-        before = pair.value
-        if pair.contact is None and before <= self._matters(pair):
-            before = self._distance(pair, span, span.begin)
-        after = self._distance(pair, span, span.end)
-        self._refine(pair, span, span.begin, before, span.end, after, travel)
-        pair.value = after
-        pair.limit = pair.way + travel + self._slack(pair)
+        before = pair.gap
+        if pair.contact is None and max(before) <= self._matters(pair):
+            before = self._gap(pair, span, span.begin)
+        after = self._gap(pair, span, span.end)
+        self._refine(pair, span, span.begin, before, span.end, after, travel, rise)
+        pair.gap = after
+        self._set_limits(pair, pair.way + travel, pair.rise + rise)
 
-    def _slack(self, pair: _Pair) -> float:
-        """Return how far a pair may travel before its distance has to be computed anew."""
-        return 0.0 if pair.contact is not None else max(0.0, pair.value - self._matters(pair))
+    def _set_limits(self, pair: _Pair, way: float, rise: float) -> None:
+        """Set how far a pair may travel before its gap has to be computed anew."""
+        if pair.contact is None:
+            matters = self._matters(pair)
+            pair.limit, pair.rise_limit = way + pair.gap.distance - matters, rise + pair.gap.height - matters
+        else:
+            pair.limit, pair.rise_limit = way, rise
 
     def _matters(self, pair: _Pair) -> float:
         """Return the distance above which nothing matters, for a pair that does not touch."""
         best = self._best.get(pair.second.name) if pair.is_thing else None
-        return _TOUCH_M if best is None else max(best[0].distance - TOLERANCE_M, _TOUCH_M)
+        if best is None:
+            return _TOUCH_M
+        distance = best[0].distance
+        return max(distance - max(TOLERANCE_M, TOLERANCE * distance), _TOUCH_M)
 
     def _refine(
-        self, pair: _Pair, span: _Span, begin: int, before: float, end: int, after: float, travel: float
+        self,
+        pair: _Pair,
+        span: _Span,
+        begin: int,
+        before: _Gap,
+        end: int,
+        after: _Gap,
+        travel: float,
+        rise: float,
     ) -> None:
         """Find what happens from one tick, which was visited, to another, and visit that.
 
@@ -318,27 +363,30 @@ class ContactWatch:
             pair: the pair.
             span: the joints.
             begin: the first tick.
-            before: distance there, or a lower bound of it if the pair does not touch.
+            before: gap there, or a lower bound of it if the pair does not touch.
             end: the last tick.
-            after: distance there, or a lower bound that is above what matters.
+            after: gap there.
             travel: of the pair in between, m.
+            rise: its vertical travel in between, m.
         """
-        while True:
-            nearest, farthest = 0.5 * (before + after - travel), 0.5 * (before + after + travel)
-            if end - begin <= 1:
+        while end - begin > 1:
+            first, last = before.distance, after.distance
+            nearest = 0.5 * max(first + last - travel, before.height + after.height - rise)
+            if pair.contact is None:
+                is_clear = last > 0.0 and nearest >= self._matters(pair)
+            else:
+                deepest = min(first, last, pair.contact.deepest.distance)
+                is_clear = first + last + travel <= 0.0 and nearest >= deepest - max(
+                    TOLERANCE_M, -DEPTH_TOLERANCE * deepest
+                )
+            if is_clear:
                 break
-            if before > 0.0 and after > 0.0:
-                if nearest >= self._matters(pair):
-                    break
-            elif before <= 0.0 and after <= 0.0 and farthest <= 0.0:
-                deepest = min(before, after) if pair.contact is None else pair.contact.deepest.distance
-                if nearest >= min(before, after, deepest) - TOLERANCE_M:
-                    break
             middle = (begin + end) // 2
-            value = self._distance(pair, span, middle)
-            self._refine(pair, span, begin, before, middle, value, _travel(pair, span, begin, middle))
-            begin, before, travel = middle, value, _travel(pair, span, middle, end)
-        self._visit(pair, span, end, after)
+            gap = self._gap(pair, span, middle)
+            self._refine(pair, span, begin, before, middle, gap, *pair.travel(span.turned(begin, middle)))
+            begin, before = middle, gap
+            travel, rise = pair.travel(span.turned(middle, end))
+        self._visit(pair, span, end, after.distance)
 
     def _visit(self, pair: _Pair, span: _Span, tick: int, value: float) -> None:
         """Note a contact that begins, goes on or ends at a tick."""
@@ -357,20 +405,15 @@ class ContactWatch:
         else:
             contact.deepest, contact.tick = found, self._row(tick)
 
-    def _distance(self, pair: _Pair, span: _Span, tick: int) -> float:
-        """Return the distance of a pair at a tick, or a lower bound that is well above what matters."""
-        if pair.is_thing and pair.second.name not in self._best:
-            matters = inf
-        elif pair.contact is not None:
-            matters = 0.0
-        else:
-            matters = self._matters(pair)
-        value, found = _measured(pair, span.frames(tick), matters + _AMPLE_M)
-        if found is not None and pair.is_thing:
-            best = self._best.get(pair.second.name)
-            if best is None or found.distance < best[0].distance:
-                self._best[pair.second.name] = (found, self._row(tick), self._line, pair.first.name)
-        return value
+    def _gap(self, pair: _Pair, span: _Span, tick: int) -> _Gap:
+        """Return the gap of a pair at a tick."""
+        best = self._best.get(pair.second.name)
+        is_first = pair.is_thing and best is None
+        ample = inf if is_first else self._matters(pair) + _AMPLE_M
+        gap, found = _measured(pair, span.frames(tick), ample)
+        if found is not None and pair.is_thing and (best is None or found.distance < best[0].distance):
+            self._best[pair.second.name] = (found, self._row(tick), self._line, pair.first.name)
+        return gap
 
     def _row(self, tick: int) -> int:
         """Return the tick whose row of a trace has the joints of a tick: it shows the arm after the tick's motion."""
@@ -403,12 +446,6 @@ _TOUCH_M: Final = 1e-9
 """Distances up to this are not certain to be apart."""
 
 
-def _travel(pair: _Pair, span: _Span, begin: int, end: int) -> float:
-    a, b, c, d, e, f = span.turned(begin, end)
-    i, j, k, m, n, o = pair.levers
-    return i * a + j * b + k * c + m * d + n * e + o * f
-
-
 def _contact(pair: _Pair, contact: _Open, end_tick: int) -> Contact:
     return Contact(
         seconds(contact.start_tick),
@@ -423,21 +460,26 @@ def _contact(pair: _Pair, contact: _Open, end_tick: int) -> Contact:
     )
 
 
-def _measured(pair: _Pair, frames: Frames, ample: float) -> tuple[float, Closest | None]:
-    """Return the distance of a pair and where it is; or a lower bound that is at least `ample`, and None."""
+def _measured(pair: _Pair, frames: Frames, ample: float) -> tuple[_Gap, Closest | None]:
+    """Return the gap of a pair and where it is; or lower bounds of which one is at least `ample`, and None."""
     first, second = pair.first, pair.second
-    T_first, T_second = frames[first.link], frames[second.link]
+    T_first = frames[first.link]
+    height = -inf
+    if pair.is_thing:
+        height = _height(first, T_first, second)
+        if height >= ample:
+            return _Gap(height, height), None
     T_ball = compose(T_first, first.center)
     if second.link == BASE:
         others = second.solids
     else:
-        T_other = compose(T_second, second.center)
-        least = least_distance(first.ball, T_ball, second.ball, T_other)
+        T_second = frames[second.link]
+        least = least_distance(first.ball, T_ball, second.ball, compose(T_second, second.center))
         if least >= ample:
-            return least, None
+            return _Gap(least, height), None
         others = [(body, compose(T_second, T)) for body, T in second.solids]
-    near = []
     least = inf
+    near = []
     for body, T in others:
         bound = least_distance(first.ball, T_ball, body, T)
         if bound < ample:
@@ -446,8 +488,8 @@ def _measured(pair: _Pair, frames: Frames, ample: float) -> tuple[float, Closest
             least = bound
     candidates = []
     if near:
-        for own, T_own in first.solids:
-            T_own = compose(T_first, T_own)
+        for own, T_link in first.solids:
+            T_own = compose(T_first, T_link)
             for body, T in near:
                 bound = least_distance(own, T_own, body, T)
                 if bound < ample:
@@ -463,8 +505,21 @@ def _measured(pair: _Pair, frames: Frames, ample: float) -> tuple[float, Closest
         if best is None or found.distance < best.distance:
             best = found
     if best is None or least < best.distance:
-        return least, None
-    return best.distance, best
+        return _Gap(least, height), None
+    return _Gap(best.distance, height), best
+
+
+def _height(first: _Group, T_first: Transform, thing: _Group) -> float:
+    """Return the vertical gap between a group and a thing, m; negative where one is beside the other."""
+    _, _, _, _, _, _, r31, r32, r33, _, _, z = T_first
+    low, high = thing.levels
+    gap = inf
+    for body, T in first.solids:
+        center = r31 * T[9] + r32 * T[10] + r33 * T[11] + z
+        # The vertical in the frame of the link is the third row of its rotation.
+        reach = body.reach(T, r31, r32, r33)
+        gap = min(gap, max(center - reach - high, low - center - reach))
+    return gap
 
 
 def _bound(candidate: tuple[float, Body, Transform, Body, Transform]) -> float:
@@ -484,6 +539,12 @@ def _pairs(cell: Cell, model: RobotModel) -> Iterable[_Pair]:
     arm = [_Group(name, parts) for name, parts in links.items() if parts]
     tools = [_Group(name, parts) for name, parts in held.items()]
 
+    # The base is round about the axis of the first joint: as a part of the next link it is where it is.
+    base = [
+        part._replace(pose=(*part.pose[:2], part.pose[2] - model.arm.d1, *part.pose[3:])) for part in links[LINKS[0]]
+    ]
+    static = [_Group(LINKS[0], base, 1), *arm[1:]]
+
     def pair(first: _Group, second: _Group, is_thing: bool) -> Iterable[_Pair]:
         if frozenset((first.name, second.name)) not in cell.ignored:
             levers = lever_arms(model.arm, second.link, first.link, first.reach, first.across)
@@ -494,10 +555,10 @@ def _pairs(cell: Cell, model: RobotModel) -> Iterable[_Pair]:
         for group in [*reversed(tools), *reversed(arm)]:
             if group.link != BASE:
                 yield from pair(group, thing, True)
-    for second in arm:
-        for first in arm:
-            if first.link > second.link + 1 and (second.link, first.link) not in NEVER_TOUCH:
+    for number, second in enumerate(static):
+        for first in arm[number + 2 :]:
+            if (number, first.link) not in NOT_WATCHED:
                 yield from pair(first, second, False)
         for tool in tools:
-            if second.link < FLANGE - 2:
+            if number < FLANGE - 2:
                 yield from pair(tool, second, False)

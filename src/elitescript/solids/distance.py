@@ -2,8 +2,8 @@
 
 Two capsules or spheres: closed form of the distance of two segments (Ericson, Real-Time Collision Detection, 5.1.9).
 Otherwise the distance of the cores by the algorithm of Gilbert, Johnson and Keerthi (1988), which ends at the exact
-closest features of polytopes. Cores that overlap: the shortest way out along the normals of their faces and the products
-of their edges, one of which it is for polytopes (separating axes; Gottschalk 1996).
+closest features of polytopes. Cores that overlap: the shortest way out along the normals of their faces and the
+products of their edges, one of which it is for polytopes (separating axes; Gottschalk 1996).
 """
 
 from __future__ import annotations
@@ -104,13 +104,10 @@ def _axes(a: Body, T_a: Transform, b: Body, T_b: Transform) -> tuple[float, Vect
 def _across(T_a: Transform, T_b: Transform) -> Vector3:
     """Return a unit vector across the z axes of two bodies."""
     x, y, z = T_a[2], T_a[5], T_a[8]
-    others = ((T_b[2], T_b[5], T_b[8]), (T_a[0], T_a[3], T_a[6]))
-    for u, v, w in others:
-        nx, ny, nz = y * w - z * v, z * u - x * w, x * v - y * u
-        length = hypot(nx, ny, nz)
-        if length > _TOUCHING_M:
-            break
-    return nx / length, ny / length, nz / length
+    u, v, w = T_b[2], T_b[5], T_b[8]
+    nx, ny, nz = y * w - z * v, z * u - x * w, x * v - y * u
+    length = hypot(nx, ny, nz)
+    return (nx / length, ny / length, nz / length) if length > _TOUCHING_M else (T_a[0], T_a[3], T_a[6])
 
 
 # ---------------------------------------------------------------- cores apart
@@ -243,12 +240,16 @@ def _depth(a: Body, T_a: Transform, b: Body, T_b: Transform) -> tuple[float, Vec
     """Return minus the shortest way that takes two cores apart, its direction from a to b, and a point of each."""
     best, normal, is_of_a = inf, (0.0, 0.0, 1.0), False
     cx, cy, cz = T_b[9] - T_a[9], T_b[10] - T_a[10], T_b[11] - T_a[11]
+    is_symmetric = a.is_symmetric and b.is_symmetric
     for (nx, ny, nz), of_a in _ways(a, T_a, b, T_b):
-        for x, y, z in ((nx, ny, nz), (-nx, -ny, -nz)):
+        # Away from the other centre is shorter, if both bodies look the same from both sides.
+        if nx * cx + ny * cy + nz * cz < 0.0:
+            nx, ny, nz = -nx, -ny, -nz
+        for x, y, z in ((nx, ny, nz),) if is_symmetric else ((nx, ny, nz), (-nx, -ny, -nz)):
             px, py, pz = a.support(T_a, x, y, z)
             qx, qy, qz = b.support(T_b, -x, -y, -z)
             depth = (px - qx) * x + (py - qy) * y + (pz - qz) * z
-            if depth < best - EXACT_M or (depth < best and x * cx + y * cy + z * cz > 0.0):
+            if depth < best - EXACT_M:
                 best, normal, is_of_a = depth, (x, y, z), of_a
     x, y, z = normal
     if is_of_a:

@@ -20,9 +20,7 @@ _PARALLEL: Final = (2, 3, 4)
 def frames_of(arm: Arm) -> Callable[[Sequence[float]], Frames]:
     """Return a function that gives the frames of all links for joint positions in rad."""
     a, d, alpha = arm.modified_dh
-    fixed = [
-        (a[i], -sin(alpha[i]) * d[i], cos(alpha[i]) * d[i], cos(alpha[i]), sin(alpha[i])) for i in range(6)
-    ]
+    fixed = [(a[i], -sin(alpha[i]) * d[i], cos(alpha[i]) * d[i], cos(alpha[i]), sin(alpha[i])) for i in range(6)]
 
     def frames(q: Sequence[float]) -> Frames:
         r11, r12, r13, r21, r22, r23, r31, r32, r33, px, py, pz = T = IDENTITY

@@ -116,10 +116,9 @@ class ArmState:
         joints = self.joints(self._tick)
         return max(map(abs, (*joints.qd_target, *joints.qd_actual))) < STANDING_RAD_PER_S
 
-    @property
-    def is_on_joint_line(self) -> bool:
-        """Whether every joint of the target turns in one direction until something is due."""
-        return not self._is_stepped and self._motion.is_on_joint_line
+    def turned(self, begin: int, end: int) -> Six | None:
+        """Return how far each joint of the target turns between two ticks, rad; see `MotionControl.turned`."""
+        return None if self._is_stepped else self._motion.turned(begin, end)
 
     @property
     def next_tick(self) -> int | None:

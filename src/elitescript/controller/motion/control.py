@@ -165,11 +165,15 @@ class MotionControl:
         self._q_rest = q
         self._sampled_tick = -1
 
-    @property
-    def is_on_joint_line(self) -> bool:
-        """Whether every joint turns in one direction until the present motion changes by itself."""
+    def turned(self, begin: int, end: int) -> Six | None:
+        """Return how far each joint turns between two ticks, from the present one to the next that is due, rad.
+
+        Back and forth are added up, and it may be a little more; None if it is not known without sampling.
+        """
         source = self._source
-        return source is None or (isinstance(source, Move) and source.segment.is_joint_line)
+        if source is None:
+            return ZERO_SIX
+        return source.turned(begin, end) if isinstance(source, Move) and end <= source.end_tick else None
 
     @property
     def is_stepped(self) -> bool:
