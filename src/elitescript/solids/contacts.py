@@ -44,8 +44,11 @@ base at the side, and the wrists turn within their lengths. The solids of forear
 _AMPLE_M: Final = 0.05
 """A lower bound that exceeds what matters by so much is taken instead of the distance."""
 
+_TOUCH_M: Final = 1e-9
+"""Distances up to this are not certain to be apart."""
+
 _DEEPER_M: Final = 0.001
-"""A contact that gets deeper by so much after it was reported is reported once more, at its end."""
+"""A contact that gets deeper by so much than was reported for its line is reported once more."""
 
 
 class Contact(NamedTuple):
@@ -175,15 +178,12 @@ class _Gap(NamedTuple):
 class _Open:
     """A contact that goes on."""
 
-    __slots__ = ("deepest", "end_tick", "line", "said", "start_tick", "tick")
+    __slots__ = ("deepest", "line", "start_tick", "tick")
 
     def __init__(self, tick: int, line: int, deepest: Closest) -> None:
         self.start_tick = self.tick = tick
-        self.end_tick = -1
         self.line = line
         self.deepest = deepest
-        self.said: float | None = None
-        """Distance that was reported."""
 
 
 class _Placed:
@@ -289,14 +289,14 @@ class ContactWatch:
     Args:
         cell: solids beside the robot and on its flange.
         model: of the arm.
-        report: called for a contact that has begun, when it is known how deep it gets until the next thing happens; and
-            at its end, if it got deeper. Has the contact so far, and the tick at which that is reported.
+        report: called for a contact that has begun, when it is known how deep it gets until the next thing happens,
+            once for each line and names; and at its end, if it got deeper. Has the contact so far, and the tick.
 
     Attributes:
         contacts: those that are over, in the order of their ends.
     """
 
-    __slots__ = ("_begin_tick", "_best", "_frames", "_line", "_news", "_pairs", "_report", "contacts")
+    __slots__ = ("_begin_tick", "_best", "_frames", "_line", "_news", "_pairs", "_report", "_said", "contacts")
 
     def __init__(self, cell: Cell, model: RobotModel, report: Callable[[Contact, int], None]) -> None:
         self._frames = frames_of(model.arm)
@@ -309,6 +309,8 @@ class ContactWatch:
         self._news: list[_Pair] = []
         """Pairs whose contact has begun in the present span."""
         self.contacts: list[Contact] = []
+        self._said: dict[tuple[int, str, str], float] = {}
+        """Distances that were reported, by line and names."""
 
     # ---------------------------------------------------------------- watching
 
@@ -471,11 +473,9 @@ class ContactWatch:
     def _tell_news(self) -> None:
         """Report the contacts that have begun."""
         news, self._news = self._news, []
-        for pair in sorted(news, key=lambda its: its.contact.start_tick if its.contact is not None else 0):
-            contact = pair.contact
-            if contact is not None and contact.said is None:
-                contact.said = contact.deepest.distance
-                self._report(_contact(pair, contact, -1), contact.start_tick)
+        begun = [(pair.contact, pair) for pair in news if pair.contact is not None]
+        for contact, pair in sorted(begun, key=lambda its: its[0].start_tick):
+            self._tell(_contact(pair, contact, -1), contact.start_tick)
 
     def _end(self, pair: _Pair, tick: int) -> None:
         tick = self._row(tick)
@@ -483,14 +483,16 @@ class ContactWatch:
         assert contact is not None
         found = _contact(pair, contact, tick)
         self.contacts.append(found)
-        if contact.said is None:
-            self._report(found, contact.start_tick)
-        elif contact.deepest.distance < contact.said - _DEEPER_M:
-            self._report(found, tick)
+        # One that has begun in the present span is reported as of its begin.
+        self._tell(found, contact.start_tick if pair in self._news else tick)
 
-
-_TOUCH_M: Final = 1e-9
-"""Distances up to this are not certain to be apart."""
+    def _tell(self, contact: Contact, tick: int) -> None:
+        """Report a contact, unless that was done before: then only if it is deeper."""
+        key = (contact.line, contact.first, contact.second)
+        said = self._said.get(key)
+        if said is None or contact.distance_m < said - _DEEPER_M:
+            self._said[key] = contact.distance_m
+            self._report(contact, tick)
 
 
 def _contact(pair: _Pair, contact: _Open, end_tick: int) -> Contact:
