@@ -338,8 +338,8 @@ def test_limits_and_continuity_of_whole_moves(shape: str, interval_s: float, see
 def test_poses_are_solved_to_the_last_bit_as_one_by_one(frame: Six, tilt: float) -> None:
     chance = Random(f"{frame} {tilt}")
     T_base_part = transform_from_pose(frame)
-    solved = 0
-    for _ in range(3 * CASES):
+    solved, count = 0, max(3 * CASES, 120)
+    for _ in range(count):
         # The tool straight down: many elements of its rotation are nearly or exactly 0 then.
         T_flange_tcp = chance.choice((T_FLANGE_TCP, transform_from_pose((0.0, 0.0, 0.15, 0.0, 0.0, 0.0))))
         place = [chance.gauss(mean, 0.1) for mean in (-0.1, -0.6, 0.1)]
@@ -362,4 +362,4 @@ def test_poses_are_solved_to_the_last_bit_as_one_by_one(frame: Six, tilt: float)
         assert [[angle.hex() for angle in column] for column in found] == [
             [q[joint].hex() for q in wanted] for joint in range(6)
         ]
-    assert solved > CASES // 2
+    assert solved > count // 6
