@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import gc
+from itertools import count
 
-import pytest
 from hypothesis import settings
 
 pytest_plugins = ["pytester", "tests.findings", "tests.specification.plugin"]
@@ -14,10 +14,25 @@ settings.register_profile("elitescript", derandomize=True, deadline=None, databa
 settings.load_profile("elitescript")
 
 
-def pytest_collection_finish(session: pytest.Session) -> None:
-    """Take what the session has collected from the garbage collector, which would go through all of it again and again.
+# What the session has collected and reported is a million objects in the end. The garbage collector would go through
+# all of them again and again, 350 ms each time, and some tests have it do so a dozen times.
+FROZEN_EACH = 1000
+"""Tests after which what is left of them is taken from the garbage collector."""
 
-    That is half a million objects: a collection took 350 ms, and some tests begin a dozen.
-    """
+_finished = count(1)
+
+
+def pytest_collection_finish() -> None:
+    """Take what has been collected from the garbage collector."""
+    freeze()
+
+
+def pytest_runtest_logfinish() -> None:
+    """Take what has been reported from it too, now and then."""
+    if next(_finished) % FROZEN_EACH == 0:
+        freeze()
+
+
+def freeze() -> None:
     gc.collect()
     gc.freeze()

@@ -135,14 +135,14 @@ class TestRunningPrograms:
             client.set_breakpoints(tmp_path / "cell.script", 4)
             assert client.stop()["body"]["reason"] == "breakpoint"
             client.set_breakpoints(tmp_path / "cell.script")
-            seen = []
-            for _ in range(3):
+            seen = [int(client.evaluate("x"))]
+            # On a busy machine the pause may be there before the program has gone on.
+            while len(set(seen)) < 3:
                 client.request("continue", threadId=1)
                 client.request("pause", threadId=1)
                 assert client.stop()["body"]["reason"] == "pause"
                 seen.append(int(client.evaluate("x")))
             assert seen == sorted(seen)
-            assert len(set(seen)) > 1
             client.disconnect()
 
     def test_an_endless_one_is_ended(self, tmp_path):
