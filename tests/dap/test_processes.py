@@ -226,7 +226,8 @@ def test_signals_that_come_in_the_middle_of_looking_for_requests_do_no_harm():
     looks: list[bool] = []
     before = signal.getsignal(signal.SIGURG)
     incoming.begin(lambda: looks.append(incoming.has_next()))
-    sends = f"import os, signal, time\nfor _ in range(3000):\n    os.kill({os.getpid()}, signal.SIGURG)\n    time.sleep(2e-5)"
+    once = f"    os.kill({os.getpid()}, signal.SIGURG)\n    time.sleep(2e-5)"
+    sends = f"import os, signal, time\nfor _ in range(3000):\n{once}"
     sender = subprocess.Popen([sys.executable, "-c", sends])
     try:
         while sender.poll() is None:
