@@ -140,7 +140,12 @@ def main() -> None:
     if hasattr(os, "register_at_fork"):
         # Engines in processes of their own are not to keep the pipes open: the end of this process is seen by them.
         pipes = [requests, responses]
-        os.register_at_fork(after_in_child=lambda: [os.close(pipes.pop()) for _ in tuple(pipes)])
+
+        def forget() -> None:
+            while pipes:
+                os.close(pipes.pop())
+
+        os.register_at_fork(after_in_child=forget)
 
     def send(message: Message) -> None:
         data = to_text(message).encode("ascii") + b"\n"
