@@ -9,7 +9,7 @@ from collections import Counter
 from contextlib import suppress
 from errno import EACCES
 from hashlib import sha256
-from itertools import takewhile
+from itertools import chain, count, takewhile
 from pathlib import Path
 from secrets import token_hex
 from typing import Final
@@ -28,6 +28,9 @@ PROGRAMS_MAX: Final = 1000
 
 _LOOKED_AT_MAX: Final = 20_000
 """Entries of a folder that are looked at to find them: it may be somebody's whole home."""
+
+_FIRST_MAX: Final = 20
+"""Programs of a folder of which one must be readable for a page to begin with it."""
 
 NEW_NAME: Final = f"program{SUFFIX}"
 """Name of the new program that a folder without programs begins with."""
@@ -105,10 +108,14 @@ class Programs:
                 break
         return sorted(found)[:PROGRAMS_MAX]
 
-    def first(self) -> str:
-        """Return the name of the program that a page begins with."""
-        names = self.names()
-        return names[0] if names else NEW_NAME
+    def first_names(self) -> list[str]:
+        """Return the programs that a page may begin with, the first choice first."""
+        return [*self.names()[:_FIRST_MAX], *([] if self._only else [self._new_name()])]
+
+    def _new_name(self) -> str:
+        """Return the name of a program that the folder does not have."""
+        numbered = (f"program_{number}{SUFFIX}" for number in count(2))
+        return next(name for name in chain((NEW_NAME,), numbered) if not (self.folder / name).exists())
 
     def path(self, name: str) -> Path:
         """Return the path of a program, without links.
