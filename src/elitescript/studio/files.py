@@ -75,7 +75,7 @@ class Programs:
         UsageError: there can be no program at this path.
     """
 
-    __slots__ = ("_only", "folder")
+    __slots__ = ("folder", "only")
 
     def __init__(self, path: Path) -> None:
         try:
@@ -83,7 +83,7 @@ class Programs:
             is_folder = real.is_dir()
         except (OSError, ValueError, RuntimeError) as error:
             raise UsageError(f"{path}: {error}") from None
-        self._only: str | None = None if is_folder else real.name
+        self.only: str | None = None if is_folder else real.name
         self.folder = real if is_folder else real.parent
         if not self.folder.is_dir():
             raise UsageError(f"{path}: there is no folder {self.folder}")
@@ -91,12 +91,12 @@ class Programs:
     @property
     def title(self) -> str:
         """Name of the file or of the folder."""
-        return self._only or self.folder.name or str(self.folder)
+        return self.only or self.folder.name or str(self.folder)
 
     def names(self) -> list[str]:
         """Return the programs, relative to the folder with `/`, in alphabetical order; hidden folders are left out."""
-        if self._only is not None:
-            return [self._only]
+        if self.only is not None:
+            return [self.only]
         found: list[str] = []
         looked_at = 0
         for home, folders, files in os.walk(self.folder):
@@ -110,7 +110,7 @@ class Programs:
 
     def first_names(self) -> list[str]:
         """Return the programs that a page may begin with, the first choice first."""
-        return [*self.names()[:_FIRST_MAX], *([] if self._only else [self._new_name()])]
+        return [*self.names()[:_FIRST_MAX], *([] if self.only else [self._new_name()])]
 
     def _new_name(self) -> str:
         """Return the name of a program that the folder does not have."""
@@ -126,10 +126,10 @@ class Programs:
         Raises:
             UsageError: it is none of the programs that may be opened.
         """
-        if self._only is not None:
-            if name != self._only:
+        if self.only is not None:
+            if name != self.only:
                 raise UsageError(
-                    f"{name!r:.200}: only {self._only} is open; start the studio with its folder for others"
+                    f"{name!r:.200}: only {self.only} is open; start the studio with its folder for others"
                 )
             return self.folder / name
         given = Path(name)

@@ -134,8 +134,8 @@ def _name(program: Path) -> str:
 
 
 def _draft(row: Mapping[str, Any]) -> Draft | None:
-    values = [row.get(name) for name in Draft._fields]
-    return Draft(*values) if all(isinstance(value, str) for value in values) else None
+    values = [value for name in Draft._fields if isinstance(value := row.get(name), str)]
+    return Draft(*values) if len(values) == len(Draft._fields) else None
 
 
 def _read(path: Path, size_max: int) -> dict[str, Any]:

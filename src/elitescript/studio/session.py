@@ -166,7 +166,7 @@ class Session:
         """Return the path of a world file that the page names.
 
         Raises:
-            UsageError: it is neither that of the command line nor in the opened folder; a world file names Python files.
+            UsageError: it is neither that of the command line nor in the opened folder: it may name Python files.
         """
         programs, given = self._place.programs, self._place.world
         try:
