@@ -12,8 +12,9 @@ from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from types import FrameType
-from typing import Any
+from typing import Any, Final
 
+from elitescript.environment.collecting import Collector
 from elitescript.errors import UsageError
 from elitescript.kernel.options import robot_options
 from elitescript.studio.files import Programs, read
@@ -24,6 +25,9 @@ from elitescript.studio.outbox import Outbox
 from elitescript.studio.server import Door
 from elitescript.studio.session import Session, Workplace
 from elitescript.world_file import load_world_file
+
+SWITCH_S: Final = 0.0005
+"""Time for which a thread holds the interpreter while another one waits for it, s."""
 
 
 def workplace(path: Path, given: Mapping[str, Any], world: str | None, urdf: str | None) -> Workplace:
@@ -64,7 +68,10 @@ def serve_studio(place: Workplace, port: int, *, opens_browser: bool) -> int:
         await session.begin()
         return session
 
-    asyncio.run(_serve(Door(begin), port, opens_browser=opens_browser))
+    # The threads of editor services give way to the next message soon.
+    sys.setswitchinterval(SWITCH_S)
+    collector = Collector()
+    asyncio.run(_serve(Door(begin, collector.message_came), port, opens_browser=opens_browser))
     return 0
 
 
