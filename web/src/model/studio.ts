@@ -1,7 +1,9 @@
 /** All that the page knows, and what people can do with it. Regions read its signals and call its methods. */
 
 import { computed, signal } from "@preact/signals-core";
-import type { Ability, ControllerState, FromSource, Json, Moment, Problem, RunOptions, Scene, Service, Six, ToSource } from "../source/messages.ts";
+import type {
+  Ability, ControllerState, FromSource, Json, Moment, Problem, RunOptions, Scene, Service, Six, TextEdit, ToSource,
+} from "../source/messages.ts";
 import type { Rows } from "../source/rows.ts";
 import type { Link, Listener, Source } from "../source/source.ts";
 import { Run } from "./run.ts";
@@ -29,6 +31,22 @@ export interface Place {
   readonly column: number;
 }
 
+/** What other regions do with the editor; each is one step of its undo. */
+export interface Editor {
+  apply(edits: readonly TextEdit[]): void;
+  /** Replaces the whole text, such as with the file's. */
+  replace(text: string): void;
+  /** Inserts lines below the caret's line, indented like it. */
+  insert(lines: string): void;
+  focus(): void;
+}
+
+/** How numbers are shown; data and exports stay SI. */
+export interface Display {
+  readonly angle: "rad" | "deg";
+  readonly length: "m" | "mm";
+}
+
 export class Studio implements Listener {
   readonly source: Source;
   readonly link = signal<Link>("connecting");
@@ -53,6 +71,14 @@ export class Studio implements Listener {
   readonly controller = signal<ControllerState | null>(null);
   /** Where a click in another region sends the editor; each click is a new object. */
   readonly goto = signal<Place | null>(null);
+  /** Whether the cursor goes on by itself (`playback.ts` moves it), and how fast; 1 is real time. */
+  readonly isPlaying = signal(false);
+  readonly rate = signal(1);
+  /** Thread whose statements `step` goes by. */
+  readonly thread = signal("main");
+  readonly display = signal<Display>({ angle: "deg", length: "mm" });
+  /** Set by the region Program while it is there. */
+  editor: Editor | null = null;
   readonly notices = signal<readonly { readonly severity: string; readonly text: string }[]>([]);
 
   private nextAsk = 1;
@@ -98,6 +124,61 @@ export class Studio implements Listener {
   setCursor(t: number): void {
     this.cursor.value = Math.min(Math.max(t, 0), this.end.value);
     this.seek();
+  }
+
+  /** Plays from the cursor, from 0 at the end. */
+  play(): void {
+    const run = this.run.value;
+    if (run?.ended != null && this.cursor.value >= this.end.value) this.setCursor(0);
+    this.isPlaying.value = true;
+  }
+
+  pause(): void {
+    this.isPlaying.value = false;
+  }
+
+  /** Ends playback and a computation that goes on; the cursor goes to 0. */
+  stopAll(): void {
+    this.pause();
+    this.source.send({ type: "stop" });
+    this.setCursor(0);
+  }
+
+  /** Goes to the next (1) or previous (-1) beginning of a statement of the chosen thread. */
+  async step(by: 1 | -1): Promise<void> {
+    this.pause();
+    const run = this.run.value;
+    if (run === null || !this.can("step")) return;
+    const position = this.moment.value?.position;
+    const answer = await this.request({
+      type: "step", ask: 0, run: run.number, by, thread: this.thread.value, t: this.cursor.value, ...(position === undefined ? {} : { position }),
+    });
+    if (answer.type !== "state" || answer.run !== this.run.value?.number) return;
+    this.cursor.value = answer.moment.t;
+    this.moment.value = answer.moment;
+  }
+
+  /** What a click on a place in time does: pauses, moves the cursor, and sends the editor to the line if there is one. */
+  jump(t: number, place: Place | null = null): void {
+    this.pause();
+    this.setCursor(t);
+    if (place !== null && place.line > 0) this.goto.value = { ...place };
+  }
+
+  /** Points at a time, a line or both, without moving anything; null: at nothing. */
+  point(hover: Hover | null): void {
+    this.hover.value = hover;
+  }
+
+  /** Changes the text, as one step of the editor's undo where there is an editor. */
+  apply(edits: readonly TextEdit[]): void {
+    this.editor?.apply(edits);
+  }
+
+  /** Asks for rows of a stretch of the newest run; they are in its samples when the promise is kept. */
+  async detail(from_s: number, to_s: number, step_s: number): Promise<void> {
+    const run = this.run.value;
+    if (run !== null) await this.request({ type: "detail", ask: 0, run: run.number, from_s, to_s, step_s });
   }
 
   /** Asks the source; rejects with its reason where it refuses. */

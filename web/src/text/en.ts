@@ -11,6 +11,20 @@ export const en = {
   region_messages: "Messages",
   region_cycle: "Cycle time",
   region_pendant: "Pendant",
+
+  // ---- toolbar, layout, keys
+
+  // ---- Program
+
+  // ---- Robot
+
+  // ---- Time line
+
+  // ---- lists
+
+  // ---- Pendant
+
+  // ---- compare and share
 };
 
 export type Texts = { readonly [key in keyof typeof en]: string };

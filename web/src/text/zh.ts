@@ -13,4 +13,18 @@ export const zh: Texts = {
   region_messages: "消息",
   region_cycle: "节拍时间",
   region_pendant: "示教器",
+
+  // ---- toolbar, layout, keys
+
+  // ---- Program
+
+  // ---- Robot
+
+  // ---- Time line
+
+  // ---- lists
+
+  // ---- Pendant
+
+  // ---- compare and share
 };
