@@ -145,6 +145,32 @@ const closeSignature: Command = (view) => {
   return true;
 };
 
+// ---------------------------------------------------------------- what follows from a character
+
+/** The last characters of a new line, of a clause and of `end`, after which the services have something to say. */
+const TRIGGERS = ["\n", ":", "d"];
+
+function typing(services: Services): Extension {
+  return EditorView.updateListener.of((update) => {
+    const { doc, selection } = update.state;
+    const isTyped = update.transactions.some((change) => change.isUserEvent("input"));
+    if (!update.docChanged || !isTyped || update.transactions.some((change) => change.isUserEvent("input.service"))) return;
+    let character = "";
+    update.changes.iterChanges((_from, _to, _start, _end, inserted) => {
+      const text = inserted.toString();
+      // A new line comes with its indentation.
+      character = /^\n[ \t]*$/.test(text) ? "\n" : text;
+    });
+    if (!TRIGGERS.includes(character)) return;
+    const at = selection.main.head;
+    // Behind the update, when the text is known to the source.
+    queueMicrotask(async () => {
+      const edits = await services.typing(placeOf(doc, at), character);
+      if (edits !== null && update.view.state.doc === doc) applyEdits(update.view, edits);
+    });
+  });
+}
+
 // ---------------------------------------------------------------- a line below the text in which something is typed or chosen
 
 type Line = { readonly kind: "rename"; readonly at: number; readonly name: string } | { readonly kind: "fixes"; readonly list: readonly Action[] } | { readonly kind: "text"; readonly text: string };
@@ -282,6 +308,7 @@ export function assistance(services: Services): { readonly extension: Extension;
       autocompletion({ override: [completionSource(services)], icons: true, maxRenderedOptions: 60 }),
       hovers(services),
       signatures(services),
+      typing(services),
       lines(services),
     ],
     keys: commands(services),

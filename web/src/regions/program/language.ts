@@ -6,7 +6,7 @@ import { RangeSetBuilder, StateEffect, StateField, type Extension, type Text } f
 import { Decoration, EditorView, type DecorationSet } from "@codemirror/view";
 import { tags } from "@lezer/highlight";
 import { rangeOf } from "./positions.ts";
-import type { Fold, Token } from "./services.ts";
+import type { Fold, Tokens } from "./services.ts";
 
 export const INDENT = "  ";
 
@@ -48,12 +48,14 @@ const indentation = indentService.of((context, at) => {
 
 // ---------------------------------------------------------------- names, as the services know them
 
-export const setTokens = StateEffect.define<readonly Token[]>();
+export const setTokens = StateEffect.define<Tokens>();
 
 const CLASSES: { readonly [type: string]: string } = {
   command: "tok-command", function: "tok-function", class: "tok-class", method: "tok-function", parameter: "tok-parameter", variable: "tok-variable",
   property: "tok-property", namespace: "tok-class", keyword: "tok-keyword", signal: "tok-signal",
 };
+
+const SHOWN_MODIFIERS = ["unused", "global", "unavailable", "definition"];
 
 const tokens = StateField.define<DecorationSet>({
   create: () => Decoration.none,
@@ -65,12 +67,13 @@ const tokens = StateField.define<DecorationSet>({
   provide: (field) => EditorView.decorations.from(field),
 });
 
-function tokenMarks(text: Text, list: readonly Token[]): DecorationSet {
+function tokenMarks(text: Text, { types, modifiers, rows }: Tokens): DecorationSet {
   const builder = new RangeSetBuilder<Decoration>();
-  for (const token of list) {
-    const known = CLASSES[token.type];
-    const { from, to } = rangeOf(text, { line: token.line, column: token.column, end_line: token.line, end_column: token.column + token.length });
-    const extra = ["unused", "global", "unavailable", "definition"].filter((name) => token.modifiers.includes(name)).map((name) => `tok-is-${name}`);
+  for (let at = 0; at + 4 < rows.length; at += 5) {
+    const [line, column, length, type, bits] = rows.slice(at, at + 5) as [number, number, number, number, number];
+    const known = CLASSES[types[type] ?? ""];
+    const { from, to } = rangeOf(text, { line, column, end_line: line, end_column: column + length });
+    const extra = SHOWN_MODIFIERS.filter((name) => bits & (1 << modifiers.indexOf(name)) && modifiers.includes(name)).map((name) => `tok-is-${name}`);
     if (known !== undefined && to > from) builder.add(from, to, Decoration.mark({ class: [known, ...extra].join(" ") }));
   }
   return builder.finish();

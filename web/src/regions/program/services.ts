@@ -30,12 +30,11 @@ export interface SignatureHelp {
   readonly active: number | null;
 }
 
-export interface Token {
-  readonly line: number;
-  readonly column: number;
-  readonly length: number;
-  readonly type: string;
+/** Names of the text: five numbers each, line, column, length, index in `types`, bits of `modifiers`. */
+export interface Tokens {
+  readonly types: readonly string[];
   readonly modifiers: readonly string[];
+  readonly rows: readonly number[];
 }
 
 export interface Hint {
@@ -74,8 +73,8 @@ export class Services {
     return this.ask("completion", { ...place });
   }
 
-  resolve(item: CompletionItem): Promise<CompletionItem | null> {
-    return this.ask("resolve", { item: item as never });
+  resolve({ label, kind, source }: CompletionItem): Promise<{ readonly documentation: string } | null> {
+    return this.ask("resolve", { label, kind, source });
   }
 
   hover(place: Place): Promise<Hover | null> {
@@ -95,7 +94,7 @@ export class Services {
   }
 
   rename(place: Place, name: string): Promise<Renaming | null> {
-    return this.ask("rename", { ...place, name });
+    return this.ask("rename", { ...place, new_name: name });
   }
 
   actions(span: Span): Promise<readonly Action[] | null> {
@@ -106,12 +105,17 @@ export class Services {
     return this.ask("format", {});
   }
 
-  tokens(): Promise<readonly Token[] | null> {
+  tokens(): Promise<Tokens | null> {
     return this.ask("tokens", {});
   }
 
   hints(): Promise<readonly Hint[] | null> {
     return this.ask("hints", {});
+  }
+
+  /** What follows from a character that was typed: indentation, the `end` of a block. */
+  typing(place: Place, typed: string): Promise<readonly TextEdit[] | null> {
+    return this.ask("typing", { ...place, typed });
   }
 
   folding(): Promise<readonly Fold[] | null> {
