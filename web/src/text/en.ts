@@ -140,6 +140,22 @@ export const en = {
   key_ends: "slider Time: to the begin, to the end",
 
   // ---- Program
+  editor_name: "Program text",
+  editor_scroller: "Program text, scrolling area",
+  editor_times: "times by line",
+  editor_hints: "hints",
+  editor_hint: "hint: {hint}",
+  editor_line_time: "moving {moving} s, standing {standing} s, {visits} visits",
+  editor_empty: "No program: open a file or start from an example.",
+  editor_on_controller: "The program is on the controller.",
+  editor_no_text: "The recording holds no text of the program.",
+  editor_new_name: "New name",
+  editor_no_name: "No name here.",
+  editor_no_definition: "No definition in this text.",
+  editor_uses: "{count} uses",
+  editor_no_fix: "No fix here.",
+  editor_formatted: "Formatted.",
+  editor_nothing_to_format: "Nothing to format.",
 
   // ---- Robot
 

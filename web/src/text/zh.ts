@@ -142,6 +142,22 @@ export const zh: Texts = {
   key_ends: "时间滑块：到开头、到结尾",
 
   // ---- Program
+  editor_name: "程序文本",
+  editor_scroller: "程序文本滚动区",
+  editor_times: "每行时间",
+  editor_hints: "提示",
+  editor_hint: "提示：{hint}",
+  editor_line_time: "运动 {moving} s，静止 {standing} s，{visits} 次",
+  editor_empty: "没有程序：请打开文件或从示例开始。",
+  editor_on_controller: "程序在控制器上。",
+  editor_no_text: "记录中没有程序文本。",
+  editor_new_name: "新名称",
+  editor_no_name: "此处没有名称。",
+  editor_no_definition: "本文中没有定义。",
+  editor_uses: "{count} 处使用",
+  editor_no_fix: "此处没有可用的修复。",
+  editor_formatted: "已格式化。",
+  editor_nothing_to_format: "无需格式化。",
 
   // ---- Robot
 
