@@ -1,58 +1,121 @@
-"""What one page sees of a controller: messages of `web/src/source/messages.ts` in mode "connected"."""
+"""What one page sees of a controller: the conversation of `web/src/source/messages.ts` in mode "connected"."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
-from elitescript.studio.connected.target import Target
+from elitescript import __version__
+from elitescript.conversation import messages as asked
+from elitescript.conversation.describe import hello, refused
+from elitescript.errors import ElitescriptError, UsageError
+from elitescript.studio.connected.commands import FAULTS
+from elitescript.studio.connected.controller import ConnectedController
 
 
 class Listener(Protocol):
     """Takes what a source says; neither method blocks."""
 
-    def message(self, message: dict[str, Any]) -> None:
+    def message(self, message: Mapping[str, Any]) -> None:
         """Take a message."""
 
     def rows(self, frame: bytes) -> None:
         """Take a frame of rows."""
 
 
-class ConnectedController:
-    """The connections to one controller, shared by all pages.
-
-    Args:
-        target: which controller, and whether it may be commanded.
-    """
-
-    def __init__(self, target: Target) -> None:
-        self.target = target
-
-    async def open(self) -> None:
-        """Begin to connect; a controller that is not there is tried again and again."""
-
-    async def close(self) -> None:
-        """Stop what was begun here, and hang up."""
-
-    def source(self) -> ConnectedSource:
-        """Return the source of one more page."""
-        return ConnectedSource(self)
-
-
 class ConnectedSource:
     """What one page talks to.
 
     Args:
-        controller: the connections.
+        controller: the connections, which all pages share.
+        abilities: what the page can do besides, such as open and save files.
+        settings: what the page has asked to remember.
     """
 
-    def __init__(self, controller: ConnectedController) -> None:
+    def __init__(
+        self,
+        controller: ConnectedController,
+        abilities: Sequence[str] = (),
+        settings: Mapping[str, Any] | None = None,
+    ) -> None:
         self._controller = controller
+        self._abilities = tuple(abilities)
+        self._settings = settings
+        self._listener: Listener | None = None
 
     async def start(self, listener: Listener) -> None:
-        """Send `hello`, `scene` and what is known; then every change."""
+        """Say `hello`, `scene` and what is known; then every change."""
+        controller = self._controller
+        self._listener = listener
+        listener.message(
+            hello(
+                "connected",
+                f"elitescript {__version__}",
+                (*controller.abilities, *self._abilities),
+                controller.title,
+                programs=controller.target.programs or None,
+                settings=self._settings,
+            )
+        )
+        controller.join(self._take)
 
-    async def message(self, message: dict[str, Any]) -> None:
-        """Do what the page asks for, or refuse it in words."""
+    def _take(self, message: Mapping[str, Any] | bytes) -> None:
+        assert self._listener is not None
+        if isinstance(message, bytes):
+            self._listener.rows(message)
+        else:
+            self._listener.message(message)
+
+    async def message(self, message: asked.ToSource) -> None:
+        """Do what the page asks for, or refuse it in words; messages that are not for a controller are left out."""
+        ask = getattr(message, "ask", None)
+        try:
+            text = await self._obey(message)
+        except ElitescriptError as error:
+            self._take(refused(str(error), ask))
+        else:
+            if ask is not None and text is not None:
+                self._take({"type": "done", "ask": ask, "text": text})
+
+    async def _obey(self, message: asked.ToSource) -> str | None:
+        """Do it; return what the page is answered, None for nothing."""
+        controller = self._controller
+        match message:
+            case asked.Jog():
+                controller.check_moves().jog(
+                    self, message.frame, message.axis, message.direction, message.speed
+                )
+            case asked.JogEnd():
+                if controller.jogger is not None:
+                    controller.jogger.release(self)
+            case asked.Control(action="freedrive_on"):
+                controller.check_guiding().guide(self)
+                return "hand guiding"
+            case asked.Control(action="freedrive_off"):
+                controller.check_control()
+                assert controller.jogger is not None
+                controller.jogger.release(self)
+                return "hand guiding has ended"
+            case asked.Control():
+                return await controller.press(message.action)
+            case asked.SetSignal():
+                return await controller.set_signal(message.name, message.value)
+            case asked.Speed():
+                return await controller.set_speed(message.fraction)
+            case asked.Load():
+                return await controller.load(message.program)
+            case asked.SendProgram():
+                return await controller.run_text(message.text)
+            case asked.Fault():
+                if not message.words or message.words[0] not in FAULTS:
+                    raise UsageError(f"a fault is one of {', '.join(sorted(FAULTS))}")
+                return await controller.order(message.words[0], message.words[1:])
+            case _:
+                pass
+        return None
 
     async def close(self) -> None:
         """Stop what the page has begun: jogging, hand guiding."""
+        if self._controller.jogger is not None:
+            self._controller.jogger.release(self)
+        self._controller.leave(self._take)
