@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint types coverage flips invariants peers bench quoted figures picture reference docs golden vscode vscode-test dap-test dist lock clean
+.PHONY: help demo test lint types coverage flips invariants peers bench quoted figures picture reference docs golden studio studio-test vscode vscode-test dap-test dist lock clean
 
 help:
 	@echo "make demo        install, then run an example program"
@@ -26,6 +26,7 @@ help:
 	@echo "make reference   write docs/reference from the code"
 	@echo "make docs        build the site from docs and examples: build/site/html"
 	@echo "make golden      record the event traces of the examples again"
+	@echo "make studio      build the pages of the studio from web/ into the package"
 	@echo "make vscode      pack the extension for VS Code: dist/elitescript-*.vsix"
 	@echo "make vscode-test its types, and its tests without an editor"
 	@echo "make dist        build wheel and sdist into dist/, check them, install and try the wheel in an environment of its own"
@@ -53,6 +54,37 @@ $(READY): requirements-dev.lock pyproject.toml
 	@$(BIN)/python -m compileall -q src
 	@touch $@
 
+# Node comes from a Python package, in an environment of its own; packages from their locks, without their install scripts.
+NODE := build/node
+NODE_READY := $(NODE)/.ready
+NODE_PATH := PATH="$(CURDIR)/$(NODE)/bin:$$PATH"
+NPM_CI := npm ci --ignore-scripts --no-audit --no-fund --silent
+
+$(NODE_READY): requirements-node.lock | $(READY)
+	$(BIN)/python -m venv --clear $(NODE)
+	$(NODE)/bin/python -m pip install -qq --disable-pip-version-check --require-hashes -r requirements-node.lock
+	@touch $@
+
+# The pages of the studio: web/ into src/elitescript/page/built/, which is part of wheel and sdist, not of the repository.
+WEB_READY := web/node_modules/.ready
+PAGE := src/elitescript/page/built/studio.html
+WEB_SOURCES := $(shell find web/src -type f) web/build.mjs web/package.json tools/third_party.mjs
+
+$(WEB_READY): $(NODE_READY) web/package-lock.json
+	cd web && $(NODE_PATH) $(NPM_CI)
+	@touch $@
+
+$(PAGE): $(WEB_READY) $(WEB_SOURCES)
+	cd web && $(NODE_PATH) node build.mjs
+
+# What drives a browser in tests goes into .venv, where a browser is found; without one those tests are skipped.
+BROWSER := $(shell command -v chromium || command -v chromium-browser || command -v google-chrome)
+BROWSER_READY := $(if $(BROWSER),$(VENV)/.browser-ready)
+
+$(VENV)/.browser-ready: $(READY) requirements-browser.lock
+	$(BIN)/python -m pip install -qq --disable-pip-version-check --require-hashes -r requirements-browser.lock
+	@touch $@
+
 demo: $(READY)
 	$(BIN)/elitescript run examples/pick_and_place.script
 	@echo
@@ -63,7 +95,7 @@ demo: $(READY)
 	@echo "  $(BIN)/elitescript serve                                      a controller with its network ports"
 	@echo "  $(BIN)/elitescript --help                                     everything else"
 
-test: lint types
+test: lint types studio-test $(PAGE) $(BROWSER_READY)
 	$(BIN)/python -m pytest
 
 lint: $(READY)
@@ -143,21 +175,19 @@ docs: $(DOCS_READY)
 golden: $(READY)
 	$(BIN)/python tools/record_golden.py
 
-# Node comes from a Python package, in an environment of its own; the packages of the extension from its lock, without
-# their install scripts.
-NODE := build/node
-NODE_READY := $(NODE)/.ready
+studio: $(PAGE)
+	@echo "The studio is built. Start it: $(BIN)/elitescript studio examples/pick_and_place.script"
+
+studio-test: $(WEB_READY)
+	cd web && $(NODE_PATH) npm run --silent types
+	cd web && $(NODE_PATH) npm run --silent test
+
 EXTENSION := editors/vscode
 EXTENSION_READY := $(EXTENSION)/node_modules/.ready
-WITH_NODE := cd $(EXTENSION) && PATH="$(CURDIR)/$(NODE)/bin:$$PATH"
-
-$(NODE_READY): $(READY) requirements-node.lock
-	$(BIN)/python -m venv --clear $(NODE)
-	$(NODE)/bin/python -m pip install -qq --disable-pip-version-check --require-hashes -r requirements-node.lock
-	@touch $@
+WITH_NODE := cd $(EXTENSION) && $(NODE_PATH)
 
 $(EXTENSION_READY): $(NODE_READY) $(EXTENSION)/package-lock.json
-	$(WITH_NODE) npm ci --ignore-scripts --no-audit --no-fund --silent
+	$(WITH_NODE) $(NPM_CI)
 	@touch $@
 
 vscode: $(EXTENSION_READY)
@@ -190,4 +220,4 @@ lock:
 	$(COMPILE) --extra browser --constraint requirements-dev.lock --output-file requirements-browser.lock $(LOCK_FLAGS)
 
 clean:
-	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis build dist $(EXTENSION)/node_modules $(EXTENSION)/build $(EXTENSION)/dist
+	rm -rf $(VENV) src/elitescript/page/built web/node_modules .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis build dist $(EXTENSION)/node_modules $(EXTENSION)/build $(EXTENSION)/dist

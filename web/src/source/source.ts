@@ -8,7 +8,7 @@ export type Link = "connecting" | "open" | "lost";
 export interface Listener {
   message(message: FromSource): void;
   rows(rows: Rows): void;
-  link(link: Link): void;
+  linked(link: Link): void;
 }
 
 export interface Source {

@@ -1,0 +1,15 @@
+/** The language of the page. */
+
+import { signal } from "@preact/signals-core";
+import { en, type Texts } from "./en.ts";
+import { zh } from "./zh.ts";
+
+export type Language = "en" | "zh";
+
+export const language = signal<Language>("en");
+
+/** Returns a text in the language of the page, with `{name}` replaced by values. */
+export function text(key: keyof Texts, values: { readonly [name: string]: string | number } = {}): string {
+  const found = (language.value === "zh" ? zh : en)[key];
+  return found.replace(/\{(\w+)\}/g, (_, name: string) => String(values[name] ?? ""));
+}
