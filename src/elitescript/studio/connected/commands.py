@@ -57,9 +57,7 @@ def refusal(line: str, picture: Picture) -> str:
     guard = found[0].guard
     if guard is None:
         return ""
-    return guard.refusal_in(
-        picture.robot_mode, picture.safety_mode, picture.task_state, is_remote=picture.is_remote
-    )
+    return guard.refusal_in(picture.robot_mode, picture.safety_mode, picture.task_state, is_remote=picture.is_remote)
 
 
 def output_program(name: str, value: Value) -> str:
@@ -71,7 +69,9 @@ def output_program(name: str, value: Value) -> str:
     signal, index = parse_signal_name(name)
     statement = _OUTPUTS.get(signal.name)
     if statement is None:
-        what = "an input: only a robot on this computer has inputs that can be set" if signal.is_input else "not settable"
+        what = (
+            "an input: only a robot on this computer has inputs that can be set" if signal.is_input else "not settable"
+        )
         raise UsageError(f"{name} is {what}")
     return f"sec studio_set():\n    {statement.format(index=index, value=value)}\nend\n"
 

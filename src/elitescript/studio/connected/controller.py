@@ -204,9 +204,7 @@ class ConnectedController:
 
     async def _watch_dashboard(self) -> None:
         target, picture = self.target, self.picture
-        async with dashboard_client(
-            target.host, target.ports["dashboard"], may_command=target.may_control
-        ) as client:
+        async with dashboard_client(target.host, target.ports["dashboard"], may_command=target.may_control) as client:
             self._recovered("dashboard")
             self._dashboard = client
             try:
@@ -408,7 +406,11 @@ class ConnectedController:
         end = loop.time() + PROGRAM_S
         while loop.time() < end:
             await asyncio.sleep(1.0 / PICTURE_HZ)
-            fresh = [] if self._reports and self._reports[-1] is newest else list(self._reports)[min(seen, REPORTS_KEPT - 1) :]
+            fresh = (
+                []
+                if self._reports and self._reports[-1] is newest
+                else list(self._reports)[min(seen, REPORTS_KEPT - 1) :]
+            )
             for report in fresh:
                 if report["type"] == "alarm":
                     raise UsageError(f"line {report['line']}: {report['text']}")

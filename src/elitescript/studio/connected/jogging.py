@@ -125,7 +125,13 @@ def _program(register: int, session: int, body: str, after: str) -> str:
         speeds=", ".join(f"read_input_float_register({register + axis})" for axis in range(6)),
         after=after,
         body=body.format(
-            JOINT=JOINT, BASE=BASE, TOOL=TOOL, STOP=STOP, step=STEP_S, a_joint=JOINT_ACCELERATION, a_tcp=TCP_ACCELERATION
+            JOINT=JOINT,
+            BASE=BASE,
+            TOOL=TOOL,
+            STOP=STOP,
+            step=STEP_S,
+            a_joint=JOINT_ACCELERATION,
+            a_tcp=TCP_ACCELERATION,
         ),
     )
 
@@ -309,11 +315,11 @@ class Jogger:
             if has_run and not is_running:
                 if not self._is_stopping:
                     raise UsageError("the controller has ended the program; its messages say why")
-                return
+                break
             if not has_run and now - start > START_S:
                 if not self._is_stopping:
                     raise UsageError("the controller does not start the program that moves the arm")
-                return
+                break
             if now > self._held_until:
                 self._end()
             if self._task == JOINT and (number := self._joint_at_end(self._speeds)):
@@ -322,11 +328,12 @@ class Jogger:
             if self._is_stopping:
                 stopped_at = stopped_at or now
                 if not is_running and now - stopped_at > TAP_S:
-                    return
+                    break
                 if now - stopped_at > END_S:
                     await self._stop()
-                    return
+                    break
             self._beat(client, layout, session)
+        client.write(layout, dict.fromkeys(layout.names, 0))
 
     def _beat(self, client: RtsiClient, layout: InputLayout, session: int) -> None:
         beat, task, *speeds = layout.names

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import isfinite
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
-from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
+from elitescript.client.primary_messages import RobotState
+from elitescript.messages.enums import Mode, RobotMode, SafetyMode, TaskState
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol.binary import WireValue
 from elitescript.protocol.dashboard.guards import MAY_MOVE, safety_name
 from elitescript.protocol.primary.packets import CARTESIAN, JOINTS, MASTER_BOARD, ROBOT_MODE
-from elitescript.client.primary_messages import RobotState
 from elitescript.studio.connected.signals import FAST, signals_of
 
 PICTURE_HZ: Final = 25.0
@@ -33,6 +33,8 @@ VARIABLES: Final = (
     *FAST,
 )
 """Variables of the recipe of pictures; a controller may lack any but the joints."""
+
+Kind = TypeVar("Kind", bound=Mode)
 
 _MICROSECONDS_PER_S: Final = 1e6
 
@@ -252,7 +254,7 @@ def _six(value: WireValue | None) -> tuple[float, ...] | None:
     return tuple(map(float, value))
 
 
-def _mode(kind: Any, value: WireValue | None, unknown: Any) -> Any:
+def _mode(kind: type[Kind], value: WireValue | None, unknown: Kind) -> Kind:
     if not isinstance(value, int):
         return unknown
     try:

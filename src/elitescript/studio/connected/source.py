@@ -82,9 +82,7 @@ class ConnectedSource:
         controller = self._controller
         match message:
             case asked.Jog():
-                controller.check_moves().jog(
-                    self, message.frame, message.axis, message.direction, message.speed
-                )
+                controller.check_moves().jog(self, message.frame, message.axis, message.direction, message.speed)
             case asked.JogEnd():
                 if controller.jogger is not None:
                     controller.jogger.release(self)
