@@ -67,10 +67,10 @@ def find_target(
     if not 0 <= jog_register <= 42:
         raise UsageError(f"the first register for jogging is from 0 to 42, not {jog_register}")
     ports: Mapping[str, int] = port_numbers(instance, {})
-    found = (
-        _served(socket or address_of(instance), is_needed=socket is not None) if is_loopback(host) or socket else None
-    )
-    place = (socket or address_of(instance)) if found is not None else None
+    place = socket or (address_of(instance) if is_loopback(host) else None)
+    found = None if place is None else _served(place, is_needed=socket is not None)
+    if found is None:
+        place = None
     return Target(host, found or ports, robot, may_control, place, programs, jog_register)
 
 
