@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import Callable, Coroutine, Sequence
+from collections.abc import Callable, Coroutine, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, Final
 
@@ -37,7 +37,7 @@ GUIDING_SINCE: Final = (2, 14)
 """Firmware that brought `freedrive_mode`."""
 
 Message = dict[str, Any]
-Take = Callable[[Message | bytes], None]
+Take = Callable[[Mapping[str, Any] | bytes], None]
 
 
 class ConnectedController:

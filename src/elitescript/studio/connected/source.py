@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 from elitescript import __version__
 from elitescript.conversation import messages as asked
@@ -13,14 +13,7 @@ from elitescript.studio.connected.commands import FAULTS
 from elitescript.studio.connected.controller import ConnectedController
 
 
-class Listener(Protocol):
-    """Takes what a source says; neither method blocks."""
-
-    def message(self, message: Mapping[str, Any]) -> None:
-        """Take a message."""
-
-    def rows(self, frame: bytes) -> None:
-        """Take a frame of rows."""
+Send = Callable[[Mapping[str, Any] | bytes], None]
 
 
 class ConnectedSource:
@@ -29,53 +22,36 @@ class ConnectedSource:
     Args:
         controller: the connections, which all pages share.
         abilities: what the page can do besides, such as open and save files.
-        settings: what the page has asked to remember.
     """
 
-    def __init__(
-        self,
-        controller: ConnectedController,
-        abilities: Sequence[str] = (),
-        settings: Mapping[str, Any] | None = None,
-    ) -> None:
+    def __init__(self, controller: ConnectedController, abilities: Sequence[str] = ()) -> None:
         self._controller = controller
         self._abilities = tuple(abilities)
-        self._settings = settings
-        self._listener: Listener | None = None
+        self._send: Send = _nowhere
 
-    async def start(self, listener: Listener) -> None:
-        """Say `hello`, `scene` and what is known; then every change."""
+    async def start(self, send: Send) -> None:
+        """Send `hello`, `scene` and what is known; then every change.
+
+        Args:
+            send: takes messages, and frames of rows; does not block.
+        """
         controller = self._controller
-        self._listener = listener
-        listener.message(
-            hello(
-                "connected",
-                f"elitescript {__version__}",
-                (*controller.abilities, *self._abilities),
-                controller.title,
-                programs=controller.target.programs or None,
-                settings=self._settings,
-            )
-        )
-        controller.join(self._take)
+        self._send = send
+        product, programs = f"elitescript {__version__}", controller.target.programs or None
+        abilities = (*controller.abilities, *self._abilities)
+        send(hello("connected", product, abilities, controller.title, programs=programs))
+        controller.join(send)
 
-    def _take(self, message: Mapping[str, Any] | bytes) -> None:
-        assert self._listener is not None
-        if isinstance(message, bytes):
-            self._listener.rows(message)
-        else:
-            self._listener.message(message)
-
-    async def message(self, message: asked.ToSource) -> None:
+    async def take(self, message: asked.ToSource) -> None:
         """Do what the page asks for, or refuse it in words; messages that are not for a controller are left out."""
         ask = getattr(message, "ask", None)
         try:
             text = await self._obey(message)
         except ElitescriptError as error:
-            self._take(refused(str(error), ask))
+            self._send(refused(str(error), ask))
         else:
             if ask is not None and text is not None:
-                self._take({"type": "done", "ask": ask, "text": text})
+                self._send({"type": "done", "ask": ask, "text": text})
 
     async def _obey(self, message: asked.ToSource) -> str | None:
         """Do it; return what the page is answered, None for nothing."""
@@ -116,4 +92,8 @@ class ConnectedSource:
         """Stop what the page has begun: jogging, hand guiding."""
         if self._controller.jogger is not None:
             self._controller.jogger.release(self)
-        self._controller.leave(self._take)
+        self._controller.leave(self._send)
+
+
+def _nowhere(_message: Mapping[str, Any] | bytes) -> None:
+    pass
