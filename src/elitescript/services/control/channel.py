@@ -325,7 +325,12 @@ def ask(path: Path, verb: str, arguments: list[str], values: dict[str, Any], *, 
 
 
 async def exchange(
-    path: Path, verb: str, arguments: Sequence[str] = (), values: Mapping[str, Any] | None = None, *, waits: bool = False
+    path: Path,
+    verb: str,
+    arguments: Sequence[str] = (),
+    values: Mapping[str, Any] | None = None,
+    *,
+    waits: bool = False,
 ) -> dict[str, Any]:
     """Ask a served robot, see `ask`; for processes that have an event loop."""
     reader, writer, token = await _connect(path)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Coroutine, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, Final
 
-from elitescript.client.connecting import LinkError, keep_connected
+from elitescript.client.connecting import BACKOFF_S, LinkError, keep_connected
 from elitescript.client.dashboard import DashboardClient, dashboard_client
 from elitescript.client.primary import PrimaryClient, primary_client
 from elitescript.client.primary_messages import RobotState, RobotText
@@ -30,6 +30,8 @@ from elitescript.studio.connected.trail import Trail
 
 ASK_S: Final = 1.0
 """Between two rounds of questions at the dashboard."""
+GRACE_S: Final = 0.5
+"""After which the primary port's states are shown where RTSI is not there."""
 PROGRAM_S: Final = 3.0
 """Longest time for a program that was sent to be seen running."""
 REPORTS_KEPT: Final = 500
@@ -45,14 +47,16 @@ class ConnectedController:
 
     Args:
         target: which controller.
+        backoff_s: pauses between attempts to connect.
 
     Attributes:
         picture: what is known of it.
         jogger: moves the arm for the pages; None without control.
     """
 
-    def __init__(self, target: Target) -> None:
+    def __init__(self, target: Target, backoff_s: tuple[float, ...] = BACKOFF_S) -> None:
         self.target = target
+        self._backoff_s = backoff_s
         self.picture = Picture(f"{target.host}:{target.ports['primary']}")
         self._pages: list[Take] = []
         self._tasks: list[asyncio.Task[None]] = []
@@ -64,6 +68,8 @@ class ConnectedController:
         self._primary: PrimaryClient | None = None
         self._dashboard: DashboardClient | None = None
         self._has_rtsi = False
+        self._rtsi_ended_s = 0.0
+        """Time of the loop."""
         self._takes_registers = True
         self._firmware: tuple[int, ...] = ()
         self._popups = 0
@@ -85,6 +91,7 @@ class ConnectedController:
 
     async def open(self) -> None:
         """Begin to connect; a controller that is not there is tried again and again."""
+        self._rtsi_ended_s = asyncio.get_running_loop().time()
         sessions: list[tuple[str, Callable[[], Coroutine[Any, Any, None]]]] = [
             ("rtsi", self._watch_rtsi),
             ("primary", self._watch_primary),
@@ -93,7 +100,9 @@ class ConnectedController:
         if self.target.control_socket is not None:
             sessions.append(("ctl", self._watch_ctl))
         for name, session in sessions:
-            self._tasks.append(asyncio.create_task(keep_connected(session, self._lost(name)), name=name))
+            self._tasks.append(
+                asyncio.create_task(keep_connected(session, self._lost(name), self._backoff_s), name=name)
+            )
 
     async def close(self) -> None:
         """Stop what was begun here, and hang up."""
@@ -152,12 +161,15 @@ class ConnectedController:
             try:
                 while True:
                     for layout, payload in await client.packages():
+                        if not self._has_rtsi:
+                            self._has_rtsi = True
+                            self.picture.forget()
                         self.picture.take_package(layout.values(layout.flat(payload)))
                         if layout is pictures:
-                            self._has_rtsi = True
                             self._publish()
             finally:
                 self._has_rtsi = False
+                self._rtsi_ended_s = asyncio.get_running_loop().time()
 
     async def _watch_primary(self) -> None:
         target = self.target
@@ -186,7 +198,7 @@ class ConnectedController:
             if made is not None and made != self._scene:
                 self._scene = made
                 self._tell(made)
-        if not self._has_rtsi:
+        if not self._has_rtsi and asyncio.get_running_loop().time() - self._rtsi_ended_s > GRACE_S:
             self.picture.take_state(state)
             self._publish()
 
@@ -460,6 +472,7 @@ class ConnectedController:
         Raises:
             UsageError: they do not; says why.
         """
+        self.check_control()
         if self._firmware and self._firmware[:2] < GUIDING_SINCE:
             version = ".".join(map(str, GUIDING_SINCE))
             raise UsageError(f"firmware {self.picture.firmware} has no freedrive_mode; {version} brought it")

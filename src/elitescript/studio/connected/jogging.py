@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 HOLD_S: Final = 0.3
 """Without a message of the page for this long, the arm stops."""
-QUIET_S: Final = 0.2
+QUIET_S: Final = 0.14
 """Without a heartbeat for this long, the controller's program stops the arm by itself."""
 BEATS_HZ: Final = 50.0
 STEP_S: Final = 0.02

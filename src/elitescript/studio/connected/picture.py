@@ -34,6 +34,9 @@ VARIABLES: Final = (
 )
 """Variables of the recipe of pictures; a controller may lack any but the joints."""
 
+LEAP_TICKS: Final = 60 * TICKS_PER_S
+"""Longest gap in time that is shown as one."""
+
 Kind = TypeVar("Kind", bound=Mode)
 
 _MICROSECONDS_PER_S: Final = 1e6
@@ -98,37 +101,36 @@ class Picture:
         """Take a robot state of the primary port, for controllers without RTSI."""
         mode, joints = state.part(ROBOT_MODE), state.part(JOINTS)
         cartesian, board = state.part(CARTESIAN), state.part(MASTER_BOARD)
+        values: dict[str, WireValue] = {}
         if mode is not None:
-            time_us = mode["timestamp"]
-            is_paused, is_playing = mode["task paused"], mode["task running"]
-            self.take_package(
-                {
-                    "timestamp": time_us / _MICROSECONDS_PER_S if isinstance(time_us, int) else 0.0,
-                    "robot_mode": mode["robot mode"],
-                    "runtime_state": int(
-                        TaskState.PAUSED if is_paused else TaskState.PLAYING if is_playing else TaskState.STOPPED
-                    ),
-                    "target_speed_fraction": mode["target speed fraction"],
-                }
-            )
+            time_us, is_paused, is_playing = mode["timestamp"], mode["task paused"], mode["task running"]
+            task = TaskState.PAUSED if is_paused else TaskState.PLAYING if is_playing else TaskState.STOPPED
+            values |= {
+                "timestamp": time_us / _MICROSECONDS_PER_S if isinstance(time_us, int) else 0.0,
+                "robot_mode": mode["robot mode"],
+                "runtime_state": int(task),
+                "target_speed_fraction": mode["target speed fraction"],
+            }
         if joints is not None:
-            self.take_package(
-                {
-                    "actual_joint_positions": joints["actual position"],
-                    "target_joint_positions": joints["target position"],
-                    "actual_joint_speeds": joints["actual velocity"],
-                }
-            )
+            values |= {
+                "actual_joint_positions": joints["actual position"],
+                "target_joint_positions": joints["target position"],
+                "actual_joint_speeds": joints["actual velocity"],
+            }
         if cartesian is not None:
-            self.take_package({"actual_TCP_pose": cartesian["TCP pose"]})
+            values["actual_TCP_pose"] = cartesian["TCP pose"]
         if board is not None:
-            self.take_package(
-                {
-                    "safety_status": board["safety mode"],
-                    "actual_digital_input_bits": board["digital inputs"],
-                    "actual_digital_output_bits": board["digital outputs"],
-                }
-            )
+            values |= {
+                "safety_status": board["safety mode"],
+                "actual_digital_input_bits": board["digital inputs"],
+                "actual_digital_output_bits": board["digital outputs"],
+            }
+        self.forget()
+        self.take_package(values)
+
+    def forget(self) -> None:
+        """Forget the values: what follows is from another port, which may not have all of them."""
+        self.values.clear()
 
     # ---------------------------------------------------------------- what is known
 
@@ -169,8 +171,8 @@ class Picture:
         return self.robot_mode is RobotMode.RUNNING and self.safety_mode in MAY_MOVE
 
     def begins_anew(self, last_tick: int) -> bool:
-        """Return whether the controller's time is before that of the last row: it was restarted."""
-        return self.tick < last_tick
+        """Return whether the controller's time does not go on from that of the last row: it was restarted, or away."""
+        return not 0 <= self.tick - last_tick <= LEAP_TICKS
 
     def begin(self) -> None:
         """Count the page's time from now."""

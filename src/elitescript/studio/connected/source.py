@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, Final
 
 from elitescript import __version__
 from elitescript.conversation import messages as asked
@@ -12,6 +13,8 @@ from elitescript.errors import ElitescriptError, UsageError
 from elitescript.studio.connected.commands import FAULTS
 from elitescript.studio.connected.controller import ConnectedController
 
+WAITING_MAX: Final = 20
+"""Messages of a page that may wait for the controller's answers at a time."""
 
 Send = Callable[[Mapping[str, Any] | bytes], None]
 
@@ -28,6 +31,7 @@ class ConnectedSource:
         self._controller = controller
         self._abilities = tuple(abilities)
         self._send: Send = _nowhere
+        self._waiting: set[asyncio.Task[None]] = set()
 
     async def start(self, send: Send) -> None:
         """Send `hello`, `scene` and what is known; then every change.
@@ -43,8 +47,21 @@ class ConnectedSource:
         controller.join(send)
 
     async def take(self, message: asked.ToSource) -> None:
-        """Do what the page asks for, or refuse it in words; messages that are not for a controller are left out."""
-        ask = getattr(message, "ask", None)
+        """Do what the page asks for, or refuse it in words; messages that are not for a controller are left out.
+
+        Returns before the controller has answered: the end of a jog or an emergency stop must not wait for it.
+        """
+        if isinstance(message, asked.Jog | asked.JogEnd):
+            await self._answer(message)
+        elif len(self._waiting) < WAITING_MAX or _is_urgent(message):
+            task = asyncio.create_task(self._answer(message))
+            self._waiting.add(task)
+            task.add_done_callback(self._waiting.discard)
+        else:
+            self._send(refused("the controller has not answered to what was asked for before", _ask_of(message)))
+
+    async def _answer(self, message: asked.ToSource) -> None:
+        ask = _ask_of(message)
         try:
             text = await self._obey(message)
         except ElitescriptError as error:
@@ -93,6 +110,15 @@ class ConnectedSource:
         if self._controller.jogger is not None:
             self._controller.jogger.release(self)
         self._controller.leave(self._send)
+        self._send = _nowhere
+
+
+def _is_urgent(message: asked.ToSource) -> bool:
+    return isinstance(message, asked.Control) and message.action in ("emergency_stop", "stop", "power_off")
+
+
+def _ask_of(message: asked.ToSource) -> int | None:
+    return getattr(message, "ask", None)
 
 
 def _nowhere(_message: Mapping[str, Any] | bytes) -> None:
