@@ -9,7 +9,7 @@ from collections import Counter
 from contextlib import suppress
 from errno import EACCES
 from hashlib import sha256
-from itertools import takewhile
+from itertools import chain, count, takewhile
 from pathlib import Path
 from secrets import token_hex
 from typing import Final
@@ -28,6 +28,9 @@ PROGRAMS_MAX: Final = 1000
 
 _LOOKED_AT_MAX: Final = 20_000
 """Entries of a folder that are looked at to find them: it may be somebody's whole home."""
+
+_FIRST_MAX: Final = 20
+"""Programs of a folder of which one must be readable for a page to begin with it."""
 
 NEW_NAME: Final = f"program{SUFFIX}"
 """Name of the new program that a folder without programs begins with."""
@@ -72,7 +75,7 @@ class Programs:
         UsageError: there can be no program at this path.
     """
 
-    __slots__ = ("_only", "folder")
+    __slots__ = ("folder", "only")
 
     def __init__(self, path: Path) -> None:
         try:
@@ -80,7 +83,7 @@ class Programs:
             is_folder = real.is_dir()
         except (OSError, ValueError, RuntimeError) as error:
             raise UsageError(f"{path}: {error}") from None
-        self._only: str | None = None if is_folder else real.name
+        self.only: str | None = None if is_folder else real.name
         self.folder = real if is_folder else real.parent
         if not self.folder.is_dir():
             raise UsageError(f"{path}: there is no folder {self.folder}")
@@ -88,12 +91,12 @@ class Programs:
     @property
     def title(self) -> str:
         """Name of the file or of the folder."""
-        return self._only or self.folder.name or str(self.folder)
+        return self.only or self.folder.name or str(self.folder)
 
     def names(self) -> list[str]:
         """Return the programs, relative to the folder with `/`, in alphabetical order; hidden folders are left out."""
-        if self._only is not None:
-            return [self._only]
+        if self.only is not None:
+            return [self.only]
         found: list[str] = []
         looked_at = 0
         for home, folders, files in os.walk(self.folder):
@@ -105,10 +108,14 @@ class Programs:
                 break
         return sorted(found)[:PROGRAMS_MAX]
 
-    def first(self) -> str:
-        """Return the name of the program that a page begins with."""
-        names = self.names()
-        return names[0] if names else NEW_NAME
+    def first_names(self) -> list[str]:
+        """Return the programs that a page may begin with, the first choice first."""
+        return [*self.names()[:_FIRST_MAX], *([] if self.only else [self._new_name()])]
+
+    def _new_name(self) -> str:
+        """Return the name of a program that the folder does not have."""
+        numbered = (f"program_{number}{SUFFIX}" for number in count(2))
+        return next(name for name in chain((NEW_NAME,), numbered) if not (self.folder / name).exists())
 
     def path(self, name: str) -> Path:
         """Return the path of a program, without links.
@@ -119,10 +126,10 @@ class Programs:
         Raises:
             UsageError: it is none of the programs that may be opened.
         """
-        if self._only is not None:
-            if name != self._only:
+        if self.only is not None:
+            if name != self.only:
                 raise UsageError(
-                    f"{name!r:.200}: only {self._only} is open; start the studio with its folder for others"
+                    f"{name!r:.200}: only {self.only} is open; start the studio with its folder for others"
                 )
             return self.folder / name
         given = Path(name)

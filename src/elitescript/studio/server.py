@@ -37,6 +37,9 @@ PAGES_MAX: Final = 16
 OPENING_S: Final = 10.0
 """Time that a request may take to arrive, s."""
 
+CLOSING_S: Final = 1.0
+"""Time that a page has to say goodbye, s."""
+
 POLICY: Final = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src data: blob:; connect-src 'self'; "
     "worker-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
@@ -122,6 +125,7 @@ class Door:
             server_header=None,
             compression=None,
             open_timeout=OPENING_S,
+            close_timeout=CLOSING_S,
             max_size=MESSAGE_BYTES_MAX,
             write_limit=BUFFERED_BYTES,
             logger=silent,

@@ -8,27 +8,59 @@ import signal
 import sys
 import threading
 import webbrowser
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 from elitescript.errors import UsageError
-from elitescript.studio.files import Programs
+from elitescript.kernel.options import robot_options
+from elitescript.studio.files import Programs, read
+from elitescript.studio.live_source import LiveSource
+from elitescript.studio.memory import Memory, state_folder
+from elitescript.studio.meshes import Meshes
 from elitescript.studio.outbox import Outbox
 from elitescript.studio.server import Door
-from elitescript.studio.session import Session
+from elitescript.studio.session import Session, Workplace
+from elitescript.world_file import load_world_file
 
 
-def serve_studio(path: Path, port: int, *, opens_browser: bool) -> int:
+def workplace(path: Path, given: Mapping[str, Any], world: str | None, urdf: str | None) -> Workplace:
+    """Return what the command line names, looked at.
+
+    Args:
+        path: of a program or a folder.
+        given: options of the robot.
+        world: path of the world file; None without one.
+        urdf: path of a description of the arm; None without one.
+
+    Raises:
+        UsageError: something of it makes no sense.
+    """
+    programs = Programs(path)
+    if programs.only is not None:
+        read(programs.path(programs.only))
+    robot_options(given, {} if world is None else load_world_file(world).options)
+    return Workplace(
+        programs,
+        Memory(state_folder()),
+        given,
+        None if world is None else Path(world).resolve(),
+        None if urdf is None else Meshes(Path(urdf)),
+    )
+
+
+def serve_studio(place: Workplace, port: int, *, opens_browser: bool) -> int:
     """Serve until SIGINT or SIGTERM; return the exit code.
 
     Raises:
-        UsageError: nothing can be served; nothing has been started then.
+        UsageError: the port cannot be had.
     """
-    programs = Programs(path)
 
     async def begin(outbox: Outbox) -> Session:
-        session = Session(programs, outbox)
+        urdf = "" if place.meshes is None else place.meshes.name
+        session = Session(place, LiveSource(place.programs.title, place.given, urdf), outbox.put)
         await session.begin()
         return session
 
