@@ -139,8 +139,8 @@ class ConnectedController:
     def abilities(self) -> tuple[str, ...]:
         """What the page can do."""
         if not self.target.may_control:
-            return ("live",)
-        return ("live", "control", "signals", *(("faults",) if self.target.control_socket is not None else ()))
+            return ("live", "edit")
+        return ("live", "edit", "control", "signals", *(("faults",) if self.target.control_socket is not None else ()))
 
     # ---------------------------------------------------------------- what comes from the ports
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 from elitescript import __version__
@@ -24,12 +24,10 @@ class ConnectedSource:
 
     Args:
         controller: the connections, which all pages share.
-        abilities: what the page can do besides, such as open and save files.
     """
 
-    def __init__(self, controller: ConnectedController, abilities: Sequence[str] = ()) -> None:
+    def __init__(self, controller: ConnectedController) -> None:
         self._controller = controller
-        self._abilities = tuple(abilities)
         self._send: Send = _nowhere
         self._waiting: set[asyncio.Task[None]] = set()
 
@@ -42,8 +40,7 @@ class ConnectedSource:
         controller = self._controller
         self._send = send
         product, programs = f"elitescript {__version__}", controller.target.programs or None
-        abilities = (*controller.abilities, *self._abilities)
-        send(hello("connected", product, abilities, controller.title, programs=programs))
+        send(hello("connected", product, controller.abilities, controller.title, programs=programs))
         controller.join(send)
 
     async def take(self, message: asked.ToSource) -> None:
