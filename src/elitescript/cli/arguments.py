@@ -344,6 +344,19 @@ def add_studio(parser: Parser) -> None:
         "--connect", metavar="HOST", help="show the controller at this address through its ordinary ports instead"
     )
     parser.add_argument("--control", action="store_true", help="with --connect: commands too, not only looking")
+    parser.add_argument(
+        "--instance", type=int, default=0, metavar="N", help="with --connect: which robot of a serve (default 0)"
+    )
+    parser.add_argument(
+        "--socket", metavar="PATH", help="with --connect: the ctl address of a robot that is served on this computer"
+    )
+    parser.add_argument(
+        "--jog-register",
+        type=int,
+        metavar="N",
+        help="with --control: first of the RTSI input registers that jogging writes, two integer and six float ones "
+        "(default 40)",
+    )
 
 
 def add_commands(parser: Parser) -> None:
