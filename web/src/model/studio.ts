@@ -48,6 +48,8 @@ export interface Editor {
   focus(): void;
 }
 
+export type ViewName = "fit" | "front" | "side" | "top" | "iso";
+
 export interface Notice {
   readonly id: number;
   readonly severity: "information" | "warning" | "error";
@@ -112,6 +114,8 @@ export class Studio implements Listener {
   readonly rate = signal(1);
   /** Thread whose statements `step` goes by. */
   readonly thread = signal("main");
+  /** What a key asks the view of the arm for; each press is a new object. */
+  readonly view = signal<{ readonly to: ViewName } | null>(null);
   readonly settings = new Settings();
   readonly display = this.settings.display;
   /** Set by the region Program while it is there. */
