@@ -9,6 +9,10 @@ import type { Drawing } from "./drawing.ts";
 import { addPart, noTriangles } from "./shapes.ts";
 import { readUrdf, type Shape } from "./urdf.ts";
 
+/** Answers of the service `mesh`: without a name the description, with one a file that it names. */
+interface Description { readonly name: string; readonly text: string }
+interface File { readonly name: string; readonly base64: string }
+
 /** Reads a file that the URDF names. */
 export type ReadFile = (name: string) => Promise<ArrayBuffer>;
 
@@ -22,17 +26,22 @@ export async function userPieces(drawing: Drawing): Promise<void> {
     drawing.pieces.value = null;
     return;
   }
-  const read: ReadFile = async (file) => bytesOf(await studio.ask("mesh", { file }));
+  const read: ReadFile = async (file) => {
+    const { base64 } = (await studio.ask("mesh", { file })) as unknown as File;
+    return Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0)).buffer;
+  };
   try {
-    const pieces = await loadPieces(urdf, scene, read);
+    const { text } = (await studio.ask("mesh")) as unknown as Description;
+    const pieces = await loadPieces(text, scene, read);
     if (studio.scene.peek() === scene) drawing.pieces.value = pieces;
   } catch (error) {
     if (studio.scene.peek() === scene) drawing.meshFault.value = `${urdf}: ${error instanceof Error ? error.message : String(error)}`;
   }
 }
 
+/** Returns the shapes of a URDF in the links of the arm. Throws an Error that says what is not understood. */
 export async function loadPieces(urdf: string, scene: Pick<Scene, "robot" | "dh">, read: ReadFile): Promise<Piece[]> {
-  const shapes = readUrdf(new TextDecoder().decode(await read(urdf)), scene);
+  const shapes = readUrdf(urdf, scene);
   const files = new Map<string, Promise<ArrayBuffer>>();
   for (const { form } of shapes) if (form.kind === "mesh" && !files.has(form.file)) files.set(form.file, read(form.file));
   const pieces = await Promise.all(shapes.map(async (shape) => piecesOfShape(shape, shape.form.kind === "mesh" ? await files.get(shape.form.file)! : null)));
@@ -93,10 +102,4 @@ function readCollada(bytes: ArrayBuffer): readonly Loaded[] {
     found.push({ geometry, color: material?.color === undefined ? "" : `#${material.color.getHexString()}` });
   });
   return found;
-}
-
-/** Bytes of an answer of the source, which is base64. */
-function bytesOf(answer: unknown): ArrayBuffer {
-  const text = typeof answer === "string" ? answer : String((answer as { data?: unknown })?.data ?? "");
-  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
 }
