@@ -327,9 +327,8 @@ def add_studio(parser: Parser) -> None:
     parser.add_argument(
         "path",
         nargs="?",
-        default=".",
         metavar="FILE|FOLDER",
-        help="a program, which need not exist yet, or a folder of programs (default: this folder)",
+        help="a program, which need not exist yet, or a folder of programs (default: this one; with --connect none)",
     )
     parser.add_argument(
         "--port", type=int, default=0, metavar="N", help="port of this computer (default: any free one)"
@@ -344,6 +343,19 @@ def add_studio(parser: Parser) -> None:
         "--connect", metavar="HOST", help="show the controller at this address through its ordinary ports instead"
     )
     parser.add_argument("--control", action="store_true", help="with --connect: commands too, not only looking")
+    parser.add_argument(
+        "--instance", type=int, default=0, metavar="N", help="with --connect: which robot of a serve (default 0)"
+    )
+    parser.add_argument(
+        "--socket", metavar="PATH", help="with --connect: the ctl address of a robot that is served on this computer"
+    )
+    parser.add_argument(
+        "--jog-register",
+        type=int,
+        metavar="N",
+        help="with --control: first of the RTSI input registers that jogging writes, two integer and six float ones "
+        "(default 40)",
+    )
 
 
 def add_commands(parser: Parser) -> None:

@@ -12,6 +12,8 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
 
+    from elitescript.studio.connected.target import Target
+
 
 def studio(options: argparse.Namespace) -> int:
     """Serve the page until a signal comes; return the exit code."""
@@ -19,13 +21,32 @@ def studio(options: argparse.Namespace) -> int:
         raise UsageError(page.NOT_BUILT)
     if not 0 <= options.port <= 65_535:
         raise UsageError(f"--port {options.port}: a port is a number up to 65535 (0: any free one)")
-    if options.control and options.connect is None:
-        raise UsageError("--control goes with --connect: a live run moves no robot")
+    if options.connect is None:
+        for flag in ("control", "instance", "socket", "jog_register"):
+            if getattr(options, flag):
+                raise UsageError(f"--{flag.replace('_', '-')} goes with --connect: a live run has no controller")
     try:
         from elitescript.studio.serving import serve_studio, workplace
     except ModuleNotFoundError as error:
         raise UsageError(
             f"the package {error.name!r} is missing; install it with: pip install 'elitescript[studio]'"
         ) from error
-    place = workplace(Path(options.path), options_from(options), options.world, options.urdf)
-    return serve_studio(place, options.port, opens_browser=not options.no_browser)
+    given = options_from(options)
+    path = options.path or (None if options.connect else ".")
+    place = workplace(path, given, options.world, options.urdf)
+    target = None if options.connect is None else _target(options, given.get("model", ""))
+    return serve_studio(place, options.port, target, opens_browser=not options.no_browser)
+
+
+def _target(options: argparse.Namespace, robot: str) -> Target:
+    from elitescript.studio.connected.target import JOG_REGISTER, find_target
+
+    register: int | None = options.jog_register
+    return find_target(
+        options.connect,
+        instance=options.instance,
+        socket=None if options.socket is None else Path(options.socket),
+        robot=robot,
+        may_control=options.control,
+        jog_register=JOG_REGISTER if register is None else register,
+    )

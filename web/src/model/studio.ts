@@ -331,6 +331,13 @@ export class Studio implements Listener {
     this.seek();
   }
 
+  /** Shows a time on the way of playback, which need not be a tick; `asks`: for the exact state too. */
+  advance(t: number, asks: boolean): void {
+    this.wanted_s = t;
+    this.cursor.value = t;
+    if (asks) this.seek();
+  }
+
   /** Plays from the cursor, from 0 at the end; goes with the controller's time where time goes on by itself. */
   play(): void {
     if (this.can("live")) {
