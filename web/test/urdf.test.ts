@@ -2,6 +2,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { compose, linkFrames, type Transform } from "../src/model/kinematics.ts";
+import { readCollada } from "../src/regions/robot/collada.ts";
 import { readUrdf } from "../src/regions/robot/urdf.ts";
 import { loadPieces } from "../src/regions/robot/user_meshes.ts";
 import { readXml } from "../src/regions/robot/xml.ts";
@@ -99,6 +100,39 @@ test("a mesh is read once, scaled and placed in its link", async () => {
   geometry.computeBoundingBox();
   assert.equal(link, 3);
   near(geometry.boundingBox!.max.toArray().map((value) => Math.round(1e6 * value) / 1e6), [0.102, 0.002, 0]);
+});
+
+const DAE = `<?xml version="1.0"?><COLLADA xmlns="x"><asset><unit meter="0.001"/><up_axis>Y_UP</up_axis></asset>
+<library_effects><effect id="e"><profile_COMMON><technique sid="c"><phong><diffuse><color>1 0 0 1</color></diffuse></phong></technique></profile_COMMON></effect></library_effects>
+<library_materials><material id="m"><instance_effect url="#e"/></material></library_materials>
+<library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="pa" count="12">0 0 0 2 0 0 2 2 0 0 2 0</float_array></source>
+<source id="n"><float_array id="na" count="3">0 0 1</float_array></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<polylist material="paint" count="1"><input semantic="VERTEX" source="#v" offset="0"/><input semantic="NORMAL" source="#n" offset="1"/><vcount>4</vcount><p>0 0 1 0 2 0 3 0</p></polylist>
+</mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node><translate>10 0 0</translate><node><rotate>0 0 1 90</rotate><scale>2 2 2</scale>
+<instance_geometry url="#g"><bind_material><technique_common><instance_material symbol="paint" target="#m"/></technique_common></bind_material></instance_geometry></node></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>`;
+
+test("Collada: unit, nested nodes, polygons, normals and colours", () => {
+  const [surface, ...others] = readCollada(DAE);
+  assert.equal(others.length, 0);
+  const millimetres = surface!.positions.map((value) => Math.round(1e6 * value) / 1e3 + 0);
+  assert.deepEqual(millimetres, [10, 0, 0, 10, 4, 0, 6, 4, 0, 10, 0, 0, 6, 4, 0, 6, 0, 0]);
+  near(surface!.normals!, Array.from({ length: 18 }, (_, i) => (i % 3 === 2 ? 1 : 0)));
+  assert.equal(surface!.color, "#ff0000");
+});
+
+test("Collada: what is wrong is named", () => {
+  assert.throws(() => readCollada("<robot/>"), /line 1: the outermost element is <robot>/);
+  assert.throws(() => readCollada(DAE.replace("2 0 3 0</p>", "2 0 9 0</p>")), /line 8: a corner without a point/);
+  assert.throws(() => readCollada(DAE.replace('<node><rotate>', '<node id="k"><instance_node url="#k"/><rotate>')), /64 nodes inside of each other/);
+});
+
+test("a Collada mesh has the colour of its material", async () => {
+  const { pieces } = await load("meshes/a.dae", DAE);
+  assert.equal(pieces[0]!.color, "#ff0000");
 });
 
 test("meshes that are not understood are named", async () => {

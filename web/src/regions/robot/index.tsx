@@ -133,7 +133,7 @@ function show(drawing: Drawing, canvas: HTMLCanvasElement, labels: HTMLElement, 
     // Frames of a page that nobody sees do not come; what the region says of itself stays true.
     if (pending === 0) pending = document.hidden ? -window.setTimeout(frame, HIDDEN_PAGE_MS) : requestAnimationFrame(frame);
   };
-  const made = isFlat ? new Flat(canvas, () => [text("robot_top"), text("robot_side")]) : stageOf(canvas, labels, request);
+  const made = isFlat ? new Flat(canvas, () => [text("robot_top_short"), text("robot_side_short")]) : stageOf(canvas, labels, request);
   if (made === null) {
     fail();
     return () => {};

@@ -558,7 +558,8 @@ class Lines {
     this.turned.set(Math.abs(now) < 1e-3 ? [] : along(0, now));
     const [min, current, max] = jointTexts;
     return [
-      { text: min, point: at(low, 1.22), kind: "limit" }, { text: max, point: at(high, 1.22), kind: "limit" }, { text: current, point: at(now, 1.16), kind: "ghost" },
+      { text: min, point: at(low, 1.14), kind: "limit low" }, { text: max, point: at(high, 1.14), kind: "limit high" },
+      { text: current, point: at(now, 1.16), kind: "ghost" },
     ];
   }
 }

@@ -7,7 +7,7 @@
 
 import { compose, fromRollPitchYaw, IDENTITY, linkFrames, type Point, type Transform } from "../../model/kinematics.ts";
 import type { Part, Scene, Six } from "../../source/messages.ts";
-import { child, type Element, readXml } from "./xml.ts";
+import { child, children, type Element, readXml } from "./xml.ts";
 
 /** A shape in the frame of a link of the arm, as `Part.link` counts. */
 export interface Shape {
@@ -42,9 +42,9 @@ export function readUrdf(text: string, scene: Pick<Scene, "robot" | "dh">): Shap
   if (/<xacro:|xmlns:xacro/.test(text)) throw new Error("it is a xacro: expand it first (xacro FILE > FILE.urdf)");
   const robot = readXml(text);
   if (robot.name !== "robot") throw new Error(`line ${robot.line}: the outermost element is <${robot.name}>, not <robot>`);
-  const colours = new Map(robot.children.filter(({ name }) => name === "material").map((material) => [material.attributes["name"] ?? "", colourOf(material)]));
-  const links = new Map(robot.children.filter(({ name }) => name === "link").map((link) => [named(link), visualsOf(link, colours)]));
-  const joints = robot.children.filter(({ name }) => name === "joint").map(readJoint);
+  const colours = new Map(children(robot, "material").map((material) => [material.attributes["name"] ?? "", colourOf(material)]));
+  const links = new Map(children(robot, "link").map((link) => [named(link), visualsOf(link, colours)]));
+  const joints = children(robot, "joint").map(readJoint);
   for (const { name, parent, child: other } of joints) {
     for (const link of [parent, other]) if (!links.has(link)) throw new Error(`joint ${name} names a link ${link} that there is not`);
   }
@@ -73,8 +73,8 @@ interface Places {
 }
 
 function placed(links: ReadonlyMap<string, unknown>, joints: readonly Joint[]): Places {
-  const children = new Set(joints.map((joint) => joint.child));
-  const roots = [...links.keys()].filter((link) => !children.has(link));
+  const hanging = new Set(joints.map((joint) => joint.child));
+  const roots = [...links.keys()].filter((link) => !hanging.has(link));
   if (roots.length !== 1) throw new Error(`it has ${roots.length} links that hang on no joint (${roots.slice(0, 3).join(", ")}); one is needed`);
   // The arm: the way through the tree with six joints that turn.
   const chain = longest(roots[0]!, joints).filter(({ type }) => turns(type)).slice(0, JOINTS);
@@ -152,7 +152,7 @@ function readJoint(element: Element): Joint {
 }
 
 function visualsOf(link: Element, colours: ReadonlyMap<string, string>): Visual[] {
-  return link.children.filter(({ name }) => name === "visual").map((visual) => {
+  return children(link, "visual").map((visual) => {
     const material = child(visual, "material");
     const color = material === undefined ? "" : colourOf(material) || (colours.get(material.attributes["name"] ?? "") ?? "");
     return { origin: originOf(visual), color, form: formOf(visual) };

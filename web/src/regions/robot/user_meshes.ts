@@ -1,10 +1,10 @@
 /** The user's own description of the arm: its URDF and meshes, which the source reads from disk. No address is ever loaded. */
 
-import { BufferGeometry, Float32BufferAttribute, type Matrix4, Mesh, LoadingManager } from "three";
-import { ColladaLoader } from "three/addons/loaders/ColladaLoader.js";
+import { BufferGeometry, Float32BufferAttribute } from "three";
 import { STLLoader } from "three/addons/loaders/STLLoader.js";
 import type { Scene } from "../../source/messages.ts";
 import { matrixOf, type Piece } from "./arm.ts";
+import { readCollada } from "./collada.ts";
 import type { Drawing } from "./drawing.ts";
 import { addPart, noTriangles } from "./shapes.ts";
 import { readUrdf, type Shape } from "./urdf.ts";
@@ -78,28 +78,18 @@ interface Loaded {
   readonly color: string;
 }
 
-const READERS: { readonly [ending: string]: (bytes: ArrayBuffer) => readonly Loaded[] } = { stl: readStl, dae: readCollada };
+const READERS: { readonly [ending: string]: (bytes: ArrayBuffer) => readonly Loaded[] } = { stl: readStl, dae: readDae };
 
 function readStl(bytes: ArrayBuffer): readonly Loaded[] {
   return [{ geometry: new STLLoader().parse(bytes), color: "" }];
 }
 
-function readCollada(bytes: ArrayBuffer): readonly Loaded[] {
-  const manager = new LoadingManager();
-  // Textures would be addresses.
-  manager.setURLModifier(() => "data:,");
-  const collada = new ColladaLoader(manager).parse(new TextDecoder().decode(bytes), "");
-  if (collada === null) throw new Error("it is no Collada file");
-  // Descriptions mean the coordinates of the file: its unit counts, its upright axis does not.
-  collada.scene.rotation.set(0, 0, 0);
-  collada.scene.updateMatrixWorld(true);
-  const found: Loaded[] = [];
-  collada.scene.traverse((object) => {
-    if (!(object instanceof Mesh)) return;
-    const geometry = (object.geometry as BufferGeometry).clone().applyMatrix4(object.matrixWorld as Matrix4);
-    if (geometry.getAttribute("normal") === undefined) geometry.computeVertexNormals();
-    const material = [object.material].flat()[0] as { color?: { getHexString(): string } };
-    found.push({ geometry, color: material?.color === undefined ? "" : `#${material.color.getHexString()}` });
+function readDae(bytes: ArrayBuffer): readonly Loaded[] {
+  return readCollada(new TextDecoder().decode(bytes)).map(({ positions, normals, color }) => {
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new Float32BufferAttribute(positions, 3));
+    if (normals === null) geometry.computeVertexNormals();
+    else geometry.setAttribute("normal", new Float32BufferAttribute(normals, 3));
+    return { geometry, color };
   });
-  return found;
 }
