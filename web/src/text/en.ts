@@ -201,7 +201,7 @@ export const en = {
   timeline_event_after: "Next event",
   timeline_zoom_in: "Zoom in",
   timeline_zoom_out: "Zoom out",
-  timeline_fit: "Show the whole run",
+  timeline_fit: "Show all of it",
   timeline_fit_short: "All",
   timeline_to_selection: "Zoom to the selected stretch",
   timeline_to_selection_short: "Selection",
