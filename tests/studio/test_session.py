@@ -15,6 +15,7 @@ from elitescript.errors import UsageError
 from elitescript.studio import session as module
 from elitescript.studio.files import Programs
 from elitescript.studio.memory import Memory
+from elitescript.studio.opened import OpenFile
 from elitescript.studio.session import Session, Workplace
 
 TEXT = "def p():\n  movej([0, -1.57, -1.57, -1.57, 1.57, 0])\nend\n"
@@ -57,8 +58,10 @@ class Page:
         cell.mkdir(exist_ok=True)
         (cell / "a.script").write_text(TEXT)
         (cell / "b.script").write_text("b")
-        place = Workplace(Programs(cell) if has_programs else None, self.memory, {}, world)
-        self.session = Session(place, self.source, self.said.append)
+        programs = Programs(cell) if has_programs else None
+        place = Workplace(programs, self.memory, {}, world)
+        file = None if programs is None else OpenFile(programs, self.memory, self.said.append)
+        self.session = Session(place, self.source, file, self.said.append)
 
     async def take(self, type_: str, **fields: Any) -> None:
         await self.session.take(json.dumps({"type": type_, **fields}))

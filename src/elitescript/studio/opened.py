@@ -64,8 +64,8 @@ class OpenFile:
 
     @property
     def folder(self) -> Path:
-        """The folder of the programs."""
-        return self._programs.folder
+        """The folder of the file, which its program reads and writes files in."""
+        return self._programs.folder if self._path is None else self._path.parent
 
     async def open_first(self) -> None:
         """Open the first program that can be read; a new one if there is none."""

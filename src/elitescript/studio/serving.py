@@ -22,9 +22,11 @@ from elitescript.studio.connected.controller import ConnectedController
 from elitescript.studio.connected.source import ConnectedSource
 from elitescript.studio.connected.target import Target
 from elitescript.studio.files import Programs, read
+from elitescript.studio.live.engine import Setting
 from elitescript.studio.live_source import LiveSource
 from elitescript.studio.memory import Memory, state_folder
 from elitescript.studio.meshes import Meshes
+from elitescript.studio.opened import OpenFile
 from elitescript.studio.outbox import Outbox
 from elitescript.studio.server import Door
 from elitescript.studio.session import Session, Source, Workplace
@@ -80,15 +82,18 @@ async def _serve(place: Workplace, port: int, target: Target | None, *, opens_br
     controller = None if target is None else ConnectedController(target)
 
     async def begin(outbox: Outbox) -> Session:
-        session = Session(place, source(), outbox.put)
+        file = None if place.programs is None else OpenFile(place.programs, place.memory, outbox.put)
+        session = Session(place, source(outbox, file), file, outbox.put)
         await session.begin()
         return session
 
-    def source() -> Source:
+    def source(outbox: Outbox, file: OpenFile | None) -> Source:
         if controller is not None:
             return ConnectedSource(controller)
-        title = "" if place.programs is None else place.programs.title
-        return LiveSource(title, place.given, "" if place.meshes is None else place.meshes.name)
+        assert place.programs is not None and file is not None
+        setting = Setting(place.given, place.world)
+        urdf = "" if place.meshes is None else place.meshes.name
+        return LiveSource(place.programs.title, setting, file, outbox.room, urdf)
 
     door = Door(begin)
     stop = asyncio.Event()

@@ -71,16 +71,17 @@ class Session:
     Args:
         place: that it shares with other pages.
         source: of this page.
+        file: that it has open; None if there is nothing to write.
         send: sends it a message.
     """
 
-    def __init__(self, place: Workplace, source: Source, send: Send) -> None:
+    def __init__(self, place: Workplace, source: Source, file: OpenFile | None, send: Send) -> None:
         self._place = place
         self._source = source
         self._send = send
         self._services = EditorServices(place.given, place.world, place.meshes)
         self._last_runs = LastRuns(self._services.ran)
-        self._file = None if place.programs is None else OpenFile(place.programs, place.memory, send)
+        self._file = file
         self._is_checked_here = False
         """Whether the source does not check texts."""
         self._beside: set[asyncio.Task[None]] = set()
