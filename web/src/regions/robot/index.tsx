@@ -140,6 +140,7 @@ function show(drawing: Drawing, canvas: HTMLCanvasElement, labels: HTMLElement, 
   }
   const frame = () => {
     pending = 0;
+    drawing.refresh();
     const picture = pictureOf(drawing);
     const { joints, t } = drawing.drawn.peek();
     if (picture !== null) {
@@ -152,6 +153,7 @@ function show(drawing: Drawing, canvas: HTMLCanvasElement, labels: HTMLElement, 
   };
   const ends: (() => void)[] = [
     effect(() => {
+      void drawing.growth.value;
       pictureOf(drawing);
       request();
     }),

@@ -11,7 +11,7 @@ import type { Contact, Scene, Six } from "../../source/messages.ts";
 import { ArmObject, edgesOf, ghostLook, matrixOf, type Piece, piecesOf, shadowLook, solidLook } from "./arm.ts";
 import type { Ghost } from "./drawing.ts";
 import { Labels, type Label } from "./labels.ts";
-import { LineObject, piecesThrough, type Stroke, strokesOf } from "./lines.ts";
+import { HairObject, LineObject, piecesThrough, type Stroke, strokesOf } from "./lines.ts";
 import { palette, type Palette } from "./palette.ts";
 
 export type View = "front" | "side" | "top" | "iso";
@@ -410,6 +410,10 @@ function floor({ limits, parts }: Scene, colours: Palette): Group {
 
 // ---------------------------------------------------------------- lines
 
+/** Pieces that a software renderer draws wide. */
+const WIDE_PIECES_MAX = 800;
+const NOTHING = new Float32Array(0);
+
 const AXES: readonly Point[] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 const NAMES = ["x", "y", "z"] as const;
 
@@ -420,6 +424,8 @@ class Lines {
   private readonly scene: Scene;
   private readonly colours: Palette;
   private readonly path: LineObject;
+  private readonly hair: HairObject;
+  private readonly isSoftware: boolean;
   private readonly hidden: LineObject | null;
   private readonly raised: LineObject;
   private readonly stale: LineObject;
@@ -437,7 +443,9 @@ class Lines {
     this.scene = scene;
     this.colours = colours;
     parent.add(this.group);
+    this.isSoftware = software;
     this.path = this.make({ width_px: 2 });
+    this.hair = new HairObject(this.group);
     this.hidden = software ? null : this.make({ width_px: 1.5, opacity: 0.3, isHidden: true, order: 1 });
     this.raised = this.make({ width_px: 5, order: 2 });
     this.stale = this.make({ width_px: 1.5, colour: colours.stale, opacity: 0.7 });
@@ -478,6 +486,7 @@ class Lines {
 
   dispose(): void {
     for (const line of this.made) line.dispose();
+    this.hair.dispose();
     this.group.removeFromParent();
   }
 
@@ -486,8 +495,10 @@ class Lines {
     const { path, speedEnd, isDark } = picture;
     const isNew = last === null || last.path !== path || last.speedEnd !== speedEnd || last.isStale !== picture.isStale;
     if (isNew) {
-      const [positions, colours] = path === null ? [[], undefined] : strokesOf(path, speedEnd, isDark);
-      this.path.set(picture.isStale ? [] : positions, colours);
+      const [positions, colours] = path === null ? [NOTHING, NOTHING] : strokesOf(path, speedEnd, isDark);
+      const isFine = this.isSoftware && positions.length > 6 * WIDE_PIECES_MAX;
+      this.path.set(picture.isStale || isFine ? [] : positions, colours);
+      this.hair.set(picture.isStale || !isFine ? NOTHING : positions, colours);
       this.whole.set(picture.isStale ? positions : []);
       this.hidden?.share(this.path);
     }
