@@ -122,7 +122,8 @@ export class CurveChart {
     const scaled = (values: Float64Array) => values.map((value) => value * factor);
     if (ghost === null || back === undefined) {
       this.ends = own.values.map(scaled);
-      return [own.t, ...names.map(() => new Float64Array(own.t.length).fill(NaN)).map(withGaps), ...this.ends.map(withGaps)];
+      const nothing = new Array<null>(own.t.length).fill(null);
+      return [own.t, ...names.map(() => nothing), ...this.ends.map(withGaps)];
     }
     // Both on one list of times: what one of them does not have is a gap, which is bridged.
     this.ends = own.values.map(scaled);
@@ -130,10 +131,9 @@ export class CurveChart {
     const first = back.t.findIndex((t) => t >= from);
     const t = first < 0 ? back.t.subarray(0, 0) : back.t.subarray(Math.max(first - 1, 0));
     const ghosts = back.values.map((values) => scaled(first < 0 ? values.subarray(0, 0) : values.subarray(Math.max(first - 1, 0))));
-    const nothing = (length: number) => new Array<null>(length).fill(null);
     const order = merge(own.t, t);
     const place = (values: ArrayLike<number>, from_index: Int32Array) => {
-      const made: (number | null)[] = nothing(order.t.length);
+      const made: (number | null)[] = new Array<null>(order.t.length).fill(null);
       for (let index = 0; index < made.length; index++) if (from_index[index]! >= 0) made[index] = values[from_index[index]!]!;
       return made;
     };
@@ -242,7 +242,8 @@ export class CurveChart {
 
 /** uPlot takes null for a gap. */
 function withGaps(values: Float64Array): Float64Array | (number | null)[] {
-  return values.some(Number.isNaN) ? Array.from(values, (value) => (Number.isNaN(value) ? null : value)) : values;
+  for (const each of values) if (Number.isNaN(each)) return Array.from(values, (value) => (Number.isNaN(value) ? null : value));
+  return values;
 }
 
 /** Merges two ascending lists of times; for each time its index in either, or -1. */
