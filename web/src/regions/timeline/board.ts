@@ -531,13 +531,14 @@ export class Board {
     return this.sourceOf.lines;
   }
 
-  /** Place of each line that ran among them: neighbours look different. */
+  /** Place of each line that ran among them: neighbours look different, and the same in the run behind. */
   private orderOf(run: Run | null): ReadonlyMap<number, number> {
-    const all = [...(run?.lines.values() ?? [])];
-    const key = `${run?.number} ${all.map(({ t }) => t.length).join(" ")}`;
+    const runs = [run, this.state.studio.before.peek()].filter((each) => each !== null);
+    const key = runs.map(({ number, lines }) => `${number} ${[...lines.values()].map(({ t }) => t.length).join(" ")}`).join();
     if (this.lineOrder.key !== key) {
-      const lines = [...new Set(all.flatMap(({ line }) => line))].filter((line) => line > 0).sort((a, b) => a - b);
-      this.lineOrder = { key, order: new Map(lines.map((line, index) => [line, index])) };
+      const all = new Set(runs.flatMap(({ lines }) => [...lines.values()].flatMap(({ line }) => line)));
+      const order = [...all].filter((line) => line > 0).sort((a, b) => a - b);
+      this.lineOrder = { key, order: new Map(order.map((line, index) => [line, index])) };
     }
     return this.lineOrder.order;
   }
