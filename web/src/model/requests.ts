@@ -1,6 +1,7 @@
 /** Messages that are answered: each gets a number, and its promise is kept when the answer with that number comes. */
 
 import type { FromSource, ToSource } from "../source/messages.ts";
+import { text } from "../text/text.ts";
 
 /** After which a request has failed; the longest are runs up to a stretch of rows. */
 export const ANSWER_MS = 20_000;
@@ -31,7 +32,7 @@ export class Requests {
   send(message: Request): Promise<FromSource> {
     const ask = this.next++;
     return new Promise((resolve, reject) => {
-      const timer = setTimeout(() => this.fail(ask, `no answer to "${message.type}" in ${ANSWER_MS / 1000} s`), ANSWER_MS);
+      const timer = setTimeout(() => this.fail(ask, text("no_answer", { s: ANSWER_MS / 1000, what: message.type })), ANSWER_MS);
       this.waiting.set(ask, { resolve, reject, timer });
       this.transmit({ ...message, ask });
     });

@@ -48,6 +48,8 @@ export interface Editor {
   focus(): void;
 }
 
+export type ViewName = "fit" | "front" | "side" | "top" | "iso";
+
 export interface Notice {
   readonly id: number;
   readonly severity: "information" | "warning" | "error";
@@ -112,6 +114,8 @@ export class Studio implements Listener {
   readonly rate = signal(1);
   /** Thread whose statements `step` goes by. */
   readonly thread = signal("main");
+  /** What a key asks the view of the arm for; each press is a new object. */
+  readonly view = signal<{ readonly to: ViewName } | null>(null);
   readonly settings = new Settings();
   readonly display = this.settings.display;
   /** Set by the region Program while it is there. */
@@ -202,8 +206,7 @@ export class Studio implements Listener {
   edit(text: string): void {
     if (text === this.text.value && this.version.value > 0) return;
     this.text.value = text;
-    this.version.value++;
-    this.tell();
+    this.changed();
   }
 
   /** Changes the text as one step of the editor's undo. */
@@ -506,16 +509,17 @@ export class Studio implements Listener {
     this.source.send(message);
   }
 
+  /** Another text or other options: a new version, which is told. */
   private changed(): void {
     this.version.value++;
+    this.isOverdue.value = false;
+    clearTimeout(this.overdue);
+    this.overdue = setTimeout(() => (this.isOverdue.value = this.run.value?.version !== this.version.value), STALE_MS);
     this.tell();
   }
 
   /** Tells the text: at once after a pause, else at the end of the pause. */
   private tell(): void {
-    this.isOverdue.value = false;
-    clearTimeout(this.overdue);
-    this.overdue = setTimeout(() => (this.isOverdue.value = this.run.value?.version !== this.version.value), STALE_MS);
     this.isUntold = true;
     if (this.quiet !== undefined) return;
     this.tellNow();
@@ -551,7 +555,7 @@ export class Studio implements Listener {
       this.draftAt.value = draft.at;
       if (draft.seen !== file.digest) this.conflict.value = { why: "draft", theirs: file.text, digest: file.digest };
     }
-    this.pause();
+    this.isPlaying.value = false;
     if (was !== null) this.restart();
     this.text.value = draft?.text ?? file.text;
     this.changed();
@@ -620,9 +624,7 @@ export class Studio implements Listener {
   private grow(): void {
     if (this.can("live")) return;
     this.place();
-    const last = this.run.value?.last;
-    if (last != null && Math.abs(last.t - this.cursor.value) < TICK_S / 4 && !this.isExact.value) this.show(last);
-    else if (!this.isExact.value) this.seek();
+    if (!this.isExact.value) this.seek();
   }
 
   private place(): void {
@@ -637,7 +639,13 @@ export class Studio implements Listener {
   /** Asks for the state at the cursor: one question at a time, then the newest. */
   private seek(): void {
     const run = this.run.value;
-    if (run === null || !this.can("seek") || (run.ended === null && run.known_s < this.cursor.value)) return;
+    if (run === null) return;
+    const { last } = run;
+    if (last !== null && Math.abs(last.t - this.cursor.value) < TICK_S / 4) {
+      this.show(last);
+      return;
+    }
+    if (!this.can("seek") || this.link.value !== "open" || (run.ended === null && run.known_s < this.cursor.value)) return;
     if (this.isSeeking) {
       this.seeksAgain = true;
       return;

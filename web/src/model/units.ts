@@ -2,6 +2,8 @@
  * Units: what people type into SI values, and SI values into what people read. Inside, everything is SI: rad, m, s, N.
  */
 
+import { text } from "../text/text.ts";
+
 export interface Display {
   readonly angle: "rad" | "deg";
   readonly length: "m" | "mm";
@@ -27,17 +29,17 @@ const FACTORS: { readonly [quantity in Quantity]: { readonly [unit: string]: num
 
 const NUMBER = /^\s*([+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:e[+-]?\d+)?)\s*(.*?)\s*$/i;
 
-/** A typed value that is no value; `message` says why, in English. */
+/** A typed value that is no value; `message` says why, for people. */
 export class UnitError extends Error {}
 
 /** Returns what was typed, in SI: `90 deg`, `250 mm/s`, `1.2`. Throws a UnitError. */
 export function parse(typed: string, quantity: Quantity, display?: Display): number {
   const found = NUMBER.exec(typed);
-  if (found === null) throw new UnitError(`"${typed.trim()}" is not a number`);
+  if (found === null) throw new UnitError(text("unit_no_number", { typed: typed.trim() }));
   const factors = FACTORS[quantity];
   const unit = found[2]! || unitOf(quantity, display);
-  const factor = factors[unit] ?? factors[Object.keys(factors).find((name) => name.toLowerCase() === unit.toLowerCase()) ?? ""];
-  if (factor === undefined) throw new UnitError(`"${unit}" is not one of ${Object.keys(factors).filter(Boolean).join(", ")}`);
+  const factor = Object.entries(factors).find(([name]) => name === unit || name.toLowerCase() === unit.toLowerCase())?.[1];
+  if (factor === undefined) throw new UnitError(text("unit_unknown", { unit, units: Object.keys(factors).filter(Boolean).join(", ") }));
   return Number(found[1]) * factor;
 }
 
