@@ -13,7 +13,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from elitescript.devices.surroundings import RobotSettings
+from elitescript.devices.surroundings import REAL, VIRTUAL, RobotSettings
 from elitescript.devices.toml_lines import Path as TomlPath
 from elitescript.devices.toml_lines import lines_of, nearest
 from elitescript.errors import UsageError, did_you_mean
@@ -105,6 +105,32 @@ def load_world_file(
             raise _located(file, text, section, tables.get(section), error) from error
         found.world.settings = found
     return found
+
+
+def closed_world(path: str | Path | None, *, is_trusted: bool = False, may_connect: bool = False) -> World:
+    """Return what is around a robot whose programs reach nothing of this computer.
+
+    Args:
+        path: of a world file, whose options and levels are in `World.settings`; there is nothing around without one.
+        is_trusted: whether the file may name Python files.
+        may_connect: whether what is no device of it may be reached after all.
+
+    Raises:
+        UsageError: an invalid world file, or one that names what it may not.
+    """
+    from elitescript.devices.world import World
+
+    network = REAL if may_connect else VIRTUAL
+    file = None
+    if path:
+        file = load_world_file(path, network=network, is_trusted=is_trusted)
+        if file.world is not None:
+            if file.world.network.outside is not None and not may_connect:
+                raise UsageError(f"{path}: [world] network: {REAL!r} is not allowed here")
+            return file.world
+    world = World(network=network)
+    world.settings = file
+    return world
 
 
 def _huge(value: object, path: TomlPath) -> TomlPath | None:

@@ -249,7 +249,9 @@ def _line_ends(rows: list[str], old_rows: list[str], old_ends: list[str]) -> lis
     room = min(count, len(old_ends))
     before = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(rows[:room], old_rows, strict=False)))
     pairs = zip(reversed(rows[before:]), reversed(old_rows[before:]), strict=False)
-    behind = min(sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs)), room - before)
+    # The last row has no line end.
+    same = max(0, sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs)) - 1)
+    behind = min(same, room - before)
     return old_ends[:before] + [usual] * (count - before - behind) + old_ends[len(old_ends) - behind :]
 
 

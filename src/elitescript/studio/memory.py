@@ -85,9 +85,8 @@ class Memory:
         Raises:
             OSError: it cannot be written.
         """
-        at = datetime.now(UTC).isoformat(timespec="milliseconds")
         # The path is for people that look for a text of theirs.
-        _write(self._file(program, owner), {"path": str(program), **Draft(text, seen, at, owner)._asdict()})
+        _write(self._file(program, owner), {"path": str(program), **Draft(text, seen, _now(), owner)._asdict()})
         for draft in self.drafts(program)[DRAFTS_MAX:]:
             self.drop(program, draft.owner)
 
@@ -129,6 +128,10 @@ def new_owner() -> str:
     return token_hex(8)
 
 
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
 def _name(program: Path) -> str:
     return sha256(os.fsencode(program)).hexdigest()[:32]
 
@@ -150,7 +153,8 @@ def _read(path: Path, size_max: int) -> dict[str, Any]:
 
 
 def _write(path: Path, data: dict[str, Any]) -> None:
-    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    path.parent.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    path.parent.mkdir(mode=0o700, exist_ok=True)
     temporary = path.with_name(f"{path.name}.{token_hex(4)}")
     try:
         with os.fdopen(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:

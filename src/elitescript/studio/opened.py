@@ -163,9 +163,12 @@ class OpenFile:
     # ---------------------------------------------------------------- drafts
 
     async def _keep_soon(self) -> None:
-        await asyncio.sleep(DRAFT_S)
-        async with self._lock:
-            await self._keep()
+        text: str | None = None
+        while text != self._text:
+            await asyncio.sleep(DRAFT_S)
+            async with self._lock:
+                text = self._text
+                await self._keep()
 
     async def _keep(self) -> None:
         """Keep the newest text if it differs from the file; remove the draft if it does no more."""

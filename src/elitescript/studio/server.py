@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import traceback
 from collections.abc import Awaitable, Callable
 from http import HTTPStatus
 from pathlib import PurePosixPath
@@ -79,10 +80,14 @@ class Door:
 
     Args:
         begin: begins the conversation with a page that has connected; what it puts into the outbox is sent.
+        heard: called for each message of a page.
     """
 
-    def __init__(self, begin: Callable[[Outbox], Awaitable[Conversation]]) -> None:
+    def __init__(
+        self, begin: Callable[[Outbox], Awaitable[Conversation]], heard: Callable[[], None] = lambda: None
+    ) -> None:
         self._begin = begin
+        self._heard = heard
         self._token = new_token()
         self._ticket: str | None = None
         self._server: Server | None = None
@@ -137,6 +142,10 @@ class Door:
         """Close the port and all connections; returns when every conversation has ended."""
         if self._server is not None:
             self._server.close()
+            for connection in list(self._connections):
+                if connection not in self._pages:
+                    # What has asked for nothing yet is not waited for.
+                    connection.transport.abort()
             await self._server.wait_closed()
 
     def _connection_class(self) -> type[ServerConnection]:
@@ -194,10 +203,15 @@ class Door:
         try:
             conversation = await self._begin(outbox)
             async for message in connection:
+                self._heard()
                 await conversation.take(message)
         except ConnectionClosed:
             # The page is gone without a goodbye, or has sent too much.
             pass
+        except Exception:
+            traceback.print_exc()
+            # The library ends the connection: the page begins anew.
+            raise
         finally:
             self._pages.discard(connection)
             sending.cancel()

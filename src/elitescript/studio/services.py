@@ -30,6 +30,7 @@ from elitescript.assist import (
 from elitescript.assist.document import Document, Settings
 from elitescript.assist.hover import hover
 from elitescript.assist.last_run import LastRun
+from elitescript.assist.typing_edits import typing_edits
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.page import record
 from elitescript.errors import UsageError
@@ -159,6 +160,9 @@ class Desk:
             rows += (token.line, token.column, token.length, types.index(token.type), bits)
         return {"types": types, "modifiers": modifiers, "rows": rows}
 
+    def _typing(self, place: Place) -> Any:
+        return typing_edits(self._document, place.line, place.column, place.text("typed"))
+
     def _hints(self, place: Place) -> Any:
         return hints.inlay_hints(self._document, place.span(), self.last_run)
 
@@ -219,6 +223,7 @@ _OF_TEXTS: Final[dict[str, Callable[[Desk, Place], Any]]] = {
     "format": Desk._format,
     "tokens": Desk._tokens,
     "hints": Desk._hints,
+    "typing": Desk._typing,
     "folding": Desk._folding,
     "outline": Desk._outline,
 }

@@ -12,8 +12,9 @@ from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from types import FrameType
-from typing import Any
+from typing import Any, Final
 
+from elitescript.environment.collecting import Collector
 from elitescript.errors import UsageError
 from elitescript.kernel.options import robot_options
 from elitescript.studio.connected.controller import ConnectedController
@@ -27,6 +28,9 @@ from elitescript.studio.outbox import Outbox
 from elitescript.studio.server import Door
 from elitescript.studio.session import Session, Source, Workplace
 from elitescript.world_file import load_world_file
+
+SWITCH_S: Final = 0.0005
+"""Time for which a thread holds the interpreter while another one waits for it, s."""
 
 
 def workplace(path: Path, given: Mapping[str, Any], world: str | None, urdf: str | None) -> Workplace:
@@ -66,7 +70,8 @@ def serve_studio(place: Workplace, port: int, target: Target | None = None, *, o
     Raises:
         UsageError: the port cannot be had.
     """
-
+    # The threads of editor services give way to the next message soon.
+    sys.setswitchinterval(SWITCH_S)
     asyncio.run(_serve(place, port, target, opens_browser=opens_browser))
     return 0
 
@@ -84,7 +89,7 @@ async def _serve(place: Workplace, port: int, target: Target | None, *, opens_br
             return ConnectedSource(controller)
         return LiveSource(place.programs.title, place.given, "" if place.meshes is None else place.meshes.name)
 
-    door = Door(begin)
+    door = Door(begin, Collector().message_came)
     stop = asyncio.Event()
     _on_signals(stop)
     try:

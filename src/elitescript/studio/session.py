@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import traceback
-from collections.abc import Callable, Coroutine, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from pathlib import Path
 from typing import Any, Final, Protocol
 
@@ -92,7 +92,7 @@ class Session:
         """Send what a page begins with."""
         await self._source.start(self._from_source)
         await self._file.open_first()
-        self._let(None, self._file.watch())
+        self._let(None, self._file.watch)
 
     async def take(self, text: str | bytes) -> None:
         """Take a message of the page; what is wrong with it is answered."""
@@ -102,7 +102,7 @@ class Session:
             self._send(refused(str(error), ask_of(text)))
             return
         ask: int | None = getattr(message, "ask", None)
-        await self._do(ask, self._dispatch(message))
+        await self._do(ask, self._dispatch, message)
 
     async def close(self) -> None:
         """End everything that goes on for the page; its unsaved text is kept."""
@@ -125,15 +125,15 @@ class Session:
                 if self._asked >= WAITING_MAX:
                     raise UsageError(f"{WAITING_MAX} requests wait for an answer")
                 self._asked += 1
-                self._let(message.ask, self._answer(message))
+                self._let(message.ask, self._answer, message)
             case Save():
-                self._let(message.ask, self._file.save(message))
+                self._let(message.ask, self._file.save, message)
             case Open():
                 # Texts that come next are of this file.
                 await self._file.open(message.name)
                 self._send({"type": "done", "ask": message.ask})
             case Settings():
-                self._let(None, self._keep_settings(message.values))
+                self._let(None, self._keep_settings, message.values)
             case _:
                 await self._source.take(message)
 
@@ -197,16 +197,16 @@ class Session:
 
     # ---------------------------------------------------------------- failures
 
-    def _let(self, ask: int | None, work: Coroutine[Any, Any, None]) -> None:
+    def _let(self, ask: int | None, work: Callable[..., Awaitable[None]], *given: Any) -> None:
         """Let something go on beside the next messages."""
-        task = asyncio.create_task(self._do(ask, work))
+        task = asyncio.create_task(self._do(ask, work, *given))
         self._beside.add(task)
         task.add_done_callback(self._beside.discard)
 
-    async def _do(self, ask: int | None, work: Coroutine[Any, Any, None]) -> None:
+    async def _do(self, ask: int | None, work: Callable[..., Awaitable[None]], *given: Any) -> None:
         """Do something; the page reads what is wrong, and an error of ours is printed with its place."""
         try:
-            await work
+            await work(*given)
         except UsageError as error:
             self._send(notice("warning", str(error)) if ask is None else refused(str(error), ask))
         except Exception as error:
