@@ -142,7 +142,7 @@ class TestPrograms:
 class TestOwnRobot:
     def test_inputs_faults_and_stops(self, monkeypatch, tmp_path):
         async def test():
-            async with driven(monkeypatch, tmp_path) as (_, controller, (page,)):
+            async with driven(monkeypatch, tmp_path) as (_, _, (page,)):
                 assert page.messages[0]["abilities"] == ["live", "edit", "control", "signals", "faults"]
                 assert (await page.ask(type="signal", name="standard_digital_in[3]", value=True))["type"] == "done"
                 await page.until(lambda: page.of("moment")[-1]["moment"]["signals"].get("standard_digital_in[3]"))
@@ -176,7 +176,7 @@ class TestOwnRobot:
 
     def test_a_window_of_a_program_is_closed(self, monkeypatch, tmp_path):
         async def test():
-            async with driven(monkeypatch, tmp_path) as (_, controller, (page,)):
+            async with driven(monkeypatch, tmp_path) as (_, _, (page,)):
                 text = 'popup("go on?", "Question", blocking=True)\n'
                 assert (await page.ask(type="send_program", text=text))["type"] == "done"
                 await page.until(lambda: "popup" in page.controller())
