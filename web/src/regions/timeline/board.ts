@@ -31,6 +31,9 @@ const TICK_ROOM = 90;
 /** Marks this near to the pointer are under it, px. */
 const REACH = 7;
 
+/** Curves that reach this part of a limit have a sign. */
+const NEAR_LIMIT = 0.95;
+
 /** A pointer that has moved less has clicked, px. */
 const CLICK = 4;
 
@@ -186,6 +189,10 @@ export class Board {
       const chart = this.charts.get(spec.key);
       if (chart === undefined) this.charts.set(spec.key, new CurveChart(holder, spec, input));
       else chart.update(input);
+      this.charts.get(spec.key)!.used.forEach((used, index) => {
+        const element = this.values.get(`used ${spec.columns[index]}`);
+        if (element !== undefined) say(element, used >= NEAR_LIMIT ? `⚠ ${Math.round(100 * used)} %` : "");
+      });
     }
   }
 

@@ -291,6 +291,8 @@ interface LaneNameProps {
 }
 
 function LaneName({ row, name, isChosen, isOpen, state, board }: LaneNameProps) {
+  // The end of a name of a signal or a channel tells it from the others.
+  const isNamed = row.group === "signals" || row.group === "channels";
   const isThread = row.group === "threads" && row.line === 0;
   return (
     <div class={`lane-name${row.line === 0 ? "" : " is-line"}`}>
@@ -300,7 +302,7 @@ function LaneName({ row, name, isChosen, isOpen, state, board }: LaneNameProps) 
         </button>
       )}
       <button
-        type="button" class="lane-choice" aria-pressed={isChosen} title={`${name}\n${text("timeline_choose")}`}
+        type="button" class={isNamed ? "lane-choice from-end" : "lane-choice"} aria-pressed={isChosen} title={`${name}\n${text("timeline_choose")}`}
         onClick={() => (state.chosen.value = isChosen ? null : row.id)}
       >
         <bdi>{name}</bdi>
@@ -336,6 +338,7 @@ function Charts({ state, board }: { state: TimelineState; board: Board }) {
                         J{index + 1}
                       </dt>
                     )}
+                    <dd class="near-limit" ref={(element) => board.value(`used ${column}`, element)} />
                     <dd ref={(element) => board.value(`curve ${column}`, element)} />
                   </div>
                 ))}
