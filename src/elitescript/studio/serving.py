@@ -74,8 +74,6 @@ def serve_studio(place: Workplace, port: int, target: Target | None = None, *, o
         UsageError: the port cannot be had.
     """
 
-    # The threads of editor services give way to the next message soon.
-    sys.setswitchinterval(SWITCH_S)
     asyncio.run(_serve(place, port, target, opens_browser=opens_browser))
     return 0
 
@@ -99,7 +97,7 @@ async def _serve(place: Workplace, port: int, target: Target | None, *, opens_br
             live.belong_to(file, outbox.room)
         return live
 
-    door = Door(begin, Collector().message_came)
+    door = Door(begin)
     stop = asyncio.Event()
     _on_signals(stop)
     try:
