@@ -93,9 +93,9 @@ function Transport({ studio }: { studio: Studio }) {
     <div class="tools transport" role="group" aria-label={text("group_playback")}>
       <Tool name="step_back" icon="step_back" press={() => void studio.step(-1)} hint={text("step_back_hint")} />
       <Tool name="run" icon="run" press={() => studio.play()} showsName class={isRunning ? "primary on" : "primary"} hint={text("run_hint")} />
-      <Tool name="pause" icon="pause" press={() => studio.pause()} hint={text("pause_hint")} />
+      <Tool name="pause" icon="pause" press={() => studio.pressPause()} hint={text("pause_hint")} />
       <Tool name="step" icon="step" press={() => void studio.step(1)} hint={text("step_hint")} />
-      <Tool name="stop" icon="stop" press={() => studio.stopAll()} hint={text("stop_hint")} />
+      <Tool name="stop" icon="stop" press={() => studio.pressStop()} hint={text("stop_hint")} />
       <select
         class="rate" aria-label={text("rate")} title={text("rate")} value={String(studio.rate.value)}
         onChange={(event) => (studio.rate.value = Number(event.currentTarget.value))}
