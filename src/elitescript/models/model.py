@@ -24,6 +24,22 @@ MODELS_KEPT: Final = 16
 JOINT_NAMES: Final = ("base", "shoulder", "elbow", "wrist1", "wrist2", "wrist3")
 LINK_NAMES: Final = ("shoulder", "upperarm", "forearm", "wrist_1", "wrist_2", "wrist_3")
 
+OUTLINE: Final[dict[str, tuple[str, ...]]] = {
+    "base": ("radius",),
+    "shoulder": ("radius", "z_from", "z_to", "y_to"),
+    "upperarm_housing": ("radius", "z_to"),
+    "upperarm_tube": ("radius_first", "radius", "z"),
+    "elbow_housing": ("radius", "z_to"),
+    "forearm_housing": ("radius", "z_from", "z_to"),
+    "forearm_tube": ("radius_first", "radius", "z"),
+    "forearm_end": ("radius", "z_from", "z_to"),
+    "wrist_1": ("radius", "y_from", "y_to"),
+    "wrist_2": ("radius", "y_from", "y_to"),
+    "wrist_3": ("radius", "y_from", "y_to"),
+}
+"""Rows of `[outline]` and what their numbers are, m, in link frames: the housings and tubes of the arm as bodies. Where
+two links meet, one of them has the number, and the other's follows from it and the lengths; see `solids.arm`."""
+
 
 @record
 class JointLimit:
@@ -186,6 +202,20 @@ class RobotModel:
             path = "joints.qdd_max"
         return self.sources.source(path)
 
+    @property
+    def outline(self) -> dict[str, dict[str, float]] | None:
+        """The numbers of `OUTLINE` by row and name, m; None if the model's file has none.
+
+        Raises:
+            UsageError: a row of another length, or something that is no number.
+        """
+        if not any(f"outline.{row}" in self.sources for row in OUTLINE):
+            return None
+        return {
+            row: dict(zip(names, self.sources.row(f"outline.{row}", len(names)), strict=True))
+            for row, names in OUTLINE.items()
+        }
+
     def calibrated(
         self,
         a: Sequence[float] | None = None,
@@ -312,6 +342,7 @@ _KNOWN_KEYS: Final = frozenset(
         *(f"joints.{name}" for name in _JOINT_ROWS),
         *(f"links.{link}.{name}" for link in LINK_NAMES for name in ("mass", "com", "inertia")),
         *(f"safety.{level}.{name}" for level in ("normal", "reduced") for name in _SAFETY_LEVEL),
+        *(f"outline.{name}" for name in OUTLINE),
     )
 )
 
