@@ -40,6 +40,7 @@ def look(link: Link, request: Mapping[str, Any], jail: Callable[[], None]) -> No
     run, job = request["run"], job_of(request["job"])
     try:
         prepared = PreparedJob(job)
+        jail()
         session = DebugSession(
             ProgramSource(
                 code_name(job.name),
