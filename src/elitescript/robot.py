@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from elitescript.kernel.option_keywords import RobotKeywords
     from elitescript.runtime.environment import Channels
     from elitescript.runtime.host import ScriptHost
+    from elitescript.solids.cell import Cell
     from elitescript.solids.contacts import Contact, ContactWatch
 
 IDLE_TICKS: Final = ticks_for(1.0)
@@ -199,6 +200,11 @@ class VirtualRobot:
     def host(self) -> ScriptHost:
         """What runs its programs."""
         return self._host
+
+    @property
+    def cell(self) -> Cell | None:
+        """Solids beside it and on its flange, of its world file; None without any."""
+        return self._cell
 
     def threads(self) -> tuple[Any, ...]:
         """Return every script thread: name, line and what it waits for."""
@@ -669,13 +675,7 @@ class VirtualRobot:
 
     def _contact(self, contact: Contact, tick: int) -> None:
         """Warn of a contact."""
-        words = f"{contact.first} touches {contact.second}: {-1000.0 * contact.distance_m:.1f} mm deep"
-        when = (
-            f"at {contact.t:.3f} s"
-            if contact.t == seconds(tick)
-            else f"at {contact.t:.3f} s, from {contact.start_s:.3f} s on"
-        )
-        self._event(Warned(tick, f"{words} {when}", "main", contact.line, "W273"))
+        self._event(Warned(tick, contact.text, "main", contact.line, "W273"))
 
     def _report_stuck(self) -> None:
         threads = self.threads()

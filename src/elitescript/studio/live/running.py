@@ -31,9 +31,10 @@ from elitescript.plotting.line_times import ThreadLines, line_times
 from elitescript.plotting.sampling import Sampling
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
+from elitescript.solids.scene import scene
 from elitescript.studio.live.code import digest_of, lines_of, moved_lines
-from elitescript.studio.live.jobs import Cell, Job, code_name, job_data, job_of
-from elitescript.studio.live.link import Link
+from elitescript.studio.live.jobs import Job, PreparedJob, code_name, job_data, job_of
+from elitescript.studio.live.link import Board, Link
 
 STEP_S: Final = 0.04
 """Robot time from one row to the next."""
@@ -65,7 +66,7 @@ def run_program(link: Link, request: Mapping[str, Any], jail: Callable[[], None]
     job = job_of(request["job"])
     source = SourceFile(code_name(job.name), job.text)
     try:
-        robot = Cell(job).robot()
+        robot = PreparedJob(job).robot()
     except ElitescriptError as error:
         jail()
         checked = compile_checked(source, PROFILES[DEFAULT_FIRMWARE], Options())
@@ -74,7 +75,17 @@ def run_program(link: Link, request: Mapping[str, Any], jail: Callable[[], None]
         return
     jail()
     setup = robot.controller.setup
-    link.send(describe.scene(robot.model, tcp=setup.tcp_offset, payload=setup.payload, gravity=setup.gravity))
+    payload, cell = setup.payload, robot.cell
+    link.send(
+        scene(
+            robot.model,
+            tcp=setup.tcp_offset,
+            payload_kg=payload.mass_kg,
+            center_of_gravity=payload.cog,
+            gravity=setup.gravity,
+            parts=() if cell is None else cell.parts,
+        )
+    )
     checked = compile_checked(
         source, robot.profile, Options(strict=robot.options.strict), presets=job.presets, arm=robot.model
     )
@@ -103,13 +114,21 @@ class CoarseRows(Sampling):
 
     Args:
         writer: receives them.
+        board: gets the last tick before the one that is due next.
     """
 
-    __slots__ = ("_writer",)
+    __slots__ = ("_board", "_writer")
 
-    def __init__(self, writer: RowWriter) -> None:
+    def __init__(self, writer: RowWriter, board: Board | None = None) -> None:
         super().__init__(step_s=STEP_S)
         self._writer = writer
+        self._board = board
+
+    def record(self, controller: Controller, until_tick: int) -> None:
+        """See `Sampling.record`."""
+        super().record(controller, until_tick)
+        if self._board is not None:
+            self._board.write(until_tick - 1)
 
     def take_now(self, controller: Controller) -> None:
         """Take a row of the present tick."""
@@ -142,7 +161,7 @@ class RunReport:
         self._wall_s: float = request["wall_s"]
         self._until_tick = ticks_for(request["until_s"])
         self._writer = RowWriter(self._number)
-        self._rows = CoarseRows(self._writer)
+        self._rows = CoarseRows(self._writer, link.board)
         self._lines = ThreadLines()
         self._seen = 0
         self._sent = 0
@@ -231,19 +250,24 @@ class RunReport:
         return timed_moves(motions, 0.0)
 
     def _send_events(self, happened: list[Event]) -> None:
-        left = EVENTS_MAX - self._sent
-        shown_events = happened[:left] + [event for event in happened[left:] if isinstance(event, Alarm)]
-        message = describe.events(self._number, shown_events)
+        """Send events up to the limit, and alarms beyond it."""
+        if self._sent >= EVENTS_MAX:
+            happened = [event for event in happened if isinstance(event, Alarm)]
+        message = describe.events(self._number, happened)
+        records, left = message["list"], max(0, EVENTS_MAX - self._sent)
+        message["list"] = records[:left] + [record for record in records[left:] if record["type"] == "alarm"]
         if message["list"]:
             self._link.send(message)
-        if left < len(happened) and left >= 0:
+        if self._sent <= EVENTS_MAX < self._sent + len(records):
             self._link.send(describe.notice("warning", TOO_MANY_EVENTS))
-            left = -1
-        self._sent = EVENTS_MAX + 1 if left < 0 else self._sent + len(happened)
+        self._sent += len(records)
 
     def _end(self, run: Run, state: str, last: Moment) -> None:
         if self._open is not None and state != "time_limit":
             self._link.send(describe.moves(self._number, timed_moves([self._open], last.t)))
+        if run.watch is not None:
+            closest = [contact for contact in run.clearances if not contact.is_contact]
+            self._link.send(describe.contacts(self._number, [*run.contacts, *closest]))
         alarm = None
         if run.alarms:
             refused = self._robot.controller.motion.refused
