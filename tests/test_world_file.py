@@ -10,7 +10,7 @@ from elitescript.cli.main import _parsed, main
 from elitescript.cli.serve import robot_configs
 from elitescript.controller.safety.limits import SafetyLimits
 from elitescript.kernel.options import SECTIONS
-from elitescript.world_file import load_world_file
+from elitescript.world_file import closed_world, load_world_file
 
 GOOD = """# a cell
 [safety]
@@ -225,3 +225,26 @@ def test_a_mistake_in_the_options_of_the_robot_is_located(cell, text, line, word
     with pytest.raises(UsageError, match=words) as caught:
         load_world_file(path)
     assert str(caught.value).startswith(f"{path}:{line}: ")
+
+
+class TestClosedWorld:
+    def test_nothing_is_around_without_a_file(self):
+        world = closed_world(None)
+        assert (world.network.outside, world.settings, world.devices) == (None, None, [])
+
+    def test_it_has_the_settings_of_a_file_without_devices(self, tmp_path):
+        (tmp_path / "cell.toml").write_text('[robot]\nmodel = "CS63"\n')
+        world = closed_world(tmp_path / "cell.toml")
+        assert world.network.outside is None
+        assert world.settings.options["model"] == "CS63"
+
+    @pytest.mark.parametrize("is_trusted", [False, True])
+    def test_the_network_of_this_computer_is_refused(self, tmp_path, is_trusted):
+        (tmp_path / "cell.toml").write_text('[world]\nnetwork = "real"\n')
+        with pytest.raises(UsageError, match="network: 'real' is not allowed here"):
+            closed_world(tmp_path / "cell.toml", is_trusted=is_trusted)
+
+    def test_it_can_be_allowed(self, tmp_path):
+        (tmp_path / "cell.toml").write_text('[world]\nnetwork = "real"\n')
+        assert closed_world(tmp_path / "cell.toml", is_trusted=True, may_connect=True).network.outside is not None
+        assert closed_world(None, may_connect=True).network.outside is not None

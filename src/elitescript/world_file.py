@@ -14,7 +14,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from elitescript.devices.surroundings import RobotSettings
+from elitescript.devices.surroundings import REAL, VIRTUAL, RobotSettings
 from elitescript.devices.toml_lines import Path as TomlPath
 from elitescript.devices.toml_lines import lines_of, nearest
 from elitescript.errors import UsageError, did_you_mean
@@ -23,6 +23,7 @@ from elitescript.messages.signals import Value
 from elitescript.paths import why_no_file
 
 if TYPE_CHECKING:
+    from elitescript.assist.document import Settings
     from elitescript.devices.world import World
 
 SIGNALS_SECTION: Final = "signals"
@@ -121,6 +122,32 @@ def load_world_file(
             raise _located(file, text, section, tables.get(section), error) from error
         found.world.settings = found
     return found
+
+
+def closed_world(path: str | Path | None, *, is_trusted: bool = False, may_connect: bool = False) -> World:
+    """Return what is around a robot whose programs reach nothing of this computer.
+
+    Args:
+        path: of a world file, whose options and levels are in `World.settings`; there is nothing around without one.
+        is_trusted: whether the file may name Python files.
+        may_connect: whether what is no device of it may be reached after all.
+
+    Raises:
+        UsageError: an invalid world file, or one that names what it may not.
+    """
+    from elitescript.devices.world import World
+
+    network = REAL if may_connect else VIRTUAL
+    file = None
+    if path:
+        file = load_world_file(path, network=network, is_trusted=is_trusted)
+        if file.world is not None:
+            if file.world.network.outside is not None and not may_connect:
+                raise UsageError(f"{path}: [world] network: {REAL!r} is not allowed here")
+            return file.world
+    world = World(network=network)
+    world.settings = file
+    return world
 
 
 def _huge(value: object, path: TomlPath) -> TomlPath | None:
@@ -253,3 +280,43 @@ def _has_bare_index(text: str) -> bool:
         if bracket and name.isidentifier() and rest[:-1].isdecimal() and rest.endswith("]"):
             return True
     return False
+
+
+# ---------------------------------------------------------------- for editors
+
+
+def text_settings(given: Mapping[str, Any], world: str | Path | None) -> tuple[Settings, list[str]]:
+    """Return what texts are written for, and what is wrong with the world file, whose options are then left out.
+
+    Args:
+        given: options of the robot, which go before those of the world file; without a `model` in either, texts are
+            for any arm.
+        world: path of the world file; None without one.
+
+    Raises:
+        UsageError: an option that makes no sense.
+    """
+    from elitescript.assist.document import Settings
+    from elitescript.kernel.arm_facts import arm_facts
+    from elitescript.kernel.options import robot_options
+    from elitescript.messages.profile import profile
+
+    from_file: dict[str, Any] = {}
+    names: dict[str, tuple[str, ...]] = {}
+    wrong: list[str] = []
+    if world is not None:
+        try:
+            file = load_world_file(world, with_world=False)
+            from_file, names = file.options, _names_beside(file.beside)
+        except UsageError as error:
+            wrong.append(str(error))
+    robot = robot_options(given, from_file)
+    arm = arm_facts(robot) if "model" in given or "model" in from_file else None
+    return Settings(profile(robot.firmware), robot.strict, arm, names=names), wrong
+
+
+def _names_beside(beside: Mapping[str, Any]) -> dict[str, tuple[str, ...]]:
+    """Return the names that strings of programs may hold, by kind, from the sections of a world file."""
+    rows = [row for table in beside.values() if isinstance(table, list) for row in table if isinstance(row, Mapping)]
+    addresses = [row.get("address") for row in rows]
+    return {"address": tuple(dict.fromkeys(name for name in addresses if isinstance(name, str) and name))}

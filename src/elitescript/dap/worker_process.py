@@ -5,23 +5,18 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-import sys
 import tempfile
 from collections.abc import Callable
 from contextlib import suppress
-from pathlib import Path
 from queue import SimpleQueue
 from threading import Thread
 from typing import Final
 
-import elitescript
 from elitescript.codec.json_text import from_text, to_text
 from elitescript.codec.values import CodecError
 from elitescript.dap.messages import Message
-from elitescript.environment.process import Life, place_in_trace
+from elitescript.environment.process import Life, module_command, module_environment, place_in_trace
 
-HASH_SEED: Final = "0"
-"""The order of a set of strings depends on it; every process that runs programs has the same."""
 TRACE_MAX: Final = 1 << 16
 """Bytes of what it wrote last that are read for the reason of its end."""
 
@@ -50,12 +45,12 @@ class WorkerProcess:
         self._life = Life()
         try:
             self._process = subprocess.Popen(
-                [sys.executable, "-P", "-m", "elitescript.dap.worker", str(self._life.descriptor)],
+                module_command("elitescript.dap.worker", [self._life.descriptor]),
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=self._errors,
                 bufsize=0,
-                env=_environment(),
+                env=module_environment(),
                 **self._life.options,
             )
         except BaseException:
@@ -141,13 +136,3 @@ def _ended(code: int) -> str:
     with suppress(ValueError):
         return signal.Signals(-code).name
     return f"signal {-code}"
-
-
-def _environment() -> dict[str, str]:
-    environment = {**os.environ, "PYTHONHASHSEED": HASH_SEED, "PYTHONUTF8": "1"}
-    package = Path(elitescript.__file__).resolve().parent
-    if "site-packages" not in package.parts:
-        # Not installed: with -P, a working copy is found through this path alone.
-        paths = (environment.get("PYTHONPATH"), str(package.parent))
-        environment["PYTHONPATH"] = os.pathsep.join(filter(None, paths))
-    return environment

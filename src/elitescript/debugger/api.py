@@ -346,6 +346,31 @@ class State:
 
 
 @record
+class Picture:
+    """Everything that a page shows of the stopped moment at once.
+
+    Attributes:
+        t, tick: robot time.
+        line: innermost line of the main thread; 0 without one.
+        joints, tcp_pose: as the row of a trace has them at this tick: behind its motion, as far as it has run.
+        globals: names that are declared `global`.
+        signals: those that are not at their default, by name.
+        threads: script threads in the order of their start.
+        functions: innermost function of each thread; empty before it has begun.
+    """
+
+    t: float
+    tick: int
+    line: int
+    joints: Six
+    tcp_pose: Six
+    globals: tuple[Variable, ...]
+    signals: tuple[tuple[str, bool | int | float], ...]
+    threads: tuple[ThreadInfo, ...]
+    functions: tuple[str, ...]
+
+
+@record
 class Output:
     """Something that a run has said. Each is reported once on each branch of history.
 

@@ -36,6 +36,7 @@ from elitescript.debugger.api import (
     ExceptionInfo,
     Frame,
     Output,
+    Picture,
     Position,
     Scope,
     State,
@@ -49,7 +50,7 @@ from elitescript.debugger.places import CountedText, Places
 from elitescript.debugger.rules import NO_RULES, CodeRule, DataRule, Rules, Watch, hit_condition
 from elitescript.debugger.source import Source
 from elitescript.debugger.telling import exception_of, filled, logged, output_of, running_text
-from elitescript.debugger.values import shown
+from elitescript.debugger.values import shown, type_name
 from elitescript.language.compiler import CompiledUnit
 from elitescript.language.hooks import STEP as STEP_HOOK
 from elitescript.language.hooks import STEPS as STEPS_HOOK
@@ -227,6 +228,26 @@ class Engine:
         """See `DebugSession.state`."""
         state = self._controller.state()
         return State(state.time_s, state.tick, state.q_target, state.tcp_pose_target)
+
+    def picture(self) -> Picture:
+        """See `DebugSession.picture`; in the middle of a tick the arm is where it was behind the last one."""
+        controller, look = self._controller, self._look
+        tick = controller.tick
+        q = controller.joints_at(tick + (self._kind != BEFORE_STATEMENT)).q_target
+        threads = look.threads()
+        calls = [look.calls(look.strand(thread.id)) for thread in threads]
+        values = self.execution.host.monitor().items()
+        return Picture(
+            seconds(tick),
+            tick,
+            next((thread.line for thread in threads if not thread.is_secondary), 0),
+            q,
+            controller.tcp_pose(q),
+            tuple(Variable(name, shown(value), type_name(value)) for name, value in values),
+            tuple(controller.non_default_signals().items()),
+            threads,
+            tuple(self.places.function_name(stack[0].frame.f_code.co_qualname) if stack else "" for stack in calls),
+        )
 
     def threads(self) -> tuple[ThreadInfo, ...]:
         """See `DebugSession.threads`."""

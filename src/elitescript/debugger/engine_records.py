@@ -12,6 +12,7 @@ from elitescript.debugger.api import (
     ExceptionInfo,
     Frame,
     Output,
+    Picture,
     Position,
     Scope,
     State,
@@ -28,7 +29,20 @@ from elitescript.language.probes import CountedBranch, CountedFunction, CountedS
 _KINDS: Final[dict[str, type]] = {
     kind.__name__: kind
     for kind in (
-        *(BreakpointState, Change, DataInfo, ExceptionInfo, Frame, Output, Position, Scope, State, Stop, ThreadInfo),
+        *(
+            BreakpointState,
+            Change,
+            DataInfo,
+            ExceptionInfo,
+            Frame,
+            Output,
+            Picture,
+            Position,
+            Scope,
+            State,
+            Stop,
+            ThreadInfo,
+        ),
         *(Variable, Goal, Input, CodeRule, DataRule, Rules),
         *(CountedBranch, CountedFunction, CountedStatement, CountedText, ProbeTable),
     )

@@ -17,6 +17,7 @@ from elitescript.debugger.api import (
     ENTRY,
     EXCEPTION_FILTERS,
     FUNCTION_BREAKPOINT,
+    IN_STATEMENT,
     STEP,
     BreakpointState,
     Change,
@@ -27,6 +28,7 @@ from elitescript.debugger.api import (
     FunctionBreakpoint,
     LineBreakpoint,
     Output,
+    Picture,
     Place,
     Position,
     Scope,
@@ -158,6 +160,17 @@ class DebugSession:
     def step_in(self, thread: int) -> Stop:
         """Go on to the next statement of a thread, also in a function that it calls."""
         return self._step(INTO, thread)
+
+    def step_in_back(self, thread: int) -> Stop:
+        """Go back to the previous statement of a thread, also in a function that it called: undoes `step_in`.
+
+        Before its first one there is the start of the run (reason `entry`).
+        """
+        bound = self._stop.position
+        found = self._last(Goal(bound, step=INTO, thread=thread, last=True), bound)
+        if found is None:
+            return self._to_entry()
+        return self._go_to(found.position, replace(found, reason=STEP, text="stepped back"))
 
     def step_out(self, thread: int) -> Stop:
         """Go on until a thread has left its present function."""
@@ -445,6 +458,23 @@ class DebugSession:
     def state(self) -> State:
         """Return the robot at this moment."""
         return self._engine.state()
+
+    def picture(self) -> Picture:
+        """Return what a page shows of this moment. At the same time the arm is always in the same place.
+
+        That is where the row of a trace has it, behind the motion of the tick. Before a statement, in the middle of a
+        tick, that is not known yet: another execution, or a copy of this one, goes on to there.
+        """
+        picture = self._engine.picture()
+        if self._engine.position.kind not in (BEFORE_STATEMENT, IN_STATEMENT):
+            return picture
+        engine = self._snapshots.copy_of(self._engine) or self._new_engine()
+        try:
+            engine.run(Goal(Position(0, 0, picture.tick, AFTER_TICK)))
+            later = engine.picture()
+        finally:
+            engine.close()
+        return replace(picture, joints=later.joints, tcp_pose=later.tcp_pose)
 
     # ---------------------------------------------------------------- history
 

@@ -68,6 +68,10 @@ class NoSnapshots:
         """Return a copy of the engine nearest before a position, and where it stands; None if there is none."""
         return None
 
+    def copy_of(self, engine: Engine) -> Engine | None:
+        """Return a copy of an engine as it stands; None where there are no copies."""
+        return None
+
     def nearest(self, position: Position) -> int:
         """Return the count at which the copy nearest before a position stands; -1 if there is none."""
         return -1
@@ -150,6 +154,12 @@ class Snapshots(NoSnapshots):
         copy = self._process(process.copied())
         copy.refresh()
         return cast("Engine", copy), at
+
+    def copy_of(self, engine: Engine) -> Engine | None:
+        """See `NoSnapshots.copy_of`."""
+        copy = self._process(cast("EngineProcess", engine).copied())
+        copy.refresh()
+        return cast("Engine", copy)
 
     def nearest(self, position: Position) -> int:
         """See `NoSnapshots.nearest`."""

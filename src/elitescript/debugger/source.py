@@ -7,7 +7,7 @@ and new devices each time. `ProgramSource` is a program as `elitescript run` tak
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any, Final, Protocol
@@ -115,10 +115,11 @@ class ProgramSource:
         text: its text, if that is not the one of the file.
         world: path of a world file, or a function that makes what is around the robot, for each execution anew.
         levels: signals at the start (`--set` of signals).
+        schedule: time, s, name and value of signals that change later; see `VirtualRobot.at`.
         presets: program globals at the start (`--set` of globals).
         until_s: as `--until`.
         lines: serial ports, as `VirtualRobot` takes them.
-        task_dir: folder of the program's files; that of the program if None.
+        task_dir: folder of the program's files, or their contents by name; that of the program if None.
         options: of the robot, by their names: `model`, `firmware`, `joints`, `seed`, ...
 
     Attributes:
@@ -137,10 +138,11 @@ class ProgramSource:
         text: str | None = None,
         world: str | Path | Callable[[], Surroundings] | None = None,
         levels: Mapping[str, Value] | None = None,
+        schedule: Iterable[tuple[float, str, Value]] = (),
         presets: Mapping[str, object] | None = None,
         until_s: float | None = None,
         lines: Mapping[str, str] | None = None,
-        task_dir: str | Path | None = None,
+        task_dir: str | Path | Mapping[str, bytes] | None = None,
         **options: Any,
     ) -> None:
         source = source_of(Path(path)) if text is None else SourceFile(str(path), text)
@@ -150,6 +152,7 @@ class ProgramSource:
         self._presets = dict(presets or {})
         self._until_s = until_s
         self._levels = dict(levels or {})
+        self._schedule = tuple(schedule)
         if task_dir is None and text is None:
             task_dir = Path(path).resolve().parent
         self._has_real_network = world is None
@@ -181,6 +184,8 @@ class ProgramSource:
         """See `Source.begin`."""
         robot = self._robot(on_event=on_event, probe=probe)
         robot.set_start(self._levels)
+        for time_s, name, value in self._schedule:
+            robot.at(time_s, name, value)
         if self._has_real_network:
             robot.wrap_network(self._kept)
         robot.next_stop = next_stop

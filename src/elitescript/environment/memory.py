@@ -2,12 +2,38 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from io import RawIOBase, UnsupportedOperation
-from typing import IO, Any
+from pathlib import Path
+from typing import IO, Any, Final
 
 from elitescript.environment.allowance import Allowance
 from elitescript.runtime.environment import Channels, NoChannels, opened
+
+FILES_MAX: Final = 200
+"""Files of a folder that are copied; so many of their bytes in all:"""
+FILES_BYTES_MAX: Final = 10_000_000
+
+
+def folder_contents(folder: Path) -> dict[str, bytes]:
+    """Return the contents of the files of a folder by their names, within the limits; without hidden ones and links.
+
+    A program that has them as its task folder in memory changes nothing of the folder.
+    """
+    found: dict[str, bytes] = {}
+    size = 0
+    for home, inner, names in os.walk(folder):
+        inner[:] = sorted(name for name in inner if not name.startswith(".") and name != "node_modules")
+        for name in sorted(names):
+            path = Path(home, name)
+            if name.startswith(".") or path.is_symlink() or not path.is_file():
+                continue
+            size += path.stat().st_size
+            if len(found) == FILES_MAX or size > FILES_BYTES_MAX:
+                return found
+            found[path.relative_to(folder).as_posix()] = path.read_bytes()
+    return found
 
 
 class MemoryEnvironment:

@@ -1,17 +1,22 @@
-"""Limits of a process that runs programs, its end with its parent, and the place of a program in a trace."""
+"""Processes that run programs: their start, their limits, their end with their parent, and the place in a trace."""
 
 from __future__ import annotations
 
 import os
+import sys
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Iterable
     from typing import Any, Final
 
 MEMORY_DEFAULT: Final = "4GiB"
 """Limit of the memory of a run, *assumed*: more than a controller has, less than most computers."""
 MEMORY_MIN: Final = 512 << 20
 """Least limit of the address space, for Python, this package and its model."""
+
+HASH_SEED: Final = "0"
+"""The order of a set of strings depends on it; every process that runs programs has the same."""
 
 _ENTRANCES: Final = (f"elitescript{os.sep}cli{os.sep}main.py", f"elitescript{os.sep}dap{os.sep}worker.py")
 
@@ -38,6 +43,20 @@ def limit_memory(size: int) -> None:
     hard = resource.getrlimit(resource.RLIMIT_AS)[1]
     soft = size if hard == resource.RLIM_INFINITY else min(size, hard)
     resource.setrlimit(resource.RLIMIT_AS, (max(soft, MEMORY_MIN), hard))
+
+
+def module_command(module: str, arguments: Iterable[object] = ()) -> list[str]:
+    """Return the command line of a process that runs a module of this package.
+
+    With -P a file called queue.py in the working folder does not stand in for the standard library's.
+    """
+    return [sys.executable, "-P", "-m", module, *map(str, arguments)]
+
+
+def module_environment() -> dict[str, str]:
+    """Return the variables of such a process: it finds the same modules as this one, and has the same hashes."""
+    paths = os.pathsep.join(filter(None, sys.path))
+    return {**os.environ, "PYTHONHASHSEED": HASH_SEED, "PYTHONUTF8": "1", "PYTHONPATH": paths}
 
 
 class Life:

@@ -8,8 +8,6 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
-import os
-import sys
 from contextlib import suppress
 from itertools import count
 from pathlib import Path
@@ -20,7 +18,7 @@ from lsprotocol import types
 
 from elitescript.assist.document import Document
 from elitescript.assist.last_run import LastRun
-from elitescript.environment.process import Life
+from elitescript.environment.process import Life, module_command, module_environment
 from elitescript.lsp.connection import RequestFailed
 from elitescript.lsp.run_data import Outcome, decoded
 from elitescript.lsp.session import Session
@@ -223,12 +221,12 @@ async def run_in_process(request: dict[str, Any], wall_s: float) -> Outcome:
 
 async def _run_with(life: Life, request: dict[str, Any], wall_s: float) -> Outcome:
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-P", "-m", "elitescript.lsp.run_worker", str(life.descriptor)),
+        *module_command("elitescript.lsp.run_worker", [life.descriptor]),
         stdin=asyncio.subprocess.PIPE,
         stdout=asyncio.subprocess.PIPE,
         stderr=asyncio.subprocess.DEVNULL,
         limit=OUTCOME_BYTES_MAX,
-        env={**os.environ, "PYTHONHASHSEED": "0", "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+        env=module_environment(),
         **life.options,
     )
     life.started()

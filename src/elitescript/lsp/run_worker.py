@@ -10,13 +10,12 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from time import perf_counter
 from typing import Any, Final
 
-from elitescript.devices.surroundings import VIRTUAL
-from elitescript.devices.world import World
+from elitescript.environment.memory import folder_contents
 from elitescript.environment.process import end_with_parent
 from elitescript.errors import ElitescriptError, ProgramError
 from elitescript.language.text.source import SourceFile
@@ -29,16 +28,13 @@ from elitescript.plotting.sampling import Sampling
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
 from elitescript.services.child.jail import enter_jail
-from elitescript.world_file import load_world_file
+from elitescript.world_file import closed_world
 
 UNTIL_S: Final = 300.0
 """Most robot time of a run, s."""
 WALL_S: Final = 5.0
 """Most wall time of a run, unless the request names another, s."""
 MEMORY_BYTES: Final = 1 << 30
-FILES_MAX: Final = 200
-"""Files of the task folder that are copied; so many of their bytes in all:"""
-FILES_BYTES_MAX: Final = 10_000_000
 MESSAGES_MAX: Final = 100
 """Messages in the report."""
 
@@ -90,35 +86,11 @@ def outcome_of(request: Mapping[str, Any], *, is_jailed: bool = True) -> dict[st
 
 def _robot(request: Mapping[str, Any]) -> VirtualRobot:
     """Return the robot of a request."""
-    world = None
-    settings = None
-    if request.get("world"):
-        settings = load_world_file(request["world"], network=VIRTUAL, is_trusted=False)
-        world = settings.world
-    if world is None:
-        world = World(network=VIRTUAL)
-        world.settings = settings
     folder = request.get("folder")
-    files = dict(_files(Path(folder))) if folder else {}
-    robot = VirtualRobot(world=world, task_dir=files, **request.get("options", {}))
+    files = folder_contents(Path(folder)) if folder else {}
+    robot = VirtualRobot(world=closed_world(request.get("world")), task_dir=files, **request.get("options", {}))
     robot.reports_signals = False
     return robot
-
-
-def _files(folder: Path) -> Iterator[tuple[str, bytes]]:
-    """Yield name and content of the files of a folder, within the limits; without hidden ones and links."""
-    count = size = 0
-    for home, inner, names in os.walk(folder):
-        inner[:] = sorted(name for name in inner if not name.startswith(".") and name != "node_modules")
-        for name in sorted(names):
-            path = Path(home, name)
-            if name.startswith(".") or path.is_symlink() or not path.is_file():
-                continue
-            count += 1
-            size += path.stat().st_size
-            if count > FILES_MAX or size > FILES_BYTES_MAX:
-                return
-            yield path.relative_to(folder).as_posix(), path.read_bytes()
 
 
 def _report(run: Run) -> dict[str, Any]:

@@ -9,7 +9,6 @@ import time
 from collections.abc import Mapping
 from typing import Any, Final
 
-from elitescript.devices.surroundings import VIRTUAL
 from elitescript.devices.world import World
 from elitescript.environment.start_values import check_presets
 from elitescript.errors import UsageError
@@ -23,7 +22,7 @@ from elitescript.messages.signals import SIGNALS, Value
 from elitescript.plotting.events import moves
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
-from elitescript.world_file import load_world_file
+from elitescript.world_file import closed_world
 
 FINDINGS_MAX: Final = 100
 MESSAGES_MAX: Final = 100
@@ -81,14 +80,7 @@ def world_of(request: Mapping[str, Any]) -> World:
     Raises:
         UsageError: an invalid world file, or one that names Python files or the network of this computer.
     """
-    settings = None
-    if request.get("world"):
-        settings = load_world_file(request["world"], network=VIRTUAL, is_trusted=False)
-        if settings.world is not None:
-            return settings.world
-    world = World(network=VIRTUAL)
-    world.settings = settings
-    return world
+    return closed_world(request.get("world"))
 
 
 def options_of(request: Mapping[str, Any]) -> dict[str, Any]:

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import json
-import os
-import sys
 from contextlib import suppress
 from typing import Any, Final
 
-from elitescript.environment.process import Life
+from elitescript.environment.process import Life, module_command, module_environment
 from elitescript.errors import UsageError
 
 ANSWER_BYTES_MAX: Final = 8 * 1024 * 1024
@@ -61,11 +59,11 @@ class Worker:
     async def _exchange(self, request: dict[str, Any]) -> dict[str, Any]:
         if self._process is None:
             self._process = await asyncio.create_subprocess_exec(
-                *(sys.executable, "-P", "-m", "elitescript.mcp.worker", str(self._life.descriptor)),
+                *module_command("elitescript.mcp.worker", [self._life.descriptor]),
                 stdin=asyncio.subprocess.PIPE,
                 stdout=asyncio.subprocess.PIPE,
                 limit=ANSWER_BYTES_MAX,
-                env={**os.environ, "PYTHONHASHSEED": "0", "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+                env=module_environment(),
                 **self._life.options,
             )
             self._life.started()

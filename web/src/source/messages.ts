@@ -2,9 +2,11 @@
  * The messages between the page and its source: a live engine, a recorded run, or a controller on the network.
  *
  * The page knows nothing else of where its data comes from. Text messages are JSON; rows are binary (`rows.ts`). Times
- * are seconds of robot time; joints rad; lengths m; poses `[x, y, z, rx, ry, rz]` with rotation vectors in the base
- * frame; lines and columns count from 1, columns in characters (code points), ends are exclusive. NaN and infinities
- * are the strings "NaN", "Infinity", "-Infinity". The Python side is `elitescript.conversation`.
+ * are seconds of robot time; joints rad; lengths m. Poses of the TCP (`tcp_pose`, `asked_pose`, columns `x` to `rz`) are
+ * `[x, y, z, rx, ry, rz]` with roll, pitch and yaw in the base frame, R = Rz(rz) Ry(ry) Rx(rx), as in programs and
+ * traces; poses of solids and frames (`Part.pose`, `Scene.tcp`, `mounting`) have rotation vectors. Lines and columns
+ * count from 1, columns in characters (code points), ends are exclusive. NaN and infinities are the strings "NaN",
+ * "Infinity", "-Infinity". The Python side is `elitescript.conversation`.
  *
  * `run` is a number that grows with each run of a program; the page drops what is not of the newest. `ask` is a number
  * of the page's own; the answer repeats it.
@@ -53,7 +55,7 @@ export type ControlAction =
 
 export type Service =
   | "completion" | "resolve" | "hover" | "signature" | "definition" | "references" | "rename" | "actions" | "format"
-  | "tokens" | "hints" | "folding" | "outline" | "explain" | "commands" | "robots" | "mesh" | "examples" | "signals";
+  | "tokens" | "hints" | "typing" | "folding" | "outline" | "explain" | "commands" | "robots" | "mesh" | "examples" | "signals";
 
 export type ToSource =
   /** A new text of the editor: is checked, and run. `version` grows with each text. */

@@ -23,6 +23,7 @@ from elitescript.controller.motion.move_sequencing import (
 from elitescript.controller.motion.notices import Notices
 from elitescript.controller.motion.sources import NEVER, Braking, MotionCall, Move
 from elitescript.controller.motion.stepped_drives import ServoDrive, ToolDrive
+from elitescript.errors import MotionError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.rotations import Vector3
@@ -66,6 +67,7 @@ class MotionControl:
 
     Attributes:
         speed_scale: speed percentage as a fraction; changed by `set_speed_scale`.
+        refused: tick, line and request of the last motion that was refused; None if none was.
     """
 
     __slots__ = (
@@ -85,6 +87,7 @@ class MotionControl:
         "is_paused",
         "limits",
         "on_obstacle",
+        "refused",
         "speed_ramp_s",
         "speed_scale",
         "waypoint",
@@ -118,6 +121,7 @@ class MotionControl:
         self._sampled = Setpoint(home, ZERO_SIX)
         self._notices = Notices(on_event)
         self.waypoint: Six | None = None
+        self.refused: tuple[int, int, MotionRequest] | None = None
         self.on_obstacle: Callable[[int, Obstacle, str, int], None] = self._warn_of_obstacle
 
     def begin_program(self) -> None:
@@ -208,6 +212,13 @@ class MotionControl:
         Raises:
             MotionError: refused; nothing has changed.
         """
+        try:
+            return self._begin(request, tick, T_flange_tcp, line, thread)
+        except MotionError:
+            self.refused = (tick, line, request)
+            raise
+
+    def _begin(self, request: MotionRequest, tick: int, T_flange_tcp: Transform, line: int, thread: str) -> int:
         self._advance(tick)
         if isinstance(request, StopJ | StopL):
             return self._brake(request, tick, T_flange_tcp)

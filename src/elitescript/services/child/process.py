@@ -17,13 +17,12 @@ from typing import Final
 
 import elitescript
 from elitescript.codec.values import CodecError
+from elitescript.environment.process import HASH_SEED
 from elitescript.observer import COVERAGE_VARIABLE
 from elitescript.services.child.frames import QUESTION, READ_BYTES, UP_MAX, FrameReader, frame
 
 COMMAND: Final = (sys.executable, "-P", "-s", "-m", "elitescript.services.child")
 """The command line; then comes the number of the child's socket, and of the file of its coverage if there is one."""
-HASH_SEED: Final = "0"
-"""The order of a set of strings depends on it; every process that runs programs has the same."""
 LOG_MAX: Final = 1 << 16
 """Bytes of its output that are kept; what is older is thrown away."""
 BACKLOG_MAX: Final = 64 * 1024 * 1024

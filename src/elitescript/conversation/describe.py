@@ -1,0 +1,361 @@
+"""Makes the messages to a page of what is known of a robot, a text and a run, each ready for JSON.
+
+A live engine, a recorded page and a connected controller describe themselves with the same functions, which take
+records and rows and know nothing of processes. `web/src/source/messages.ts` says what each message holds; the one with
+the solids is made by `solids.scene`.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Final
+
+from elitescript.conversation.messages import PROTOCOL, RunOptions, options_data
+from elitescript.json_records.events import record_of
+from elitescript.json_records.jsonlines import plain
+from elitescript.language.diagnostics import Diagnostic
+from elitescript.messages.events import Alarm, Event, MotionEnded, MotionStarted
+from elitescript.messages.motion import MotionRequest, MoveC, MoveJ, MoveL, MoveP, ServoJ, Six
+from elitescript.messages.signals import Value
+from elitescript.messages.timing import seconds
+from elitescript.records import record, replace
+from elitescript.solids.contacts import Contact
+
+Message = dict[str, Any]
+
+LIVE_ABILITIES: Final = ("edit", "save", "services", "seek", "step", "inputs", "connect")
+"""What a live engine can do."""
+
+# ---------------------------------------------------------------- the conversation
+
+
+def hello(
+    mode: str,
+    product: str,
+    abilities: Iterable[str],
+    title: str,
+    *,
+    programs: Sequence[str] | None = None,
+    settings: Mapping[str, Any] | None = None,
+) -> Message:
+    """Return the first message of a source.
+
+    Args:
+        mode: `live`, `recorded` or `connected`.
+        product: name and version of what speaks.
+        abilities: what the source can do.
+        title: of the page.
+        programs: names of programs that can be opened or loaded.
+        settings: what the page has asked to remember.
+    """
+    found: Message = {
+        "type": "hello",
+        "protocol": PROTOCOL,
+        "product": product,
+        "mode": mode,
+        "abilities": list(abilities),
+        "title": title,
+    }
+    if programs is not None:
+        found["programs"] = list(programs)
+    if settings is not None:
+        found["settings"] = dict(settings)
+    return found
+
+
+def refused(text: str, ask: int | None = None, conflict: Mapping[str, str] | None = None) -> Message:
+    """Return the answer to what cannot be done, with the reason for people."""
+    found: Message = {"type": "refused", "text": text}
+    if ask is not None:
+        found["ask"] = ask
+    if conflict is not None:
+        found["conflict"] = dict(conflict)
+    return found
+
+
+def notice(severity: str, text: str) -> Message:
+    """Return a message for people: `information`, `warning` or `error`."""
+    return {"type": "notice", "severity": severity, "text": text}
+
+
+# ---------------------------------------------------------------- the text
+
+
+def problems(version: int, found: Iterable[Diagnostic], *, compiles: bool) -> Message:
+    """Return the findings of a text.
+
+    Args:
+        version: of the text.
+        found: what `check` finds, in the order of the text.
+        compiles: whether the program starts.
+    """
+    return {"type": "problems", "version": version, "list": [problem(item) for item in found], "compiles": compiles}
+
+
+def problem(found: Diagnostic) -> Message:
+    """Return one finding, with its repair if that is certainly what the author meant."""
+    made: Message = {
+        "severity": str(found.severity),
+        "code": found.code,
+        "text": found.text,
+        "hint": found.hint,
+        "line": found.line,
+        "column": found.column,
+        "end_line": found.end_line,
+        "end_column": found.end_column,
+    }
+    if found.fix is not None and found.fix.safe:
+        made["fix"] = {"title": found.fix.title, "edits": [edit._asdict() for edit in found.fix.edits]}
+    return made
+
+
+# ---------------------------------------------------------------- the run
+
+
+def run_began(run: int, version: int, options: RunOptions, same_until_s: float = 0.0) -> Message:
+    """Return the begin of a run."""
+    return {
+        "type": "run_began",
+        "run": run,
+        "version": version,
+        "same_until_s": same_until_s,
+        "options": options_data(options),
+    }
+
+
+def progress(run: int, t: float) -> Message:
+    """Return how far a run has come, s."""
+    return {"type": "progress", "run": run, "t": t}
+
+
+def events(run: int, happened: Iterable[Event]) -> Message:
+    """Return events as `run --json` has them."""
+    records = [found for event in happened if (found := record_of(event)) is not None]
+    return {"type": "events", "run": run, "list": [plain(found) for found in records]}
+
+
+def lines(run: int, thread: str, stretches: Sequence[tuple[float, int]]) -> Message:
+    """Return the times, s, at which a thread comes to a line; line 0 while there is no such thread."""
+    return {
+        "type": "lines",
+        "run": run,
+        "thread": thread,
+        "t": [t for t, _ in stretches],
+        "line": [line for _, line in stretches],
+    }
+
+
+def moves(run: int, found: Iterable[tuple[float, float, str, int]]) -> Message:
+    """Return moves: start, end, kind and line of each."""
+    rows = [{"start_s": start, "end_s": end, "kind": kind, "line": line} for start, end, kind, line in found]
+    return {"type": "moves", "run": run, "list": rows}
+
+
+def contacts(run: int, found: Iterable[Contact]) -> Message:
+    """Return contacts, and the closest that anything came to a thing."""
+    return {"type": "contacts", "run": run, "list": [contact._asdict() for contact in found]}
+
+
+def cycle(run: int, table: Iterable[tuple[int, float, float, int]]) -> Message:
+    """Return the time by line: line, time moving, time standing and visits of each; line 0, no program, is left out."""
+    rows = [
+        {"line": line, "moving_s": moving, "standing_s": standing, "visits": visits}
+        for line, moving, standing, visits in table
+        if line
+    ]
+    return {"type": "cycle", "run": run, "table": rows}
+
+
+@record
+class Variable:
+    """A program global at a moment: its value and type as text, and whether it differs from the moment before."""
+
+    name: str
+    value: str
+    type: str
+    changed: bool = False
+
+
+@record
+class Thread:
+    """A thread at a moment: its line, what it waits for, and its innermost function."""
+
+    name: str
+    line: int
+    waits_for: str
+    function: str
+
+
+@record
+class Moment:
+    """The exact state at a moment.
+
+    Attributes:
+        t: s.
+        line: of the main thread; 0 if no program runs.
+        joints: target positions, rad.
+        tcp_pose: m and rad, base frame, roll-pitch-yaw.
+        globals, threads: in their order.
+        signals: those that are not at their default, by name.
+        position: opaque place in the program, for `step`; empty if unknown.
+        tcp_force: wrench at the TCP, if it is known.
+    """
+
+    t: float
+    line: int
+    joints: Six
+    tcp_pose: Six
+    globals: tuple[Variable, ...] = ()
+    signals: Mapping[str, Value] = {}
+    threads: tuple[Thread, ...] = ()
+    position: str = ""
+    tcp_force: Six | None = None
+
+
+def moment(found: Moment) -> Message:
+    """Return a moment as messages hold it."""
+    made: Message = {
+        "t": found.t,
+        "line": found.line,
+        "joints": list(found.joints),
+        "tcp_pose": list(found.tcp_pose),
+        "globals": [{"name": v.name, "value": v.value, "type": v.type, "changed": v.changed} for v in found.globals],
+        "signals": plain(dict(found.signals)),
+        "threads": [
+            {"name": t.name, "line": t.line, "waits_for": t.waits_for, "function": t.function} for t in found.threads
+        ],
+    }
+    if found.position:
+        made["position"] = found.position
+    if found.tcp_force is not None:
+        made["tcp_force"] = list(found.tcp_force)
+    return made
+
+
+def with_changes(found: Moment, before: Moment | None) -> Moment:
+    """Return a moment whose globals are marked where they differ from another moment."""
+    if before is None:
+        return found
+    known = {variable.name: variable.value for variable in before.globals}
+    marked = [replace(item, changed=known.get(item.name) != item.value) for item in found.globals]
+    return replace(found, globals=tuple(marked))
+
+
+def state(run: int, ask: int, found: Moment) -> Message:
+    """Return the answer to `seek` and `step`."""
+    return {"type": "state", "ask": ask, "run": run, "moment": moment(found)}
+
+
+def run_ended(
+    run: int,
+    state: str,
+    last: Moment,
+    *,
+    alarm: Message | None = None,
+    killed: str = "",
+    refused_connections: Sequence[str] = (),
+) -> Message:
+    """Return the end of a run.
+
+    Args:
+        run: its number.
+        state: `finished`, `stopped`, `alarm`, `time_limit`, `stuck` or `killed`.
+        last: its last moment.
+        alarm: what `alarm_report` says of it.
+        killed: why it was killed.
+        refused_connections: where it has tried to connect in vain, since nothing leads out of the simulation.
+    """
+    found: Message = {"type": "run_ended", "run": run, "state": state, "moment": moment(last)}
+    if alarm is not None:
+        found["alarm"] = alarm
+    if killed:
+        found["killed"] = killed
+    if refused_connections:
+        found["refused_connections"] = list(refused_connections)
+    return found
+
+
+# ---------------------------------------------------------------- alarms
+
+
+def alarm_report(found: Alarm, asked: MotionRequest | None = None) -> Message:
+    """Return what a page shows of an alarm.
+
+    Args:
+        found: the alarm.
+        asked: the motion that was refused or under way; None if it has nothing to do with one.
+    """
+    details = found.details
+    hints = [str(hint) for hint in (details.get("hint", ""), *details.get("hints", ())) if hint]
+    made: Message = {
+        "t": seconds(found.tick),
+        "line": found.line,
+        "column": found.column,
+        "code": found.code,
+        "text": found.text,
+        "hints": hints,
+    }
+    if (limit := limit_in_words(details)) != "":
+        made["limit"] = limit
+    return made | (_asked(asked) or _asked_of_command(details))
+
+
+_PROTECTIVE_STOP: Final = "R140"
+_OF_POSES: Final = "m, rad"
+"""Unit of an argument that is a pose."""
+
+
+def limit_in_words(details: Mapping[str, Any]) -> str:
+    """Return the limit of an alarm in words, as `q: 7 rad, allowed [-6.28, 6.28] rad`; empty if it has none."""
+    limit, value, unit = details.get("limit"), details.get("value"), str(details.get("unit") or "")
+    if not limit:
+        return ""
+    behind = f" {unit}" if unit else ""
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    shown = "" if value is None else f"{value:.6g}{behind}, " if number else f"{value}, "
+    name = f"{details['argument']}: " if details.get("argument") else ""
+    return f"{name}{shown}allowed {limit}{behind}"
+
+
+def asked_motion(
+    found: Alarm, refused: tuple[int, int, MotionRequest] | None, happened: Iterable[Event]
+) -> MotionRequest | None:
+    """Return the motion that an alarm is about: the one that was refused there, else the one under way.
+
+    Args:
+        found: the alarm.
+        refused: tick, line and request of the last motion that was refused.
+        happened: events up to the alarm.
+    """
+    if refused is not None and refused[:2] == (found.tick, found.line):
+        return refused[2]
+    under_way: MotionRequest | None = None
+    for event in happened:
+        if isinstance(event, MotionStarted):
+            under_way = event.request
+        elif isinstance(event, MotionEnded) and event.tick < found.tick:
+            under_way = None
+        elif event is found:
+            break
+    return under_way if found.code == _PROTECTIVE_STOP else None
+
+
+def _asked_of_command(details: Mapping[str, Any]) -> Message:
+    """Return the pose that a command was called with, where it is what the command refused."""
+    if details.get("unit") != _OF_POSES:
+        return {}
+    try:
+        pose = json.loads(str(details.get("value")))
+    except ValueError:
+        return {}
+    is_pose = isinstance(pose, list) and len(pose) == 6 and all(type(item) in (int, float) for item in pose)
+    return {"asked_pose": [float(item) for item in pose]} if is_pose else {}
+
+
+def _asked(request: MotionRequest | None) -> Message:
+    if isinstance(request, MoveJ | ServoJ):
+        return {"asked_joints": list(request.q_target)}
+    if isinstance(request, MoveL | MoveC | MoveP):
+        return {"asked_pose": list(request.p_target)}
+    return {}
