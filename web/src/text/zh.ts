@@ -203,7 +203,7 @@ export const zh: Texts = {
   timeline_event_after: "下一个事件",
   timeline_zoom_in: "放大",
   timeline_zoom_out: "缩小",
-  timeline_fit: "显示整个运行",
+  timeline_fit: "显示全部",
   timeline_fit_short: "全部",
   timeline_to_selection: "放大到所选时间段",
   timeline_to_selection_short: "所选",

@@ -18,7 +18,7 @@ import { drawGrid, drawLane, laneValue, SANS, type Drawing } from "./draw.ts";
 import { drawSign, tints } from "./looks.ts";
 import { CURVES, type CurveKey, type Row, type TimelineState } from "./state.ts";
 
-export const ROW = 22;
+export const ROW = 25;
 /** Of the second run, below the first. */
 export const ROW_COMPARED = 14;
 export const AXIS_HEIGHT = 22;
