@@ -2,7 +2,7 @@
 
 import { computed, signal } from "@preact/signals-core";
 import type {
-  Ability, ControllerState, FromSource, Json, Moment, Problem, RunOptions, Scene, Service, Six, TextEdit, ToSource, Value,
+  Ability, ControlAction, ControllerState, FromSource, Json, Moment, Problem, RunOptions, Scene, Service, Six, TextEdit, ToSource, Value,
 } from "../source/messages.ts";
 import { TICK_S, type Rows } from "../source/rows.ts";
 import type { Link, Listener, Source } from "../source/source.ts";
@@ -187,7 +187,8 @@ export class Studio implements Listener {
   /** First line of the text that the run on the screen is not of; 0 if it is of this text. */
   readonly staleFrom = computed(() => {
     const run = this.run.value;
-    if (run === null || run.version === this.version.value || run.text === this.text.value) return 0;
+    // A controller's run is of the program there.
+    if (run === null || this.can("live") || run.version === this.version.value || run.text === this.text.value) return 0;
     const problems = this.problems.value;
     const isRefused = problems !== null && problems.version === this.version.value && !problems.compiles;
     return isRefused || this.isOverdue.value ? firstChange(run.text, this.text.value) : 0;
@@ -206,8 +207,7 @@ export class Studio implements Listener {
   edit(text: string): void {
     if (text === this.text.value && this.version.value > 0) return;
     this.text.value = text;
-    this.version.value++;
-    this.tell();
+    this.changed();
   }
 
   /** Changes the text as one step of the editor's undo. */
@@ -351,6 +351,22 @@ export class Studio implements Listener {
   pause(): void {
     this.isFollowing.value = false;
     this.isPlaying.value = false;
+  }
+
+  /** What the button Pause does: pauses the program of a controller that may be commanded, else the picture. */
+  pressPause(): void {
+    if (this.can("control")) this.command("pause");
+    else this.pause();
+  }
+
+  /** What the button Stop does: stops the program of a controller that may be commanded, else playback. */
+  pressStop(): void {
+    if (this.can("control")) this.command("stop");
+    else this.stopAll();
+  }
+
+  private command(action: ControlAction): void {
+    this.requests.send({ type: "control", ask: 0, action }).catch((error: unknown) => this.notice("warning", reason(error)));
   }
 
   /** Ends playback and a computation that goes on; the cursor goes to 0. */
@@ -510,16 +526,17 @@ export class Studio implements Listener {
     this.source.send(message);
   }
 
+  /** Another text or other options: a new version, which is told. */
   private changed(): void {
     this.version.value++;
+    this.isOverdue.value = false;
+    clearTimeout(this.overdue);
+    this.overdue = setTimeout(() => (this.isOverdue.value = this.run.value?.version !== this.version.value), STALE_MS);
     this.tell();
   }
 
   /** Tells the text: at once after a pause, else at the end of the pause. */
   private tell(): void {
-    this.isOverdue.value = false;
-    clearTimeout(this.overdue);
-    this.overdue = setTimeout(() => (this.isOverdue.value = this.run.value?.version !== this.version.value), STALE_MS);
     this.isUntold = true;
     if (this.quiet !== undefined) return;
     this.tellNow();
@@ -555,7 +572,7 @@ export class Studio implements Listener {
       this.draftAt.value = draft.at;
       if (draft.seen !== file.digest) this.conflict.value = { why: "draft", theirs: file.text, digest: file.digest };
     }
-    this.pause();
+    this.isPlaying.value = false;
     if (was !== null) this.restart();
     this.text.value = draft?.text ?? file.text;
     this.changed();
@@ -624,9 +641,7 @@ export class Studio implements Listener {
   private grow(): void {
     if (this.can("live")) return;
     this.place();
-    const last = this.run.value?.last;
-    if (last != null && Math.abs(last.t - this.cursor.value) < TICK_S / 4 && !this.isExact.value) this.show(last);
-    else if (!this.isExact.value) this.seek();
+    if (!this.isExact.value) this.seek();
   }
 
   private place(): void {
@@ -641,7 +656,13 @@ export class Studio implements Listener {
   /** Asks for the state at the cursor: one question at a time, then the newest. */
   private seek(): void {
     const run = this.run.value;
-    if (run === null || !this.can("seek") || (run.ended === null && run.known_s < this.cursor.value)) return;
+    if (run === null) return;
+    const { last } = run;
+    if (last !== null && Math.abs(last.t - this.cursor.value) < TICK_S / 4) {
+      this.show(last);
+      return;
+    }
+    if (!this.can("seek") || this.link.value !== "open" || (run.ended === null && run.known_s < this.cursor.value)) return;
     if (this.isSeeking) {
       this.seeksAgain = true;
       return;

@@ -74,6 +74,8 @@ class ConnectedController:
         self._firmware: tuple[int, ...] = ()
         self._popups = 0
         self._said: dict[str, str] = {}
+        self.held_back: set[object] = set()
+        """Pages whose jogging was ended or refused: they have to release the button first."""
         self.jogger: Jogger | None = None
         if target.may_control:
             self.jogger = Jogger(
@@ -84,7 +86,7 @@ class ConnectedController:
                 stop=lambda: self.press("stop"),
                 task_state=lambda: self.picture.task_state,
                 joint_at_end=self._joint_at_end,
-                notice=lambda _, text: self._tell({"type": "notice", "severity": "warning", "text": text}),
+                ended=self._jog_ended,
             )
 
     # ---------------------------------------------------------------- beginning and end
@@ -127,7 +129,8 @@ class ConnectedController:
 
     def leave(self, take: Take) -> None:
         """Give nothing more to a page."""
-        self._pages.remove(take)
+        if take in self._pages:
+            self._pages.remove(take)
 
     @property
     def title(self) -> str:
@@ -254,8 +257,11 @@ class ConnectedController:
         picture = self.picture
         if picture.link != "connected":
             picture.link = "connected"
+        run = self._trail.run
         for message in self._trail.take(picture):
             self._tell(message)
+        if self._trail.run > run > 0 and self._reports:
+            self._tell(self._events(list(self._reports)))
         if picture.task_state is TaskState.STOPPED and self.target.control_socket is None:
             # Nothing says that a window was closed; without a program none is left.
             picture.popup = None
@@ -477,6 +483,10 @@ class ConnectedController:
             version = ".".join(map(str, GUIDING_SINCE))
             raise UsageError(f"firmware {self.picture.firmware} has no freedrive_mode; {version} brought it")
         return self.check_moves()
+
+    def _jog_ended(self, owner: object, text: str) -> None:
+        self.held_back.add(owner)
+        self._tell({"type": "notice", "severity": "warning", "text": text})
 
     def _joint_at_end(self, speeds: Sequence[float]) -> int:
         joints, scene = self.picture.joints, self._scene

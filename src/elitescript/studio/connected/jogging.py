@@ -177,15 +177,15 @@ class Jogger:
         stop: stops whatever program runs there.
         task_state: returns the present state of the task.
         joint_at_end: returns which joint is too near to the end of its range for these speeds of joints; 0 for none.
-        notice: takes what went wrong, in words, with the page it is for.
+        ended: takes that the arm was stopped for another reason than `release`, in words, with the page that moved it.
     """
 
     __slots__ = (
+        "_ended",
         "_held_until",
         "_host",
         "_is_stopping",
         "_joint_at_end",
-        "_notice",
         "_port",
         "_register",
         "_running",
@@ -207,7 +207,7 @@ class Jogger:
         stop: Callable[[], Any],
         task_state: Callable[[], TaskState],
         joint_at_end: Callable[[Sequence[float]], int],
-        notice: Callable[[object, str], None],
+        ended: Callable[[object, str], None],
     ) -> None:
         self._host = host
         self._port = rtsi_port
@@ -216,7 +216,7 @@ class Jogger:
         self._stop = stop
         self._task_state = task_state
         self._joint_at_end = joint_at_end
-        self._notice = notice
+        self._ended = ended
         self._running: asyncio.Task[None] | None = None
         self._task = STOP
         self._is_stopping = False
@@ -295,7 +295,7 @@ class Jogger:
                 await client.start()
                 await self._drive(client, layout, program)
         except (LinkError, PeerError, UsageError) as error:
-            self._notice(owner, f"Jogging has ended: {error}")
+            self._ended(owner, f"Jogging has ended: {error}")
         finally:
             self._end()
             self.owner = None
@@ -324,7 +324,7 @@ class Jogger:
                 self._end()
             if self._task == JOINT and (number := self._joint_at_end(self._speeds)):
                 self._end()
-                self._notice(self.owner, f"Joint {number} is at the end of its range.")
+                self._ended(self.owner, f"Joint {number} is at the end of its range.")
             if self._is_stopping:
                 stopped_at = stopped_at or now
                 if not is_running and now - stopped_at > TAP_S:

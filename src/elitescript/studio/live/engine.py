@@ -507,8 +507,13 @@ class LiveEngine:
     async def _sample(self, asked: Detail, shown: _Shown) -> None:
         async with self._one_detail:
             request = {
-                "do": "detail", "job": job_data(shown.job), "run": shown.number, "ask": asked.ask,
-                "from_s": asked.from_s, "to_s": min(asked.to_s, shown.t), "step_s": asked.step_s,
+                "do": "detail",
+                "job": job_data(shown.job),
+                "run": shown.number,
+                "ask": asked.ask,
+                "from_s": asked.from_s,
+                "to_s": min(asked.to_s, shown.t),
+                "step_s": asked.step_s,
             }
             if asked.from_s > shown.t:
                 await self._send({"type": "detail_ended", "ask": asked.ask, "run": shown.number})

@@ -121,8 +121,13 @@ class _Nothing(Link):
 def warm_up() -> None:
     """Run a small program, so that every worker has what is made when it is first used."""
     request = {
-        "job": job_data(Job("warm_up.script", _WARM_UP)), "run": 0, "version": 0, "options": {}, "until_s": 60.0,
-        "wall_s": 60.0, "known": None,
+        "job": job_data(Job("warm_up.script", _WARM_UP)),
+        "run": 0,
+        "version": 0,
+        "options": {},
+        "until_s": 60.0,
+        "wall_s": 60.0,
+        "known": None,
     }
     run_program(_Nothing(), request, lambda: None)
 

@@ -42,7 +42,7 @@ export function Timeline({ studio }: { studio: Studio }) {
         <TimeField studio={studio} />
         <Slider state={state} board={board} />
       </div>
-      <Board_ state={state} board={board} />
+      <LanesAndCurves state={state} board={board} />
       <Said state={state} />
       <Events state={state} />
     </div>
@@ -199,8 +199,8 @@ function Slider({ state, board }: { state: TimelineState; board: Board }) {
     event.preventDefault();
   };
   return (
-    <div class="slider" data-zooms ref={(element) => wheel(element, board)}>
-      <canvas class="overview" aria-hidden="true" ref={(element) => board.canvas("overview", element)} />
+    <div class="slider" data-zooms ref={board.sliderRef}>
+      <canvas class="overview" aria-hidden="true" ref={board.canvas("overview")} />
       <input
         type="range" min={0} max={end} step="any" aria-label={text("timeline_time")} value={cursor}
         aria-valuemin={0} aria-valuemax={end} aria-valuenow={Number(cursor.toFixed(6))} aria-valuetext={words.value}
@@ -212,7 +212,7 @@ function Slider({ state, board }: { state: TimelineState; board: Board }) {
 
 // ---------------------------------------------------------------- lanes and curves
 
-function Board_({ state, board }: { state: TimelineState; board: Board }) {
+function LanesAndCurves({ state, board }: { state: TimelineState; board: Board }) {
   const { studio } = state;
   const run = studio.run.value;
   if (run === null) return <p class="timeline-empty">{text("timeline_no_run")}</p>;
@@ -225,31 +225,26 @@ function Board_({ state, board }: { state: TimelineState; board: Board }) {
       <div class={`timeline-board${stale > 0 ? " is-stale" : ""}`} tabIndex={0} role="group" aria-label={text("timeline_board")}>
         <div class="lane-group axis-row">
           <div class="lane-names" />
-          <canvas class="axis" aria-hidden="true" ref={(element) => board.canvas("axis", element)} />
+          <canvas class="axis" aria-hidden="true" ref={board.canvas("axis")} />
         </div>
         <Groups state={state} board={board} />
         <Charts state={state} board={board} />
         <div class="plot-frame">
           <div
-            class="plot-area" ref={(element) => wheel(element, board)} onPointerDown={board.onPointerDown} onPointerMove={board.onPointerMove}
+            class="plot-area" ref={board.areaRef} onPointerDown={board.onPointerDown} onPointerMove={board.onPointerMove}
             onPointerUp={board.onPointerUp} onPointerCancel={board.onPointerCancel} onPointerLeave={board.onPointerLeave} onDblClick={board.onDoubleClick}
           >
-            <div class="selected-stretch" hidden ref={(element) => board.overlay("selection", element)} />
-            <div class="hover-line" hidden ref={(element) => board.overlay("hoverLine", element)}>
-              <span class="hover-time" ref={(element) => board.overlay("hoverTime", element)} />
+            <div class="selected-stretch" hidden ref={board.overlay("selection")} />
+            <div class="hover-line" hidden ref={board.overlay("hoverLine")}>
+              <span class="hover-time" ref={board.overlay("hoverTime")} />
             </div>
-            <div class="cursor-line" hidden ref={(element) => board.overlay("cursorLine", element)} />
+            <div class="cursor-line" hidden ref={board.overlay("cursorLine")} />
           </div>
         </div>
       </div>
-      <div class="timeline-tip" hidden ref={(element) => board.overlay("tip", element)} />
+      <div class="timeline-tip" hidden ref={board.overlay("tip")} />
     </>
   );
-}
-
-/** Listens to the wheel of an element so that it can keep the page from scrolling. */
-function wheel(element: HTMLElement | null, board: Board): void {
-  element?.addEventListener("wheel", board.onWheel, { passive: false });
 }
 
 function Groups({ state, board }: { state: TimelineState; board: Board }) {
@@ -268,7 +263,7 @@ function Groups({ state, board }: { state: TimelineState; board: Board }) {
           </div>
           <canvas
             class="lanes" role="img" aria-label={text(`timeline_group_${group}`)} style={{ height: `${rows.length * height}px` }}
-            ref={(element) => board.canvas(group, element)}
+            ref={board.canvas(group)}
           />
           {more > 0 && (
             <button type="button" class="more-lanes" aria-expanded={isOpen} onClick={() => state.toggle(group)}>
@@ -291,6 +286,8 @@ interface LaneNameProps {
 }
 
 function LaneName({ row, name, isChosen, isOpen, state, board }: LaneNameProps) {
+  // The end of a name of a signal or a channel tells it from the others.
+  const isNamed = row.group === "signals" || row.group === "channels";
   const isThread = row.group === "threads" && row.line === 0;
   return (
     <div class={`lane-name${row.line === 0 ? "" : " is-line"}`}>
@@ -300,12 +297,12 @@ function LaneName({ row, name, isChosen, isOpen, state, board }: LaneNameProps) 
         </button>
       )}
       <button
-        type="button" class="lane-choice" aria-pressed={isChosen} title={`${name}\n${text("timeline_choose")}`}
+        type="button" class={isNamed ? "lane-choice from-end" : "lane-choice"} aria-pressed={isChosen} title={`${name}\n${text("timeline_choose")}`}
         onClick={() => (state.chosen.value = isChosen ? null : row.id)}
       >
         <bdi>{name}</bdi>
       </button>
-      <span class="lane-value" ref={(element) => board.value(row.id, element)} />
+      <span class="lane-value" ref={board.value(row.id)} />
     </div>
   );
 }
@@ -336,14 +333,15 @@ function Charts({ state, board }: { state: TimelineState; board: Board }) {
                         J{index + 1}
                       </dt>
                     )}
-                    <dd ref={(element) => board.value(`curve ${column}`, element)} />
+                    <dd class="near-limit" ref={board.value(`used ${column}`)} />
+                    <dd ref={board.value(`curve ${column}`)} />
                   </div>
                 ))}
               </dl>
             </div>
             <div
               class="curve-plot" role="img" aria-label={text("timeline_curve_label", { name: text(`timeline_curve_${spec.key}`), unit: unitText(spec, display) })}
-              style={{ "--axis": `${AXIS}px` }} ref={(element) => board.curve(spec.key, element)}
+              style={{ "--axis": `${AXIS}px` }} ref={board.curve(spec.key)}
             />
           </div>
         );
