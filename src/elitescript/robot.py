@@ -669,13 +669,7 @@ class VirtualRobot:
 
     def _contact(self, contact: Contact, tick: int) -> None:
         """Warn of a contact."""
-        words = f"{contact.first} touches {contact.second}: {-1000.0 * contact.distance_m:.1f} mm deep"
-        when = (
-            f"at {contact.t:.3f} s"
-            if contact.t == seconds(tick)
-            else f"at {contact.t:.3f} s, from {contact.start_s:.3f} s on"
-        )
-        self._event(Warned(tick, f"{words} {when}", "main", contact.line, "W273"))
+        self._event(Warned(tick, contact.text, "main", contact.line, "W273"))
 
     def _report_stuck(self) -> None:
         threads = self.threads()

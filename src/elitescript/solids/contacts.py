@@ -19,6 +19,7 @@ from typing import Final, Protocol
 from elitescript.kinematics.rotations import Vector3
 from elitescript.kinematics.transforms import Transform, compose
 from elitescript.messages.motion import Six
+from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import seconds
 from elitescript.models.model import RobotModel
 from elitescript.records import NamedTuple
@@ -67,6 +68,12 @@ class Contact(NamedTuple):
     is_contact: bool
     points: tuple[Vector3, Vector3]
     """Where, a point of each, base frame, m."""
+
+    @property
+    def text(self) -> str:
+        """What touches what, how deep and when, in words."""
+        words = f"{self.first} touches {self.second}: {-1000.0 * self.distance_m:.1f} mm deep at {self.t:.3f} s"
+        return words if self.t == self.start_s else f"{words}, from {self.start_s:.3f} s on"
 
 
 class MovingArm(Protocol):
@@ -148,7 +155,7 @@ class _Pair:
         """Up to this `way`, or this `rise`, nothing that matters can have happened."""
         self.contact: _Open | None = None
 
-    def travel(self, turned: tuple[float, ...]) -> tuple[float, float]:
+    def travel(self, turned: Six) -> tuple[float, float]:
         """Return travel and vertical travel, m, where the joints turn by these angles, rad."""
         a, b, c, d, e, f = turned
         i, j, k, m, n, o = self.levers
@@ -179,24 +186,57 @@ class _Open:
         """Distance that was reported."""
 
 
-class _Span:
-    """Joints from one tick to another, and how far they turn in between."""
+class _Placed:
+    """A group where it is at a tick; what is asked of it is computed once for all pairs."""
 
-    __slots__ = ("_arm", "_frames", "_frames_at", "_joints_at", "_sums", "begin", "end", "line")
+    __slots__ = ("T_ball", "_T_link", "_levels", "_solids", "group")
+
+    def __init__(self, group: _Group, T_link: Transform) -> None:
+        self.group = group
+        self._T_link = T_link
+        self.T_ball = compose(T_link, group.center)
+        self._solids: list[tuple[Body, Transform]] | None = None
+        self._levels: tuple[float, float] | None = None
+
+    def solids(self) -> list[tuple[Body, Transform]]:
+        """Return the solids, in the base frame."""
+        if self._solids is None:
+            self._solids = [(body, compose(self._T_link, T)) for body, T in self.group.solids]
+        return self._solids
+
+    def levels(self) -> tuple[float, float]:
+        """Return the heights of its lowest and highest point, m."""
+        if self._levels is None:
+            _, _, _, _, _, _, r31, r32, r33, _, _, z = self._T_link
+            low, high = inf, -inf
+            for body, T in self.group.solids:
+                center = r31 * T[9] + r32 * T[10] + r33 * T[11] + z
+                # The vertical in the frame of the link is the third row of its rotation.
+                reach = body.reach(T, r31, r32, r33)
+                low, high = min(low, center - reach), max(high, center + reach)
+            self._levels = low, high
+        return self._levels
+
+
+class _Span:
+    """Joints from one tick to another, how far they turn in between, and groups where they are; all computed once."""
+
+    __slots__ = ("_arm", "_frames", "_frames_at", "_joints_at", "_placed_at", "_turned_at", "begin", "end")
 
     def __init__(self, arm: MovingArm, end: int, frames: Callable[[Sequence[float]], Frames]) -> None:
         self._arm = arm
         self.begin, self.end = arm.tick, end
-        self.line = arm.line
         self._frames = frames
         self._frames_at: dict[int, Frames] = {}
         self._joints_at: dict[int, Six] = {}
-        self._sums: list[tuple[float, ...]] | None = None
-        if end > self.begin + 1 and arm.turned(self.begin, end) is None:
+        self._placed_at: dict[tuple[int, _Group], _Placed] = {}
+        self._turned_at: dict[int, Six] = {self.begin: ZERO_SIX}
+        """How far each joint has turned since the begin, back and forth added up, rad."""
+        if end > self.begin and arm.turned(self.begin, end) is None:
             ticks = range(self.begin, end + 1)
             targets = [q for q, _ in arm.targets_at(ticks)]
             self._joints_at.update(zip(ticks, targets, strict=True))
-            self._sums = _turned(targets)
+            self._turned_at.update(zip(ticks, _turned(targets), strict=True))
 
     def joints(self, tick: int) -> Six:
         """Return the target joints at a tick, rad."""
@@ -205,29 +245,36 @@ class _Span:
             found = self._joints_at[tick] = self._arm.targets_at(range(tick, tick + 1))[0][0]
         return found
 
-    def frames(self, tick: int) -> Frames:
-        """Return the frames of the links at a tick."""
-        found = self._frames_at.get(tick)
+    def placed(self, group: _Group, tick: int) -> _Placed:
+        """Return a group at a tick."""
+        found = self._placed_at.get((tick, group))
         if found is None:
-            found = self._frames_at[tick] = self._frames(self.joints(tick))
+            frames = self._frames_at.get(tick)
+            if frames is None:
+                frames = self._frames_at[tick] = self._frames(self.joints(tick))
+            found = self._placed_at[tick, group] = _Placed(group, frames[group.link])
         return found
 
-    def turned(self, begin: int, end: int) -> tuple[float, ...]:
+    def turned(self, begin: int, end: int) -> Six:
         """Return how far each joint turns between two ticks, back and forth added up, rad."""
-        if self._sums is None:
-            known = self._arm.turned(begin, end)
-            if known is not None:
-                return known
-            return tuple([abs(b - a) for a, b in zip(self.joints(begin), self.joints(end), strict=True)])
-        first, last = self._sums[begin - self.begin], self._sums[end - self.begin]
-        return tuple([b - a for a, b in zip(first, last, strict=True)])
+        a, b, c, d, e, f = self._turned_to(begin)
+        g, h, i, j, k, m = self._turned_to(end)
+        return g - a, h - b, i - c, j - d, k - e, m - f
+
+    def _turned_to(self, tick: int) -> Six:
+        found = self._turned_at.get(tick)
+        if found is None:
+            found = self._arm.turned(self.begin, tick)
+            assert found is not None, "what is known up to the end is known up to any tick before"
+            self._turned_at[tick] = found
+        return found
 
 
-def _turned(targets: Sequence[Six]) -> list[tuple[float, ...]]:
+def _turned(targets: Sequence[Six]) -> list[Six]:
     """Return how far each joint has turned since the first of many positions, back and forth added up, rad."""
     a = b = c = d = e = f = 0.0
     p1, p2, p3, p4, p5, p6 = targets[0]
-    sums: list[tuple[float, ...]] = []
+    sums: list[Six] = []
     for q1, q2, q3, q4, q5, q6 in targets:
         a, b, c = a + abs(q1 - p1), b + abs(q2 - p2), c + abs(q3 - p3)
         d, e, f = d + abs(q4 - p4), e + abs(q5 - p5), f + abs(q6 - p6)
@@ -397,7 +444,7 @@ class ContactWatch:
             return
         if contact is not None and value >= contact.deepest.distance:
             return
-        _, found = _measured(pair, span.frames(tick), _AMPLE_M)
+        _, found = _measured(pair, span, tick, _AMPLE_M)
         assert found is not None
         if contact is None:
             pair.contact = _Open(self._row(tick), self._line, found)
@@ -410,7 +457,7 @@ class ContactWatch:
         best = self._best.get(pair.second.name)
         is_first = pair.is_thing and best is None
         ample = inf if is_first else self._matters(pair) + _AMPLE_M
-        gap, found = _measured(pair, span.frames(tick), ample)
+        gap, found = _measured(pair, span, tick, ample)
         if found is not None and pair.is_thing and (best is None or found.distance < best[0].distance):
             self._best[pair.second.name] = (found, self._row(tick), self._line, pair.first.name)
         return gap
@@ -460,36 +507,35 @@ def _contact(pair: _Pair, contact: _Open, end_tick: int) -> Contact:
     )
 
 
-def _measured(pair: _Pair, frames: Frames, ample: float) -> tuple[_Gap, Closest | None]:
+def _measured(pair: _Pair, span: _Span, tick: int, ample: float) -> tuple[_Gap, Closest | None]:
     """Return the gap of a pair and where it is; or lower bounds of which one is at least `ample`, and None."""
-    first, second = pair.first, pair.second
-    T_first = frames[first.link]
+    second = pair.second
+    placed = span.placed(pair.first, tick)
     height = -inf
     if pair.is_thing:
-        height = _height(first, T_first, second)
+        low, high = placed.levels()
+        bottom, top = second.levels
+        height = max(low - top, bottom - high)
         if height >= ample:
             return _Gap(height, height), None
-    T_ball = compose(T_first, first.center)
-    if second.link == BASE:
         others = second.solids
     else:
-        T_second = frames[second.link]
-        least = least_distance(first.ball, T_ball, second.ball, compose(T_second, second.center))
+        other = span.placed(second, tick)
+        least = least_distance(pair.first.ball, placed.T_ball, second.ball, other.T_ball)
         if least >= ample:
             return _Gap(least, height), None
-        others = [(body, compose(T_second, T)) for body, T in second.solids]
+        others = other.solids()
     least = inf
     near = []
     for body, T in others:
-        bound = least_distance(first.ball, T_ball, body, T)
+        bound = least_distance(pair.first.ball, placed.T_ball, body, T)
         if bound < ample:
             near.append((body, T))
         elif bound < least:
             least = bound
     candidates = []
     if near:
-        for own, T_link in first.solids:
-            T_own = compose(T_first, T_link)
+        for own, T_own in placed.solids():
             for body, T in near:
                 bound = least_distance(own, T_own, body, T)
                 if bound < ample:
@@ -507,19 +553,6 @@ def _measured(pair: _Pair, frames: Frames, ample: float) -> tuple[_Gap, Closest 
     if best is None or least < best.distance:
         return _Gap(least, height), None
     return _Gap(best.distance, height), best
-
-
-def _height(first: _Group, T_first: Transform, thing: _Group) -> float:
-    """Return the vertical gap between a group and a thing, m; negative where one is beside the other."""
-    _, _, _, _, _, _, r31, r32, r33, _, _, z = T_first
-    low, high = thing.levels
-    gap = inf
-    for body, T in first.solids:
-        center = r31 * T[9] + r32 * T[10] + r33 * T[11] + z
-        # The vertical in the frame of the link is the third row of its rotation.
-        reach = body.reach(T, r31, r32, r33)
-        gap = min(gap, max(center - reach - high, low - center - reach))
-    return gap
 
 
 def _bound(candidate: tuple[float, Body, Transform, Body, Transform]) -> float:
