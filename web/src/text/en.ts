@@ -186,10 +186,10 @@ export const en = {
   robot_words_contacts: "Contacts: {count}.",
   robot_contact: "{first} – {second}: {millimetres} mm deep",
   robot_closest: "{first} – {second}: {millimetres} mm apart",
-  robot_joints: "Joints, {unit}",
+  robot_joints: "Joints {unit}",
   robot_joint_range: "Joint {joint}: from {low} to {high}",
-  robot_near_limit: "limit",
-  robot_tcp: "TCP in the base frame, {length} and {angle}",
+  robot_near_limit: "Near its limit",
+  robot_tcp: "TCP {length}, {angle}",
 
   // ---- Time line
   timeline_time: "Time",

@@ -188,10 +188,10 @@ export const zh: Texts = {
   robot_words_contacts: "接触：{count} 处。",
   robot_contact: "{first} – {second}：重叠 {millimetres} mm",
   robot_closest: "{first} – {second}：相距 {millimetres} mm",
-  robot_joints: "关节，{unit}",
+  robot_joints: "关节 {unit}",
   robot_joint_range: "关节 {joint}：{low} 至 {high}",
-  robot_near_limit: "限位",
-  robot_tcp: "基坐标系中的 TCP，{length} 和 {angle}",
+  robot_near_limit: "接近限位",
+  robot_tcp: "TCP {length}、{angle}",
 
   // ---- Time line
   timeline_time: "时间",

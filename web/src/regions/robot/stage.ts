@@ -88,6 +88,7 @@ export class Stage {
   private frameLabels: Label[] = [];
   private isFitted = false;
   private isTouched = false;
+  private isRefined = false;
 
   /** `changed` is called when the camera has moved. Throws where the browser has no WebGL. */
   constructor(canvas: HTMLCanvasElement, labels: HTMLElement, software: boolean, changed: () => void) {
@@ -126,6 +127,7 @@ export class Stage {
   resize(width: number, height: number): void {
     this.width = Math.max(1, width);
     this.height = Math.max(1, height);
+    this.isRefined = false;
     this.renderer.setPixelRatio(this.software ? 1 : Math.min(devicePixelRatio || 1, 2));
     this.renderer.setSize(this.width, this.height, false);
     this.camera.aspect = this.width / this.height;
@@ -135,7 +137,21 @@ export class Stage {
 
   // ---------------------------------------------------------------- drawing
 
+  /** Draws the last picture once more with four times the pixels: what software is too slow for while things move. */
+  refine(): void {
+    if (!this.software || this.isRefined || this.last === null) return;
+    this.isRefined = true;
+    this.renderer.setPixelRatio(REFINED_RATIO);
+    this.lines?.refine(true);
+    this.renderer.render(this.root, this.camera);
+  }
+
   draw(picture: Picture): void {
+    if (this.isRefined) {
+      this.isRefined = false;
+      this.renderer.setPixelRatio(1);
+      this.lines?.refine(false);
+    }
     const last = this.last;
     this.last = picture;
     const isNewLook = last === null || last.isDark !== picture.isDark || last.scene !== picture.scene || last.pieces !== picture.pieces;
@@ -410,6 +426,8 @@ function floor({ limits, parts }: Scene, colours: Palette): Group {
 
 // ---------------------------------------------------------------- lines
 
+const REFINED_RATIO = 2;
+
 /** Pieces that a software renderer draws wide. */
 const WIDE_PIECES_MAX = 800;
 const NOTHING = new Float32Array(0);
@@ -426,6 +444,8 @@ class Lines {
   private readonly path: LineObject;
   private readonly hair: HairObject;
   private readonly isSoftware: boolean;
+  /** Whether the path is too long to be drawn wide while things move. */
+  private isFine = false;
   private readonly hidden: LineObject | null;
   private readonly raised: LineObject;
   private readonly stale: LineObject;
@@ -490,15 +510,23 @@ class Lines {
     this.group.removeFromParent();
   }
 
+  /** Draws a long path wide or in lines of a pixel. */
+  refine(isRefined: boolean): void {
+    if (!this.isFine) return;
+    this.path.object.visible = isRefined;
+    this.hair.object.visible = !isRefined;
+  }
+
   /** Updates the paths where they are others than in the last picture. */
   paths(picture: Picture, last: Picture | null): void {
     const { path, speedEnd, isDark } = picture;
     const isNew = last === null || last.path !== path || last.speedEnd !== speedEnd || last.isStale !== picture.isStale;
     if (isNew) {
       const [positions, colours] = path === null ? [NOTHING, NOTHING] : strokesOf(path, speedEnd, isDark);
-      const isFine = this.isSoftware && positions.length > 6 * WIDE_PIECES_MAX;
-      this.path.set(picture.isStale || isFine ? [] : positions, colours);
-      this.hair.set(picture.isStale || !isFine ? NOTHING : positions, colours);
+      this.isFine = this.isSoftware && positions.length > 6 * WIDE_PIECES_MAX;
+      this.path.set(picture.isStale ? [] : positions, colours);
+      this.hair.set(picture.isStale || !this.isFine ? NOTHING : positions, colours);
+      this.refine(false);
       this.whole.set(picture.isStale ? positions : []);
       this.hidden?.share(this.path);
     }
