@@ -88,7 +88,7 @@ export class PendantModel {
 
   /** Puts a move to where the arm is below the caret's line. Returns the line, "" where nothing is known. */
   teach(): string {
-    const joints = this.studio.moment.value?.joints;
+    const joints = this.studio.present.value?.joints;
     if (joints === undefined || this.studio.editor === null) return "";
     const line = pointText(joints);
     this.studio.editor.insert(line);

@@ -91,9 +91,7 @@ function Buttons({ studio, pendant, state }: { studio: Studio; pendant: PendantM
   const emergency = text(isOwn ? "emergency_own" : "emergency_other");
   return (
     <>
-      <div class="pendant-row">
-        <Group>{button("power_on")}{button("release_brakes")}{button("power_off")}</Group>
-        <Group>{button("play")}{button("unlock")}</Group>
+      <div class="pendant-row emergencies">
         <Group>
           <button
             type="button" class={isPressed ? "emergency on" : "emergency"} aria-pressed={isOwn ? isPressed : undefined}
@@ -105,6 +103,10 @@ function Buttons({ studio, pendant, state }: { studio: Studio; pendant: PendantM
           <span class="unseen" id="emergency-note">{emergency}</span>
           <span class="faint note" aria-hidden="true">{text("emergency_note")}</span>
         </Group>
+      </div>
+      <div class="pendant-row">
+        <Group>{button("power_on")}{button("release_brakes")}{button("power_off")}</Group>
+        <Group>{button("play")}{button("unlock")}</Group>
       </div>
       <div class="pendant-row">
         <label class="slider">
@@ -130,7 +132,7 @@ function PopupWindow({ state, pendant, hasControl }: { state: ControllerState; p
   const popup = state.popup!;
   const isRunning = state.task_state === "PLAYING" || state.task_state === "PAUSED";
   return (
-    <div class={`popup ${popup.level}`} role="alertdialog" aria-label={popup.title || text("popup_title")} aria-describedby="popup-text" key={popup.id}>
+    <div class={`pendant-popup ${popup.level}`} role="alertdialog" aria-label={popup.title || text("popup_title")} aria-describedby="popup-text" key={popup.id}>
       <strong>{popup.title || text("popup_title")}</strong>
       <p id="popup-text">{popup.text}</p>
       {hasControl && (

@@ -12,8 +12,9 @@ const FRAMES = ["joint", "base", "tool"] as const satisfies readonly Frame[];
 
 export function Jog({ studio, pendant }: { studio: Studio; pendant: PendantModel }) {
   const frame = pendant.frame.value;
-  const moment = studio.moment.value;
+  const moment = studio.present.value;
   const values = frame === "joint" ? moment?.joints : moment?.tcp_pose;
+  const units = frame === "joint" ? unitOf("angle", studio.display.value) : `${unitOf("length", studio.display.value)}, ${unitOf("angle", studio.display.value)}`;
   const percent = Math.round(pendant.speed.value * 100);
   const choose = (chosen: Frame) => {
     pendant.release();
@@ -28,6 +29,7 @@ export function Jog({ studio, pendant }: { studio: Studio; pendant: PendantModel
               <input type="radio" name="jog-frame" checked={frame === name} onChange={() => choose(name)} /> {text(`frame_${name}`)}
             </label>
           ))}
+          <span class="faint">{units}</span>
         </div>
         <label class="slider">
           <span class="faint">{text("jog_speed")}</span>
@@ -53,7 +55,7 @@ export function Jog({ studio, pendant }: { studio: Studio; pendant: PendantModel
           return (
             <div class="axis" key={axis}>
               <HoldButton pendant={pendant} axis={axis} direction={-1} />
-              <span class="place"><span class="faint">{name}</span> <output>{value}</output> <span class="faint">{unitOf(quantity, studio.display.value)}</span></span>
+              <span class="place"><span class="faint">{name}</span> <output>{value}</output></span>
               <HoldButton pendant={pendant} axis={axis} direction={1} />
             </div>
           );
