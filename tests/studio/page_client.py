@@ -15,7 +15,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from itertools import count
 from pathlib import Path
 from time import monotonic
@@ -23,6 +23,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from websockets.sync.client import connect
+from websockets.typing import Origin
 
 ROOT = Path(__file__).resolve().parents[2]
 WAIT_S = 20.0
@@ -80,23 +81,26 @@ class Page:
     """
 
     def __init__(self, address: str) -> None:
-        at = urlsplit(address)
         self.messages: list[Message | bytes] = []
+        self._address = urlsplit(address)
         self._asks = count(1)
         self._seen = 0
-        self._socket = connect(
+        self._opened = ExitStack()
+
+    def __enter__(self) -> Page:
+        at = self._address
+        opening = connect(
             f"ws://{at.netloc}/socket?{at.query}",
-            origin=f"http://{at.netloc}",
+            origin=Origin(f"http://{at.netloc}"),
             compression=None,
             max_size=None,
             proxy=None,
         )
-
-    def __enter__(self) -> Page:
+        self._socket = self._opened.enter_context(opening)
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._socket.close()
+        self._opened.close()
 
     def send(self, type_: str, **fields: Any) -> None:
         """Send a message."""

@@ -76,3 +76,29 @@ def test_a_page_that_never_reads_is_disconnected(monkeypatch) -> None:
 
     sent, overflows = run(steps)
     assert (sent, overflows) == ([], 1)
+
+
+def test_a_source_that_can_wait_is_held_back_until_the_page_reads(monkeypatch) -> None:
+    monkeypatch.setattr(outbox, "ROOM_BYTES", 100)
+
+    async def go() -> None:
+        reads = asyncio.Event()
+
+        async def send(_: str | bytes) -> None:
+            await reads.wait()
+
+        box = Outbox(send, lambda: None)
+        sending = asyncio.create_task(box.run())
+        box.put(b"x" * 90)
+        await asyncio.wait_for(box.room(), 1.0)
+        box.put(b"x" * 90)
+        box.put(b"x" * 90)
+        waiting = asyncio.create_task(box.room())
+        for _ in range(10):
+            await asyncio.sleep(0)
+        assert not waiting.done()
+        reads.set()
+        await asyncio.wait_for(waiting, 1.0)
+        sending.cancel()
+
+    asyncio.run(go())

@@ -15,6 +15,7 @@ from elitescript.errors import UsageError
 from elitescript.studio import session as module
 from elitescript.studio.files import Programs
 from elitescript.studio.memory import Memory
+from elitescript.studio.opened import OpenFile
 from elitescript.studio.session import Session, Workplace
 
 TEXT = "def p():\n  movej([0, -1.57, -1.57, -1.57, 1.57, 0])\nend\n"
@@ -23,14 +24,15 @@ TEXT = "def p():\n  movej([0, -1.57, -1.57, -1.57, 1.57, 0])\nend\n"
 class Source:
     """Says hello, refuses `seek`, fails at `stop`."""
 
-    def __init__(self) -> None:
+    def __init__(self, *abilities: str) -> None:
+        self.abilities = abilities
         self.taken: list[ToSource] = []
         self.is_closed = False
         self.send: Callable[[Mapping[str, Any] | bytes], None] = print
 
     async def start(self, send: Callable[[Mapping[str, Any] | bytes], None]) -> None:
         self.send = send
-        send({"type": "hello", "abilities": ["edit", "save"], "title": "p"})
+        send({"type": "hello", "abilities": list(self.abilities), "title": "p"})
 
     async def take(self, message: ToSource) -> None:
         self.taken.append(message)
@@ -46,16 +48,20 @@ class Source:
 class Page:
     """A session and what it has said."""
 
-    def __init__(self, folder: Path, world: Path | None = None) -> None:
+    def __init__(
+        self, folder: Path, world: Path | None = None, source: Source | None = None, *, has_programs: bool = True
+    ) -> None:
         self.said: list[Any] = []
-        self.source = Source()
+        self.source = source or Source("edit")
         self.memory = Memory(folder / "state")
         cell = folder / "cell"
         cell.mkdir(exist_ok=True)
         (cell / "a.script").write_text(TEXT)
         (cell / "b.script").write_text("b")
-        place = Workplace(Programs(cell), self.memory, {}, world)
-        self.session = Session(place, self.source, self.said.append)
+        programs = Programs(cell) if has_programs else None
+        place = Workplace(programs, self.memory, {}, world)
+        file = None if programs is None else OpenFile(programs, self.memory, self.said.append)
+        self.session = Session(place, self.source, file, self.said.append)
 
     async def take(self, type_: str, **fields: Any) -> None:
         await self.session.take(json.dumps({"type": type_, **fields}))
@@ -68,9 +74,9 @@ class Page:
         return dict(found[0])
 
 
-def run(folder: Path, steps: Callable[[Page], Awaitable[None]], world: Path | None = None) -> Page:
+def run(folder: Path, steps: Callable[[Page], Awaitable[None]], *given: Any, **more: Any) -> Page:
     async def go() -> Page:
-        page = Page(folder, world)
+        page = Page(folder, *given, **more)
         await page.session.begin()
         try:
             await steps(page)
@@ -92,7 +98,7 @@ def test_a_page_begins_with_hello_and_its_file(tmp_path: Path) -> None:
     hello, file = run(tmp_path, nothing).said
     assert hello == {
         "type": "hello",
-        "abilities": ["edit", "save", "services"],
+        "abilities": ["edit", "services", "save"],
         "title": "p",
         "programs": ["a.script", "b.script"],
         "settings": {"theme": "dark"},
@@ -231,3 +237,31 @@ def test_messages_of_the_source_go_to_the_page_as_they_are(tmp_path: Path) -> No
         assert page.said[-2:] == [b"rows", hostile]
 
     run(tmp_path, steps)
+
+
+class TestBesideAController:
+    """The source checks no texts: the page may write all the same."""
+
+    def test_texts_are_checked_here(self, tmp_path: Path) -> None:
+        async def steps(page: Page) -> None:
+            await page.take("program", version=1, text="def p():\n  movej(\nend\n")
+            await page.take("program", version=2, text="def p():\n  movek(1)\nend\n")
+            while not any(message["type"] == "problems" and message["version"] == 2 for message in page.said):
+                await asyncio.sleep(0.001)
+            (problem,) = page.said[-1]["list"]
+            assert (problem["code"], problem["line"], page.said[-1]["compiles"]) == ("E301", 2, True)
+
+        page = run(tmp_path, steps, None, Source("live", "control"))
+        assert page.source.taken == []
+        assert page.said[0]["abilities"] == ["live", "control", "services", "edit", "save"]
+
+    def test_without_a_file_there_is_nothing_to_write(self, tmp_path: Path) -> None:
+        async def steps(page: Page) -> None:
+            refused = await page.answer("save", text="x", seen="")
+            assert refused["text"] == "no program is open: start the studio with a file or a folder"
+            assert (await page.answer("open", name="a.script"))["type"] == "refused"
+            assert (await page.answer("service", service="signals", version=0))["type"] == "answer"
+
+        page = run(tmp_path, steps, None, Source("live"), has_programs=False)
+        assert page.said[0] == {"type": "hello", "abilities": ["live", "services"], "title": "p", "settings": {}}
+        assert len(page.said) == 1

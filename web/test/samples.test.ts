@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { onTick, SampleTable } from "../src/model/samples.ts";
+import { SampleTable } from "../src/model/samples.ts";
 import type { Column, Rows } from "../src/source/rows.ts";
 import { random } from "./random.ts";
 
@@ -57,7 +57,7 @@ test("accelerations and tracking errors follow what is added", () => {
   assert.deepEqual([...table.column("error1")], [0.5, -1, -0.5, -2]);
 });
 
-test("nearest row, fine stretches, ticks", () => {
+test("nearest row, fine stretches", () => {
   const table = new SampleTable();
   assert.equal(table.nearest(1), -1);
   table.add(rows([0, 10, 11, 12], { q1: [0, 0, 0, 0] }));
@@ -65,7 +65,6 @@ test("nearest row, fine stretches, ticks", () => {
   assert.equal(table.isFine(0.04, 0.048, 0.004), true);
   assert.equal(table.isFine(0.02, 0.048, 0.004), false);
   assert.equal(table.isFine(0.04, 0.06, 0.004), false);
-  assert.equal(onTick(1.2345), 1.236);
 });
 
 test("a table that begins as another one", () => {

@@ -332,9 +332,8 @@ def add_studio(parser: Parser) -> None:
     parser.add_argument(
         "path",
         nargs="?",
-        default=".",
         metavar="FILE|FOLDER",
-        help="a program, which need not exist yet, or a folder of programs (default: this folder)",
+        help="a program, which need not exist yet, or a folder of programs (default: this one; with --connect none)",
     )
     parser.add_argument(
         "--port", type=int, default=0, metavar="N", help="port of this computer (default: any free one)"

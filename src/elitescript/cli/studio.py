@@ -32,7 +32,8 @@ def studio(options: argparse.Namespace) -> int:
             f"the package {error.name!r} is missing; install it with: pip install 'elitescript[studio]'"
         ) from error
     given = options_from(options)
-    place = workplace(Path(options.path), given, options.world, options.urdf)
+    path = options.path or (None if options.connect else ".")
+    place = workplace(path, given, options.world, options.urdf)
     target = None if options.connect is None else _target(options, given.get("model", ""))
     return serve_studio(place, options.port, target, opens_browser=not options.no_browser)
 

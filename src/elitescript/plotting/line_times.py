@@ -36,9 +36,11 @@ class LineTime(NamedTuple):
 class ThreadLines:
     """Records in which line each thread beside the main one is; called after every tick of a run."""
 
-    __slots__ = ("_open",)
+    __slots__ = ("_open", "_told")
 
     def __init__(self) -> None:
+        self._told: dict[str, int] = {}
+        """For each thread how many of its times `news` has returned."""
         self._open: dict[str, list[tuple[float, int]]] = {}
         """For each thread the times at which it came to a line; line 0 while there is no such thread."""
 
@@ -56,6 +58,12 @@ class ThreadLines:
             line = lines.get(name, 0)
             if not entries or entries[-1][1] != line:
                 entries.append((time_s, line))
+
+    def news(self) -> dict[str, list[tuple[float, int]]]:
+        """Return for each thread the times, s, at which it came to a line since the last call, with the line."""
+        found = {name: entries[self._told.get(name, 0) :] for name, entries in self._open.items()}
+        self._told = {name: len(entries) for name, entries in self._open.items()}
+        return {name: entries for name, entries in found.items() if entries}
 
     def stretches(self, end_s: float) -> dict[str, list[LineStretch]]:
         """Return the stretches of each thread up to a time; they follow each other without gaps."""

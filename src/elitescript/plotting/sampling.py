@@ -23,12 +23,13 @@ class Sampling(TraceRecorder):
 
     Args:
         rows_max: rows from which on they are thinned; more remain only where lines change that often.
+        step_s: time from one row to the next at first, s; one control period if None.
     """
 
     __slots__ = ("_full", "_line")
 
-    def __init__(self, rows_max: int = ROWS_MAX) -> None:
-        super().__init__()
+    def __init__(self, rows_max: int = ROWS_MAX, step_s: float | None = None) -> None:
+        super().__init__(step_s)
         self._full = rows_max
         self._line = -1
         self._rows_max = min(SPAN_ROWS_MAX, rows_max + 1)

@@ -64,7 +64,7 @@ class OpenFile:
 
     @property
     def folder(self) -> Path:
-        """The folder of the file."""
+        """The folder of the file, which its program reads and writes files in."""
         return self._programs.folder if self._path is None else self._path.parent
 
     async def open_first(self) -> None:

@@ -12,6 +12,9 @@ from elitescript.codec.json_text import to_text
 BUFFERED_BYTES: Final = 1 << 20
 """Bytes that may wait in the socket; from there on messages wait here, the newest of `NEWEST_ONLY` alone."""
 
+ROOM_BYTES: Final = 4 << 20
+"""Bytes that wait here before a source that can wait is held back."""
+
 WAITING_BYTES_MAX: Final = 64 << 20
 """Bytes that may wait here; a page that is so far behind is disconnected, and begins anew."""
 
@@ -27,7 +30,7 @@ class Outbox:
         overflow: called once when too much waits; nothing is queued from then on.
     """
 
-    __slots__ = ("_bytes", "_is_open", "_overflow", "_rows", "_send", "_wake")
+    __slots__ = ("_bytes", "_is_open", "_overflow", "_room", "_rows", "_send", "_wake")
 
     def __init__(self, send: Callable[[str | bytes], Awaitable[None]], overflow: Callable[[], None]) -> None:
         self._send = send
@@ -36,6 +39,8 @@ class Outbox:
         self._bytes = 0
         self._is_open = True
         self._wake = asyncio.Event()
+        self._room = asyncio.Event()
+        self._room.set()
 
     def put(self, message: Mapping[str, Any] | bytes) -> None:
         """Queue a message: a record of the conversation, or rows as bytes."""
@@ -45,19 +50,23 @@ class Outbox:
         if kind in NEWEST_ONLY:
             self._drop(kind)
         self._rows.append((kind, data))
-        self._bytes += len(data)
+        self._add(len(data))
         self._wake.set()
         if self._bytes > WAITING_BYTES_MAX:
             self._is_open = False
             self._rows.clear()
             self._overflow()
 
+    async def room(self) -> None:
+        """Return when a source may put more; messages that cannot wait are put at any time."""
+        await self._room.wait()
+
     async def run(self) -> None:
         """Send until it is cancelled, or until `send` fails."""
         while True:
             while self._rows:
                 _, data = self._rows.popleft()
-                self._bytes -= len(data)
+                self._add(-len(data))
                 await self._send(data)
             self._wake.clear()
             await self._wake.wait()
@@ -65,4 +74,11 @@ class Outbox:
     def _drop(self, kind: str) -> None:
         for row in [row for row in self._rows if row[0] == kind]:
             self._rows.remove(row)
-            self._bytes -= len(row[1])
+            self._add(-len(row[1]))
+
+    def _add(self, size: int) -> None:
+        self._bytes += size
+        if self._bytes > ROOM_BYTES:
+            self._room.clear()
+        else:
+            self._room.set()

@@ -80,14 +80,15 @@ class Door:
 
     Args:
         begin: begins the conversation with a page that has connected; what it puts into the outbox is sent.
+
+    Attributes:
         heard: called for each message of a page.
+        port: number of the port, once it is open.
     """
 
-    def __init__(
-        self, begin: Callable[[Outbox], Awaitable[Conversation]], heard: Callable[[], None] = lambda: None
-    ) -> None:
+    def __init__(self, begin: Callable[[Outbox], Awaitable[Conversation]]) -> None:
+        self.heard: Callable[[], None] = lambda: None
         self._begin = begin
-        self._heard = heard
         self._token = new_token()
         self._ticket: str | None = None
         self._server: Server | None = None
@@ -203,7 +204,7 @@ class Door:
         try:
             conversation = await self._begin(outbox)
             async for message in connection:
-                self._heard()
+                self.heard()
                 await conversation.take(message)
         except ConnectionClosed:
             # The page is gone without a goodbye, or has sent too much.

@@ -33,6 +33,7 @@ from elitescript.assist.last_run import LastRun
 from elitescript.assist.typing_edits import typing_edits
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.page import record
+from elitescript.conversation import describe
 from elitescript.errors import UsageError
 from elitescript.kernel.options import DEFAULTS
 from elitescript.language.diagnostics import Diagnostic, Edit
@@ -123,6 +124,14 @@ class Desk:
         if service in _OF_TEXTS and version != self._document.version:
             raise UsageError(f"the text has changed: it is version {self._document.version}, not {version}")
         return plain(_SERVICES[service](self, place))
+
+    def problems(self, version: int) -> dict[str, Any] | None:
+        """Return the message with what `check` finds; None if the text is another one by now."""
+        document = self._document
+        if version != document.version:
+            return None
+        found = document.problems
+        return describe.problems(version, found, compiles=not any(problem.keeps_from_starting for problem in found))
 
     # ---------------------------------------------------------------- of the text
 
@@ -276,6 +285,10 @@ class EditorServices:
             UsageError: it cannot be answered.
         """
         return await asyncio.wrap_future(self._thread.submit(self._desk.answer, service, version, place))
+
+    async def problems(self, version: int) -> dict[str, Any] | None:
+        """Return the message with what `check` finds; None if the text is another one by now."""
+        return await asyncio.wrap_future(self._thread.submit(self._desk.problems, version))
 
     def close(self) -> None:
         """End the thread, when it has answered what it is at; what waits is dropped."""

@@ -27,9 +27,6 @@ from elitescript.studio.services import EditorServices, Place
 WAITING_MAX: Final = 64
 """Requests to editor services that wait for an answer; further ones are refused."""
 
-ABILITIES: Final = ("save", "services")
-"""What every page can do, beside the abilities of its source."""
-
 Send = Callable[[Mapping[str, Any] | bytes], None]
 
 
@@ -54,14 +51,14 @@ class Workplace(NamedTuple):
     """What all pages share.
 
     Attributes:
-        programs: that may be opened.
+        programs: that may be opened; None if there is nothing to write.
         memory: of drafts and settings.
         given: options of the robot on the command line.
         world: path of the world file of the command line; None without one.
         meshes: of the arm; None without a URDF.
     """
 
-    programs: Programs
+    programs: Programs | None
     memory: Memory
     given: Mapping[str, Any]
     world: Path | None = None
@@ -74,16 +71,19 @@ class Session:
     Args:
         place: that it shares with other pages.
         source: of this page.
+        file: that it has open; None if there is nothing to write.
         send: sends it a message.
     """
 
-    def __init__(self, place: Workplace, source: Source, send: Send) -> None:
+    def __init__(self, place: Workplace, source: Source, file: OpenFile | None, send: Send) -> None:
         self._place = place
         self._source = source
         self._send = send
         self._services = EditorServices(place.given, place.world, place.meshes)
         self._last_runs = LastRuns(self._services.ran)
-        self._file = OpenFile(place.programs, place.memory, send)
+        self._file = file
+        self._is_checked_here = False
+        """Whether the source does not check texts."""
         self._beside: set[asyncio.Task[None]] = set()
         """What goes on beside the next messages."""
         self._asked = 0
@@ -91,8 +91,9 @@ class Session:
     async def begin(self) -> None:
         """Send what a page begins with."""
         await self._source.start(self._from_source)
-        await self._file.open_first()
-        self._let(None, self._file.watch)
+        if self._file is not None:
+            await self._file.open_first()
+            self._let(None, self._file.watch)
 
     async def take(self, text: str | bytes) -> None:
         """Take a message of the page; what is wrong with it is answered."""
@@ -111,9 +112,21 @@ class Session:
         await asyncio.gather(*self._beside, return_exceptions=True)
         self._services.close()
         try:
-            await self._file.close()
+            if self._file is not None:
+                await self._file.close()
         finally:
             await self._source.close()
+
+    @property
+    def _opened(self) -> OpenFile:
+        """The file of the page.
+
+        Raises:
+            UsageError: there is nothing to write.
+        """
+        if self._file is None:
+            raise UsageError("no program is open: start the studio with a file or a folder")
+        return self._file
 
     # ---------------------------------------------------------------- messages of the page
 
@@ -127,10 +140,10 @@ class Session:
                 self._asked += 1
                 self._let(message.ask, self._answer, message)
             case Save():
-                self._let(message.ask, self._file.save, message)
+                self._let(message.ask, self._opened.save, message)
             case Open():
                 # Texts that come next are of this file.
-                await self._file.open(message.name)
+                await self._opened.open(message.name)
                 self._send({"type": "done", "ask": message.ask})
             case Settings():
                 self._let(None, self._keep_settings, message.values)
@@ -140,13 +153,20 @@ class Session:
     async def _program(self, message: Program) -> None:
         given, world = message.options, message.options.world
         path = None if not world else self._world(world)
-        self._file.edited(message.text)
+        self._opened.edited(message.text)
         self._last_runs.program(message.version, message.text)
         options = {"model": given.robot, "firmware": given.firmware}
         chosen = {name: value for name, value in options.items() if value is not None}
         self._services.put(message.version, message.text, chosen, path)
-        options_ = given if path is None else replace(given, world=str(path))
-        await self._source.take(replace(message, options=options_))
+        if self._is_checked_here:
+            self._let(None, self._check, message.version)
+        else:
+            located = given if path is None else replace(given, world=str(path))
+            await self._source.take(replace(message, options=located))
+
+    async def _check(self, version: int) -> None:
+        if (found := await self._services.problems(version)) is not None:
+            self._send(found)
 
     async def _answer(self, asked: Service) -> None:
         try:
@@ -168,13 +188,13 @@ class Session:
         Raises:
             UsageError: it is neither that of the command line nor in the opened folder: it may name Python files.
         """
-        programs, given = self._place.programs, self._place.world
+        folder, given = self._opened.folder, self._place.world
         try:
-            path = (programs.folder / name).resolve()
+            path = (folder / name).resolve()
         except (OSError, ValueError, RuntimeError) as error:
             raise UsageError(f"{name!r:.200} is no path: {error}") from None
-        if path != given and not path.is_relative_to(programs.folder):
-            raise UsageError(f"{name!r:.200} is outside {programs.folder}; name it with --world")
+        if path != given and not path.is_relative_to(folder):
+            raise UsageError(f"{name!r:.200} is outside {folder}; name it with --world")
         return path
 
     # ---------------------------------------------------------------- messages of the source
@@ -190,10 +210,13 @@ class Session:
 
     def _hello(self, message: Mapping[str, Any]) -> dict[str, Any]:
         """Return the greeting of the source with what is beside it."""
-        abilities = list(dict.fromkeys([*message["abilities"], *ABILITIES]))
-        programs = message.get("programs") or self._place.programs.names()
-        settings = self._place.memory.settings()
-        return {**message, "abilities": abilities, "programs": programs, "settings": settings}
+        abilities = [*message["abilities"], "services"]
+        given: dict[str, Any] = {"settings": self._place.memory.settings()}
+        if self._place.programs is not None:
+            self._is_checked_here = "edit" not in abilities
+            abilities += ["edit", "save"]
+            given["programs"] = message.get("programs") or self._place.programs.names()
+        return {**message, **given, "abilities": list(dict.fromkeys(abilities))}
 
     # ---------------------------------------------------------------- failures
 

@@ -41,8 +41,8 @@ const SIZES = {
   left: { name: "left", first: 0.34, least: 0.15, most: 0.6, title: "region_program" },
   right: { name: "right", first: 0.23, least: 0.12, most: 0.4, title: "region_signals" },
   problems: { name: "problems", first: 0.26, least: 0.1, most: 0.8, title: "region_problems" },
-  time: { name: "time", first: 0.3, least: 0.1, most: 0.7, title: "region_timeline" },
-  lists: { name: "lists", first: 0.17, least: 0.08, most: 0.5, title: "region_messages" },
+  time: { name: "time", first: 0.36, least: 0.1, most: 0.7, title: "region_timeline" },
+  lists: { name: "lists", first: 0.15, least: 0.08, most: 0.5, title: "region_messages" },
   cycle: { name: "cycle", first: 0.45, least: 0.15, most: 0.85, title: "region_cycle" },
 } as const satisfies { readonly [name: string]: Size };
 
@@ -67,7 +67,7 @@ export function Page({ studio }: { studio: Studio }) {
   }, [studio]);
   return (
     <div class={`page ${layout.value}`}>
-      <Toolbar studio={studio} />
+      <Toolbar studio={studio} isNarrow={layout.value === "narrow"} />
       <OptionsPanel studio={studio} />
       <Notices studio={studio} />
       <ConflictView studio={studio} />
@@ -91,32 +91,32 @@ function Panes({ studio, layout }: { studio: Studio; layout: Layout }) {
     <Region key="pendant" studio={studio} name="pendant" title="region_pendant"><Pendant studio={studio} /></Region>
   );
   const left = (
-    <div key="left" class="pane left">
+    <div key="left" class="pane pane-left">
       <Region studio={studio} name="program" title="region_program"><Program studio={studio} /></Region>
       {between(SIZES.problems, "horizontal", -1)}
       <Region studio={studio} name="problems" title="region_problems" badge={<ProblemBadge studio={studio} />}><Problems studio={studio} /></Region>
     </div>
   );
   const robot = (
-    <div key="robot" class="pane middle">
+    <div key="robot" class="pane pane-middle">
       <Region studio={studio} name="robot" title="region_robot"><Robot studio={studio} /></Region>
       {pendant}
     </div>
   );
   const right = (
-    <div key="right" class="pane right">
+    <div key="right" class="pane pane-right">
       <Region studio={studio} name="variables" title="region_variables" fold={folds.variables}><Variables studio={studio} /></Region>
       <Region studio={studio} name="signals" title="region_signals" fold={folds.signals}><Signals studio={studio} /></Region>
       <Region studio={studio} name="threads" title="region_threads" fold={folds.threads}><Threads studio={studio} /></Region>
     </div>
   );
   const time = (
-    <div key="time" class="pane time">
+    <div key="time" class="pane pane-time">
       <Region studio={studio} name="timeline" title="region_timeline"><Timeline studio={studio} /></Region>
     </div>
   );
   const lists = (
-    <div key="lists" class={`pane lists${areListsOpen ? "" : " folded"}`}>
+    <div key="lists" class={`pane pane-lists${areListsOpen ? "" : " folded"}`}>
       <Region studio={studio} name="messages" title="region_messages" fold={folds.messages}><Messages studio={studio} /></Region>
       {isOpen(studio, folds.messages) && isOpen(studio, folds.cycle) && between(SIZES.cycle, "vertical", -1)}
       <Region studio={studio} name="cycle" title="region_cycle" fold={folds.cycle}><Cycle studio={studio} /></Region>

@@ -14,17 +14,24 @@ import { TypedField } from "./typed.tsx";
 
 const RATES = [0.25, 0.5, 1, 2, 5, 10];
 
-export function Toolbar({ studio }: { studio: Studio }) {
+/** In a narrow window the buttons are a row of their own, which stays at the top. */
+export function Toolbar({ studio, isNarrow }: { studio: Studio; isNarrow: boolean }) {
+  const save = <SaveButton studio={studio} showsName={!isNarrow} />;
+  const buttons = <Transport studio={studio} />;
   return (
-    <header class="toolbar">
-      <FileName studio={studio} />
-      <Transport studio={studio} />
-      <State studio={studio} />
-      <span class="spring" />
-      <Connections studio={studio} />
-      <Target studio={studio} />
-      <Switches studio={studio} />
-    </header>
+    <>
+      {isNarrow && <div class="toolbar buttons">{buttons}{save}</div>}
+      <header class="toolbar">
+        <FileName studio={studio} />
+        {!isNarrow && save}
+        {!isNarrow && buttons}
+        <State studio={studio} />
+        <span class="spring" />
+        <Connections studio={studio} />
+        <Target studio={studio} />
+        <Switches studio={studio} />
+      </header>
+    </>
   );
 }
 
@@ -71,9 +78,13 @@ function FileName({ studio }: { studio: Studio }) {
       <span class="modified" title={studio.isModified.value ? text("modified") : ""}>
         {studio.isModified.value && <><span aria-hidden="true">●</span><span class="unseen">{text("modified")}</span></>}
       </span>
-      {studio.can("save") && <Tool name="save" icon="save" press={() => void studio.save()} showsName hint={text("save_hint")} isDisabled={studio.isSaving.value} />}
     </div>
   );
+}
+
+function SaveButton({ studio, showsName }: { studio: Studio; showsName: boolean }) {
+  if (!studio.can("save")) return null;
+  return <Tool name="save" icon="save" press={() => void studio.save()} showsName={showsName} hint={text("save_hint")} isDisabled={studio.isSaving.value} />;
 }
 
 function Transport({ studio }: { studio: Studio }) {

@@ -38,6 +38,8 @@ export interface LevelLane extends Common {
   readonly isBit: boolean;
   readonly start: readonly number[];
   readonly value: readonly number[];
+  /** Until when it is known, s. */
+  readonly end: () => number;
   /** What has changed it (see `docs/reference/events.md`), and the line of the statement; 0 if there is none. */
   readonly by: readonly string[];
   readonly line: readonly number[];
@@ -172,7 +174,7 @@ export class Lanes {
       const isBit = typeof event["value"] === "boolean";
       lane = {
         id: `signal ${name}`, group: "signals", name, shape: "levels", isBit,
-        start: [0], value: [isBit ? 1 - value : 0], by: [""], line: [0], stops: [],
+        end: () => this.run.known_s, start: [0], value: [isBit ? 1 - value : 0], by: [""], line: [0], stops: [],
       };
       this.add(lane);
     }
@@ -224,11 +226,6 @@ export function nextStop(times: ArrayLike<number>, t: number, by: 1 | -1): numbe
   return times[index] ?? null;
 }
 
-/** Returns the times at which a thread came to a line. */
-export function visits(lines: ThreadLines, line: number): number[] {
-  return lines.t.filter((_, index) => lines.line[index] === line);
-}
-
 /** Returns the stretches of a thread in the lines in which it was longest, one lane each, in the order of lines, and one for the others. */
 export function lanesByLine(run: Run, thread: string, most: number): SpanLane[] {
   const lines = run.lines.get(thread) ?? { t: [], line: [] };
@@ -261,9 +258,11 @@ function threadLane(run: Run, thread: string, lines: ThreadLines): SpanLane {
 }
 
 function moveLane(moves: readonly Move[]): SpanLane {
-  // The run only ever adds moves; a list of times is kept up with it.
+  // The run adds moves at its end, or replaces the last ones.
   const start: number[] = [];
   const known = () => {
+    start.length = Math.min(start.length, moves.length);
+    while (start.length > 0 && start[start.length - 1] !== moves[start.length - 1]!.start_s) start.pop();
     while (start.length < moves.length) start.push(moves[start.length]!.start_s);
     return start;
   };
@@ -303,8 +302,8 @@ function markLane(run: Run, id: string, group: Group, name: string): Marked {
   return { id, group, name, shape: "marks", events: [], stops: [], opened, closed, open };
 }
 
-/** Returns lanes sorted by group; `main` and messages first, terminals before registers, outputs before inputs. */
-function inOrder(a: Lane, b: Lane): number {
+/** Orders lanes by group; `main` and messages first, terminals before registers, outputs before inputs. */
+export function inOrder(a: Lane, b: Lane): number {
   const [first, second] = [sortKey(a), sortKey(b)];
   for (let index = 0; index < first.length; index++) {
     if (first[index]! !== second[index]!) return first[index]! < second[index]! ? -1 : 1;

@@ -4,7 +4,6 @@ import { effect, signal, type ReadonlySignal, type Signal } from "@preact/signal
 import type { RunEvent } from "../source/messages.ts";
 import type { Run } from "./run.ts";
 import { TICK_S } from "../source/rows.ts";
-import { onTick } from "./samples.ts";
 
 /** Rates that people choose from; 1 is real time. */
 export const RATES: readonly number[] = [0.25, 0.5, 1, 2, 5, 10];
@@ -21,10 +20,12 @@ export type Stretch = readonly [number, number];
 /** What playback moves; `Studio` is one. */
 export interface Played {
   readonly run: ReadonlySignal<Run | null>;
-  readonly cursor: Signal<number>;
+  readonly cursor: ReadonlySignal<number>;
   readonly isPlaying: Signal<boolean>;
   readonly rate: ReadonlySignal<number>;
-  /** Shows a time; the exact state follows. */
+  /** Shows a time; `asks`: for the exact state too. */
+  advance(t: number, asks: boolean): void;
+  /** Shows the tick that is nearest to a time; the exact state follows. */
   setCursor(t: number): void;
 }
 
@@ -47,7 +48,7 @@ export class Playback {
   private readonly listeners = new Set<PassedListener>();
   private handle: number | null = null;
   private last_ms: number | null = null;
-  private exact_ms = 0;
+  private exact_ms = -Infinity;
   private shown = NaN;
   private readonly dispose: () => void;
 
@@ -84,7 +85,7 @@ export class Playback {
     this.handle = null;
     this.isHeld.value = false;
     // At rest the cursor is at a control period, of which the source knows the exact state.
-    this.played.setCursor(onTick(this.played.cursor.peek()));
+    this.played.setCursor(this.played.cursor.peek());
   }
 
   private readonly frame = (now_ms: number): void => {
@@ -118,13 +119,10 @@ export class Playback {
   }
 
   private show(t: number, now_ms: number): void {
-    if (now_ms - this.exact_ms >= EXACT_EACH_MS) {
-      this.exact_ms = now_ms;
-      this.played.setCursor(t);
-    } else {
-      this.played.cursor.value = t;
-    }
-    this.shown = this.played.cursor.peek();
+    const asks = now_ms - this.exact_ms >= EXACT_EACH_MS;
+    if (asks) this.exact_ms = now_ms;
+    this.played.advance(t, asks);
+    this.shown = t;
   }
 
   private pass(run: Run, from_s: number, to_s: number): void {

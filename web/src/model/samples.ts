@@ -20,11 +20,6 @@ export interface Curves {
   readonly values: readonly Float64Array[];
 }
 
-/** Time of the tick that is nearest to a time, s. */
-export function onTick(t: number): number {
-  return Math.round(t * TICKS_PER_S) / TICKS_PER_S;
-}
-
 export class SampleTable {
   private size = 0;
   private ticks = new Int32Array(0);

@@ -209,8 +209,7 @@ export class Studio implements Listener {
   edit(text: string): void {
     if (text === this.text.value && this.version.value > 0) return;
     this.text.value = text;
-    this.version.value++;
-    this.tell();
+    this.changed();
   }
 
   /** Changes the text as one step of the editor's undo. */
@@ -332,6 +331,13 @@ export class Studio implements Listener {
     this.wanted_s = t >= this.end.value && t > 0 ? Infinity : Math.max(Math.round(t / TICK_S) * 4 / 1000, 0);
     this.place();
     this.seek();
+  }
+
+  /** Shows a time on the way of playback, which need not be a tick; `asks`: for the exact state too. */
+  advance(t: number, asks: boolean): void {
+    this.wanted_s = t;
+    this.cursor.value = t;
+    if (asks) this.seek();
   }
 
   /** Plays from the cursor, from 0 at the end; goes with the controller's time where time goes on by itself. */
@@ -523,16 +529,17 @@ export class Studio implements Listener {
     this.source.send(message);
   }
 
+  /** Another text or other options: a new version, which is told. */
   private changed(): void {
     this.version.value++;
+    this.isOverdue.value = false;
+    clearTimeout(this.overdue);
+    this.overdue = setTimeout(() => (this.isOverdue.value = this.run.value?.version !== this.version.value), STALE_MS);
     this.tell();
   }
 
   /** Tells the text: at once after a pause, else at the end of the pause. */
   private tell(): void {
-    this.isOverdue.value = false;
-    clearTimeout(this.overdue);
-    this.overdue = setTimeout(() => (this.isOverdue.value = this.run.value?.version !== this.version.value), STALE_MS);
     this.isUntold = true;
     if (this.quiet !== undefined) return;
     this.tellNow();
@@ -568,7 +575,8 @@ export class Studio implements Listener {
       this.draftAt.value = draft.at;
       if (draft.seen !== file.digest) this.conflict.value = { why: "draft", theirs: file.text, digest: file.digest };
     }
-    if (!this.can("live")) this.pause();
+    this.isPlaying.value = false;
+    // A controller goes on, whatever file is open.
     if (was !== null && !this.can("live")) this.restart();
     this.text.value = draft?.text ?? file.text;
     this.changed();
@@ -637,9 +645,7 @@ export class Studio implements Listener {
   private grow(): void {
     if (this.can("live")) return;
     this.place();
-    const last = this.run.value?.last;
-    if (last != null && Math.abs(last.t - this.cursor.value) < TICK_S / 4 && !this.isExact.value) this.show(last);
-    else if (!this.isExact.value) this.seek();
+    if (!this.isExact.value) this.seek();
   }
 
   private place(): void {
@@ -654,7 +660,13 @@ export class Studio implements Listener {
   /** Asks for the state at the cursor: one question at a time, then the newest. */
   private seek(): void {
     const run = this.run.value;
-    if (run === null || !this.can("seek") || (run.ended === null && run.known_s < this.cursor.value)) return;
+    if (run === null) return;
+    const { last } = run;
+    if (last !== null && Math.abs(last.t - this.cursor.value) < TICK_S / 4) {
+      this.show(last);
+      return;
+    }
+    if (!this.can("seek") || this.link.value !== "open" || (run.ended === null && run.known_s < this.cursor.value)) return;
     if (this.isSeeking) {
       this.seeksAgain = true;
       return;

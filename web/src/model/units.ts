@@ -38,7 +38,7 @@ export function parse(typed: string, quantity: Quantity, display?: Display): num
   if (found === null) throw new UnitError(text("unit_no_number", { typed: typed.trim() }));
   const factors = FACTORS[quantity];
   const unit = found[2]! || unitOf(quantity, display);
-  const factor = factors[unit] ?? factors[Object.keys(factors).find((name) => name.toLowerCase() === unit.toLowerCase()) ?? ""];
+  const factor = Object.entries(factors).find(([name]) => name === unit || name.toLowerCase() === unit.toLowerCase())?.[1];
   if (factor === undefined) throw new UnitError(text("unit_unknown", { unit, units: Object.keys(factors).filter(Boolean).join(", ") }));
   return Number(found[1]) * factor;
 }

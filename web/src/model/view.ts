@@ -90,12 +90,3 @@ export function axisTicks(from: number, to: number, most: number): { readonly at
   for (let index = Math.ceil(from / step - 1e-9); index * step <= to + step * 1e-9; index++) at.push(Number((index * step).toFixed(decimals)));
   return { at, decimals };
 }
-
-/** Returns the seconds of a text such as `12.5`, `12.5 s` or `750 ms`; null if it is none. */
-export function parseTime(text: string): number | null {
-  const found = /^\s*([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+))\s*(s|ms|min)?\s*$/i.exec(text);
-  if (found === null) return null;
-  const value = Number(found[1]!.replace(",", "."));
-  const unit = found[2]?.toLowerCase() ?? "s";
-  return unit === "ms" ? value / 1000 : unit === "min" ? 60 * value : value;
-}

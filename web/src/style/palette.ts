@@ -33,7 +33,7 @@ const LIGHT = {
   good: "#17693a",
   good_ground: "#e6f5eb",
   /** What belongs to an earlier text. */
-  stale: "#6f7a85",
+  stale: "#626c77",
   /** The moment that is shown, and the one that is pointed at. */
   cursor: "#b3121d",
   hover: "#6f7a85",

@@ -1,7 +1,7 @@
 /** Completion, hover, signatures, definitions, renaming, quick fixes and layout: the services behind the keys of the editor. */
 
 import { autocompletion, snippet, type Completion, type CompletionContext, type CompletionResult } from "@codemirror/autocomplete";
-import { StateEffect, StateField, type ChangeSpec, type Extension, type Text } from "@codemirror/state";
+import { ChangeSet, StateEffect, StateField, type ChangeSpec, type Extension, type Text, type TransactionSpec } from "@codemirror/state";
 import { EditorView, hoverTooltip, showPanel, showTooltip, type Command, type KeyBinding, type Panel, type Tooltip } from "@codemirror/view";
 import type { TextEdit } from "../../source/messages.ts";
 import { text as shown } from "../../text/text.ts";
@@ -41,6 +41,8 @@ function completionSource(services: Services) {
     if (!context.explicit && word === null && /\s/.test(before)) return null;
     const items = await services.completion(placeOf(context.state.doc, context.pos));
     if (items === null || items.length === 0) return null;
+    // A whole keyword wants its blank or its new line, which must not choose from a list.
+    if (!context.explicit && items.some((item) => item.kind === "keyword" && item.label === word?.text)) return null;
     const from = rangeOf(context.state.doc, items[0]!.span).from;
     return { from, options: items.map((item, index) => option(services, item, items.length - index)), validFor: /^\w*$/ };
   };
@@ -150,6 +152,14 @@ const closeSignature: Command = (view) => {
 /** The last characters of a new line, of a clause and of `end`, after which the services have something to say. */
 const TRIGGERS = ["\n", ":", "d"];
 
+/** Returns the change of edits after a character; the caret stays in its line, in front of an `end` that is put below. */
+export function typedEdits(text: Text, edits: readonly TextEdit[], caret: number): TransactionSpec {
+  const changes = ChangeSet.of(changesOf(text, edits), text.length);
+  const around = edits.find((edit) => rangeOf(text, edit).from <= caret && caret <= rangeOf(text, edit).to && edit.text.includes("\n"));
+  const anchor = around === undefined ? changes.mapPos(caret, 1) : changes.mapPos(rangeOf(text, around).from, -1) + around.text.indexOf("\n");
+  return { changes, selection: { anchor }, userEvent: "input.service" };
+}
+
 function typing(services: Services): Extension {
   return EditorView.updateListener.of((update) => {
     const { doc, selection } = update.state;
@@ -166,7 +176,7 @@ function typing(services: Services): Extension {
     // Behind the update, when the text is known to the source.
     queueMicrotask(async () => {
       const edits = await services.typing(placeOf(doc, at), character);
-      if (edits !== null && update.view.state.doc === doc) applyEdits(update.view, edits);
+      if (edits !== null && edits.length > 0 && update.view.state.doc === doc) update.view.dispatch(typedEdits(doc, edits, at));
     });
   });
 }

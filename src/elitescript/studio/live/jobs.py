@@ -1,0 +1,95 @@
+"""What is run: a text with everything that determines its run, as data that goes to another process."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from elitescript.conversation.messages import SignalInput
+from elitescript.environment.memory import folder_contents
+from elitescript.messages.signals import Value
+from elitescript.records import fields_of, record
+from elitescript.robot import VirtualRobot
+from elitescript.world_file import closed_world
+
+
+@record
+class Job:
+    """A text and the robot that runs it.
+
+    Attributes:
+        name: of the text.
+        text: the program.
+        folder: its task folder, of which the program gets a copy; empty for none.
+        robot: options of the robot by their names: `model`, `firmware`, `joints`, `seed`, ...
+        world: path of a world file; empty for none.
+        is_trusted: whether the world file may name Python files.
+        may_connect: whether connections may leave the simulation.
+        levels: signals before the program begins.
+        presets: program globals that have a value before it begins.
+        inputs: signals that change at a time.
+    """
+
+    name: str
+    text: str
+    folder: str = ""
+    robot: Mapping[str, Any] = {}
+    world: str = ""
+    is_trusted: bool = False
+    may_connect: bool = False
+    levels: Mapping[str, Value] = {}
+    presets: Mapping[str, Any] = {}
+    inputs: tuple[SignalInput, ...] = ()
+
+
+def job_data(job: Job) -> dict[str, Any]:
+    """Return a job as JSON has it."""
+    return {name: getattr(job, name) for name in fields_of(Job)} | {"inputs": [list(item) for item in job.inputs]}
+
+
+def job_of(data: Mapping[str, Any]) -> Job:
+    """Return the job of such data."""
+    return Job(**{**data, "inputs": tuple(SignalInput(*item) for item in data["inputs"])})
+
+
+def code_name(name: str) -> str:
+    """Return the name of a text in tracebacks, which must not be that of a file of Python."""
+    return name if name.endswith(".script") else f"{name}.script"
+
+
+class Cell:
+    """What a job needs of this computer, read once: robots of it can be made when nothing can be read any more.
+
+    Args:
+        job: what is run.
+
+    Raises:
+        ElitescriptError: robot, world or an option makes no sense.
+    """
+
+    __slots__ = ("_files", "job", "levels", "schedule")
+
+    def __init__(self, job: Job) -> None:
+        self.job = job
+        self._files = folder_contents(Path(job.folder)) if job.folder else {}
+        self.levels = {**job.levels, **{item.name: item.value for item in job.inputs if item.at_s == 0.0}}
+        """Signals at the start."""
+        self.schedule = tuple((item.at_s, item.name, item.value) for item in job.inputs if item.at_s > 0.0)
+        """Signals that change later: time, name and level."""
+
+    @property
+    def files(self) -> Mapping[str, bytes]:
+        """Contents of the task folder."""
+        return self._files
+
+    def robot(self) -> VirtualRobot:
+        """Return a new robot, with its world and its inputs."""
+        job = self.job
+        world = closed_world(job.world or None, is_trusted=job.is_trusted, may_connect=job.may_connect)
+        robot = VirtualRobot(world=world, task_dir=self._files, **job.robot)
+        robot.reports_signals = False
+        robot.set_start(self.levels)
+        for at_s, name, value in self.schedule:
+            robot.at(at_s, name, value)
+        return robot

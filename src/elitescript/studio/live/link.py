@@ -1,0 +1,95 @@
+"""How the engine talks to its processes.
+
+With workers in frames: `u8` kind, `u32` length, little endian, then JSON or rows. With the keeper in `COMMAND` and
+`EVENT`.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+from struct import Struct
+from typing import Any, Final
+
+from elitescript.codec.json_text import to_text
+
+JSON: Final = 0
+ROWS: Final = 1
+
+COMMAND: Final = Struct("=cI")
+"""To the keeper: `n` a new worker, `k` kill it, `t` have it write its trace; its number. With a new one come
+descriptors: of its link, of where it writes its trace, and of the pipe that ends it (`environment.process`)."""
+DESCRIPTORS: Final = 3
+EVENT: Final = Struct("=cIi")
+"""From the keeper: `b` begun, `e` ended; the number; the process, or its exit code as `subprocess` has it."""
+
+_HEAD: Final = Struct("<BI")
+_READ_BYTES: Final = 1 << 16
+
+
+def framed(message: dict[str, Any]) -> bytes:
+    """Return a message as a frame."""
+    data = to_text(message).encode("ascii")
+    return _HEAD.pack(JSON, len(data)) + data
+
+
+async def read_frame(reader: asyncio.StreamReader) -> tuple[int, bytes]:
+    """Return kind and content of the next frame.
+
+    Raises:
+        EOFError: there is none any more.
+    """
+    try:
+        kind, size = _HEAD.unpack(await reader.readexactly(_HEAD.size))
+        return kind, await reader.readexactly(size)
+    except (asyncio.IncompleteReadError, ConnectionError):
+        raise EOFError from None
+
+
+class Link:
+    """The end of a worker. Whoever does not read holds it back.
+
+    Args:
+        incoming: descriptor of the requests.
+        outgoing: descriptor of the answers.
+    """
+
+    __slots__ = ("_incoming", "_outgoing", "_rest")
+
+    def __init__(self, incoming: int, outgoing: int) -> None:
+        self._incoming = incoming
+        self._outgoing = outgoing
+        self._rest = b""
+
+    def send(self, message: dict[str, Any]) -> None:
+        """Send a message."""
+        self._write(framed(message))
+
+    def send_rows(self, frame: bytes) -> None:
+        """Send a frame of rows."""
+        self._write(_HEAD.pack(ROWS, len(frame)) + frame)
+
+    def receive(self) -> dict[str, Any]:
+        """Return the next message when it has come.
+
+        Raises:
+            EOFError: there will be none.
+        """
+        _, size = _HEAD.unpack(self._exactly(_HEAD.size))
+        message: dict[str, Any] = json.loads(self._exactly(size))
+        return message
+
+    def _write(self, data: bytes) -> None:
+        view = memoryview(data)
+        while view:
+            view = view[os.write(self._outgoing, view) :]
+
+    def _exactly(self, size: int) -> bytes:
+        while len(self._rest) < size:
+            data = os.read(self._incoming, _READ_BYTES)
+            if not data:
+                raise EOFError
+            self._rest += data
+        found, self._rest = self._rest[:size], self._rest[size:]
+        return found

@@ -1,0 +1,306 @@
+"""Worker processes as the engine sees them: begun, spoken to, killed."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import socket
+from contextlib import suppress
+from itertools import count
+from typing import Any, Final
+
+from elitescript.environment.process import Life, module_command, module_environment, place_in_trace
+from elitescript.services.child.process import processor_time_s
+from elitescript.studio.live.link import COMMAND, EVENT, framed, read_frame
+
+TRACE_S: Final = 0.05
+"""How long the trace of a worker that is about to be killed is waited for, s."""
+TRACE_BYTES: Final = 1 << 16
+
+_BEFORE_ROWS: Final = 1 << 18
+"""Bytes of a worker that are read ahead."""
+
+
+class Worker:
+    """A worker process.
+
+    Attributes:
+        ended: its exit code, when it has ended; below 0 the signal that has killed it.
+    """
+
+    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self._reader = reader
+        self._writer = writer
+        self.ended: asyncio.Future[int] = asyncio.get_running_loop().create_future()
+
+    async def frame(self) -> tuple[int, bytes]:
+        """Return kind and content of the next frame.
+
+        Raises:
+            EOFError: there is none any more.
+        """
+        return await read_frame(self._reader)
+
+    def ask(self, request: dict[str, Any]) -> None:
+        """Send a request."""
+        if not self._writer.is_closing():
+            self._writer.write(framed(request))
+
+    def processor_time_s(self) -> float | None:
+        """Return its processor time, s; None if that is not known here."""
+        return None
+
+    async def line(self) -> int:
+        """Return the line of the program that runs at this moment, also inside a call that computes; 0 if unknown."""
+        return 0
+
+    def kill(self) -> None:
+        """End it and its copies at once; does not wait for it."""
+        self._writer.close()
+
+
+class Keeper:
+    """The keeper process (`keeper`), and the workers that are copies of it.
+
+    Attributes:
+        is_alive: whether it can start workers.
+    """
+
+    def __init__(self, process: asyncio.subprocess.Process, life: Life, commands: socket.socket) -> None:
+        self._process = process
+        self._life = life
+        self._commands = commands
+        self._numbers = count(1)
+        self._workers: dict[int, CopiedWorker] = {}
+        self.is_alive = True
+        self._events = b""
+        asyncio.get_running_loop().add_reader(commands, self._read)
+
+    @classmethod
+    async def start(cls) -> Keeper:
+        """Start it; it takes commands at once, and carries them out when it has imported everything."""
+        life = Life()
+        ours, theirs = socket.socketpair()
+        ours.setblocking(False)
+        options = life.options
+        try:
+            process = await asyncio.create_subprocess_exec(
+                *module_command("elitescript.studio.live.keeper", [life.descriptor, theirs.fileno()]),
+                stdin=asyncio.subprocess.DEVNULL,
+                stdout=asyncio.subprocess.DEVNULL,
+                env=module_environment(),
+                **{**options, "pass_fds": [*options["pass_fds"], theirs.fileno()]},
+            )
+        except BaseException:
+            life.close()
+            ours.close()
+            raise
+        finally:
+            theirs.close()
+        life.started()
+        return cls(process, life, ours)
+
+    @property
+    def pid(self) -> int:
+        """Number of its process."""
+        return self._process.pid
+
+    async def begin(self) -> CopiedWorker:
+        """Start a worker.
+
+        Raises:
+            OSError: the keeper has ended.
+        """
+        ours, theirs = socket.socketpair()
+        trace, trace_end = os.pipe()
+        os.set_blocking(trace, False)
+        life = Life()
+        number = next(self._numbers)
+        try:
+            socket.send_fds(self._commands, [COMMAND.pack(b"n", number)], [theirs.fileno(), trace_end, life.descriptor])
+        except OSError:
+            ours.close()
+            os.close(trace)
+            life.close()
+            raise
+        finally:
+            theirs.close()
+            os.close(trace_end)
+        life.started()
+        reader, writer = await asyncio.open_connection(sock=ours, limit=_BEFORE_ROWS)
+        worker = self._workers[number] = CopiedWorker(reader, writer, self, number, trace, life)
+        if not self.is_alive:
+            self._over(number, -signal.SIGKILL)
+        return worker
+
+    def command(self, command: bytes, number: int) -> None:
+        """Send a command about a worker."""
+        with suppress(OSError):
+            self._commands.send(COMMAND.pack(command, number))
+
+    def _read(self) -> None:
+        try:
+            data = self._commands.recv(1 << 12)
+        except BlockingIOError:
+            return
+        except OSError:
+            data = b""
+        if not data:
+            self._has_ended()
+            return
+        self._events += data
+        while len(self._events) >= EVENT.size:
+            kind, number, value = EVENT.unpack(self._events[: EVENT.size])
+            self._events = self._events[EVENT.size :]
+            if kind == b"e":
+                self._over(number, value)
+            elif number in self._workers:
+                self._workers[number].pid = value
+
+    def _over(self, number: int, code: int) -> None:
+        worker = self._workers.pop(number, None)
+        if worker is not None and not worker.ended.done():
+            worker.ended.set_result(code)
+
+    def _has_ended(self) -> None:
+        self.is_alive = False
+        asyncio.get_running_loop().remove_reader(self._commands)
+        self._life.close()
+        for number, worker in list(self._workers.items()):
+            worker.kill()
+            self._over(number, -signal.SIGKILL)
+
+    async def close(self) -> None:
+        """End it, and all its workers."""
+        if self.is_alive:
+            self._has_ended()
+        self._commands.close()
+        with suppress(ProcessLookupError):
+            self._process.kill()
+        await self._process.wait()
+
+
+class CopiedWorker(Worker):
+    """A worker that is a copy of the keeper.
+
+    Attributes:
+        pid: number of its process; 0 before it has begun.
+    """
+
+    def __init__(
+        self,
+        reader: asyncio.StreamReader,
+        writer: asyncio.StreamWriter,
+        keeper: Keeper,
+        number: int,
+        trace: int,
+        life: Life,
+    ) -> None:
+        super().__init__(reader, writer)
+        self._keeper = keeper
+        self._number = number
+        self._trace = trace
+        self._life = life
+        self.pid = 0
+
+    def processor_time_s(self) -> float | None:
+        """See `Worker`."""
+        return processor_time_s(self.pid) if self.pid else None
+
+    async def line(self) -> int:
+        """See `Worker`."""
+        if self._trace < 0:
+            return 0
+        self._keeper.command(b"t", self._number)
+        found = b""
+        for _ in range(10):
+            await asyncio.sleep(TRACE_S / 10)
+            with suppress(BlockingIOError, OSError):
+                found += os.read(self._trace, TRACE_BYTES)
+            if (place := place_in_trace(found)) is not None:
+                return place[1]
+        return 0
+
+    def kill(self) -> None:
+        """See `Worker`."""
+        super().kill()
+        # The pipe ends it and its copies where the system can, the keeper itself everywhere.
+        self._life.close()
+        self._keeper.command(b"k", self._number)
+        if self._trace >= 0:
+            os.close(self._trace)
+            self._trace = -1
+
+
+class SpareWorker(Worker):
+    """A worker that was started by itself, where processes cannot be copied."""
+
+    def __init__(self, process: asyncio.subprocess.Process, life: Life) -> None:
+        assert process.stdout is not None
+        assert process.stdin is not None
+        super().__init__(process.stdout, process.stdin)
+        self._process = process
+        self._life = life
+        self._end = asyncio.get_running_loop().create_task(self._wait())
+
+    async def _wait(self) -> None:
+        self.ended.set_result(await self._process.wait())
+
+    def kill(self) -> None:
+        """See `Worker`."""
+        super().kill()
+        self._life.close()
+        with suppress(ProcessLookupError):
+            self._process.kill()
+
+
+class Spares:
+    """Keeps one worker started ahead: does what `Keeper` does where processes cannot be copied."""
+
+    is_alive = True
+
+    def __init__(self) -> None:
+        self._next: asyncio.Task[SpareWorker] | None = None
+
+    @classmethod
+    async def start(cls) -> Spares:
+        """Start the first one."""
+        spares = cls()
+        spares._ahead()
+        return spares
+
+    def _ahead(self) -> asyncio.Task[SpareWorker]:
+        self._next = asyncio.get_running_loop().create_task(_started())
+        return self._next
+
+    async def begin(self) -> SpareWorker:
+        """Return the worker that was started ahead, and start another one."""
+        worker = await (self._next or self._ahead())
+        self._ahead()
+        return worker
+
+    async def close(self) -> None:
+        """End the one that was started ahead."""
+        if self._next is not None:
+            (await self._next).kill()
+
+
+async def _started() -> SpareWorker:
+    life = Life()
+    process = await asyncio.create_subprocess_exec(
+        *module_command("elitescript.studio.live.worker", [life.descriptor]),
+        stdin=asyncio.subprocess.PIPE,
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.DEVNULL,
+        limit=_BEFORE_ROWS,
+        env=module_environment(),
+        **life.options,
+    )
+    life.started()
+    return SpareWorker(process, life)
+
+
+async def start_workers() -> Keeper | Spares:
+    """Return what starts workers on this system."""
+    return await (Keeper.start() if hasattr(os, "fork") else Spares.start())

@@ -1,0 +1,295 @@
+"""One run as a page sees it, in a worker process: the text is checked, then run, and told of while it runs.
+
+Everything goes out every `FLUSH_S` of wall time: rows every `STEP_S` of robot time and at each change of line, lines of
+the threads, moves, events, and how far the run has come. At its limit the run waits for `go_on`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from time import perf_counter
+from typing import Any, Final
+
+from elitescript.controller.controller import Controller
+from elitescript.controller.views.trace import TraceSpan
+from elitescript.conversation import describe
+from elitescript.conversation.describe import Moment, Thread, Variable
+from elitescript.conversation.messages import RunOptions
+from elitescript.conversation.rows import RowWriter
+from elitescript.debugger.values import shown, type_name
+from elitescript.errors import ElitescriptError
+from elitescript.language.compiler import CompiledUnit
+from elitescript.language.options import Options
+from elitescript.language.text.source import SourceFile
+from elitescript.lint.engine import compile_checked
+from elitescript.messages.events import Alarm, ChannelActivity, Event, MotionEnded, MotionStarted
+from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
+from elitescript.messages.timing import seconds, ticks_for
+from elitescript.plotting.events import timed_moves
+from elitescript.plotting.line_times import ThreadLines, line_times
+from elitescript.plotting.sampling import Sampling
+from elitescript.robot import VirtualRobot
+from elitescript.run import Run
+from elitescript.studio.live.code import digest_of, lines_of, moved_lines
+from elitescript.studio.live.jobs import Cell, Job, code_name, job_data, job_of
+from elitescript.studio.live.link import Link
+
+STEP_S: Final = 0.04
+"""Robot time from one row to the next."""
+FLUSH_S: Final = 0.05
+"""Wall time from one report to the next."""
+FIRST_FLUSH_S: Final = 0.02
+WALL_S: Final = 10.0
+"""Most wall time of a run before it waits for `go_on`."""
+EVENTS_MAX: Final = 50_000
+"""Events that a page is sent."""
+
+TOO_MANY_EVENTS: Final = f"this run has more than {EVENTS_MAX} events: further ones are not shown, but alarms"
+WALL_IS_UP: Final = "the run is held after {wall:g} s of computing, at {t:.3f} s of robot time; it can go on"
+NO_CONNECTIONS: Final = "live runs do not connect: let this run connect, or declare the other side in a world file"
+
+_LINE_IN_WORDS: Final = re.compile(r"\bline \d")
+
+
+def run_program(link: Link, request: Mapping[str, Any], jail: Callable[[], None]) -> None:
+    """Check a text, and run it if it starts.
+
+    Args:
+        link: to the engine.
+        request: `job`, `run`, `version`, `options` as the page is shown them, `until_s`, `wall_s`; `known`: digest and
+            lines of the last complete run, or None.
+        jail: called before the text is compiled.
+    """
+    version = request["version"]
+    job = job_of(request["job"])
+    source = SourceFile(code_name(job.name), job.text)
+    try:
+        robot = Cell(job).robot()
+    except ElitescriptError as error:
+        jail()
+        checked = compile_checked(source, PROFILES[DEFAULT_FIRMWARE], Options())
+        link.send(describe.problems(version, checked.problems, compiles=not checked.is_refused))
+        link.send(describe.notice("error", str(error)))
+        return
+    jail()
+    setup = robot.controller.setup
+    link.send(describe.scene(robot.model, tcp=setup.tcp_offset, payload=setup.payload, gravity=setup.gravity))
+    checked = compile_checked(
+        source, robot.profile, Options(strict=robot.options.strict), presets=job.presets, arm=robot.model
+    )
+    link.send(describe.problems(version, checked.problems, compiles=not checked.is_refused))
+    if checked.unit is None or checked.is_refused:
+        return
+    if not _is_same(link, checked.unit, job, request):
+        RunReport(link, robot, checked.unit, request).run(job.presets)
+
+
+def _is_same(link: Link, unit: CompiledUnit, job: Job, request: Mapping[str, Any]) -> bool:
+    """Tell the engine what the program is known by; return whether its run is that of the last complete one."""
+    settings = {name: value for name, value in job_data(job).items() if name not in ("text", "name")}
+    digest, lines = digest_of(unit, (settings, request["until_s"])), lines_of(unit)
+    known = request["known"]
+    moved = moved_lines(known["lines"], lines) if known is not None and known["digest"] == digest else None
+    link.send({"type": "code", "digest": digest, "lines": lines})
+    if moved is None:
+        return False
+    link.send({"type": "same", "moved": list(moved.items())})
+    return True
+
+
+class CoarseRows(Sampling):
+    """Takes a row every `STEP_S`, and one at each change of line; keeps them and has them written.
+
+    Args:
+        writer: receives them.
+    """
+
+    __slots__ = ("_writer",)
+
+    def __init__(self, writer: RowWriter) -> None:
+        super().__init__(step_s=STEP_S)
+        self._writer = writer
+
+    def take_now(self, controller: Controller) -> None:
+        """Take a row of the present tick."""
+        if not self.rows.times or self.rows.times[-1] < seconds(controller.tick):
+            self._next_tick = controller.tick
+            self.record(controller, controller.tick + 1)
+
+    def _take(self, span: TraceSpan) -> None:
+        self._writer.add(span)
+        super()._take(span)
+
+
+class RunReport:
+    """Runs a program, and reports it.
+
+    Args:
+        link: to the engine.
+        robot: a new one.
+        unit: the program.
+        request: see `run_program`.
+    """
+
+    def __init__(self, link: Link, robot: VirtualRobot, unit: CompiledUnit, request: Mapping[str, Any]) -> None:
+        self._link = link
+        self._robot = robot
+        self._unit = unit
+        self._number: int = request["run"]
+        self._version: int = request["version"]
+        self._options: Mapping[str, Any] = request["options"]
+        self._wall_s: float = request["wall_s"]
+        self._until_tick = ticks_for(request["until_s"])
+        self._writer = RowWriter(self._number)
+        self._rows = CoarseRows(self._writer)
+        self._lines = ThreadLines()
+        self._seen = 0
+        self._sent = 0
+        self._open: MotionStarted | None = None
+        self._refused: dict[str, None] = {}
+        now_s = perf_counter()
+        self._wall_end_s = now_s + self._wall_s
+        self._flush_at_s = now_s + FIRST_FLUSH_S
+        robot.next_stop = lambda tick: self._until_tick if tick < self._until_tick else None
+
+    def run(self, presets: Mapping[str, Any]) -> None:
+        """Run to the end."""
+        link, robot = self._link, self._robot
+        chosen = robot.options
+        in_force = {"robot": robot.model.name, "firmware": chosen.firmware, "seed": chosen.seed}
+        began = describe.run_began(self._number, self._version, RunOptions())
+        link.send(began | {"options": dict(self._options) | in_force})
+        link.send({"type": "at", "moment": describe.moment(moment_now(robot))})
+        try:
+            run = robot.run(self._unit, presets=presets, trace=self._rows, watch=self._watch)
+        except ElitescriptError as error:
+            # A device beside the robot has failed.
+            link.send(describe.notice("error", str(error)))
+            found = robot.current
+            if found is None:
+                return
+            run = found
+        self._flush(run)
+        link.send(describe.cycle(self._number, line_times(self._rows.rows)))
+        self._end(run, run.state or "stopped", moment_of_run(run))
+
+    def _watch(self, robot: VirtualRobot) -> None:
+        strands = robot.host.scheduler.strands
+        self._lines.record(robot.time_s, [(strand.name, strand.line) for strand in strands])
+        now_s = perf_counter()
+        run = robot.current
+        if run is None or run.state:
+            return
+        if robot.tick >= self._until_tick or now_s >= self._wall_end_s:
+            self._hold(run, is_wall=robot.tick < self._until_tick)
+        elif now_s >= self._flush_at_s:
+            self._flush(run)
+            self._flush_at_s = perf_counter() + FLUSH_S
+
+    def _hold(self, run: Run, *, is_wall: bool) -> None:
+        """Show a run that has reached its limit as one that has ended, until it is to go on."""
+        robot, link = self._robot, self._link
+        self._rows.take_now(robot.controller)
+        self._flush(run)
+        found = moment_now(robot)
+        if is_wall:
+            link.send(describe.notice("information", WALL_IS_UP.format(wall=self._wall_s, t=found.t)))
+        link.send(describe.cycle(self._number, line_times(self._rows.rows)))
+        self._end(run, "time_limit", found)
+        request = link.receive()
+        self._until_tick = max(robot.tick + 1, ticks_for(request["until_s"]))
+        now_s = perf_counter()
+        self._wall_end_s, self._flush_at_s = now_s + self._wall_s, now_s + FLUSH_S
+
+    def _flush(self, run: Run) -> None:
+        """Send what is new."""
+        link, number = self._link, self._number
+        for frame in self._writer.take():
+            link.send_rows(frame)
+        for name, entries in self._lines.news().items():
+            link.send(describe.lines(number, name, entries))
+        happened = run.events[max(0, self._seen - run.events_dropped) :]
+        self._seen += len(happened)
+        if (moves := list(self._moves(happened))) != []:
+            link.send(describe.moves(number, moves))
+        for event in happened:
+            if isinstance(event, ChannelActivity) and event.what == "refused":
+                self._refused[f"{event.channel}: {event.data}" if event.data else event.channel] = None
+        if happened:
+            self._send_events(happened)
+        link.send({"type": "at", "moment": describe.moment(moment_now(self._robot))})
+        link.send(describe.progress(number, self._robot.time_s))
+
+    def _moves(self, happened: list[Event]) -> Iterator[tuple[float, float, str, int]]:
+        """Yield the moves that have ended."""
+        motions: list[Event] = [self._open] if self._open is not None else []
+        motions += [event for event in happened if isinstance(event, MotionStarted | MotionEnded)]
+        last = motions[-1] if motions else None
+        self._open = last if isinstance(last, MotionStarted) else None
+        # The last one, if it is under way, ends later than at 0 s, so it is left out.
+        return timed_moves(motions, 0.0)
+
+    def _send_events(self, happened: list[Event]) -> None:
+        left = EVENTS_MAX - self._sent
+        shown_events = happened[:left] + [event for event in happened[left:] if isinstance(event, Alarm)]
+        message = describe.events(self._number, shown_events)
+        if message["list"]:
+            self._link.send(message)
+        if left < len(happened) and left >= 0:
+            self._link.send(describe.notice("warning", TOO_MANY_EVENTS))
+            left = -1
+        self._sent = EVENTS_MAX + 1 if left < 0 else self._sent + len(happened)
+
+    def _end(self, run: Run, state: str, last: Moment) -> None:
+        if self._open is not None and state != "time_limit":
+            self._link.send(describe.moves(self._number, timed_moves([self._open], last.t)))
+        alarm = None
+        if run.alarms:
+            refused = self._robot.controller.motion.refused
+            alarm = describe.alarm_report(run.alarms[-1], describe.asked_motion(run.alarms[-1], refused, run.events))
+        ended = describe.run_ended(self._number, state, last, alarm=alarm, refused_connections=[*self._refused])
+        is_repeatable = state != "time_limit" and not any(map(_names_a_line, run.events))
+        self._link.send(ended | {"is_repeatable": is_repeatable})
+
+
+def moment_now(robot: VirtualRobot) -> Moment:
+    """Return the state behind the present tick, as the row of a trace has it."""
+    controller = robot.controller
+    q = controller.joints_at(controller.tick + 1).q_target
+    states = robot.threads()
+    return Moment(
+        t=robot.time_s,
+        line=controller.line,
+        joints=q,
+        tcp_pose=controller.tcp_pose(q),
+        globals=variables_of(robot.host.monitor()),
+        signals=controller.non_default_signals(),
+        threads=tuple(Thread(state.name, state.line, state.waits_for, "") for state in states),
+    )
+
+
+def moment_of_run(run: Run) -> Moment:
+    """Return the state at the end of a run."""
+    joints, pose = run.joints, run.tcp_pose
+    assert joints
+    assert pose
+    return Moment(
+        t=run.time_s,
+        line=0,
+        joints=joints,
+        tcp_pose=pose,
+        globals=variables_of(run.globals),
+        signals=dict(run.signals),
+        threads=tuple(Thread(state.name, state.line, state.waits_for, "") for state in run.threads),
+    )
+
+
+def variables_of(values: Mapping[str, Any]) -> tuple[Variable, ...]:
+    """Return program globals as a page shows them."""
+    return tuple(Variable(name, shown(value), type_name(value)) for name, value in values.items())
+
+
+def _names_a_line(event: Event) -> bool:
+    """Return whether the text of an event names a line, which a change of comments moves."""
+    return _LINE_IN_WORDS.search(getattr(event, "text", "")) is not None
