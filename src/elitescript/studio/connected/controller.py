@@ -86,9 +86,9 @@ class ConnectedController:
                 target.ports["rtsi"],
                 target.jog_register,
                 send=self.send_script,
-                stop=lambda: self.press("stop"),
                 task_state=lambda: self.picture.task_state,
                 joint_at_end=self._joint_at_end,
+                lapsed=lambda: self.picture.values.get(f"output_int_register{target.jog_register}"),
                 ended=self._jog_ended,
             )
 
@@ -145,8 +145,8 @@ class ConnectedController:
     def abilities(self) -> tuple[str, ...]:
         """What the page can do."""
         if not self.target.may_control:
-            return ("live", "edit")
-        return ("live", "edit", "control", "signals", *(("faults",) if self.target.control_socket is not None else ()))
+            return ("live",)
+        return ("live", "control", "signals", *(("faults",) if self.target.control_socket is not None else ()))
 
     # ---------------------------------------------------------------- what comes from the ports
 
@@ -154,7 +154,8 @@ class ConnectedController:
         target = self.target
         async with rtsi_client(target.host, target.ports["rtsi"]) as client:
             self._firmware = await client.negotiate()
-            pictures = await client.set_up_outputs(VARIABLES, PICTURE_HZ)
+            lapsed = (f"output_int_register{target.jog_register}",) if target.may_control else ()
+            pictures = await client.set_up_outputs((*VARIABLES, *lapsed), PICTURE_HZ)
             if self._takes_registers:
                 # A controller that ends the connection because of so many names is not asked again.
                 self._takes_registers = False

@@ -29,6 +29,9 @@ export function Pendant({ studio }: { studio: Studio }) {
     };
   }, [pendant]);
   const state = studio.controller.value;
+  useEffect(() => {
+    if (state !== null) pendant.observe(state);
+  }, [pendant, state]);
   const hasControl = studio.can("control");
   if (state === null) return <p class="empty">{text("pendant_waiting", { address: studio.hello.value?.title ?? "" })}</p>;
   return (
@@ -91,7 +94,7 @@ function Buttons({ studio, pendant, state }: { studio: Studio; pendant: PendantM
   const emergency = text(isOwn ? "emergency_own" : "emergency_other");
   return (
     <>
-      <div class="pendant-row emergencies">
+      <div class="pendant-row pendant-emergencies">
         <Group>
           <button
             type="button" class={isPressed ? "emergency on" : "emergency"} aria-pressed={isOwn ? isPressed : undefined}
@@ -101,7 +104,7 @@ function Buttons({ studio, pendant, state }: { studio: Studio; pendant: PendantM
           </button>
           {isPressed && <button type="button" onClick={() => void pendant.press("emergency_stop_release")}>{text("emergency_release")}</button>}
           <span class="unseen" id="emergency-note">{emergency}</span>
-          <span class="faint note" aria-hidden="true">{text("emergency_note")}</span>
+          <span class="faint pendant-note" aria-hidden="true">{text("emergency_note")}</span>
         </Group>
       </div>
       <div class="pendant-row">
@@ -109,7 +112,7 @@ function Buttons({ studio, pendant, state }: { studio: Studio; pendant: PendantM
         <Group>{button("play")}{button("unlock")}</Group>
       </div>
       <div class="pendant-row">
-        <label class="slider">
+        <label class="pendant-slider">
           <span class="faint">{text("speed_slider")}</span>
           <input
             type="range" min="0" max="100" step="1" value={String(percent)} aria-label={text("speed_slider")} aria-valuetext={`${percent} %`}
