@@ -105,6 +105,8 @@ export class Studio implements Listener {
   /** Run of which the moment is. */
   private readonly momentRun = signal(0);
   readonly controller = signal<ControllerState | null>(null);
+  /** With "live": the present state, also while the cursor is at an earlier time. */
+  readonly present = signal<Moment | null>(null);
   /** With "live": whether the cursor goes with the controller's time. */
   readonly isFollowing = signal(true);
   /** Where a click in another region sends the editor; each click is a new object. */
@@ -481,6 +483,7 @@ export class Studio implements Listener {
         this.begin(message);
         return;
       case "moment":
+        this.present.value = message.moment;
         this.follow(message.moment);
         this.controller.value = message.controller;
         return;
@@ -573,7 +576,8 @@ export class Studio implements Listener {
       if (draft.seen !== file.digest) this.conflict.value = { why: "draft", theirs: file.text, digest: file.digest };
     }
     this.isPlaying.value = false;
-    if (was !== null) this.restart();
+    // A controller goes on, whatever file is open.
+    if (was !== null && !this.can("live")) this.restart();
     this.text.value = draft?.text ?? file.text;
     this.changed();
   }

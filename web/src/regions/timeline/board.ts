@@ -18,7 +18,7 @@ import { drawGrid, drawLane, laneValue, SANS, type Drawing } from "./draw.ts";
 import { drawSign, tints } from "./looks.ts";
 import { CURVES, type CurveKey, type Row, type TimelineState } from "./state.ts";
 
-export const ROW = 25;
+export const ROW = 24;
 /** Of the second run, below the first. */
 export const ROW_COMPARED = 14;
 export const AXIS_HEIGHT = 22;
@@ -360,12 +360,15 @@ export class Board {
       }
     }
     const t = hover ?? cursor;
+    const isExact = hover === null && studio.isExact.peek();
     for (const row of this.state.rows.peek()) {
       const element = this.values.get(row.id);
       const lane = laneAt(row, run, t);
-      if (element !== undefined) say(element, lane === undefined ? "" : laneValue(lane, t));
+      if (element === undefined) continue;
+      // Of lines that take no time only the exact state knows which one it is.
+      const thread = isExact && row.id.startsWith("lines ") ? studio.moment.peek()!.threads.find(({ name }) => name === row.name) : undefined;
+      say(element, thread !== undefined && thread.line > 0 ? String(thread.line) : lane === undefined ? "" : laneValue(lane, t));
     }
-    const isExact = hover === null && studio.isExact.peek();
     for (const spec of this.state.curves.peek()) {
       spec.columns.forEach((column, index) => {
         const element = this.values.get(`curve ${column}`);

@@ -24,27 +24,32 @@ const FRAMES: Frames = {
 /** What PageUp and PageDown move by, s. */
 const PAGE_S = 1;
 
+const states = new WeakMap<Studio, TimelineState>();
+
+/** What the region and the tools in its head share. */
+function stateOf(studio: Studio): TimelineState {
+  const known = states.get(studio) ?? new TimelineState(studio, FRAMES);
+  states.set(studio, known);
+  return known;
+}
+
 export function Timeline({ studio }: { studio: Studio }) {
   const root = useRef<HTMLDivElement>(null);
-  const state = useMemo(() => new TimelineState(studio, FRAMES), [studio]);
+  const state = stateOf(studio);
   const board = useMemo(() => new Board(state, FRAMES), [state]);
   useEffect(() => {
+    const ends = [state.playback.start(), () => board.stop()];
     board.start(root.current!);
-    return () => {
-      board.stop();
-      state.playback.close();
-    };
+    return () => ends.forEach((end) => end());
   }, [board]);
   return (
     <div class="timeline-region" ref={root} onKeyDown={(event) => onKey(event, state)}>
-      <Tools state={state} />
       <div class="timeline-head">
         <TimeField studio={studio} />
         <Slider state={state} board={board} />
       </div>
       <LanesAndCurves state={state} board={board} />
       <Said state={state} />
-      <Events state={state} />
     </div>
   );
 }
@@ -84,14 +89,14 @@ function onKey(event: KeyboardEvent, state: TimelineState): void {
 
 // ---------------------------------------------------------------- tools
 
-function Tools({ state }: { state: TimelineState }) {
-  const { studio, view, playback } = state;
+/** In the head of the region. */
+export function TimelineTools({ studio }: { studio: Studio }) {
+  const state = stateOf(studio);
+  const { view, playback } = state;
   const selected = view.selected.value;
   const isLooping = playback.loop.value !== null;
-  const open = studio.settings.open.value;
-  const hasErrors = studio.run.value?.samples.has("qa1") === true && studio.run.value.revision.value >= 0;
   return (
-    <div class="timeline-tools" role="toolbar" aria-label={text("timeline_tools")}>
+    <div class="timeline-tools" role="toolbar" aria-label={text("timeline_tools")} onKeyDown={(event) => onKey(event, state)}>
       <span class="tool-group">
         <Tool label={text("timeline_event_before")} sign="⇤" onClick={() => state.jump(-1)} />
         <Tool label={text("timeline_event_after")} sign="⇥" onClick={() => state.jump(1)} />
@@ -101,22 +106,30 @@ function Tools({ state }: { state: TimelineState }) {
         <Tool label={text("timeline_zoom_in")} sign="+" onClick={() => view.zoom(studio.cursor.value, 0.5)} />
         <Tool label={text("timeline_fit")} sign={text("timeline_fit_short")} onClick={() => view.fit()} disabled={view.isWhole.value} />
       </span>
-      <span class="tool-group">
-        <Tool label={text("timeline_to_selection")} sign={text("timeline_to_selection_short")} disabled={selected === null} onClick={() => selected && view.show(selected[0], selected[1])} />
-        <Tool label={text("timeline_loop")} sign={`↻ ${text("timeline_loop_short")}`} pressed={isLooping} disabled={selected === null && !isLooping} onClick={() => state.toggleLoop()} />
-        {selected !== null && (
-          <output class="selection-length">
-            {seconds(selected[0])} – {seconds(selected[1])} ({seconds(selected[1] - selected[0])})
-          </output>
-        )}
-      </span>
-      <span class="tool-group curve-tools">
-        {CURVES.filter(({ key }) => key !== "error" || hasErrors).map(({ key, isShown }) => (
-          <Tool key={key} sign={text(`timeline_curve_${key}`)} pressed={open[`curve_${key}`] ?? isShown} onClick={() => state.toggleCurve(key)} />
-        ))}
-        <Tool label={text("timeline_limits")} sign={text("timeline_limits_short")} pressed={state.showsLimits.value} onClick={() => (state.showsLimits.value = !state.showsLimits.value)} />
-      </span>
+      {(selected !== null || isLooping) && (
+        <span class="tool-group">
+          <Tool label={text("timeline_to_selection")} sign={text("timeline_to_selection_short")} disabled={selected === null} onClick={() => selected && view.show(selected[0], selected[1])} />
+          <Tool label={text("timeline_loop")} sign={`↻ ${text("timeline_loop_short")}`} pressed={isLooping} onClick={() => state.toggleLoop()} />
+          <Tool label={text("timeline_unselect")} sign="×" onClick={() => state.select(null)} />
+          {selected !== null && <output class="selection-length">{seconds(selected[0])} – {seconds(selected[1])} ({seconds(selected[1] - selected[0])})</output>}
+        </span>
+      )}
+      <CurveTools state={state} />
     </div>
+  );
+}
+
+function CurveTools({ state }: { state: TimelineState }) {
+  const open = state.studio.settings.open.value;
+  const run = state.studio.run.value;
+  const hasErrors = run !== null && run.revision.value >= 0 && run.samples.has("qa1");
+  return (
+    <span class="tool-group curve-tools" role="group" aria-label={text("timeline_curves")}>
+      {CURVES.filter(({ key }) => key !== "error" || hasErrors).map(({ key, isShown }) => (
+        <Tool key={key} sign={text(`timeline_curve_${key}`)} pressed={open[`curve_${key}`] ?? isShown} onClick={() => state.toggleCurve(key)} />
+      ))}
+      <Tool label={text("timeline_limits")} sign={text("timeline_limits_short")} pressed={state.showsLimits.value} onClick={() => (state.showsLimits.value = !state.showsLimits.value)} />
+    </span>
   );
 }
 
@@ -131,7 +144,7 @@ interface ToolProps {
 
 function Tool({ sign, label, pressed, disabled = false, onClick }: ToolProps) {
   return (
-    <button type="button" class="tool" {...(label === undefined ? {} : { "aria-label": label, title: label })} aria-pressed={pressed} disabled={disabled} onClick={onClick}>
+    <button type="button" class="timeline-tool" {...(label === undefined ? {} : { "aria-label": label, title: label })} aria-pressed={pressed} disabled={disabled} onClick={onClick}>
       {sign}
     </button>
   );
@@ -215,32 +228,36 @@ function Slider({ state, board }: { state: TimelineState; board: Board }) {
 function LanesAndCurves({ state, board }: { state: TimelineState; board: Board }) {
   const { studio } = state;
   const run = studio.run.value;
-  if (run === null) return <p class="timeline-empty">{text("timeline_no_run")}</p>;
+  if (run === null) return <p class="empty">{text("timeline_no_run")}</p>;
   const isEmpty = run.ended !== null && run.revision.value >= 0 && run.known_s <= 0;
   const stale = studio.staleFrom.value;
   return (
     <>
-      {isEmpty && <p class="timeline-empty">{text("timeline_no_time")}</p>}
+      {isEmpty && <p class="empty">{text("timeline_no_time")}</p>}
       {stale > 0 && <p class="timeline-stale">{text("timeline_stale", { line: stale })}</p>}
       <div class={`timeline-board${stale > 0 ? " is-stale" : ""}`} tabIndex={0} role="group" aria-label={text("timeline_board")}>
-        <div class="lane-group axis-row">
-          <div class="lane-names" />
-          <canvas class="axis" aria-hidden="true" ref={board.canvas("axis")} />
-        </div>
-        <Groups state={state} board={board} />
-        <Charts state={state} board={board} />
-        <div class="plot-frame">
-          <div
-            class="plot-area" ref={board.areaRef} onPointerDown={board.onPointerDown} onPointerMove={board.onPointerMove}
-            onPointerUp={board.onPointerUp} onPointerCancel={board.onPointerCancel} onPointerLeave={board.onPointerLeave} onDblClick={board.onDoubleClick}
-          >
-            <div class="selected-stretch" hidden ref={board.overlay("selection")} />
-            <div class="hover-line" hidden ref={board.overlay("hoverLine")}>
-              <span class="hover-time" ref={board.overlay("hoverTime")} />
+        <div class="timeline-rows">
+          <div class="lane-group axis-row">
+            <div class="lane-names" />
+            <canvas class="axis" aria-hidden="true" ref={board.canvas("axis")} />
+          </div>
+          <Groups state={state} board={board} />
+          <CurveTools state={state} />
+          <Charts state={state} board={board} />
+          <div class="plot-frame">
+            <div
+              class="plot-area" ref={board.areaRef} onPointerDown={board.onPointerDown} onPointerMove={board.onPointerMove}
+              onPointerUp={board.onPointerUp} onPointerCancel={board.onPointerCancel} onPointerLeave={board.onPointerLeave} onDblClick={board.onDoubleClick}
+            >
+              <div class="selected-stretch" hidden ref={board.overlay("selection")} />
+              <div class="hover-line" hidden ref={board.overlay("hoverLine")}>
+                <span class="hover-time" ref={board.overlay("hoverTime")} />
+              </div>
+              <div class="cursor-line" hidden ref={board.overlay("cursorLine")} />
             </div>
-            <div class="cursor-line" hidden ref={board.overlay("cursorLine")} />
           </div>
         </div>
+        <Events state={state} />
       </div>
       <div class="timeline-tip" hidden ref={board.overlay("tip")} />
     </>
@@ -256,7 +273,7 @@ function Groups({ state, board }: { state: TimelineState; board: Board }) {
     <>
       {state.groups.value.map(({ group, rows, more, isOpen }) => (
         <div class="lane-group" key={group}>
-          <div class="lane-names" style={{ "--row": `${height}px` }}>
+          <div class="lane-names" style={{ "--lane": `${height}px` }}>
             {rows.map((row) => (
               <LaneName key={row.id} row={row} name={rowName(row, sourceLine)} isChosen={chosen.value === row.id} isOpen={expanded.value.has(row.id)} state={state} board={board} />
             ))}
@@ -369,5 +386,5 @@ function Said({ state }: { state: TimelineState }) {
       say(`${kind}, ${seconds(event.t)}, ${text("timeline_line", { line: event.line ?? 0 })}: ${String(event["text"])}`);
     });
   }, [state]);
-  return <p class="timeline-said" aria-live="polite">{said}</p>;
+  return <p class="unseen" aria-live="polite">{said}</p>;
 }
