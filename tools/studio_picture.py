@@ -108,7 +108,7 @@ def main(words: list[str] | None = None) -> int:
     if browser is None:
         print(f"no browser found ({', '.join(BROWSERS)}); name one: CHROMIUM=/path/to/chromium", file=sys.stderr)
         return 2
-    from playwright.sync_api import sync_playwright  # noqa: PLC0415
+    from playwright.sync_api import sync_playwright
 
     given.folder.mkdir(parents=True, exist_ok=True)
     with sync_playwright() as driver:
