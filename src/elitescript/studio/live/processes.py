@@ -280,6 +280,8 @@ class Spares:
 
     def __init__(self) -> None:
         self._next: asyncio.Task[SpareWorker] | None = None
+        self._workers: set[SpareWorker] = set()
+        """Those that have not ended."""
 
     @classmethod
     async def start(cls) -> Spares:
@@ -295,13 +297,17 @@ class Spares:
     async def begin(self) -> SpareWorker:
         """Return the worker that was started ahead, and start another one."""
         worker = await (self._next or self._ahead())
+        self._workers = {other for other in self._workers if not other.ended.done()} | {worker}
         self._ahead()
         return worker
 
     async def close(self) -> None:
-        """End the one that was started ahead."""
+        """End all of them."""
         if self._next is not None:
-            (await self._next).kill()
+            self._workers.add(await self._next)
+        for worker in self._workers:
+            worker.kill()
+            await worker.ended
 
 
 async def _started() -> SpareWorker:
