@@ -177,6 +177,7 @@ export const en = {
   robot_keys: "Arrow keys turn the view, with Shift they move it; plus and minus zoom.",
   robot_none: "No robot yet.",
   robot_no_webgl: "This browser gives no WebGL: the robot is drawn flat, from above and from the side.",
+  robot_webgl_again: "Look again",
   robot_mesh_fault: "Your meshes are not drawn. {why}",
   robot_speed: "TCP speed, {unit}",
   robot_stale: "earlier run",

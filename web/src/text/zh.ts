@@ -179,6 +179,7 @@ export const zh: Texts = {
   robot_keys: "方向键旋转视图，加 Shift 平移；加号和减号缩放。",
   robot_none: "尚无机器人。",
   robot_no_webgl: "此浏览器不提供 WebGL：机器人以俯视和侧视的平面图绘制。",
+  robot_webgl_again: "重新检测",
   robot_mesh_fault: "未绘制您的网格模型。{why}",
   robot_speed: "TCP 速度，{unit}",
   robot_stale: "先前的运行",
