@@ -12,6 +12,7 @@ import { History } from "./history.ts";
 import { Refused, Requests, type Request } from "./requests.ts";
 import { Run } from "./run.ts";
 import { Settings } from "./settings.ts";
+import { WINDOW_S } from "./view.ts";
 
 export type { Display } from "./units.ts";
 
@@ -491,6 +492,7 @@ export class Studio implements Listener {
   rows(rows: Rows): void {
     if (rows.run !== this.run.value?.number) return;
     this.run.value.takeRows(rows);
+    if (this.can("live")) this.run.value.samples.forget(this.run.value.samples.end_s - WINDOW_S);
     this.grow();
   }
 

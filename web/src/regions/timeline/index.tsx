@@ -196,7 +196,7 @@ function Slider({ state, board }: { state: TimelineState; board: Board }) {
     const line = studio.isExact.value ? studio.moment.value!.line : (run?.lineAt(cursor) ?? 0);
     return line > 0 ? `${seconds(cursor)}, ${text("timeline_line", { line })}` : seconds(cursor);
   });
-  const end = studio.end.value;
+  const [begin, end] = state.view.whole.value;
   const cursor = studio.cursor.value;
   const move = (t: number) => {
     studio.pause();
@@ -206,8 +206,8 @@ function Slider({ state, board }: { state: TimelineState; board: Board }) {
     const by = { ArrowLeft: -TICK_S, ArrowDown: -TICK_S, ArrowRight: TICK_S, ArrowUp: TICK_S, PageUp: PAGE_S, PageDown: -PAGE_S }[event.key];
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     if (by !== undefined) move(studio.cursor.value + by);
-    else if (event.key === "Home") move(0);
-    else if (event.key === "End") move(studio.end.value);
+    else if (event.key === "Home") move(begin);
+    else if (event.key === "End") move(end);
     else return;
     event.preventDefault();
   };
@@ -215,8 +215,8 @@ function Slider({ state, board }: { state: TimelineState; board: Board }) {
     <div class="slider" data-zooms ref={board.sliderRef}>
       <canvas class="overview" aria-hidden="true" ref={board.canvas("overview")} />
       <input
-        type="range" min={0} max={end} step="any" aria-label={text("timeline_time")} value={cursor}
-        aria-valuemin={0} aria-valuemax={end} aria-valuenow={Number(cursor.toFixed(6))} aria-valuetext={words.value}
+        type="range" min={begin} max={end} step="any" aria-label={text("timeline_time")} value={cursor}
+        aria-valuemin={begin} aria-valuemax={end} aria-valuenow={Number(cursor.toFixed(6))} aria-valuetext={words.value}
         onInput={(event) => move(event.currentTarget.valueAsNumber)} onKeyDown={onKeyDown}
       />
     </div>
@@ -229,7 +229,7 @@ function LanesAndCurves({ state, board }: { state: TimelineState; board: Board }
   const { studio } = state;
   const run = studio.run.value;
   if (run === null) return <p class="empty">{text("timeline_no_run")}</p>;
-  const isEmpty = run.ended !== null && run.revision.value >= 0 && run.known_s <= 0;
+  const isEmpty = run.revision.value >= 0 && run.ended !== null && run.known_s <= 0;
   const stale = studio.staleFrom.value;
   return (
     <>
