@@ -181,6 +181,11 @@ def add_serve(parser: Parser) -> None:
         help="remember registers, flags and general Modbus values in this file over restarts, as the robot does; of "
         "further robots in files with a number in their names (default: nothing is remembered)",
     )
+    parser.add_argument(
+        "--studio",
+        action="store_true",
+        help="the studio as well, a page on this computer with a pendant for each robot; needs the extra `studio`",
+    )
     _add_world(parser, "what is around each robot, as for run")
     _add_serial(parser)
     parser.add_argument(

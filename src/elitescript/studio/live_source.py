@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
@@ -9,10 +10,23 @@ from elitescript import __version__
 from elitescript.conversation.describe import LIVE_ABILITIES, Message, hello
 from elitescript.conversation.messages import Detail, GoOn, Program, Seek, Step, Stop, ToSource
 from elitescript.errors import UsageError
+from elitescript.records import NamedTuple
 from elitescript.studio.live.engine import LiveEngine, Setting
 from elitescript.studio.opened import OpenFile
 
 Send = Callable[[Mapping[str, Any] | bytes], None]
+
+
+class _Page(NamedTuple):
+    """What texts are run for.
+
+    Attributes:
+        file: that the page has open.
+        room: returns when the page has read enough for more.
+    """
+
+    file: OpenFile
+    room: Callable[[], Awaitable[None]]
 
 
 class LiveSource:
@@ -21,26 +35,38 @@ class LiveSource:
     Args:
         title: of the page.
         setting: what the command line says of the robot.
-        file: of the page.
-        room: returns when the page has read enough for more; a run waits for that.
         urdf: name of the user's own description of the arm; empty without one.
     """
 
-    def __init__(
-        self, title: str, setting: Setting, file: OpenFile, room: Callable[[], Awaitable[None]], urdf: str = ""
-    ) -> None:
+    __slots__ = ("_engine", "_page", "_send", "_starting", "_title", "_urdf")
+
+    def __init__(self, title: str, setting: Setting, urdf: str = "") -> None:
         self._title = title
-        self._file = file
-        self._room = room
         self._urdf = urdf
         self._engine = LiveEngine(self._pass_on, self._pass_on, setting)
+        self._starting: asyncio.Task[None] | None = None
+        self._page: _Page | None = None
         self._send: Send | None = None
 
+    def prepare(self) -> None:
+        """Begin to start processes, which takes longer than a page takes to its first text."""
+        if self._starting is None:
+            self._starting = asyncio.create_task(self._engine.start())
+
+    def belong_to(self, file: OpenFile, room: Callable[[], Awaitable[None]]) -> None:
+        """Take the page for which texts are run.
+
+        Args:
+            file: that it has open.
+            room: returns when the page has read enough for more; a run waits for that.
+        """
+        self._page = _Page(file, room)
+
     async def start(self, send: Send) -> None:
-        """Send `hello`, and begin to start processes; what a text is and does comes with the first one."""
+        """Send `hello`; what a text is and does comes with the first one."""
         self._send = send
+        self.prepare()
         send(hello("live", f"elitescript {__version__}", LIVE_ABILITIES, self._title))
-        await self._engine.start()
 
     async def take(self, message: ToSource) -> None:
         """Do what the page asks for.
@@ -51,7 +77,8 @@ class LiveSource:
         engine = self._engine
         match message:
             case Program():
-                engine.name, engine.folder = self._file.name, self._file.folder
+                if self._page is not None:
+                    engine.name, engine.folder = self._page.file.name, self._page.file.folder
                 await engine.program(message)
             case GoOn():
                 await engine.go_on(message)
@@ -68,10 +95,15 @@ class LiveSource:
 
     async def close(self) -> None:
         """End all processes."""
+        if self._starting is not None:
+            await asyncio.gather(self._starting, return_exceptions=True)
         await self._engine.close()
 
     async def _pass_on(self, message: Message | bytes) -> None:
-        assert self._send is not None
-        await self._room()
-        is_scene = isinstance(message, dict) and message["type"] == "scene"
-        self._send({**message, "urdf": self._urdf} if is_scene and self._urdf else message)  # type: ignore[dict-item]
+        if self._page is not None:
+            await self._page.room()
+        if self._send is None:
+            return
+        if self._urdf and isinstance(message, dict) and message["type"] == "scene":
+            message = {**message, "urdf": self._urdf}
+        self._send(message)

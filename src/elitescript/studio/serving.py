@@ -80,6 +80,8 @@ def serve_studio(place: Workplace, port: int, target: Target | None = None, *, o
 
 async def _serve(place: Workplace, port: int, target: Target | None, *, opens_browser: bool) -> None:
     controller = None if target is None else ConnectedController(target)
+    ready: list[LiveSource] = []
+    """A source whose processes are started before there is a page."""
 
     async def begin(outbox: Outbox) -> Session:
         file = None if place.programs is None else OpenFile(place.programs, place.memory, outbox.put)
@@ -90,10 +92,10 @@ async def _serve(place: Workplace, port: int, target: Target | None, *, opens_br
     def source(outbox: Outbox, file: OpenFile | None) -> Source:
         if controller is not None:
             return ConnectedSource(controller)
-        assert place.programs is not None and file is not None
-        setting = Setting(place.given, place.world)
-        urdf = "" if place.meshes is None else place.meshes.name
-        return LiveSource(place.programs.title, setting, file, outbox.room, urdf)
+        live = ready.pop() if ready else _live_source(place)
+        if file is not None:
+            live.belong_to(file, outbox.room)
+        return live
 
     door = Door(begin)
     stop = asyncio.Event()
@@ -108,14 +110,24 @@ async def _serve(place: Workplace, port: int, target: Target | None, *, opens_br
     try:
         if controller is not None:
             await controller.open()
+        else:
+            ready.append(_live_source(place))
+            ready[0].prepare()
         print(f"ready {door.address}", flush=True)
         if opens_browser:
             _open_browser(door.ticket_address())
         await stop.wait()
     finally:
         await door.close()
+        for unused in ready:
+            await unused.close()
         if controller is not None:
             await controller.close()
+
+
+def _live_source(place: Workplace) -> LiveSource:
+    title = "" if place.programs is None else place.programs.title
+    return LiveSource(title, Setting(place.given, place.world), "" if place.meshes is None else place.meshes.name)
 
 
 def _open_browser(address: str) -> threading.Thread | None:

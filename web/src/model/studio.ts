@@ -2,7 +2,7 @@
 
 import { computed, signal } from "@preact/signals-core";
 import type {
-  Ability, ControllerState, FromSource, Json, Moment, Problem, RunOptions, Scene, Service, Six, TextEdit, ToSource, Value,
+  Ability, ControlAction, ControllerState, FromSource, Json, Moment, Problem, RunOptions, Scene, Service, Six, TextEdit, ToSource, Value,
 } from "../source/messages.ts";
 import { TICK_S, type Rows } from "../source/rows.ts";
 import type { Link, Listener, Source } from "../source/source.ts";
@@ -106,6 +106,8 @@ export class Studio implements Listener {
   /** Run of which the moment is. */
   private readonly momentRun = signal(0);
   readonly controller = signal<ControllerState | null>(null);
+  /** With "live": the present state, also while the cursor is at an earlier time. */
+  readonly present = signal<Moment | null>(null);
   /** With "live": whether the cursor goes with the controller's time. */
   readonly isFollowing = signal(true);
   /** Where a click in another region sends the editor; each click is a new object. */
@@ -188,7 +190,8 @@ export class Studio implements Listener {
   /** First line of the text that the run on the screen is not of; 0 if it is of this text. */
   readonly staleFrom = computed(() => {
     const run = this.run.value;
-    if (run === null || run.version === this.version.value || run.text === this.text.value) return 0;
+    // A controller's run is of the program there.
+    if (run === null || this.can("live") || run.version === this.version.value || run.text === this.text.value) return 0;
     const problems = this.problems.value;
     const isRefused = problems !== null && problems.version === this.version.value && !problems.compiles;
     return isRefused || this.isOverdue.value ? firstChange(run.text, this.text.value) : 0;
@@ -353,6 +356,22 @@ export class Studio implements Listener {
     this.isPlaying.value = false;
   }
 
+  /** What the button Pause does: pauses the program of a controller that may be commanded, else the picture. */
+  pressPause(): void {
+    if (this.can("control")) this.command("pause");
+    else this.pause();
+  }
+
+  /** What the button Stop does: stops the program of a controller that may be commanded, else playback. */
+  pressStop(): void {
+    if (this.can("control")) this.command("stop");
+    else this.stopAll();
+  }
+
+  private command(action: ControlAction): void {
+    this.requests.send({ type: "control", ask: 0, action }).catch((error: unknown) => this.notice("warning", reason(error)));
+  }
+
   /** Ends playback and a computation that goes on; the cursor goes to 0. */
   stopAll(): void {
     this.pause();
@@ -465,6 +484,7 @@ export class Studio implements Listener {
         this.begin(message);
         return;
       case "moment":
+        this.present.value = message.moment;
         this.follow(message.moment);
         this.controller.value = message.controller;
         return;
@@ -558,7 +578,8 @@ export class Studio implements Listener {
       if (draft.seen !== file.digest) this.conflict.value = { why: "draft", theirs: file.text, digest: file.digest };
     }
     this.isPlaying.value = false;
-    if (was !== null) this.restart();
+    // A controller goes on, whatever file is open.
+    if (was !== null && !this.can("live")) this.restart();
     this.text.value = draft?.text ?? file.text;
     this.changed();
   }

@@ -8,6 +8,7 @@ for the arm to stop.
     integer register N      the number that changes: the heartbeat
     integer register N + 1  what to do, with the number of the session, so that an old value moves nothing
     float registers N to N + 5  the speeds
+    output integer register N   the number of the session, once the program has ended for want of a heartbeat
 """
 
 from __future__ import annotations
@@ -37,8 +38,10 @@ START_S: Final = 2.0
 """Longest time for that program to start."""
 TAP_S: Final = 0.3
 """After a stop, a program that has not been seen to run for this long has come and gone."""
+LAPSE_S: Final = 0.3
+"""Longest time for the reason why a program has ended to arrive."""
 END_S: Final = 2.0
-"""Longest time for it to end; then it is stopped by command."""
+"""Longest time for which a program is told to end."""
 
 JOINT_SPEED: Final = 0.5
 """Of one joint at full speed, rad/s."""
@@ -75,6 +78,8 @@ _LOOP: Final = """def {name}():
             beat = now
             quiet = 0.0
 {after}
+    if quiet >= {quiet:g}:
+        write_output_integer_register({register}, {session})
 end
 """
 
@@ -174,24 +179,24 @@ class Jogger:
         rtsi_port: its RTSI port.
         register: first of the registers.
         send: sends a program to the controller.
-        stop: stops whatever program runs there.
         task_state: returns the present state of the task.
         joint_at_end: returns which joint is too near to the end of its range for these speeds of joints; 0 for none.
-        notice: takes what went wrong, in words, with the page it is for.
+        lapsed: returns the session in the controller's output register, the last that ended for want of a heartbeat.
+        ended: takes that the arm was stopped for another reason than `release`, in words, with the page that moved it.
     """
 
     __slots__ = (
+        "_ended",
         "_held_until",
         "_host",
         "_is_stopping",
         "_joint_at_end",
-        "_notice",
+        "_lapsed",
         "_port",
         "_register",
         "_running",
         "_send",
         "_speeds",
-        "_stop",
         "_task",
         "_task_state",
         "owner",
@@ -204,19 +209,19 @@ class Jogger:
         register: int,
         *,
         send: Callable[[str], Any],
-        stop: Callable[[], Any],
         task_state: Callable[[], TaskState],
         joint_at_end: Callable[[Sequence[float]], int],
-        notice: Callable[[object, str], None],
+        lapsed: Callable[[], object],
+        ended: Callable[[object, str], None],
     ) -> None:
         self._host = host
         self._port = rtsi_port
         self._register = register
         self._send = send
-        self._stop = stop
         self._task_state = task_state
         self._joint_at_end = joint_at_end
-        self._notice = notice
+        self._lapsed = lapsed
+        self._ended = ended
         self._running: asyncio.Task[None] | None = None
         self._task = STOP
         self._is_stopping = False
@@ -295,14 +300,14 @@ class Jogger:
                 await client.start()
                 await self._drive(client, layout, program)
         except (LinkError, PeerError, UsageError) as error:
-            self._notice(owner, f"Jogging has ended: {error}")
+            self._ended(owner, f"Jogging has ended: {error}")
         finally:
             self._end()
             self.owner = None
 
     async def _drive(self, client: RtsiClient, layout: InputLayout, program: Callable[[int, int], str]) -> None:
         loop = asyncio.get_running_loop()
-        session = secrets.randbelow(_SESSIONS) * SESSION_STEP
+        session = (1 + secrets.randbelow(_SESSIONS)) * SESSION_STEP
         start = loop.time()
         self._beat(client, layout, session)
         await self._send(program(self._register, session))
@@ -313,7 +318,7 @@ class Jogger:
             is_running = self._task_state() is not TaskState.STOPPED
             has_run = has_run or is_running
             if has_run and not is_running:
-                if not self._is_stopping:
+                if not self._is_stopping and (self._task == HAND or not await self._has_lapsed(session)):
                     raise UsageError("the controller has ended the program; its messages say why")
                 break
             if not has_run and now - start > START_S:
@@ -324,16 +329,23 @@ class Jogger:
                 self._end()
             if self._task == JOINT and (number := self._joint_at_end(self._speeds)):
                 self._end()
-                self._notice(self.owner, f"Joint {number} is at the end of its range.")
+                self._ended(self.owner, f"Joint {number} is at the end of its range.")
             if self._is_stopping:
                 stopped_at = stopped_at or now
                 if not is_running and now - stopped_at > TAP_S:
                     break
                 if now - stopped_at > END_S:
-                    await self._stop()
-                    break
+                    # Whatever runs there now is not ours: that ends without a heartbeat.
+                    return
             self._beat(client, layout, session)
         client.write(layout, dict.fromkeys(layout.names, 0))
+
+    async def _has_lapsed(self, session: int) -> bool:
+        """Return whether heartbeats came too late: where the network or a computer is slow, the page may go on."""
+        end = asyncio.get_running_loop().time() + LAPSE_S
+        while self._lapsed() != session and asyncio.get_running_loop().time() < end:
+            await asyncio.sleep(1.0 / BEATS_HZ)
+        return self._lapsed() == session
 
     def _beat(self, client: RtsiClient, layout: InputLayout, session: int) -> None:
         beat, task, *speeds = layout.names

@@ -48,7 +48,7 @@ class ConnectedSource:
 
         Returns before the controller has answered: the end of a jog or an emergency stop must not wait for it.
         """
-        if isinstance(message, asked.Jog | asked.JogEnd):
+        if isinstance(message, asked.Jog | asked.JogEnd | asked.Program):
             await self._answer(message)
         elif len(self._waiting) < WAITING_MAX or _is_urgent(message):
             task = asyncio.create_task(self._answer(message))
@@ -71,9 +71,12 @@ class ConnectedSource:
         """Do it; return what the page is answered, None for nothing."""
         controller = self._controller
         match message:
+            case asked.Program():
+                controller.know(message.text)
             case asked.Jog():
-                controller.check_moves().jog(self, message.frame, message.axis, message.direction, message.speed)
+                self._jog(message)
             case asked.JogEnd():
+                controller.held_back.discard(self)
                 if controller.jogger is not None:
                     controller.jogger.release(self)
             case asked.Control(action="freedrive_on"):
@@ -102,10 +105,23 @@ class ConnectedSource:
                 pass
         return None
 
+    def _jog(self, message: asked.Jog) -> None:
+        """Move, or refuse it once: a button that is held must not move the arm later, when the reason is gone."""
+        held_back = self._controller.held_back
+        if self in held_back:
+            return
+        try:
+            jogger = self._controller.check_moves()
+            jogger.jog(self, message.frame, message.axis, message.direction, message.speed)
+        except UsageError:
+            held_back.add(self)
+            raise
+
     async def close(self) -> None:
         """Stop what the page has begun: jogging, hand guiding."""
         if self._controller.jogger is not None:
             self._controller.jogger.release(self)
+        self._controller.held_back.discard(self)
         self._controller.leave(self._send)
         self._send = _nowhere
 

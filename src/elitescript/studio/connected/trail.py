@@ -7,9 +7,12 @@ from collections.abc import Iterable
 from typing import Any, Final
 
 from elitescript.conversation.rows import frames
+from elitescript.messages.timing import TICKS_PER_S
 from elitescript.studio.connected.picture import PICTURE_HZ, Picture
 
 KEPT_S: Final = 60.0
+RUN_S: Final = 600.0
+"""After which a run begins that has the last minute only, so that pages do not keep all that they ever saw."""
 ROWS_A_FRAME: Final = 5
 """Rows that are sent together."""
 
@@ -23,10 +26,11 @@ class Trail:
         run: number of the present run; 0 as long as nothing came.
     """
 
-    __slots__ = ("_rows", "_waiting", "run")
+    __slots__ = ("_began_tick", "_rows", "_waiting", "run")
 
     def __init__(self) -> None:
         self.run = 0
+        self._began_tick = 0
         self._rows: deque[Row] = deque(maxlen=round(KEPT_S * PICTURE_HZ))
         self._waiting: list[Row] = []
 
@@ -39,7 +43,13 @@ class Trail:
             self._rows.clear()
             self._waiting.clear()
             picture.begin()
+            self._began_tick = 0
             found.append(self._began())
+        elif picture.tick - self._began_tick > RUN_S * TICKS_PER_S:
+            self.run += 1
+            self._began_tick = picture.tick
+            self._waiting.clear()
+            found += self.all()
         columns = picture.columns()
         if not columns or (self._rows and picture.tick <= self._rows[-1][0]):
             return found
