@@ -495,7 +495,7 @@ export class Board {
     const run = studio.runAt(t);
     studio.point({ t, line: line > 0 ? line : (run?.lineAt(t) ?? 0), region: "timeline" });
     const lane = row === null ? undefined : laneAt(row, studio.run.peek(), t);
-    const words = lane === undefined ? "" : tooltip(lane, t, this.reach_s(), (number) => this.linesOf(run)[number - 1]?.trim() ?? "");
+    const words = lane === undefined ? "" : tooltip(lane, t, this.reach_s(), (number) => this.linesOf(run)[number - 1]?.trim() ?? "", this.state.families.peek());
     if (this.tip === null || this.root === null) return;
     this.tip.hidden = words === "";
     if (words === "") return;
