@@ -141,7 +141,7 @@ export class Run {
     return (visits.find((span) => span.start_s > t + TICK_S / 2) ?? visits[0])?.start_s ?? null;
   }
 
-  /** The time of the next (1) or previous (-1) event or begin of a move; null if there is none. */
+  /** The time of the next (1) or previous (-1) event, contact or begin of a move; null if there is none. */
   eventBeside(t: number, by: 1 | -1): number | null {
     let found: number | null = null;
     const look = (time: number) => {
@@ -149,6 +149,7 @@ export class Run {
     };
     for (const event of this.events) look(event.t);
     for (const move of this.moves) look(move.start_s);
+    for (const contact of this.contacts) if (contact.is_contact) look(contact.start_s);
     if (this.alarm !== null) look(this.alarm.t);
     return found;
   }

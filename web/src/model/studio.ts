@@ -9,9 +9,11 @@ import type { Link, Listener, Source } from "../source/source.ts";
 import { text as words } from "../text/text.ts";
 import { firstChange } from "./difference.ts";
 import { History } from "./history.ts";
+import { nextStop } from "./lanes.ts";
 import { Refused, Requests, type Request } from "./requests.ts";
 import { Run } from "./run.ts";
 import { Settings } from "./settings.ts";
+import { WINDOW_S } from "./view.ts";
 
 export type { Display } from "./units.ts";
 
@@ -120,6 +122,8 @@ export class Studio implements Listener {
   readonly view = signal<{ readonly to: ViewName } | null>(null);
   readonly settings = new Settings();
   readonly display = this.settings.display;
+  /** Times of the lane that is chosen in the time line, ascending; set by that region. */
+  laneStops: (() => ArrayLike<number> | null) | null = null;
   /** Set by the region Program while it is there. */
   editor: Editor | null = null;
   readonly notices = signal<readonly Notice[]>([]);
@@ -403,9 +407,10 @@ export class Studio implements Listener {
     }
   }
 
-  /** Goes to the next (1) or previous (-1) event or begin of a move. */
+  /** Goes to the next (1) or previous (-1) event, contact or begin of a move, or to that of the chosen lane. */
   jumpToEvent(by: 1 | -1): void {
-    const t = this.run.value?.eventBeside(this.cursor.value, by);
+    const stops = this.laneStops?.() ?? null;
+    const t = stops === null ? this.run.value?.eventBeside(this.cursor.value, by) : nextStop(stops, this.cursor.value, by);
     if (t != null) this.jump(t);
   }
 
@@ -516,6 +521,7 @@ export class Studio implements Listener {
   rows(rows: Rows): void {
     if (rows.run !== this.run.value?.number) return;
     this.run.value.takeRows(rows);
+    if (this.can("live")) this.run.value.samples.forget(this.run.value.samples.end_s - WINDOW_S);
     this.grow();
   }
 

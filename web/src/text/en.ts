@@ -209,6 +209,7 @@ export const en = {
   timeline_fit_short: "All",
   timeline_to_selection: "Zoom to the selection",
   timeline_to_selection_short: "Selection",
+  timeline_held: "waits for the run",
   timeline_curves: "Curves",
   timeline_unselect: "Select nothing",
   timeline_loop: "Loop the selected stretch",

@@ -211,6 +211,7 @@ export const zh: Texts = {
   timeline_fit_short: "全部",
   timeline_to_selection: "放大到所选时间段",
   timeline_to_selection_short: "所选",
+  timeline_held: "等待运行",
   timeline_curves: "曲线",
   timeline_unselect: "取消选择",
   timeline_loop: "循环播放所选时间段",
