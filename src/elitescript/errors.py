@@ -95,6 +95,7 @@ _ROWS: Final = (
     Code("W270", "warning", "something that a program gave away and that did not arrive"),
     Code("W271", "warning", "write to an output that follows the state of the task"),
     Code("W272", "warning", "reading that begins with the line end of the one before"),
+    Code("W273", "warning", "arm, tool or payload that touches something"),
     # What contradicts the command catalogue; a program may catch it, so it starts unless it is strict.
     Code("E301", "error", "unknown command"),
     Code("E302", "error", "command of a newer firmware"),

@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from elitescript.kernel.option_keywords import RobotKeywords
     from elitescript.runtime.environment import Channels
     from elitescript.runtime.host import ScriptHost
+    from elitescript.solids.contacts import Contact, ContactWatch
 
 IDLE_TICKS: Final = ticks_for(1.0)
 """An arm that stands for so long, while nothing else is due, does not get under way by itself any more."""
@@ -151,6 +152,9 @@ class VirtualRobot:
         self._run: Run | None = None
         self._limit = WarningLimit()
         self._trace: Trace | None = None
+        self._cell = settings.cell
+        self._watch: ContactWatch | None = None
+        """Of the present run, where the world has solids."""
         self._interrupted_as: EndState | Literal[""] = ""
         self.next_stop: Callable[[int], int | None] | None = None
         """Returns for a tick the next one that is to run though nothing is due; None for none. For a debugger."""
@@ -407,6 +411,11 @@ class VirtualRobot:
             from elitescript.controller.views.trace_rows import TraceRecorder
 
             self._trace = TraceRecorder(trace_step_s, TraceSignals(trace_signals), trace_window_s, run.trace)
+        if self._cell is not None:
+            # Imported late: few worlds have solids.
+            from elitescript.solids.contacts import ContactWatch
+
+            self._watch = run.watch = ContactWatch(self._cell, self.model, self._contact)
         if OBSERVATION.observer is not None:
             self._trace = OBSERVATION.observer.started(self, run, values, self._trace)
         if unit.kind == SECONDARY and self._run is run:
@@ -570,6 +579,9 @@ class VirtualRobot:
             if self._trace is not None:
                 target = min(target, controller.tick + TRACE_TICKS_MAX)
                 self._trace.record(controller, target)
+            if self._watch is not None:
+                target = min(target, controller.tick + TRACE_TICKS_MAX)
+                self._watch.record(controller, target)
             kernel.leap(target)
 
     def _raise_listener_error(self) -> None:
@@ -587,6 +599,9 @@ class VirtualRobot:
         if self._trace is not None:
             self._trace.finish(self.controller)
             self._trace = None
+        if self._watch is not None:
+            self._watch.finish(self.controller)
+            self._watch = None
         run.rest(self._look(run))
         self._drain = Drain(
             self.tick, self._outside.channels, self._host.background, self._outside.surroundings, self._drain_s
@@ -651,6 +666,10 @@ class VirtualRobot:
             if self._outside.surroundings is not None:
                 self._outside.surroundings.settle()
         self._rest(run)
+
+    def _contact(self, contact: Contact, tick: int) -> None:
+        """Warn of a contact."""
+        self._event(Warned(tick, contact.text, "main", contact.line, "W273"))
 
     def _report_stuck(self) -> None:
         threads = self.threads()

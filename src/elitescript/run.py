@@ -26,6 +26,7 @@ from elitescript.records import NamedTuple
 
 if TYPE_CHECKING:
     from elitescript.controller.views.trace_rows import TraceRows
+    from elitescript.solids.contacts import Contact, ContactWatch
 
 RECORDS_MAX: Final = 50_000
 """Events, and texts of each kind, that a run keeps at least."""
@@ -97,6 +98,7 @@ class Run:
         alarms: what stopped the program.
         undelivered: data that the program sent and that did not arrive, as text; each is a warning too.
         look: returns the present values of the properties; None before the start and after the end.
+        watch: finds contacts; None if the world has no solids.
         threads: script threads at the end of a program that did not end by itself: where each was.
         is_paced: whether a connection to the outside held virtual time back to the wall clock.
     """
@@ -119,6 +121,7 @@ class Run:
         "undelivered",
         "unit",
         "warnings",
+        "watch",
     )
 
     def __init__(self, unit: CompiledUnit, start_tick: int) -> None:
@@ -137,6 +140,7 @@ class Run:
         self._end: Look | None = None
         self._signals: SignalRecord | None = None
         self.threads: tuple[Any, ...] = ()
+        self.watch: ContactWatch | None = None
         self.is_paced = False
         self.is_alone = False
         """Whether no preset holds a set, and nothing is beside it: devices, clients, secondary programs with sets."""
@@ -197,6 +201,19 @@ class Run:
 
             self._trace = TraceRows()
         return self._trace
+
+    @property
+    def contacts(self) -> list[Contact]:
+        """Where the arm, its tool or payload touched a thing of the world file, or itself, in the order of time.
+
+        Contacts are looked for if the world file has solids: `[[box]]`, `[[cylinder]]`, `[[sphere]]` or `[tool]`.
+        """
+        return [] if self.watch is None else self.watch.now
+
+    @property
+    def clearances(self) -> list[Contact]:
+        """The closest that arm, tool or payload came to each thing of the world file; below 0 it was a contact."""
+        return [] if self.watch is None else self.watch.clearances
 
     @property
     def _now(self) -> Look:

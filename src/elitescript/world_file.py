@@ -3,7 +3,8 @@
 The section `[robot]` holds options by their names; `[safety]`, `[contact]` and `[plant]` are options by themselves,
 read by `from_table` of their classes. Both raise `UsageError` with a message that begins with the place, as
 `[safety] tcp_speed must be ...`; file and line are put before it here. `[signals]` holds levels at the start, by the
-names of `--set`. What is beside the robot, `[[tcp]]`, `[[wire]]` and so on, is read by `devices.scenario`.
+names of `--set`. What is beside the robot, `[[tcp]]`, `[[wire]]` and so on, is read by `devices.scenario`; solids of
+things and of the tool, `[[box]]` and so on, by `solids.cell`.
 """
 
 from __future__ import annotations
@@ -29,6 +30,10 @@ SIGNALS_SECTION: Final = "signals"
 
 WORLD_SECTIONS: Final = ("world", "tcp", "rpc", "modbus", "serial", "device", "wire", "schedule", "parts", "fault")
 """Sections of what is beside the robot; all but `[world]` are lists of tables."""
+
+
+SOLID_SECTIONS: Final = ("box", "cylinder", "sphere", "tool")
+"""Sections of solids; `[tool]` is a table, the others are lists of tables."""
 
 
 class WorldFile(RobotSettings):
@@ -87,14 +92,26 @@ def load_world_file(
         raise UsageError(f"{file}:{line}: {huge[-1]}: whole numbers of TOML are within 64 bits")
     found = WorldFile()
     beside = found.beside
+    solids: dict[str, Any] = {}
     for section, table in tables.items():
         try:
             if section in WORLD_SECTIONS:
                 beside[section] = table
+            elif section in SOLID_SECTIONS:
+                solids[section] = table
             else:
                 _read_section(found, section, table, file.parent)
         except UsageError as error:
             raise _located(file, text, section, table, error) from error
+    if solids:
+        # Imported late: few worlds have solids.
+        from elitescript.solids.cell import read_cell
+
+        try:
+            found.cell = read_cell(solids)
+        except UsageError as error:
+            section = _place_in(str(error))[0].partition(".")[0]
+            raise _located(file, text, section, tables.get(section), error) from error
     if beside and with_world:
         from elitescript.devices.scenario import build_world
 
@@ -159,8 +176,9 @@ def _read_section(found: WorldFile, section: str, table: object, folder: Path) -
     known = (*SECTIONS, ROBOT_SECTION, SIGNALS_SECTION)
     if section not in known:
         shown = [f"[{name}]" for name in (*known, WORLD_SECTIONS[0])]
-        shown += [f"[[{name}]]" for name in WORLD_SECTIONS[1:]]
-        near = did_you_mean(section, (*known, *WORLD_SECTIONS))
+        shown += [f"[[{name}]]" for name in (*WORLD_SECTIONS[1:], *SOLID_SECTIONS[:-1])]
+        shown.append(f"[{SOLID_SECTIONS[-1]}]")
+        near = did_you_mean(section, (*known, *WORLD_SECTIONS, *SOLID_SECTIONS))
         raise UsageError(f"[{section}] is not known; there are {', '.join(shown)}{near}")
     if not isinstance(table, Mapping):
         raise UsageError(f"[{section}] must be a table: write [{section}] on a line of its own, its keys below")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 import shutil
-import struct
 import subprocess
 from array import array
 from pathlib import Path
@@ -16,27 +15,10 @@ from elitescript.controller.views.trace import Trace, TraceRow
 from elitescript.conversation.rows import COLUMNS, FRAME_BYTES_MAX, RowWriter, frames, frames_of
 from elitescript.errors import UsageError
 from elitescript.robot import VirtualRobot
+from tests.conversation.frames import read
 
 ROOT = Path(__file__).parents[2]
 READER = ROOT / "web/src/source/rows.ts"
-SIZES = {0: (4, "f"), 1: (8, "d"), 2: (2, "H"), 3: (4, "i")}
-
-
-def read(frame):
-    """Return run, ticks and columns of a frame."""
-    magic, run, first, step, rows, count, zero = struct.unpack_from("<4sIIIIHH", frame)
-    assert (magic, zero) == (b"ESC1", 0)
-    names = [struct.unpack_from("<BB", frame, 24 + 2 * index) for index in range(count)]
-    offset = -(-(24 + 2 * count) // 8) * 8
-    columns = {}
-    for kind, name in names:
-        size, code = SIZES[kind]
-        columns[COLUMNS[name]] = list(struct.unpack_from(f"<{rows}{code}", frame, offset))
-        offset += -(-rows * size // 8) * 8
-    assert offset == len(frame)
-    ticks = columns.pop("tick", None)
-    assert (ticks is not None) == (step == 0)
-    return run, ticks or [first + step * row for row in range(rows)], columns
 
 
 def row(tick, q1, x=0.0, actual=None):

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import json
+from base64 import b64encode
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import asynccontextmanager
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -154,12 +156,19 @@ class TestPlainRequests:
                 await port.get(f"/no?{port.query}"),
             ]
             assert [answer[0] for answer in answers] == [200, 200, 403, 421, 403, 405, 404]
+            policies = [headers["Content-Security-Policy"] for _, headers, _ in answers]
+            code = answers[2][2].decode().partition("<script>")[2].partition("</script>")[0]
+            digest = b64encode(sha256(code.encode()).digest()).decode()
+            assert policies.pop(2) == (
+                f"default-src 'none'; script-src 'sha256-{digest}'; base-uri 'none'; form-action 'none'; "
+                "frame-ancestors 'none'"
+            )
+            assert set(policies) == {
+                "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src data: blob:; "
+                "connect-src 'self'; worker-src 'self' blob:; base-uri 'none'; form-action 'none'; "
+                "frame-ancestors 'none'"
+            }
             for _, headers, _ in answers:
-                assert headers["Content-Security-Policy"] == (
-                    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src data: blob:; "
-                    "connect-src 'self'; worker-src 'self' blob:; base-uri 'none'; form-action 'none'; "
-                    "frame-ancestors 'none'"
-                )
                 assert headers["X-Content-Type-Options"] == "nosniff"
                 assert headers["Referrer-Policy"] == "no-referrer"
                 assert headers["Cross-Origin-Opener-Policy"] == "same-origin"

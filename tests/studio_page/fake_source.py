@@ -147,8 +147,8 @@ class _Conversation:
 
 PROGRAM: Final = """\
 # Pick and place
-global count = 0
-set_tcp([0, 0, 0.1, 0, 0, 0])
+global count
+count = 0
 movej(d2r([0, -90, 90, -90, -90, 0]), v=1.05)
 while count < 2:
     movej(d2r([40, -90, 90, -90, -90, 0]))

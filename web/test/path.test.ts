@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { after, lineAt, partsOf, type Path, pathOf, pick, project, scaleEnd, speedColour } from "../src/model/path.ts";
+import { after, lineAt, partsOf, type Path, pathOf, pick, project, scaleEnd, speedColour, straights } from "../src/model/path.ts";
 import { Run } from "../src/model/run.ts";
 import type { Column } from "../src/source/rows.ts";
 
@@ -53,6 +53,25 @@ test("parts of a line: as long as possible, cut by other lines and by jumps", ()
   assert.deepEqual(partsOf(path, 9), []);
   assert.equal(lineAt(path, 0.1), 7);
   assert.equal(lineAt(path, 9), 4);
+});
+
+test("what is straight and of even speed is drawn as one; corners, changes of speed and jumps are kept", () => {
+  const x = [0, 0.01, 0.02, 0.03, 0.04, 0.05, 0.06];
+  const even = x.map(() => 0.25);
+  assert.deepEqual(straights(straight(x, undefined, even), 1), [0, 6]);
+  assert.deepEqual(straights(straight(x, undefined, [0.25, 0.25, 0.25, 0.35, 0.25, 0.25, 0.25]), 1), [0, 2, 2, 3, 3, 4, 4, 6]);
+  assert.deepEqual(straights(straight([0, 0.01, 0.02, 0.9, 0.91, 0.92], undefined, even), 1), [0, 2, 3, 5]);
+  assert.deepEqual(straights(straight(x, undefined, even), 1, [{ from: 1, to: 3 }]), [1, 3]);
+  assert.deepEqual(straights(straight([0.3, 0.3, 0.3, 0.3], undefined, [0, 0, 0, 0]), 1), []);
+  // A circle of 0.2 m: every point is nearer than 0.1 mm to what is drawn.
+  const turn = Array.from({ length: 500 }, (_, i) => (2 * Math.PI * i) / 500);
+  const circle = pathOf(runOf({ x: turn.map((a) => 0.2 * Math.cos(a)), y: turn.map((a) => 0.2 * Math.sin(a)), z: turn.map(() => 0) }), SCENE);
+  const pairs = straights(circle, 1);
+  assert.ok(pairs.length / 2 < 250 && pairs.length / 2 > 40, String(pairs.length));
+  for (let k = 0; k < pairs.length; k += 2) {
+    const half = ((pairs[k + 1]! - pairs[k]!) * Math.PI) / 500;
+    assert.ok(0.2 * (1 - Math.cos(half)) < 0.000101);
+  }
 });
 
 test("the rest of a path begins with the stretch in which the time is", () => {

@@ -13,7 +13,7 @@ from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.environment.program_file import neighbours
 from elitescript.errors import ProgramError, UsageError
 from elitescript.kernel.options import RobotOptions, robot_options
-from elitescript.language.diagnostics import diagnostic
+from elitescript.language.diagnostics import diagnostic, in_order
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.lint.fixing import Repair, repaired
@@ -44,13 +44,15 @@ def check(options: argparse.Namespace) -> int:
     # Standard output has only the repaired text of standard input.
     out = sys.stderr if is_filter else sys.stdout
     report = FORMATS[name](out)
-    robot, arm = _robot(options)
+    robot, arm, has_solids = _robot(options)
     code = 0
     progress = progress_on(sys.stderr) if name == "text" else None
     for number, text in enumerate(program_texts(options.files, "check")):
         if progress is not None:
             progress.note(f"{number} files checked; {text.name}")
         checked = _check(text, robot, arm, is_fixed=options.fix)
+        if has_solids and not any(problem.is_error for problem in checked.problems):
+            checked = _with_contacts(checked, text, options)
         report.file(checked)
         if text.data is None and text.is_named:
             code = NOT_FOUND
@@ -62,25 +64,28 @@ def check(options: argparse.Namespace) -> int:
     return code
 
 
-def _robot(options: argparse.Namespace) -> tuple[RobotOptions, ArmFacts | None]:
-    """Return the robot that programs are for, and the facts of its arm; None if no model is named.
+def _robot(options: argparse.Namespace) -> tuple[RobotOptions, ArmFacts | None, bool]:
+    """Return the robot that programs are for, the facts of its arm, None if no model is named, and whether there are
+    solids that it can touch.
 
     Raises:
         UsageError: no such arm, or an invalid world file.
     """
     given = options_from(options)
     from_file: dict[str, Any] = {}
+    has_solids = False
     if options.world is not None:
         from elitescript.world_file import load_world_file
 
-        from_file = load_world_file(options.world).options
+        file = load_world_file(options.world)
+        from_file, has_solids = file.options, file.cell is not None
     robot = robot_options(given, from_file)
     if "model" not in given and "model" not in from_file:
-        return robot, None
+        return robot, None, has_solids
     # Loading a model takes longer than checking a program.
     from elitescript.kernel.arm_facts import arm_facts
 
-    return robot, arm_facts(robot)
+    return robot, arm_facts(robot), has_solids
 
 
 def _explain(code: str) -> int:
@@ -91,6 +96,17 @@ def _explain(code: str) -> int:
 
 
 # ---------------------------------------------------------------- one text
+
+
+def _with_contacts(checked: CheckedFile, text: ProgramText, options: argparse.Namespace) -> CheckedFile:
+    """Return a file with the contacts that a run of its program in the world has."""
+    from elitescript.cli.contact_findings import contact_findings
+
+    folder = None if text.path is None else text.path.resolve().parent
+    contacts, why_less = contact_findings(checked.source, folder, options.world, options_from(options))
+    if why_less:
+        print(f"elitescript check: {checked.name}: {why_less}", file=sys.stderr)
+    return checked._replace(problems=in_order([*checked.problems, *contacts]))
 
 
 def _check(text: ProgramText, robot: RobotOptions, arm: ArmFacts | None, *, is_fixed: bool) -> CheckedFile:

@@ -365,6 +365,14 @@ class Controller:
         """Return both wrenches of `tcp_wrench`: the compensated one, and the one as the sensor measures it."""
         return self.yielding.wrenches(self.arm_state, self._tick)
 
+    def turned(self, begin: int, end: int) -> Six | None:
+        """Return how far each joint of the target turns between two ticks, rad; see `MotionControl.turned`."""
+        return self.arm_state.turned(begin, end)
+
+    def targets_at(self, ticks: range) -> list[tuple[Six, Six]]:
+        """Return the target joints, rad, and their speeds, rad/s, from the present tick to the next that is due."""
+        return self.arm_state.targets(ticks)
+
     def joints_at(self, tick: int) -> JointState:
         """Return the target and measured joints at a tick, from the present one to the next that is due."""
         return self._joint_encoders.read(tick, self.arm_state.joints(tick))

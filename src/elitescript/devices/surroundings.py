@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from elitescript.messages.signals import Value
     from elitescript.protocol.connection import Connection
     from elitescript.runtime.environment import Channels
+    from elitescript.solids.cell import Cell
 
 
 VIRTUAL: Final = "virtual"
@@ -69,11 +70,13 @@ class RobotSettings:
     Attributes:
         options: of the robot, by name; those that are not in the file are missing.
         signals: levels at the start.
+        cell: solids beside the robot and on its flange; None if there are none.
     """
 
-    __slots__ = ("options", "signals")
+    __slots__ = ("cell", "options", "signals")
 
     def __init__(self) -> None:
+        self.cell: Cell | None = None
         self.options: dict[str, Any] = {}
         self.signals: dict[str, Value] = {}
 

@@ -408,6 +408,14 @@ _TEXTS: Final[dict[str, str]] = {
             socket_read_ascii_float(2)
             socket_read_string()               # W272: begins with the line end
         """,
+    "W273": """
+        The arm, its tool or what it holds touches a thing of the world file, or itself: a real one would collide. The
+        message has the line that runs when it begins, the time, and how deep the solids are in each other. What may
+        touch stands in `ignore` of the thing. `elitescript run --world cell.toml` and `elitescript check --world
+        cell.toml` find it; both run the program.
+
+            movel([0.4, -0.2, 0.01, 3.14, 0, 0])  # W273: gripper touches table, 12.0 mm deep at 1.204 s
+        """,
     "R150": """
         The program has requested more memory than the run may have. Make shorter lists and texts, or keep fewer of
         them; `run --memory-limit` sets what a run may have.

@@ -86,6 +86,9 @@ class PointPath:
             s -= lead.path.length
         return self._spline.q_and_speed(s)
 
+    def turned(self, begin: float, end: float) -> Six | None:
+        return None
+
     def tool_rates(self, s: float) -> tuple[float, float]:
         vx, vy, vz, wx, wy, wz = tcp_twist(self._arm, *self.q_and_slope(s), self._T_flange_tcp)
         return dist((vx, vy, vz), (0.0, 0.0, 0.0)), dist((wx, wy, wz), (0.0, 0.0, 0.0))

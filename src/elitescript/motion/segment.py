@@ -59,6 +59,12 @@ class JointPath(AnyPath, Protocol):
     def q_and_slope(self, s: float) -> tuple[Six, Six]:
         """Return the joint angles and their derivatives by the path position."""
 
+    def turned(self, begin: float, end: float) -> Six | None:
+        """Return how far each joint turns between two path positions, back and forth added up, at most, rad.
+
+        None if that is not known without solving every point.
+        """
+
     def tool_rates(self, s: float) -> tuple[float, float]:
         """Return the way (m) and rotation (rad) of the tool per unit of path position."""
 
@@ -128,6 +134,10 @@ class Segment:
             *_states(path, passages),
             *[(path.q_end, ZERO_SIX)] * (len(times_s) - max(begin, end)),
         ]
+
+    def turned(self, begin_s: float, end_s: float) -> Six | None:
+        """Return how far each joint turns between two times, back and forth added up, at most, rad; see `JointPath`."""
+        return self.path.turned(self.profile.at(begin_s)[0], self.profile.at(end_s)[0])
 
     def profile_time(self, t_s: float) -> float:
         """Return the time of the profile at a time of the segment; below 0 before the path is entered."""
@@ -207,6 +217,27 @@ class BlendedSegment(Segment):
             *[(self.path.q_end, ZERO_SIX)] * (len(times_s) - end),
         ]
 
+    def turned(self, begin_s: float, end_s: float) -> Six | None:
+        approach_s, entered_s = self.approach_s, self.entered_s
+        total = ZERO_SIX
+        pieces = (
+            (self.before, self.before_profile, -self.before_s, 0.0, approach_s),
+            (self.corner, None, approach_s, approach_s, entered_s),
+            (self.path, self.profile, entered_s, entered_s, self.duration_s),
+        )
+        for path, profile, start_s, from_s, to_s in pieces:
+            first_s, last_s = max(begin_s, from_s), min(end_s, to_s)
+            if first_s >= last_s:
+                continue
+            first, last = first_s - start_s, last_s - start_s
+            if profile is not None:
+                first, last = profile.at(first)[0], profile.at(last)[0]
+            turned = path.turned(first, last)
+            if turned is None:
+                return None
+            total = added(total, turned)
+        return total
+
     def profile_time(self, t_s: float) -> float:
         return t_s - self.entered_s
 
@@ -241,6 +272,13 @@ class RunningSegment(Segment):
         end = bisect_left(times_s, self.duration_s)
         passages = self.profile.at_times(times_s[:end])
         return [*_states(self.path, passages), *[(self.path.q_end, ZERO_SIX)] * (len(times_s) - end)]
+
+
+def added(turned: Six, more: Six) -> Six:
+    """Return the sum of two turns of each joint, rad."""
+    a, b, c, d, e, f = turned
+    g, h, i, j, k, m = more
+    return a + g, b + h, c + i, d + j, e + k, f + m
 
 
 def _state(path: JointPath, position: float, speed: float) -> Setpoint:

@@ -9,7 +9,9 @@ from __future__ import annotations
 import asyncio
 import logging
 import traceback
+from base64 import b64encode
 from collections.abc import Awaitable, Callable
+from hashlib import sha256
 from http import HTTPStatus
 from pathlib import PurePosixPath
 from typing import Final, Protocol
@@ -46,14 +48,30 @@ POLICY: Final = (
     "worker-src 'self' blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
 
+POLICY_HEADER: Final = "Content-Security-Policy"
+
 HEADERS: Final = (
-    ("Content-Security-Policy", POLICY),
+    (POLICY_HEADER, POLICY),
     ("X-Content-Type-Options", "nosniff"),
     ("Referrer-Policy", "no-referrer"),
     ("Cross-Origin-Opener-Policy", "same-origin"),
     ("Cache-Control", "no-store"),
 )
-"""Of every answer."""
+"""Of every answer, unless it has another policy."""
+
+_AGAIN: Final = """
+const token = sessionStorage.getItem("elitescript-token");
+sessionStorage.removeItem("elitescript-token");
+if (token !== null) location.replace("/?token=" + encodeURIComponent(token));
+"""
+"""Of the page that refuses: a tab that was the page before, and is loaded again, knows its token still."""
+
+_REFUSED: Final = f"<!doctype html><meta charset=utf-8><title>elitescript</title><p>@@why@@<script>{_AGAIN}</script>"
+
+_POLICY_OF_REFUSED: Final = (
+    f"default-src 'none'; script-src 'sha256-{b64encode(sha256(_AGAIN.encode()).digest()).decode()}'; base-uri 'none'; "
+    "form-action 'none'; frame-ancestors 'none'"
+)
 
 _TYPES: Final = {
     ".css": "text/css; charset=utf-8",
@@ -61,8 +79,6 @@ _TYPES: Final = {
     ".js": "text/javascript; charset=utf-8",
     ".txt": "text/plain; charset=utf-8",
 }
-
-_log = logging.getLogger(__name__)
 
 
 class Conversation(Protocol):
@@ -178,6 +194,9 @@ class Door:
         if refused := refusal(request, self.port, self._token, public):
             if refused.status == HTTPStatus.FORBIDDEN and self._takes_ticket(request):
                 return _response(HTTPStatus.SEE_OTHER, "text/plain", b"", ("Location", f"{PAGE}?token={self._token}"))
+            if refused.status == HTTPStatus.FORBIDDEN and request.path == PAGE:
+                body = _REFUSED.replace("@@why@@", refused.text).encode()
+                return _response(HTTPStatus.FORBIDDEN, _TYPES[".html"], body, (POLICY_HEADER, _POLICY_OF_REFUSED))
             return _response(HTTPStatus(refused.status), _TYPES[".txt"], refused.text.encode())
         if request.path == SOCKET:
             if len(self._pages) >= PAGES_MAX:
@@ -235,4 +254,5 @@ def _response(status: HTTPStatus, kind: str, body: bytes, *more: tuple[str, str]
 
 def _with_headers(connection: ServerConnection, request: HttpRequest, response: Response) -> None:
     for name, value in HEADERS:
-        response.headers[name] = value
+        if name not in response.headers:
+            response.headers[name] = value

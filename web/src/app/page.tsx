@@ -12,7 +12,7 @@ import { Program } from "../regions/program/index.tsx";
 import { Robot } from "../regions/robot/index.tsx";
 import { Signals } from "../regions/signals/index.tsx";
 import { Threads } from "../regions/threads/index.tsx";
-import { Timeline } from "../regions/timeline/index.tsx";
+import { Timeline, TimelineTools } from "../regions/timeline/index.tsx";
 import { Variables } from "../regions/variables/index.tsx";
 import { text } from "../text/text.ts";
 import { Announcer } from "./announcer.tsx";
@@ -112,7 +112,7 @@ function Panes({ studio, layout }: { studio: Studio; layout: Layout }) {
   );
   const time = (
     <div key="time" class="pane pane-time">
-      <Region studio={studio} name="timeline" title="region_timeline"><Timeline studio={studio} /></Region>
+      <Region studio={studio} name="timeline" title="region_timeline" badge={<TimelineTools studio={studio} />}><Timeline studio={studio} /></Region>
     </div>
   );
   const lists = (

@@ -19,9 +19,10 @@ export function Toolbar({ studio, isNarrow }: { studio: Studio; isNarrow: boolea
   const save = <SaveButton studio={studio} showsName={!isNarrow} />;
   const buttons = <Transport studio={studio} />;
   return (
-    <>
+    <header class="top">
+      <h1 class="unseen">{text("product")}</h1>
       {isNarrow && <div class="toolbar buttons">{buttons}{save}</div>}
-      <header class="toolbar">
+      <div class="toolbar">
         <FileName studio={studio} />
         {!isNarrow && save}
         {!isNarrow && buttons}
@@ -30,8 +31,8 @@ export function Toolbar({ studio, isNarrow }: { studio: Studio; isNarrow: boolea
         <Connections studio={studio} />
         <Target studio={studio} />
         <Switches studio={studio} />
-      </header>
-    </>
+      </div>
+    </header>
   );
 }
 

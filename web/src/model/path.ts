@@ -70,8 +70,10 @@ function firstAtOrAfter(times: Float64Array, t: number): number {
   return low;
 }
 
-function distance(xyz: Float32Array, i: number): number {
-  return Math.hypot(xyz[3 * i + 3]! - xyz[3 * i]!, xyz[3 * i + 4]! - xyz[3 * i + 1]!, xyz[3 * i + 5]! - xyz[3 * i + 2]!);
+/** Distance of two points, m. */
+function gap(xyz: Float32Array, i: number, k: number): number {
+  const [x, y, z] = [xyz[3 * k]! - xyz[3 * i]!, xyz[3 * k + 1]! - xyz[3 * i + 1]!, xyz[3 * k + 2]! - xyz[3 * i + 2]!];
+  return Math.sqrt(x * x + y * y + z * z);
 }
 
 /** Speeds as the source gives them; where it gives none, from the points. */
@@ -79,7 +81,7 @@ function speeds(t: Float64Array, xyz: Float32Array, given: Float64Array): Float3
   const speed = new Float32Array(t.length);
   for (let i = 0; i < t.length; i++) {
     if (!Number.isNaN(given[i]!)) speed[i] = given[i]!;
-    else if (i + 1 < t.length) speed[i] = distance(xyz, i) / (t[i + 1]! - t[i]!);
+    else if (i + 1 < t.length) speed[i] = gap(xyz, i, i + 1) / (t[i + 1]! - t[i]!);
     else speed[i] = speed[i - 1] ?? 0;
   }
   return speed;
@@ -89,7 +91,7 @@ function jumpsOf(t: Float64Array, xyz: Float32Array, speed: Float32Array): Uint8
   const jumps = new Uint8Array(Math.max(0, t.length - 1));
   for (let i = 0; i < jumps.length; i++) {
     const longest = JUMP_M + 2 * Math.max(speed[i]!, speed[i + 1]!) * (t[i + 1]! - t[i]!);
-    if (!(distance(xyz, i) <= longest)) jumps[i] = 1;
+    if (!(gap(xyz, i, i + 1) <= longest)) jumps[i] = 1;
   }
   return jumps;
 }
@@ -140,6 +142,67 @@ export function firstVisit(run: Run, line: number): number | null {
     if (index >= 0 && (first === null || thread.t[index]! < first)) first = thread.t[index]!;
   }
   return first;
+}
+
+// ---------------------------------------------------------------- drawing
+
+/** How far a drawn path may be from the points, m and as a share of the scale of speeds: less than a pixel and a shade. */
+const OFF_M = 0.0001;
+const OFF_SHARE = 0.02;
+/** Stretches that become one at most. */
+const MERGED_MAX = 128;
+
+/**
+ * Returns pairs of points between which a path, or parts of it, is a straight line of evenly changing speed: far fewer
+ * than it has stretches, as robots move straight or wait most of the time.
+ */
+export function straights(path: Path, speed_end: number, parts: readonly PathPart[] = [{ from: 0, to: path.jumps.length }]): number[] {
+  const pairs: number[] = [];
+  for (const { from, to } of parts) {
+    let first = from;
+    while (first < to) {
+      if (path.jumps[first] === 1) {
+        first++;
+        continue;
+      }
+      const last = lastStraight(path, first, to, speed_end);
+      if (gap(path.xyz, first, last) > 0) pairs.push(first, last);
+      first = last;
+    }
+  }
+  return pairs;
+}
+
+/** Returns the last point up to which a path is straight from one on: looked for in steps that double, then between. */
+function lastStraight(path: Path, first: number, to: number, speed_end: number): number {
+  let end = first + 1;
+  while (end < to && end - first < MERGED_MAX && path.jumps[end] === 0) end++;
+  let length = 1;
+  while (first + 2 * length <= end && isStraight(path, first, first + 2 * length, speed_end)) length *= 2;
+  let good = first + length;
+  let bad = Math.min(first + 2 * length, end + 1);
+  while (bad - good > 1) {
+    const middle = (good + bad) >> 1;
+    if (isStraight(path, first, middle, speed_end)) good = middle;
+    else bad = middle;
+  }
+  return good;
+}
+
+/** Whether all points from one to another lie on the line between them, in space and speed. */
+function isStraight({ xyz, speed }: Path, first: number, last: number, speed_end: number): boolean {
+  const [x, y, z] = [xyz[3 * first]!, xyz[3 * first + 1]!, xyz[3 * first + 2]!];
+  const [dx, dy, dz] = [xyz[3 * last]! - x, xyz[3 * last + 1]! - y, xyz[3 * last + 2]! - z];
+  const square = dx * dx + dy * dy + dz * dz;
+  for (let i = first + 1; i < last; i++) {
+    const [px, py, pz] = [xyz[3 * i]! - x, xyz[3 * i + 1]! - y, xyz[3 * i + 2]! - z];
+    const share = square > 0 ? Math.min(1, Math.max(0, (px * dx + py * dy + pz * dz) / square)) : 0;
+    const [ox, oy, oz] = [px - share * dx, py - share * dy, pz - share * dz];
+    if (ox * ox + oy * oy + oz * oz > OFF_M * OFF_M) return false;
+    const even = speed[first]! + share * (speed[last]! - speed[first]!);
+    if (square > 0 && Math.abs(speed[i]! - even) > OFF_SHARE * speed_end) return false;
+  }
+  return true;
 }
 
 // ---------------------------------------------------------------- colours

@@ -13,16 +13,16 @@ export class TimeView {
   /** Zoomed to; null: all there is. */
   private readonly zoomed = signal<Stretch | null>(null);
   readonly whole = signal<Stretch>([0, 0]);
-  /** Whether a view that ends at the end of what is known moves on with it. */
-  readonly isFollowing = signal(false);
   readonly selected = signal<Stretch | null>(null);
 
+  /** From and to, within what there is; never of no length. */
   readonly range = computed<Stretch>(() => {
     const [begin, end] = this.whole.value;
     const zoomed = this.zoomed.value;
-    if (zoomed !== null && !this.isFollowing.value) return zoomed;
-    const length = zoomed === null ? end - begin : zoomed[1] - zoomed[0];
-    return [Math.max(begin, end - length), Math.max(end, begin + VIEW_LEAST_S)];
+    const length = zoomed === null ? Infinity : zoomed[1] - zoomed[0];
+    if (zoomed === null || length >= end - begin) return [begin, Math.max(end, begin + VIEW_LEAST_S)];
+    const from = Math.min(Math.max(zoomed[0], begin), end - length);
+    return [from, from + length];
   });
 
   readonly isWhole = computed(() => this.zoomed.value === null);
@@ -42,7 +42,6 @@ export class TimeView {
     }
     const from = Math.min(Math.max(from_s, begin), end - length);
     this.zoomed.value = [from, from + length];
-    this.isFollowing.value = false;
   }
 
   fit(): void {

@@ -116,6 +116,10 @@ class ArmState:
         joints = self.joints(self._tick)
         return max(map(abs, (*joints.qd_target, *joints.qd_actual))) < STANDING_RAD_PER_S
 
+    def turned(self, begin: int, end: int) -> Six | None:
+        """Return how far each joint of the target turns between two ticks, rad; see `MotionControl.turned`."""
+        return None if self._is_stepped else self._motion.turned(begin, end)
+
     @property
     def next_tick(self) -> int | None:
         """Next tick at which the motion changes by itself; None if it does not."""

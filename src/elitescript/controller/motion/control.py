@@ -169,6 +169,16 @@ class MotionControl:
         self._q_rest = q
         self._sampled_tick = -1
 
+    def turned(self, begin: int, end: int) -> Six | None:
+        """Return how far each joint turns between two ticks, from the present one to the next that is due, rad.
+
+        Back and forth are added up, and it may be a little more; None if it is not known without sampling.
+        """
+        source = self._source
+        if source is None:
+            return ZERO_SIX
+        return source.turned(begin, end) if isinstance(source, Move) and end <= source.end_tick else None
+
     @property
     def is_stepped(self) -> bool:
         """Whether the present motion is known for the next tick only, not in between."""

@@ -175,6 +175,10 @@ class Move:
         # In a ramp the rate is different at every tick.
         return [*map(self.setpoint, ticks[:begin]), *found, *map(self.setpoint, ticks[end:])]
 
+    def turned(self, begin: int, end: int) -> Six | None:
+        """Return how far each joint turns between two ticks, at most; see `JointPath.turned`."""
+        return self.segment.turned(self.path_time_s(begin), self.path_time_s(end))
+
     def is_awaited(self, number: int) -> bool:
         """Return whether the call of that number is not over."""
         return number == self.number and not self.is_returned

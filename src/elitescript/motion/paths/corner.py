@@ -28,7 +28,7 @@ from elitescript.kinematics.rotations import Rotation, Vector3, multiply, rotate
 from elitescript.kinematics.transforms import Transform, apply, compose, rotation_of
 from elitescript.messages.motion import Six
 from elitescript.motion.paths.cartesian import CartesianPath
-from elitescript.motion.segment import JointPath
+from elitescript.motion.segment import JointPath, added
 
 
 class Corner:
@@ -237,6 +237,13 @@ class JointCorner:
             a * rate_first + b * rate_second for a, b in zip(slope_first, slope_second, strict=True)
         ]
         return (q1, q2, q3, q4, q5, q6), (w1, w2, w3, w4, w5, w6)
+
+    def turned(self, begin: float, end: float) -> Six | None:
+        first, d1, d2 = self._first, self._d1, self._d2
+        f, g = begin / self.length, end / self.length
+        left = first.turned(first.length - d1 * (1.0 - f) ** 2, first.length - d1 * (1.0 - g) ** 2)
+        joined = self._second.turned(d2 * f * f, d2 * g * g)
+        return None if left is None or joined is None else added(left, joined)
 
     def tool_rates(self, s: float) -> tuple[float, float]:
         q, qd = self.q_and_slope(s)

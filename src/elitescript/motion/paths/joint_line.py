@@ -51,6 +51,11 @@ class JointLine:
     def q_and_slope(self, s: float) -> tuple[Six, Six]:
         return self.q(s), self.slope
 
+    def turned(self, begin: float, end: float) -> Six:
+        way = max(min(end, self.length) - max(begin, 0.0), 0.0)
+        a, b, c, d, e, f = self.slope
+        return abs(a) * way, abs(b) * way, abs(c) * way, abs(d) * way, abs(e) * way, abs(f) * way
+
     def tool_rates(self, s: float) -> tuple[float, float]:
         vx, vy, vz, wx, wy, wz = tcp_twist(self._arm, self.q(s), self.slope, self._T_flange_tcp)
         return hypot(vx, vy, vz), hypot(wx, wy, wz)

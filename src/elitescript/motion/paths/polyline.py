@@ -25,11 +25,12 @@ from elitescript.errors import MotionError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.motion import Six
+from elitescript.messages.state import ZERO_SIX
 from elitescript.motion.limits import MotionLimits
 from elitescript.motion.paths.cartesian import LinePath
 from elitescript.motion.paths.corner import Corner
 from elitescript.motion.paths.track import JointTrack, follow
-from elitescript.motion.segment import RunningSegment
+from elitescript.motion.segment import RunningSegment, added
 from elitescript.motion.timing.profile import Law, TimeLaw
 from elitescript.records import NamedTuple
 
@@ -147,6 +148,17 @@ class ChainPath:
     def q_and_slope(self, s: float) -> tuple[Six, Six]:
         stretch = self._at(s)
         return stretch.track.q_and_slope(s - stretch.start + stretch.offset)
+
+    def turned(self, begin: float, end: float) -> Six:
+        total = ZERO_SIX
+        for stretch in self.stretches[max(0, bisect_right(self._starts, begin) - 1) :]:
+            if stretch.start >= end:
+                break
+            shift = stretch.offset - stretch.start
+            first, last = max(begin, stretch.start) + shift, min(end, stretch.end) + shift
+            if first < last:
+                total = added(total, stretch.track.turned(first, last))
+        return total
 
     def tool_rates(self, s: float) -> tuple[float, float]:
         stretch = self._at(s)

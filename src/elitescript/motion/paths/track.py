@@ -14,7 +14,7 @@ the measure of how much the interval hides. A jump to another turn or branch sho
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import ceil
 from typing import Final, TypeAlias
 
@@ -77,7 +77,7 @@ Ratios: TypeAlias = tuple[float, float, float]
 class JointTrack:
     """Joint angles over the path position of a Cartesian path; immutable. A `JointPath`, made by `follow`."""
 
-    __slots__ = ("_branch", "arm", "grid_q", "grid_s", "grid_slope", "interval_ratios", "path")
+    __slots__ = ("_branch", "_turns", "arm", "grid_q", "grid_s", "grid_slope", "interval_ratios", "path")
 
     def __init__(
         self,
@@ -107,6 +107,8 @@ class JointTrack:
         self.grid_q = tuple(grid_q)
         self.grid_slope = tuple(grid_slope)
         self.interval_ratios = tuple(interval_ratios)
+        self._turns: list[Six] | None = None
+        """How far each joint has turned from the start to the places of the grid, at most; made when it is read."""
 
     @property
     def kind(self) -> str:
@@ -151,6 +153,24 @@ class JointTrack:
             raise InternalError(f"singular {self.path.place(s)}, which the planner had checked")
         return q, slope
 
+    def turned(self, begin: float, end: float) -> Six:
+        turns = self._turns
+        if turns is None:
+            turns = self._turns = list(_turns(self.grid_s, self.grid_q, self.grid_slope))
+        a, b, c, d, e, f = self._turned_to(begin, turns)
+        g, h, i, j, k, m = self._turned_to(end, turns)
+        return g - a, h - b, i - c, j - d, k - e, m - f
+
+    def _turned_to(self, s: float, turns: Sequence[Six]) -> Six:
+        """Return how far each joint has turned up to a path position, at most."""
+        index = min(max(bisect_right(self.grid_s, s) - 1, 0), len(turns) - 2)
+        if index < 0:
+            return turns[0]
+        start, end = self.grid_s[index], self.grid_s[index + 1]
+        share = min(max((s - start) / (end - start), 0.0), 1.0)
+        q1, q2, q3, q4, q5, q6 = [a + share * (b - a) for a, b in zip(turns[index], turns[index + 1], strict=True)]
+        return q1, q2, q3, q4, q5, q6
+
     def tool_rates(self, s: float) -> tuple[float, float]:
         return self.path.tool_rates
 
@@ -160,6 +180,23 @@ class JointTrack:
         if q is None:
             raise InternalError(f"out of reach {self.path.place(s)}, which the planner had checked")
         return unwrapped(q, near)
+
+
+def _turns(grid_s: Sequence[float], grid_q: Sequence[Six], grid_slope: Sequence[Six]) -> Iterator[Six]:
+    """Yield for each place of the grid how far each joint has turned from the start on, at most.
+
+    Within an interval the joints turn as fast as the cubic through its ends at most, as in `_weighed`.
+    """
+    total = ZERO_SIX
+    yield total
+    for index in range(1, len(grid_s)):
+        h = grid_s[index] - grid_s[index - 1]
+        ends = zip(total, grid_q[index - 1], grid_q[index], grid_slope[index - 1], grid_slope[index], strict=True)
+        q1, q2, q3, q4, q5, q6 = [
+            sum_ + h * max(abs(da), abs(db)) + 1.5 * abs(qb - qa - 0.5 * h * (da + db)) for sum_, qa, qb, da, db in ends
+        ]
+        total = (q1, q2, q3, q4, q5, q6)
+        yield total
 
 
 def follow(

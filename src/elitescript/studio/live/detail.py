@@ -1,4 +1,4 @@
-"""Rows of a stretch of a run, as close as they are asked for, from a run of its own up to there, in a worker process."""
+"""Rows of a stretch of a run, as close as they are asked for, in a worker process: from another run up to there."""
 
 from __future__ import annotations
 

@@ -30,6 +30,7 @@ from elitescript.conversation.messages import (
 )
 from elitescript.errors import UsageError
 from elitescript.messages.signals import Value
+from elitescript.messages.timing import seconds
 from elitescript.records import record
 from elitescript.studio.live.jobs import Job, job_data
 from elitescript.studio.live.link import ROWS
@@ -277,8 +278,14 @@ class LiveEngine:
             shown.is_over = True
             await self._send(_ended(shown, "stopped"))
 
-    async def _follow(self, request: dict[str, Any], new: _Shown) -> None:
-        """Pass on what a worker reports of a text."""
+    async def _follow(self, request: dict[str, Any], new: _Shown, stands_in: tuple[int, str] | None = None) -> None:
+        """Pass on what a worker reports of a text.
+
+        Args:
+            request: for the worker.
+            new: the run, if it begins.
+            stands_in: line and text of a run that did not return, which this one is up to there; None if it is none.
+        """
         has_begun = False
         worker: Worker | None = None
         compiled: _Kept | None = None
@@ -291,7 +298,7 @@ class LiveEngine:
                 except EOFError:
                     break
                 if frame is None:
-                    await self._does_not_return(worker, new, has_begun=has_begun)
+                    await self._does_not_return(worker, request, new, has_begun=has_begun, stands_in=stands_in)
                     return
                 kind, data = frame
                 wait_s = QUIET_S if has_begun else BEGIN_S
@@ -300,6 +307,12 @@ class LiveEngine:
                     continue
                 message: Message = json.loads(data)
                 what = message["type"]
+                if stands_in is not None and what == "problems":
+                    continue
+                if stands_in is not None and what == "run_ended":
+                    new.last, new.is_over = message["moment"] | {"line": stands_in[0]}, True
+                    await self._send(_ended(new, "killed", stands_in[1]))
+                    return
                 if what == "problems":
                     await self._send(message)
                     if not message["compiles"]:
@@ -382,15 +395,31 @@ class LiveEngine:
         for message in compiled.messages:
             await self._send(message)
 
-    async def _does_not_return(self, worker: Worker, new: _Shown, *, has_begun: bool) -> None:
-        line = await worker.line()
+    async def _does_not_return(
+        self,
+        worker: Worker,
+        request: dict[str, Any],
+        new: _Shown,
+        *,
+        has_begun: bool,
+        stands_in: tuple[int, str] | None,
+    ) -> None:
+        """End a run that does not return, and show it up to the tick before."""
+        line, tick = await worker.line(), worker.tick()
         worker.kill()
         if not has_begun or new.last is None:
             await self._send(describe.notice("error", CHECK_HAS_ENDED.format(how="it took too long")))
             return
         place = line or new.last["line"]
+        text = DOES_NOT_RETURN.format(line=place, quiet=QUIET_S)
+        if seconds(tick) > new.t and stands_in is None:
+            # What it had not reported yet is gone with it. The same run up to there does not come to that line.
+            self._number += 1
+            again = request | {"run": self._number, "until_s": seconds(tick), "known": None}
+            await self._follow(again, _Shown(self._number, new.job, new.until_s), (place, text))
+            return
         new.is_over, new.last = True, new.last | {"line": place}
-        await self._send(_ended(new, "killed", DOES_NOT_RETURN.format(line=place, quiet=QUIET_S)))
+        await self._send(_ended(new, "killed", text))
 
     async def _ended_by_itself(self, worker: Worker, new: _Shown, *, has_begun: bool) -> None:
         """Say that a process has ended in the middle of its work, if it has."""
@@ -507,8 +536,13 @@ class LiveEngine:
     async def _sample(self, asked: Detail, shown: _Shown) -> None:
         async with self._one_detail:
             request = {
-                "do": "detail", "job": job_data(shown.job), "run": shown.number, "ask": asked.ask,
-                "from_s": asked.from_s, "to_s": min(asked.to_s, shown.t), "step_s": asked.step_s,
+                "do": "detail",
+                "job": job_data(shown.job),
+                "run": shown.number,
+                "ask": asked.ask,
+                "from_s": asked.from_s,
+                "to_s": min(asked.to_s, shown.t),
+                "step_s": asked.step_s,
             }
             if asked.from_s > shown.t:
                 await self._send({"type": "detail_ended", "ask": asked.ask, "run": shown.number})

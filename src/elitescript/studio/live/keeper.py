@@ -18,7 +18,7 @@ from typing import Final
 
 from elitescript.environment.process import end_with_parent
 from elitescript.studio.live.jobs import Job, job_data
-from elitescript.studio.live.link import COMMAND, DESCRIPTORS, EVENT, Link
+from elitescript.studio.live.link import COMMAND, DESCRIPTORS, EVENT, Board, Link
 from elitescript.studio.live.running import run_program
 from elitescript.studio.live.worker import serve
 
@@ -80,7 +80,7 @@ class Keeper:
         self._workers[number] = process
         self._commands.sendall(EVENT.pack(b"b", number, process))
 
-    def _become_worker(self, link: int, trace: int, life: int) -> None:
+    def _become_worker(self, link: int, trace: int, life: int, board: int) -> None:
         # Its copies end with it.
         os.setpgid(0, 0)
         end_with_parent(life)
@@ -93,7 +93,7 @@ class Keeper:
         # Written by the handler itself, also while a call of the program computes.
         faulthandler.register(signal.SIGUSR1, file=2, all_threads=False)
         faulthandler.enable(file=2, all_threads=False)
-        serve(Link(link, link))
+        serve(Link(link, link, Board(board)))
         os._exit(0)
 
     def _reap(self) -> None:
@@ -121,8 +121,13 @@ class _Nothing(Link):
 def warm_up() -> None:
     """Run a small program, so that every worker has what is made when it is first used."""
     request = {
-        "job": job_data(Job("warm_up.script", _WARM_UP)), "run": 0, "version": 0, "options": {}, "until_s": 60.0,
-        "wall_s": 60.0, "known": None,
+        "job": job_data(Job("warm_up.script", _WARM_UP)),
+        "run": 0,
+        "version": 0,
+        "options": {},
+        "until_s": 60.0,
+        "wall_s": 60.0,
+        "known": None,
     }
     run_program(_Nothing(), request, lambda: None)
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import json
 import os
+from mmap import mmap
 from struct import Struct
 from typing import Any, Final
 
@@ -19,8 +20,9 @@ ROWS: Final = 1
 
 COMMAND: Final = Struct("=cI")
 """To the keeper: `n` a new worker, `k` kill it, `t` have it write its trace; its number. With a new one come
-descriptors: of its link, of where it writes its trace, and of the pipe that ends it (`environment.process`)."""
-DESCRIPTORS: Final = 3
+descriptors: of its link, of where it writes its trace, of the pipe that ends it (`environment.process`), and of its
+`Board`."""
+DESCRIPTORS: Final = 4
 EVENT: Final = Struct("=cIi")
 """From the keeper: `b` begun, `e` ended; the number; the process, or its exit code as `subprocess` has it."""
 
@@ -47,20 +49,50 @@ async def read_frame(reader: asyncio.StreamReader) -> tuple[int, bytes]:
         raise EOFError from None
 
 
+class Board:
+    """A number that a worker writes and the engine reads at any time, also when the worker does not return.
+
+    It is the last tick up to which nothing is left to do: the run can be made again up to there.
+
+    Args:
+        descriptor: of a file of `SIZE` bytes.
+    """
+
+    SIZE: Final = 8
+    __slots__ = ("_memory",)
+
+    def __init__(self, descriptor: int) -> None:
+        self._memory = mmap(descriptor, self.SIZE)
+
+    def write(self, tick: int) -> None:
+        """Write it."""
+        self._memory[:] = tick.to_bytes(self.SIZE, "little")
+
+    def read(self) -> int:
+        """Return what was written last; 0 at first."""
+        return int.from_bytes(self._memory[:], "little")
+
+    def close(self) -> None:
+        """Release the memory."""
+        self._memory.close()
+
+
 class Link:
     """The end of a worker. Whoever does not read holds it back.
 
     Args:
         incoming: descriptor of the requests.
         outgoing: descriptor of the answers.
+        board: of a run; None where there is none.
     """
 
-    __slots__ = ("_incoming", "_outgoing", "_rest")
+    __slots__ = ("_incoming", "_outgoing", "_rest", "board")
 
-    def __init__(self, incoming: int, outgoing: int) -> None:
+    def __init__(self, incoming: int, outgoing: int, board: Board | None = None) -> None:
         self._incoming = incoming
         self._outgoing = outgoing
         self._rest = b""
+        self.board = board
 
     def send(self, message: dict[str, Any]) -> None:
         """Send a message."""

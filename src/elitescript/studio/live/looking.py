@@ -20,6 +20,9 @@ from elitescript.studio.live.jobs import Cell, code_name, job_of
 from elitescript.studio.live.link import Link
 from elitescript.world_file import closed_world
 
+CAN_COPY: Final = hasattr(os, "fork")
+"""Whether copies of the run are left behind on the way, so that going back does not begin at the start."""
+
 _MAIN: Final = 1
 """Number of the main thread, also when it has ended."""
 
@@ -49,7 +52,7 @@ def look(link: Link, request: Mapping[str, Any], jail: Callable[[], None]) -> No
                 task_dir=cell.files,
                 **job.robot,
             ),
-            forks=hasattr(os, "fork"),
+            forks=CAN_COPY,
         )
     except ProgramError as error:
         _refuse_all(link, "; ".join(map(str, error.problems)))
@@ -58,14 +61,17 @@ def look(link: Link, request: Mapping[str, Any], jail: Callable[[], None]) -> No
     session.set_exception_filters(())
     session.start(stop_on_entry=True)
     moments = Moments(session)
-    while True:
-        asked = link.receive()
-        try:
-            found = moments.at(asked["t"]) if asked["do"] == "seek" else moments.stepped(asked)
-        except DebugError as error:
-            link.send(describe.refused(str(error), asked["ask"]))
-        else:
-            link.send(describe.state(run, asked["ask"], found))
+    try:
+        while True:
+            asked = link.receive()
+            try:
+                found = moments.at(asked["t"]) if asked["do"] == "seek" else moments.stepped(asked)
+            except DebugError as error:
+                link.send(describe.refused(str(error), asked["ask"]))
+            else:
+                link.send(describe.state(run, asked["ask"], found))
+    finally:
+        session.close()
 
 
 def _refuse_all(link: Link, text: str) -> NoReturn:

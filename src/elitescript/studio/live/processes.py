@@ -8,12 +8,15 @@ import signal
 import socket
 from contextlib import suppress
 from itertools import count
+from tempfile import TemporaryFile
 from typing import Any, Final
 
 from elitescript.environment.process import Life, module_command, module_environment, place_in_trace
 from elitescript.services.child.process import processor_time_s
-from elitescript.studio.live.link import COMMAND, EVENT, framed, read_frame
+from elitescript.studio.live.link import COMMAND, EVENT, Board, framed, read_frame
 
+CAN_COPY: Final = hasattr(os, "fork")
+"""Whether workers are copies of a keeper."""
 TRACE_S: Final = 0.05
 """How long the trace of a worker that is about to be killed is waited for, s."""
 TRACE_BYTES: Final = 1 << 16
@@ -53,6 +56,10 @@ class Worker:
 
     async def line(self) -> int:
         """Return the line of the program that runs at this moment, also inside a call that computes; 0 if unknown."""
+        return 0
+
+    def tick(self) -> int:
+        """Return the last tick before the one in which its run is; 0 if unknown."""
         return 0
 
     def kill(self) -> None:
@@ -117,19 +124,23 @@ class Keeper:
         os.set_blocking(trace, False)
         life = Life()
         number = next(self._numbers)
-        try:
-            socket.send_fds(self._commands, [COMMAND.pack(b"n", number)], [theirs.fileno(), trace_end, life.descriptor])
-        except OSError:
-            ours.close()
-            os.close(trace)
-            life.close()
-            raise
-        finally:
-            theirs.close()
-            os.close(trace_end)
+        with TemporaryFile() as file:
+            file.truncate(Board.SIZE)
+            board = Board(file.fileno())
+            try:
+                given = [theirs.fileno(), trace_end, life.descriptor, file.fileno()]
+                socket.send_fds(self._commands, [COMMAND.pack(b"n", number)], given)
+            except OSError:
+                ours.close()
+                os.close(trace)
+                life.close()
+                raise
+            finally:
+                theirs.close()
+                os.close(trace_end)
         life.started()
         reader, writer = await asyncio.open_connection(sock=ours, limit=_BEFORE_ROWS)
-        worker = self._workers[number] = CopiedWorker(reader, writer, self, number, trace, life)
+        worker = self._workers[number] = CopiedWorker(reader, writer, self, number, trace, life, board)
         if not self.is_alive:
             self._over(number, -signal.SIGKILL)
         return worker
@@ -196,12 +207,14 @@ class CopiedWorker(Worker):
         number: int,
         trace: int,
         life: Life,
+        board: Board,
     ) -> None:
         super().__init__(reader, writer)
         self._keeper = keeper
         self._number = number
         self._trace = trace
         self._life = life
+        self._board = board
         self.pid = 0
 
     def processor_time_s(self) -> float | None:
@@ -222,6 +235,10 @@ class CopiedWorker(Worker):
                 return place[1]
         return 0
 
+    def tick(self) -> int:
+        """See `Worker`."""
+        return self._board.read() if self._trace >= 0 else 0
+
     def kill(self) -> None:
         """See `Worker`."""
         super().kill()
@@ -231,6 +248,7 @@ class CopiedWorker(Worker):
         if self._trace >= 0:
             os.close(self._trace)
             self._trace = -1
+            self._board.close()
 
 
 class SpareWorker(Worker):
@@ -303,4 +321,4 @@ async def _started() -> SpareWorker:
 
 async def start_workers() -> Keeper | Spares:
     """Return what starts workers on this system."""
-    return await (Keeper.start() if hasattr(os, "fork") else Spares.start())
+    return await (Keeper.start() if CAN_COPY else Spares.start())

@@ -33,7 +33,7 @@ from elitescript.robot import VirtualRobot
 from elitescript.run import Run
 from elitescript.studio.live.code import digest_of, lines_of, moved_lines
 from elitescript.studio.live.jobs import Cell, Job, code_name, job_data, job_of
-from elitescript.studio.live.link import Link
+from elitescript.studio.live.link import Board, Link
 
 STEP_S: Final = 0.04
 """Robot time from one row to the next."""
@@ -103,13 +103,21 @@ class CoarseRows(Sampling):
 
     Args:
         writer: receives them.
+        board: gets the last tick before the one that is due next.
     """
 
-    __slots__ = ("_writer",)
+    __slots__ = ("_board", "_writer")
 
-    def __init__(self, writer: RowWriter) -> None:
+    def __init__(self, writer: RowWriter, board: Board | None = None) -> None:
         super().__init__(step_s=STEP_S)
         self._writer = writer
+        self._board = board
+
+    def record(self, controller: Controller, until_tick: int) -> None:
+        """See `Sampling.record`."""
+        super().record(controller, until_tick)
+        if self._board is not None:
+            self._board.write(until_tick - 1)
 
     def take_now(self, controller: Controller) -> None:
         """Take a row of the present tick."""
@@ -142,7 +150,7 @@ class RunReport:
         self._wall_s: float = request["wall_s"]
         self._until_tick = ticks_for(request["until_s"])
         self._writer = RowWriter(self._number)
-        self._rows = CoarseRows(self._writer)
+        self._rows = CoarseRows(self._writer, link.board)
         self._lines = ThreadLines()
         self._seen = 0
         self._sent = 0
@@ -231,15 +239,17 @@ class RunReport:
         return timed_moves(motions, 0.0)
 
     def _send_events(self, happened: list[Event]) -> None:
-        left = EVENTS_MAX - self._sent
-        shown_events = happened[:left] + [event for event in happened[left:] if isinstance(event, Alarm)]
-        message = describe.events(self._number, shown_events)
+        """Send events up to the limit, and alarms beyond it."""
+        if self._sent >= EVENTS_MAX:
+            happened = [event for event in happened if isinstance(event, Alarm)]
+        message = describe.events(self._number, happened)
+        records, left = message["list"], max(0, EVENTS_MAX - self._sent)
+        message["list"] = records[:left] + [record for record in records[left:] if record["type"] == "alarm"]
         if message["list"]:
             self._link.send(message)
-        if left < len(happened) and left >= 0:
+        if self._sent <= EVENTS_MAX < self._sent + len(records):
             self._link.send(describe.notice("warning", TOO_MANY_EVENTS))
-            left = -1
-        self._sent = EVENTS_MAX + 1 if left < 0 else self._sent + len(happened)
+        self._sent += len(records)
 
     def _end(self, run: Run, state: str, last: Moment) -> None:
         if self._open is not None and state != "time_limit":

@@ -98,7 +98,7 @@ export function solidLook(palette: Palette): Look {
       if (/^#[0-9a-f]{6}$/i.test(color)) paint.set(color);
       const isShiny = role === "housing" || role === "tube" || role === "cap" || role === "flange";
       material = isShiny
-        ? new MeshPhongMaterial({ color: paint, specular: role === "flange" ? 0x666666 : 0x2a2a2a, shininess: 42 })
+        ? new MeshPhongMaterial({ color: paint, specular: role === "flange" ? 0x666666 : 0x2a2a2a, shininess: 42, emissive: role === "cap" ? paint.clone().multiplyScalar(0.3) : 0 })
         : new MeshLambertMaterial({ color: paint });
       made.set(key, material);
     }

@@ -40,6 +40,9 @@ export class Drawing {
   /** The user's own meshes, and why they are not drawn. */
   readonly pieces = signal<readonly Piece[] | null>(null);
   readonly meshFault = signal("");
+  /** Raised before a frame if a run has grown: paths are made anew once for a frame, not for each message. */
+  private readonly grown = signal(0);
+  private seen = "";
   readonly studio: Studio;
 
   constructor(studio: Studio) {
@@ -75,7 +78,7 @@ export class Drawing {
   readonly stale = computed((): Path | null => {
     const run = this.studio.run.value;
     const before = this.studio.before.value;
-    void run?.revision.value;
+    void this.grown.value;
     if (run === null || before === null || run.ended !== null || before.known_s <= run.known_s) return null;
     const path = this.whole(before);
     return path === null ? null : after(path, run.known_s);
@@ -134,9 +137,23 @@ export class Drawing {
     return hover.t ?? (hover.line === undefined ? null : (this.studio.run.value?.visitAfter(hover.line, -1) ?? null));
   }
 
+  /** Takes what runs have grown by. */
+  refresh(): void {
+    const { run, before, compared } = this.studio;
+    const seen = [run, before, compared].map((shown) => `${shown.peek()?.number}:${shown.peek()?.revision.peek()}`).join();
+    if (seen !== this.seen) this.grown.value++;
+    this.seen = seen;
+  }
+
+  /** Changes whenever a run has grown. */
+  readonly growth = computed(() => {
+    const { run, before, compared } = this.studio;
+    return [run, before, compared].map((shown) => shown.value?.revision.value ?? -1).join();
+  });
+
   private whole(run: Run | null, from_s = 0): Path | null {
     const scene: Scene | null = this.studio.scene.value;
-    void run?.revision.value;
+    void this.grown.value;
     return run === null || scene === null || run.samples.length < 2 ? null : pathOf(run, scene, from_s);
   }
 }

@@ -20,6 +20,8 @@ const TOLERANCE_PX = { mouse: 8, pen: 10, touch: 20 } as const;
 /** A pointer that moves less than this between press and release has clicked, pixels. */
 const CLICK_PX = 5;
 const HIDDEN_PAGE_MS = 100;
+/** When nothing has changed for so long, the picture is drawn once more, finely. */
+const REST_MS = 400;
 const TURN_RAD = Math.PI / 36;
 const SHIFT = 0.04;
 const ZOOM = 1.15;
@@ -129,6 +131,7 @@ function show(drawing: Drawing, canvas: HTMLCanvasElement, labels: HTMLElement, 
   const { studio } = drawing;
   const region = canvas.closest("section");
   let pending = 0;
+  let rest: ReturnType<typeof setTimeout> | undefined;
   const request = () => {
     // Frames of a page that nobody sees do not come; what the region says of itself stays true.
     if (pending === 0) pending = document.hidden ? -window.setTimeout(frame, HIDDEN_PAGE_MS) : requestAnimationFrame(frame);
@@ -140,10 +143,13 @@ function show(drawing: Drawing, canvas: HTMLCanvasElement, labels: HTMLElement, 
   }
   const frame = () => {
     pending = 0;
+    drawing.refresh();
     const picture = pictureOf(drawing);
     const { joints, t } = drawing.drawn.peek();
     if (picture !== null) {
       made.draw(picture);
+      clearTimeout(rest);
+      if (made instanceof Stage) rest = setTimeout(() => made.refine(), REST_MS);
       if (region !== null) {
         region.dataset["joints"] = joints.join();
         region.dataset["time"] = String(t);
@@ -152,6 +158,7 @@ function show(drawing: Drawing, canvas: HTMLCanvasElement, labels: HTMLElement, 
   };
   const ends: (() => void)[] = [
     effect(() => {
+      void drawing.growth.value;
       pictureOf(drawing);
       request();
     }),
@@ -185,6 +192,7 @@ function show(drawing: Drawing, canvas: HTMLCanvasElement, labels: HTMLElement, 
   return () => {
     if (pending > 0) cancelAnimationFrame(pending);
     else clearTimeout(-pending);
+    clearTimeout(rest);
     for (const end of ends) end();
   };
 }

@@ -1,10 +1,10 @@
 /** Lines of the scene: paths with a colour for each point, axes, arcs. */
 
-import { Color, GreaterDepth, type Object3D } from "three";
+import { BufferGeometry, Color, Float32BufferAttribute, GreaterDepth, LineBasicMaterial, LineSegments, type Object3D } from "three";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
-import { type Path, type PathPart, speedColour } from "../../model/path.ts";
+import { type Path, type PathPart, speedColour, straights } from "../../model/path.ts";
 import type { Point } from "../../model/kinematics.ts";
 
 export interface Stroke {
@@ -68,31 +68,17 @@ export class LineObject {
 /** Returns the pieces of a path, or of parts of it, for `LineObject.set`. */
 export function strokesOf(path: Path, speed_end: number, isDark: boolean, parts?: readonly PathPart[]): [Float32Array, Float32Array] {
   const shades = shadesOf(isDark);
-  const whole = [{ from: 0, to: path.jumps.length }];
-  let count = 0;
-  for (const { from, to } of parts ?? whole) for (let i = from; i < to; i++) count += path.jumps[i] === 0 && isLong(path, i) ? 1 : 0;
-  const positions = new Float32Array(6 * count);
-  const colours = new Float32Array(6 * count);
-  let at = 0;
-  for (const { from, to } of parts ?? whole) {
-    for (let i = from; i < to; i++) {
-      if (path.jumps[i] === 1 || !isLong(path, i)) continue;
-      positions.set(path.xyz.subarray(3 * i, 3 * i + 6), at);
-      for (const end of [0, 1]) {
-        const shade = 3 * Math.min(SHADES - 1, Math.round((path.speed[i + end]! / speed_end) * (SHADES - 1)));
-        colours[at + 3 * end] = shades[shade]!;
-        colours[at + 3 * end + 1] = shades[shade + 1]!;
-        colours[at + 3 * end + 2] = shades[shade + 2]!;
-      }
-      at += 6;
+  const ends = straights(path, speed_end, parts);
+  const positions = new Float32Array(3 * ends.length);
+  const colours = new Float32Array(3 * ends.length);
+  ends.forEach((point, index) => {
+    const shade = 3 * Math.min(SHADES - 1, Math.round((path.speed[point]! / speed_end) * (SHADES - 1)));
+    for (let k = 0; k < 3; k++) {
+      positions[3 * index + k] = path.xyz[3 * point + k]!;
+      colours[3 * index + k] = shades[shade + k]!;
     }
-  }
+  });
   return [positions, colours];
-}
-
-/** Whether a stretch is more than a point: an arm at rest has many that are not. */
-function isLong({ xyz }: Path, i: number): boolean {
-  return xyz[3 * i] !== xyz[3 * i + 3] || xyz[3 * i + 1] !== xyz[3 * i + 4] || xyz[3 * i + 2] !== xyz[3 * i + 5];
 }
 
 const SHADES = 64;
@@ -106,6 +92,30 @@ function shadesOf(isDark: boolean): Float32Array {
     colour.setRGB(r / 255, g / 255, b / 255, "srgb").toArray(shades, 3 * i);
   }
   return shades;
+}
+
+/** A path in lines of one pixel, which cost a software renderer a hundredth of wide ones. */
+export class HairObject {
+  readonly object = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ vertexColors: true }));
+
+  constructor(parent: Object3D) {
+    this.object.frustumCulled = false;
+    parent.add(this.object);
+  }
+
+  set(positions: Float32Array, colours: Float32Array): void {
+    this.object.visible = positions.length > 0;
+    this.object.geometry.dispose();
+    this.object.geometry = new BufferGeometry();
+    this.object.geometry.setAttribute("position", new Float32BufferAttribute(positions, 3));
+    this.object.geometry.setAttribute("color", new Float32BufferAttribute(colours, 3));
+  }
+
+  dispose(): void {
+    this.object.removeFromParent();
+    this.object.geometry.dispose();
+    this.object.material.dispose();
+  }
 }
 
 /** Returns a line through points as pieces. */

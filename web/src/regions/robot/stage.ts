@@ -11,7 +11,7 @@ import type { Contact, Scene, Six } from "../../source/messages.ts";
 import { ArmObject, edgesOf, ghostLook, matrixOf, type Piece, piecesOf, shadowLook, solidLook } from "./arm.ts";
 import type { Ghost } from "./drawing.ts";
 import { Labels, type Label } from "./labels.ts";
-import { LineObject, piecesThrough, type Stroke, strokesOf } from "./lines.ts";
+import { HairObject, LineObject, piecesThrough, type Stroke, strokesOf } from "./lines.ts";
 import { palette, type Palette } from "./palette.ts";
 
 export type View = "front" | "side" | "top" | "iso";
@@ -88,6 +88,7 @@ export class Stage {
   private frameLabels: Label[] = [];
   private isFitted = false;
   private isTouched = false;
+  private isRefined = false;
 
   /** `changed` is called when the camera has moved. Throws where the browser has no WebGL. */
   constructor(canvas: HTMLCanvasElement, labels: HTMLElement, software: boolean, changed: () => void) {
@@ -126,6 +127,7 @@ export class Stage {
   resize(width: number, height: number): void {
     this.width = Math.max(1, width);
     this.height = Math.max(1, height);
+    this.isRefined = false;
     this.renderer.setPixelRatio(this.software ? 1 : Math.min(devicePixelRatio || 1, 2));
     this.renderer.setSize(this.width, this.height, false);
     this.camera.aspect = this.width / this.height;
@@ -135,7 +137,21 @@ export class Stage {
 
   // ---------------------------------------------------------------- drawing
 
+  /** Draws the last picture once more with four times the pixels: what software is too slow for while things move. */
+  refine(): void {
+    if (!this.software || this.isRefined || this.last === null) return;
+    this.isRefined = true;
+    this.renderer.setPixelRatio(REFINED_RATIO);
+    this.lines?.refine(true);
+    this.renderer.render(this.root, this.camera);
+  }
+
   draw(picture: Picture): void {
+    if (this.isRefined) {
+      this.isRefined = false;
+      this.renderer.setPixelRatio(1);
+      this.lines?.refine(false);
+    }
     const last = this.last;
     this.last = picture;
     const isNewLook = last === null || last.isDark !== picture.isDark || last.scene !== picture.scene || last.pieces !== picture.pieces;
@@ -410,6 +426,12 @@ function floor({ limits, parts }: Scene, colours: Palette): Group {
 
 // ---------------------------------------------------------------- lines
 
+const REFINED_RATIO = 2;
+
+/** Pieces that a software renderer draws wide. */
+const WIDE_PIECES_MAX = 800;
+const NOTHING = new Float32Array(0);
+
 const AXES: readonly Point[] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 const NAMES = ["x", "y", "z"] as const;
 
@@ -420,6 +442,10 @@ class Lines {
   private readonly scene: Scene;
   private readonly colours: Palette;
   private readonly path: LineObject;
+  private readonly hair: HairObject;
+  private readonly isSoftware: boolean;
+  /** Whether the path is too long to be drawn wide while things move. */
+  private isFine = false;
   private readonly hidden: LineObject | null;
   private readonly raised: LineObject;
   private readonly stale: LineObject;
@@ -437,7 +463,9 @@ class Lines {
     this.scene = scene;
     this.colours = colours;
     parent.add(this.group);
+    this.isSoftware = software;
     this.path = this.make({ width_px: 2 });
+    this.hair = new HairObject(this.group);
     this.hidden = software ? null : this.make({ width_px: 1.5, opacity: 0.3, isHidden: true, order: 1 });
     this.raised = this.make({ width_px: 5, order: 2 });
     this.stale = this.make({ width_px: 1.5, colour: colours.stale, opacity: 0.7 });
@@ -478,7 +506,15 @@ class Lines {
 
   dispose(): void {
     for (const line of this.made) line.dispose();
+    this.hair.dispose();
     this.group.removeFromParent();
+  }
+
+  /** Draws a long path wide or in lines of a pixel. */
+  refine(isRefined: boolean): void {
+    if (!this.isFine) return;
+    this.path.object.visible = isRefined;
+    this.hair.object.visible = !isRefined;
   }
 
   /** Updates the paths where they are others than in the last picture. */
@@ -486,8 +522,11 @@ class Lines {
     const { path, speedEnd, isDark } = picture;
     const isNew = last === null || last.path !== path || last.speedEnd !== speedEnd || last.isStale !== picture.isStale;
     if (isNew) {
-      const [positions, colours] = path === null ? [[], undefined] : strokesOf(path, speedEnd, isDark);
+      const [positions, colours] = path === null ? [NOTHING, NOTHING] : strokesOf(path, speedEnd, isDark);
+      this.isFine = this.isSoftware && positions.length > 6 * WIDE_PIECES_MAX;
       this.path.set(picture.isStale ? [] : positions, colours);
+      this.hair.set(picture.isStale || !this.isFine ? NOTHING : positions, colours);
+      this.refine(false);
       this.whole.set(picture.isStale ? positions : []);
       this.hidden?.share(this.path);
     }

@@ -4,7 +4,7 @@
  * Lines of the cursor and the pointer are elements over the drawing: they move without anything being drawn again.
  */
 
-import { effect } from "@preact/signals-core";
+import { computed, effect } from "@preact/signals-core";
 import type { Frames, Stretch } from "../../model/playback.ts";
 import type { Run } from "../../model/run.ts";
 import { axisTicks } from "../../model/view.ts";
@@ -18,12 +18,15 @@ import { drawGrid, drawLane, laneValue, SANS, type Drawing } from "./draw.ts";
 import { drawSign, tints } from "./looks.ts";
 import { CURVES, type CurveKey, type Row, type TimelineState } from "./state.ts";
 
-export const ROW = 22;
+export const ROW = 24;
 /** Of the second run, below the first. */
 export const ROW_COMPARED = 14;
 export const AXIS_HEIGHT = 22;
 export const OVERVIEW_HEIGHT = 30;
 const CURVE_HEIGHT = 118;
+
+/** Of the stretch in view, px. */
+const WIDTH_LEAST = 50;
 
 /** Pixels between two numbers of the axis. */
 const TICK_ROOM = 90;
@@ -31,17 +34,24 @@ const TICK_ROOM = 90;
 /** Marks this near to the pointer are under it, px. */
 const REACH = 7;
 
+/** Curves that reach this part of a limit have a sign. */
+const NEAR_LIMIT = 0.95;
+
 /** A pointer that has moved less has clicked, px. */
 const CLICK = 4;
+
+type Ref<E extends HTMLElement> = (element: E | null) => void;
 
 export class Board {
   private readonly state: TimelineState;
   private readonly frames: Frames;
   private root: HTMLElement | null = null;
+  private area: HTMLElement | null = null;
   private readonly canvases = new Map<string, HTMLCanvasElement>();
   private readonly holders = new Map<CurveKey, HTMLElement>();
   private readonly charts = new Map<CurveKey, CurveChart>();
   private readonly values = new Map<string, HTMLElement>();
+  private readonly refs = new Map<string, Ref<HTMLElement>>();
   private cursorLine: HTMLElement | null = null;
   private hoverLine: HTMLElement | null = null;
   private hoverTime: HTMLElement | null = null;
@@ -69,7 +79,7 @@ export class Board {
       effect(() => {
         void [view.range.value, view.selected.value, state.groups.value, state.curves.value, state.ghost.value, state.width.value];
         void [palette.value, studio.display.value, studio.scene.value, state.showsLimits.value, state.chosen.value, studio.run.value?.revision.value];
-        void this.raisedLine();
+        void this.raised.value;
         this.isDirty = true;
         this.later();
       }),
@@ -80,14 +90,11 @@ export class Board {
       }),
       effect(() => view.extend(studio.end.value, studio.can("live"))),
     );
-    const resized = new ResizeObserver(() => this.measure());
-    resized.observe(root);
-    this.disposers.push(() => resized.disconnect());
-    this.measure();
   }
 
   stop(): void {
     for (const dispose of this.disposers.splice(0)) dispose();
+    this.resized.disconnect();
     if (this.handle !== null) this.frames.cancel(this.handle);
     for (const chart of this.charts.values()) chart.destroy();
     this.charts.clear();
@@ -95,41 +102,71 @@ export class Board {
 
   // ---------------------------------------------------------------- elements
 
-  canvas(key: string, element: HTMLCanvasElement | null): void {
-    if (element === null) this.canvases.delete(key);
-    else this.canvases.set(key, element);
-    this.redraw();
+  /** Takes the canvas of a group, `axis` or `overview`. */
+  canvas(key: string): Ref<HTMLCanvasElement> {
+    return this.ref(`canvas ${key}`, (element) => {
+      if (element === null) this.canvases.delete(key);
+      else this.canvases.set(key, element);
+      this.redraw();
+    });
   }
 
-  curve(key: CurveKey, element: HTMLElement | null): void {
-    if (element === null) {
+  /** Takes the element in which a curve is drawn. */
+  curve(key: CurveKey): Ref<HTMLElement> {
+    return this.ref(`curve ${key}`, (element) => {
       this.charts.get(key)?.destroy();
       this.charts.delete(key);
-      this.holders.delete(key);
-    } else {
-      this.holders.set(key, element);
-    }
-    this.redraw();
+      if (element === null) this.holders.delete(key);
+      else this.holders.set(key, element);
+      this.redraw();
+    });
   }
 
-  value(id: string, element: HTMLElement | null): void {
-    if (element === null) this.values.delete(id);
-    else this.values.set(id, element);
-    this.later();
+  /** Takes the element with the value of a row, or with `curve` or `used` before it, of a column. */
+  value(id: string): Ref<HTMLElement> {
+    return this.ref(`value ${id}`, (element) => {
+      if (element === null) this.values.delete(id);
+      else this.values.set(id, element);
+      this.redraw();
+    });
   }
 
-  overlay(part: "cursorLine" | "hoverLine" | "hoverTime" | "selection" | "tip", element: HTMLElement | null): void {
-    this[part] = element;
-    this.later();
+  overlay(part: "cursorLine" | "hoverLine" | "hoverTime" | "selection" | "tip"): Ref<HTMLElement> {
+    return this.ref(`overlay ${part}`, (element) => {
+      this[part] = element;
+      this.later();
+    });
+  }
+
+  /** Takes the element over lanes and curves, whose width is that of the stretch in view. */
+  get areaRef(): Ref<HTMLElement> {
+    return this.ref("area", (element) => {
+      if (this.area !== null) this.resized.unobserve(this.area);
+      this.area = element;
+      if (element === null) return;
+      this.resized.observe(element);
+      element.addEventListener("wheel", this.onWheel, { passive: false });
+    });
+  }
+
+  /** Takes the slider, on which the wheel zooms. */
+  get sliderRef(): Ref<HTMLElement> {
+    return this.ref("slider", (element) => element?.addEventListener("wheel", this.onWheel, { passive: false }));
+  }
+
+  /** Returns the same function each time: another one would be called with each rendering. */
+  private ref<E extends HTMLElement>(key: string, take: (element: E | null) => void): Ref<E> {
+    const known = (this.refs.get(key) as Ref<E> | undefined) ?? take;
+    this.refs.set(key, known as Ref<HTMLElement>);
+    return known;
   }
 
   // ---------------------------------------------------------------- drawing
 
-  private measure(): void {
-    const overlay = this.root?.querySelector<HTMLElement>(".plot-area");
-    if (overlay != null) this.state.width.value = Math.max(overlay.clientWidth, 50);
+  private readonly resized = new ResizeObserver(() => {
+    this.state.width.value = Math.max(this.area?.clientWidth ?? 0, WIDTH_LEAST);
     this.redraw();
-  }
+  });
 
   private redraw(): void {
     this.isDirty = true;
@@ -143,10 +180,11 @@ export class Board {
     });
   }
 
-  private raisedLine(): number {
+  /** Line that another region points at. */
+  private readonly raised = computed(() => {
     const hover = this.state.studio.hover.value;
     return hover !== null && hover.region !== "timeline" ? (hover.line ?? 0) : 0;
-  }
+  });
 
   private paint(): void {
     const { studio, view, details, width } = this.state;
@@ -186,6 +224,10 @@ export class Board {
       const chart = this.charts.get(spec.key);
       if (chart === undefined) this.charts.set(spec.key, new CurveChart(holder, spec, input));
       else chart.update(input);
+      this.charts.get(spec.key)!.used.forEach((used, index) => {
+        const element = this.values.get(`used ${spec.columns[index]}`);
+        if (element !== undefined) say(element, used >= NEAR_LIMIT ? `⚠ ${Math.round(100 * used)} %` : "");
+      });
     }
   }
 
@@ -210,6 +252,7 @@ export class Board {
         else clipped(g, -RIGHT, border + RIGHT, () => drawLane(drawing, row.lane!, top, ROW));
       }
       if (row.compared !== undefined) drawLane(faded, row.compared, top + ROW - 3, ROW_COMPARED);
+      if (index === rows.length - 1) return;
       g.fillStyle = drawing.palette.line;
       g.fillRect(0, top + rowHeight(hasCompared) - 1, width, 1);
     });
@@ -234,7 +277,7 @@ export class Board {
     const order = this.orderOf(run);
     const lines = this.linesOf(run);
     return {
-      g, ratio, palette: palette.peek(), tints: tints(isDark.peek()), view, width, raised: this.raisedLine(),
+      g, ratio, palette: palette.peek(), tints: tints(isDark.peek()), view, width, raised: this.raised.peek(),
       order: (line) => order.get(line) ?? line, sourceLine: (line) => lines[line - 1]?.trim() ?? "",
     };
   }
@@ -317,12 +360,15 @@ export class Board {
       }
     }
     const t = hover ?? cursor;
+    const isExact = hover === null && studio.isExact.peek();
     for (const row of this.state.rows.peek()) {
       const element = this.values.get(row.id);
       const lane = laneAt(row, run, t);
-      if (element !== undefined) say(element, lane === undefined ? "" : laneValue(lane, t));
+      if (element === undefined) continue;
+      // Of lines that take no time only the exact state knows which one it is.
+      const thread = isExact && row.id.startsWith("lines ") ? studio.moment.peek()!.threads.find(({ name }) => name === row.name) : undefined;
+      say(element, thread !== undefined && thread.line > 0 ? String(thread.line) : lane === undefined ? "" : laneValue(lane, t));
     }
-    const isExact = hover === null && studio.isExact.peek();
     for (const spec of this.state.curves.peek()) {
       spec.columns.forEach((column, index) => {
         const element = this.values.get(`curve ${column}`);
@@ -344,7 +390,7 @@ export class Board {
 
   /** Time and row under a point of the window. */
   private find(event: { readonly clientX: number; readonly clientY: number }): { readonly t: number; readonly row: Row | null } {
-    const area = this.root!.querySelector(".plot-area")!.getBoundingClientRect();
+    const area = this.area?.getBoundingClientRect() ?? new DOMRect(0, 0, 1, 1);
     const [from, to] = this.state.view.range.peek();
     const share = Math.min(Math.max((event.clientX - area.left) / area.width, 0), 1);
     let row: Row | null = null;
@@ -408,10 +454,11 @@ export class Board {
 
   readonly onPointerLeave = (): void => {
     this.state.studio.point(null);
-    if (this.tip !== null) this.tip.hidden = true;
+    this.hideTip();
   };
 
   readonly onDoubleClick = (event: MouseEvent): void => {
+    this.hideTip();
     const { t, row } = this.find(event);
     const { view } = this.state;
     const { span } = this.hit(t, row);
@@ -422,6 +469,7 @@ export class Board {
   /** Zooms with Ctrl, which a pinch on a touch pad is too, moves with Shift or sideways; else the page scrolls. */
   readonly onWheel = (event: WheelEvent): void => {
     const { view } = this.state;
+    this.hideTip();
     if (event.ctrlKey || event.metaKey || (event.currentTarget as Element).hasAttribute("data-zooms")) {
       event.preventDefault();
       const unit = event.deltaMode === WheelEvent.DOM_DELTA_PIXEL ? 0.0025 : 0.05;
@@ -433,6 +481,10 @@ export class Board {
     event.preventDefault();
     view.pan(along / this.state.width.peek());
   };
+
+  private hideTip(): void {
+    if (this.tip !== null) this.tip.hidden = true;
+  }
 
   private hover(t: number, row: Row | null, event: PointerEvent): void {
     const { studio } = this.state;
@@ -482,13 +534,14 @@ export class Board {
     return this.sourceOf.lines;
   }
 
-  /** Place of each line that ran among them: neighbours look different. */
+  /** Place of each line that ran among them: neighbours look different, and the same in the run behind. */
   private orderOf(run: Run | null): ReadonlyMap<number, number> {
-    const all = [...(run?.lines.values() ?? [])];
-    const key = `${run?.number} ${all.map(({ t }) => t.length).join(" ")}`;
+    const runs = [run, this.state.studio.before.peek()].filter((each) => each !== null);
+    const key = runs.map(({ number, lines }) => `${number} ${[...lines.values()].map(({ t }) => t.length).join(" ")}`).join();
     if (this.lineOrder.key !== key) {
-      const lines = [...new Set(all.flatMap(({ line }) => line))].filter((line) => line > 0).sort((a, b) => a - b);
-      this.lineOrder = { key, order: new Map(lines.map((line, index) => [line, index])) };
+      const all = new Set(runs.flatMap(({ lines }) => [...lines.values()].flatMap(({ line }) => line)));
+      const order = [...all].filter((line) => line > 0).sort((a, b) => a - b);
+      this.lineOrder = { key, order: new Map(order.map((line, index) => [line, index])) };
     }
     return this.lineOrder.order;
   }

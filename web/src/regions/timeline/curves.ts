@@ -60,6 +60,8 @@ export class CurveChart {
   private input: CurveInput;
   private range: readonly [number, number] = [0, 1];
   private rangeOf = "";
+  /** The part of its nearest limit that each curve reaches; 0 without limits. */
+  used: readonly number[] = [];
   private ends: readonly Float64Array[] = [];
 
   constructor(parent: HTMLElement, spec: CurveSpec, input: CurveInput) {
@@ -120,7 +122,8 @@ export class CurveChart {
     const scaled = (values: Float64Array) => values.map((value) => value * factor);
     if (ghost === null || back === undefined) {
       this.ends = own.values.map(scaled);
-      return [own.t, ...names.map(() => new Float64Array(own.t.length).fill(NaN)).map(withGaps), ...this.ends.map(withGaps)];
+      const nothing = new Array<null>(own.t.length).fill(null);
+      return [own.t, ...names.map(() => nothing), ...this.ends.map(withGaps)];
     }
     // Both on one list of times: what one of them does not have is a gap, which is bridged.
     this.ends = own.values.map(scaled);
@@ -128,10 +131,9 @@ export class CurveChart {
     const first = back.t.findIndex((t) => t >= from);
     const t = first < 0 ? back.t.subarray(0, 0) : back.t.subarray(Math.max(first - 1, 0));
     const ghosts = back.values.map((values) => scaled(first < 0 ? values.subarray(0, 0) : values.subarray(Math.max(first - 1, 0))));
-    const nothing = (length: number) => new Array<null>(length).fill(null);
     const order = merge(own.t, t);
     const place = (values: ArrayLike<number>, from_index: Int32Array) => {
-      const made: (number | null)[] = nothing(order.t.length);
+      const made: (number | null)[] = new Array<null>(order.t.length).fill(null);
       for (let index = 0; index < made.length; index++) if (from_index[index]! >= 0) made[index] = values[from_index[index]!]!;
       return made;
     };
@@ -145,12 +147,18 @@ export class CurveChart {
     if (key === this.rangeOf) return;
     this.rangeOf = key;
     const names = this.spec.columns;
-    const reached = run.samples.range(names, 0, Infinity) ?? [0, 0];
+    const all = limitsOf(this.spec, scene);
+    const each = names.map((name) => run.samples.range([name], 0, Infinity) ?? ([0, 0] as const));
+    this.used = each.map(([least, most], index) => {
+      const [lower, upper] = all[index] ?? [-Infinity, Infinity];
+      return Math.max(upper > 0 ? most / upper : 0, lower < 0 ? least / lower : 0);
+    });
+    const reached = [Math.min(...each.map(([least]) => least)), Math.max(...each.map(([, most]) => most))] as const;
     const behind = ghost?.run.samples.range(names, ghost.from_s, Infinity) ?? reached;
     const isSpeed = this.spec.key === "speed";
     let low = Math.min(reached[0], behind[0]);
     let high = Math.max(reached[1], behind[1]);
-    const limits = limitsOf(this.spec, scene).filter((limit) => limit !== null);
+    const limits = all.filter((limit) => limit !== null);
     // A standing arm shows a flat line, not the noise of the last digit.
     const least = this.spec.key === "error" ? 1e-4 : 0.02 * Math.min(1, ...limits.map((limit) => limit[1]));
     low = isSpeed ? 0 : Math.min(low, -least);
@@ -215,6 +223,7 @@ export class CurveChart {
       next = name.at - room;
     }
     g.save();
+    g.setLineDash([]);
     g.font = `600 ${10.5 * ratio}px ${SANS}`;
     g.textAlign = "left";
     g.textBaseline = "middle";
@@ -233,7 +242,8 @@ export class CurveChart {
 
 /** uPlot takes null for a gap. */
 function withGaps(values: Float64Array): Float64Array | (number | null)[] {
-  return values.some(Number.isNaN) ? Array.from(values, (value) => (Number.isNaN(value) ? null : value)) : values;
+  for (const each of values) if (Number.isNaN(each)) return Array.from(values, (value) => (Number.isNaN(value) ? null : value));
+  return values;
 }
 
 /** Merges two ascending lists of times; for each time its index in either, or -1. */

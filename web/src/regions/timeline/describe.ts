@@ -78,7 +78,8 @@ function levelWords(lane: LevelLane, index: number, withLine: (line: number) => 
 
 function markLine(event: RunEvent): string {
   const place = event.line !== undefined && event.line > 0 ? `, ${text("timeline_line", { line: event.line })}` : "";
-  return `${seconds(event.t)}  ${kindText(markKind(event))}${place}: ${visible(eventText(event))}`;
+  const words = event.type === "channel" ? String(event["data"]) : eventText(event);
+  return `${seconds(event.t)}  ${kindText(markKind(event))}${place}${words === "" ? "" : `: ${visible(words)}`}`;
 }
 
 export function kindText(kind: string): string {

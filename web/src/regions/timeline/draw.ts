@@ -146,45 +146,48 @@ export function fitted(g: CanvasRenderingContext2D, text: string, room: number):
 }
 
 function drawLevels({ g, palette, view, width }: Drawing, lane: LevelLane, top: number, height: number): void {
-  const finite = lane.value.filter(Number.isFinite);
-  const low = lane.isBit ? 0 : Math.min(...range(finite));
-  const high = lane.isBit ? 1 : Math.max(...range(finite));
+  const [low, high] = lane.isBit ? [0, 1] : range(lane.value);
   const bottom = top + height - 4;
   const y = (value: number) => bottom - (height - 8) * (high > low && Number.isFinite(value) ? (value - low) / (high - low) : 0);
   const { first, steps } = levelSteps(lane.start, lane.value, view[0], view[1], width);
-  const outline = new Path2D();
-  const end = ((Math.min(lane.end(), view[1]) - view[0]) / (view[1] - view[0])) * width;
-  const begin = ((Math.max(lane.start[0]!, view[0]) - view[0]) / (view[1] - view[0])) * width;
+  const scale = width / (view[1] - view[0]);
+  const begin = (Math.max(lane.start[0]!, view[0]) - view[0]) * scale;
+  const end = (Math.min(lane.end(), view[1]) - view[0]) * scale;
   if (end <= begin) return;
+  const outline = new Path2D();
+  const area = new Path2D();
+  const dense = new Path2D();
   outline.moveTo(begin, y(first));
+  let from = begin;
   for (const step of steps) {
     outline.lineTo(step.x, y(step.before));
-    if (step.count > 1) {
-      outline.lineTo(step.x, y(step.low));
-      outline.lineTo(step.x, y(step.high));
-    }
-    outline.lineTo(step.x, y(step.after));
+    area.rect(from, y(step.before), step.x - from, bottom - y(step.before));
+    from = step.x;
+    // A column in which it changes more than once is filled from the lowest to the highest level.
+    if (step.count > 1) dense.rect(Math.floor(step.x), y(step.high), 1, y(step.low) - y(step.high));
+    if (step.count > 1) outline.moveTo(step.x, y(step.after));
+    else outline.lineTo(step.x, y(step.after));
   }
-  outline.lineTo(end, y(steps.at(-1)?.after ?? first));
-  const area = new Path2D(outline);
-  area.lineTo(end, bottom);
-  area.lineTo(begin, bottom);
-  area.closePath();
-  g.fillStyle = palette.good;
-  g.globalAlpha *= lane.isBit ? 0.25 : 0.1;
+  const last = y(steps.at(-1)?.after ?? first);
+  outline.lineTo(end, last);
+  area.rect(from, last, end - from, bottom - last);
+  g.fillStyle = g.strokeStyle = palette.good;
+  g.globalAlpha = lane.isBit ? 0.25 : 0.1;
   g.fill(area);
-  g.globalAlpha /= lane.isBit ? 0.25 : 0.1;
-  g.strokeStyle = palette.good;
+  g.globalAlpha = 0.5;
+  g.fill(dense);
+  g.globalAlpha = 1;
   g.lineWidth = 1.5;
   g.lineJoin = "round";
   g.stroke(outline);
 }
 
-/** Lowest and highest of many numbers, or of none. */
+/** Lowest and highest of the finite ones of many numbers; zeros of none. */
 function range(values: readonly number[]): readonly [number, number] {
   let low = Infinity;
   let high = -Infinity;
   for (const value of values) {
+    if (!Number.isFinite(value)) continue;
     low = Math.min(low, value);
     high = Math.max(high, value);
   }
@@ -194,10 +197,9 @@ function range(values: readonly number[]): readonly [number, number] {
 function drawMarks({ g, palette, view, width }: Drawing, lane: MarkLane, top: number, height: number): void {
   const middle = top + height / 2;
   g.fillStyle = palette.accent;
-  const alpha = g.globalAlpha;
-  g.globalAlpha = alpha * 0.16;
+  g.globalAlpha = 0.16;
   for (const { x0, x1 } of bars(lane.open, view[0], view[1], width)) g.fillRect(x0, middle - 5, x1 - x0, 10);
-  g.globalAlpha = alpha;
+  g.globalAlpha = 1;
   const weight = (index: number) => markWeight(lane.events[index]!);
   g.font = `10px ${SANS}`;
   g.textBaseline = "middle";

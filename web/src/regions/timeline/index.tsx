@@ -24,27 +24,32 @@ const FRAMES: Frames = {
 /** What PageUp and PageDown move by, s. */
 const PAGE_S = 1;
 
+const states = new WeakMap<Studio, TimelineState>();
+
+/** What the region and the tools in its head share. */
+function stateOf(studio: Studio): TimelineState {
+  const known = states.get(studio) ?? new TimelineState(studio, FRAMES);
+  states.set(studio, known);
+  return known;
+}
+
 export function Timeline({ studio }: { studio: Studio }) {
   const root = useRef<HTMLDivElement>(null);
-  const state = useMemo(() => new TimelineState(studio, FRAMES), [studio]);
+  const state = stateOf(studio);
   const board = useMemo(() => new Board(state, FRAMES), [state]);
   useEffect(() => {
+    const ends = [state.playback.start(), () => board.stop()];
     board.start(root.current!);
-    return () => {
-      board.stop();
-      state.playback.close();
-    };
+    return () => ends.forEach((end) => end());
   }, [board]);
   return (
     <div class="timeline-region" ref={root} onKeyDown={(event) => onKey(event, state)}>
-      <Tools state={state} />
       <div class="timeline-head">
         <TimeField studio={studio} />
         <Slider state={state} board={board} />
       </div>
-      <Board_ state={state} board={board} />
+      <LanesAndCurves state={state} board={board} />
       <Said state={state} />
-      <Events state={state} />
     </div>
   );
 }
@@ -84,14 +89,14 @@ function onKey(event: KeyboardEvent, state: TimelineState): void {
 
 // ---------------------------------------------------------------- tools
 
-function Tools({ state }: { state: TimelineState }) {
-  const { studio, view, playback } = state;
+/** In the head of the region. */
+export function TimelineTools({ studio }: { studio: Studio }) {
+  const state = stateOf(studio);
+  const { view, playback } = state;
   const selected = view.selected.value;
   const isLooping = playback.loop.value !== null;
-  const open = studio.settings.open.value;
-  const hasErrors = studio.run.value?.samples.has("qa1") === true && studio.run.value.revision.value >= 0;
   return (
-    <div class="timeline-tools" role="toolbar" aria-label={text("timeline_tools")}>
+    <div class="timeline-tools" role="toolbar" aria-label={text("timeline_tools")} onKeyDown={(event) => onKey(event, state)}>
       <span class="tool-group">
         <Tool label={text("timeline_event_before")} sign="⇤" onClick={() => state.jump(-1)} />
         <Tool label={text("timeline_event_after")} sign="⇥" onClick={() => state.jump(1)} />
@@ -101,22 +106,30 @@ function Tools({ state }: { state: TimelineState }) {
         <Tool label={text("timeline_zoom_in")} sign="+" onClick={() => view.zoom(studio.cursor.value, 0.5)} />
         <Tool label={text("timeline_fit")} sign={text("timeline_fit_short")} onClick={() => view.fit()} disabled={view.isWhole.value} />
       </span>
-      <span class="tool-group">
-        <Tool label={text("timeline_to_selection")} sign={text("timeline_to_selection_short")} disabled={selected === null} onClick={() => selected && view.show(selected[0], selected[1])} />
-        <Tool label={text("timeline_loop")} sign={`↻ ${text("timeline_loop_short")}`} pressed={isLooping} disabled={selected === null && !isLooping} onClick={() => state.toggleLoop()} />
-        {selected !== null && (
-          <output class="selection-length">
-            {seconds(selected[0])} – {seconds(selected[1])} ({seconds(selected[1] - selected[0])})
-          </output>
-        )}
-      </span>
-      <span class="tool-group curve-tools">
-        {CURVES.filter(({ key }) => key !== "error" || hasErrors).map(({ key, isShown }) => (
-          <Tool key={key} sign={text(`timeline_curve_${key}`)} pressed={open[`curve_${key}`] ?? isShown} onClick={() => state.toggleCurve(key)} />
-        ))}
-        <Tool label={text("timeline_limits")} sign={text("timeline_limits_short")} pressed={state.showsLimits.value} onClick={() => (state.showsLimits.value = !state.showsLimits.value)} />
-      </span>
+      {(selected !== null || isLooping) && (
+        <span class="tool-group">
+          <Tool label={text("timeline_to_selection")} sign={text("timeline_to_selection_short")} disabled={selected === null} onClick={() => selected && view.show(selected[0], selected[1])} />
+          <Tool label={text("timeline_loop")} sign={`↻ ${text("timeline_loop_short")}`} pressed={isLooping} onClick={() => state.toggleLoop()} />
+          <Tool label={text("timeline_unselect")} sign="×" onClick={() => state.select(null)} />
+          {selected !== null && <output class="selection-length">{seconds(selected[0])} – {seconds(selected[1])} ({seconds(selected[1] - selected[0])})</output>}
+        </span>
+      )}
+      <CurveTools state={state} />
     </div>
+  );
+}
+
+function CurveTools({ state }: { state: TimelineState }) {
+  const open = state.studio.settings.open.value;
+  const run = state.studio.run.value;
+  const hasErrors = run !== null && run.revision.value >= 0 && run.samples.has("qa1");
+  return (
+    <span class="tool-group curve-tools" role="group" aria-label={text("timeline_curves")}>
+      {CURVES.filter(({ key }) => key !== "error" || hasErrors).map(({ key, isShown }) => (
+        <Tool key={key} sign={text(`timeline_curve_${key}`)} pressed={open[`curve_${key}`] ?? isShown} onClick={() => state.toggleCurve(key)} />
+      ))}
+      <Tool label={text("timeline_limits")} sign={text("timeline_limits_short")} pressed={state.showsLimits.value} onClick={() => (state.showsLimits.value = !state.showsLimits.value)} />
+    </span>
   );
 }
 
@@ -131,7 +144,7 @@ interface ToolProps {
 
 function Tool({ sign, label, pressed, disabled = false, onClick }: ToolProps) {
   return (
-    <button type="button" class="tool" {...(label === undefined ? {} : { "aria-label": label, title: label })} aria-pressed={pressed} disabled={disabled} onClick={onClick}>
+    <button type="button" class="timeline-tool" {...(label === undefined ? {} : { "aria-label": label, title: label })} aria-pressed={pressed} disabled={disabled} onClick={onClick}>
       {sign}
     </button>
   );
@@ -199,8 +212,8 @@ function Slider({ state, board }: { state: TimelineState; board: Board }) {
     event.preventDefault();
   };
   return (
-    <div class="slider" data-zooms ref={(element) => wheel(element, board)}>
-      <canvas class="overview" aria-hidden="true" ref={(element) => board.canvas("overview", element)} />
+    <div class="slider" data-zooms ref={board.sliderRef}>
+      <canvas class="overview" aria-hidden="true" ref={board.canvas("overview")} />
       <input
         type="range" min={0} max={end} step="any" aria-label={text("timeline_time")} value={cursor}
         aria-valuemin={0} aria-valuemax={end} aria-valuenow={Number(cursor.toFixed(6))} aria-valuetext={words.value}
@@ -212,44 +225,43 @@ function Slider({ state, board }: { state: TimelineState; board: Board }) {
 
 // ---------------------------------------------------------------- lanes and curves
 
-function Board_({ state, board }: { state: TimelineState; board: Board }) {
+function LanesAndCurves({ state, board }: { state: TimelineState; board: Board }) {
   const { studio } = state;
   const run = studio.run.value;
-  if (run === null) return <p class="timeline-empty">{text("timeline_no_run")}</p>;
+  if (run === null) return <p class="empty">{text("timeline_no_run")}</p>;
   const isEmpty = run.ended !== null && run.revision.value >= 0 && run.known_s <= 0;
   const stale = studio.staleFrom.value;
   return (
     <>
-      {isEmpty && <p class="timeline-empty">{text("timeline_no_time")}</p>}
+      {isEmpty && <p class="empty">{text("timeline_no_time")}</p>}
       {stale > 0 && <p class="timeline-stale">{text("timeline_stale", { line: stale })}</p>}
       <div class={`timeline-board${stale > 0 ? " is-stale" : ""}`} tabIndex={0} role="group" aria-label={text("timeline_board")}>
-        <div class="lane-group axis-row">
-          <div class="lane-names" />
-          <canvas class="axis" aria-hidden="true" ref={(element) => board.canvas("axis", element)} />
-        </div>
-        <Groups state={state} board={board} />
-        <Charts state={state} board={board} />
-        <div class="plot-frame">
-          <div
-            class="plot-area" ref={(element) => wheel(element, board)} onPointerDown={board.onPointerDown} onPointerMove={board.onPointerMove}
-            onPointerUp={board.onPointerUp} onPointerCancel={board.onPointerCancel} onPointerLeave={board.onPointerLeave} onDblClick={board.onDoubleClick}
-          >
-            <div class="selected-stretch" hidden ref={(element) => board.overlay("selection", element)} />
-            <div class="hover-line" hidden ref={(element) => board.overlay("hoverLine", element)}>
-              <span class="hover-time" ref={(element) => board.overlay("hoverTime", element)} />
+        <div class="timeline-rows">
+          <div class="lane-group axis-row">
+            <div class="lane-names" />
+            <canvas class="axis" aria-hidden="true" ref={board.canvas("axis")} />
+          </div>
+          <Groups state={state} board={board} />
+          <CurveTools state={state} />
+          <Charts state={state} board={board} />
+          <div class="plot-frame">
+            <div
+              class="plot-area" ref={board.areaRef} onPointerDown={board.onPointerDown} onPointerMove={board.onPointerMove}
+              onPointerUp={board.onPointerUp} onPointerCancel={board.onPointerCancel} onPointerLeave={board.onPointerLeave} onDblClick={board.onDoubleClick}
+            >
+              <div class="selected-stretch" hidden ref={board.overlay("selection")} />
+              <div class="hover-line" hidden ref={board.overlay("hoverLine")}>
+                <span class="hover-time" ref={board.overlay("hoverTime")} />
+              </div>
+              <div class="cursor-line" hidden ref={board.overlay("cursorLine")} />
             </div>
-            <div class="cursor-line" hidden ref={(element) => board.overlay("cursorLine", element)} />
           </div>
         </div>
+        <Events state={state} />
       </div>
-      <div class="timeline-tip" hidden ref={(element) => board.overlay("tip", element)} />
+      <div class="timeline-tip" hidden ref={board.overlay("tip")} />
     </>
   );
-}
-
-/** Listens to the wheel of an element so that it can keep the page from scrolling. */
-function wheel(element: HTMLElement | null, board: Board): void {
-  element?.addEventListener("wheel", board.onWheel, { passive: false });
 }
 
 function Groups({ state, board }: { state: TimelineState; board: Board }) {
@@ -261,14 +273,14 @@ function Groups({ state, board }: { state: TimelineState; board: Board }) {
     <>
       {state.groups.value.map(({ group, rows, more, isOpen }) => (
         <div class="lane-group" key={group}>
-          <div class="lane-names" style={{ "--row": `${height}px` }}>
+          <div class="lane-names" style={{ "--lane": `${height}px` }}>
             {rows.map((row) => (
               <LaneName key={row.id} row={row} name={rowName(row, sourceLine)} isChosen={chosen.value === row.id} isOpen={expanded.value.has(row.id)} state={state} board={board} />
             ))}
           </div>
           <canvas
             class="lanes" role="img" aria-label={text(`timeline_group_${group}`)} style={{ height: `${rows.length * height}px` }}
-            ref={(element) => board.canvas(group, element)}
+            ref={board.canvas(group)}
           />
           {more > 0 && (
             <button type="button" class="more-lanes" aria-expanded={isOpen} onClick={() => state.toggle(group)}>
@@ -291,6 +303,8 @@ interface LaneNameProps {
 }
 
 function LaneName({ row, name, isChosen, isOpen, state, board }: LaneNameProps) {
+  // The end of a name of a signal or a channel tells it from the others.
+  const isNamed = row.group === "signals" || row.group === "channels";
   const isThread = row.group === "threads" && row.line === 0;
   return (
     <div class={`lane-name${row.line === 0 ? "" : " is-line"}`}>
@@ -300,12 +314,12 @@ function LaneName({ row, name, isChosen, isOpen, state, board }: LaneNameProps) 
         </button>
       )}
       <button
-        type="button" class="lane-choice" aria-pressed={isChosen} title={`${name}\n${text("timeline_choose")}`}
+        type="button" class={isNamed ? "lane-choice from-end" : "lane-choice"} aria-pressed={isChosen} title={`${name}\n${text("timeline_choose")}`}
         onClick={() => (state.chosen.value = isChosen ? null : row.id)}
       >
         <bdi>{name}</bdi>
       </button>
-      <span class="lane-value" ref={(element) => board.value(row.id, element)} />
+      <span class="lane-value" ref={board.value(row.id)} />
     </div>
   );
 }
@@ -336,14 +350,15 @@ function Charts({ state, board }: { state: TimelineState; board: Board }) {
                         J{index + 1}
                       </dt>
                     )}
-                    <dd ref={(element) => board.value(`curve ${column}`, element)} />
+                    <dd class="near-limit" ref={board.value(`used ${column}`)} />
+                    <dd ref={board.value(`curve ${column}`)} />
                   </div>
                 ))}
               </dl>
             </div>
             <div
               class="curve-plot" role="img" aria-label={text("timeline_curve_label", { name: text(`timeline_curve_${spec.key}`), unit: unitText(spec, display) })}
-              style={{ "--axis": `${AXIS}px` }} ref={(element) => board.curve(spec.key, element)}
+              style={{ "--axis": `${AXIS}px` }} ref={board.curve(spec.key)}
             />
           </div>
         );
@@ -371,5 +386,5 @@ function Said({ state }: { state: TimelineState }) {
       say(`${kind}, ${seconds(event.t)}, ${text("timeline_line", { line: event.line ?? 0 })}: ${String(event["text"])}`);
     });
   }, [state]);
-  return <p class="timeline-said" aria-live="polite">{said}</p>;
+  return <p class="unseen" aria-live="polite">{said}</p>;
 }

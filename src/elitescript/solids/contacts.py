@@ -1,0 +1,597 @@
+"""Finds contacts and closest distances over a whole run, in every control period, without looking at every one.
+
+Each *pair* is two groups of solids of which one moves against the other: a link, tool or payload and a thing, or two
+links that are not neighbours. The *travel* of a pair in a stretch of time is a bound of how far any point of one group
+moves against the other: the sum over the joints between them of lever arm times angle turned. If the distance at one
+time exceeds what matters by more than the travel since, it need not be computed; if that does not say enough, it is
+computed at the end of the stretch, and, where the distances at both ends and the travel between them leave room for a
+nearer place, in the middle, down to single control periods (Piyavskii's method; Shubert 1972). What matters is contact
+and, for things, the closest distance so far. So the result is that of computing every pair in every control period, to
+the tolerances below; begin and end of contacts are exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from math import hypot, inf
+from typing import Final, Protocol
+
+from elitescript.kinematics.rotations import Vector3
+from elitescript.kinematics.transforms import Transform, compose
+from elitescript.messages.motion import Six
+from elitescript.messages.state import ZERO_SIX
+from elitescript.messages.timing import seconds
+from elitescript.models.model import RobotModel
+from elitescript.records import NamedTuple
+from elitescript.solids.arm import arm_parts
+from elitescript.solids.bodies import Body, body_of
+from elitescript.solids.cell import LINKS, Cell
+from elitescript.solids.distance import Closest, closest, least_distance
+from elitescript.solids.frames import Frames, frames_of, lever_arms
+from elitescript.solids.shapes import BASE, FLANGE, Part
+
+TOLERANCE_M: Final = 1e-5
+TOLERANCE: Final = 0.01
+"""By so much, or this share of it, the closest distance that is found may be above that of all control periods."""
+DEPTH_TOLERANCE: Final = 0.1
+"""Share of its depth by which a contact may get deeper than is found; exact at the ends of moves."""
+
+NOT_WATCHED: Final = frozenset(((0, 2), (3, 5), (4, 6)))
+"""Links that the joints between them do not bring together, though they are not neighbours: the upper arm passes the
+base at the side, and the wrists turn within their lengths. The solids of forearm and wrist 2 of CS620 and CS625 meet by
+11 mm where the edge of a cap, which is rounded on the real arm, passes; that they do not is *assumed*."""
+
+_AMPLE_M: Final = 0.05
+"""A lower bound that exceeds what matters by so much is taken instead of the distance."""
+
+_DEEPER_M: Final = 0.001
+"""A contact that gets deeper by so much after it was reported is reported once more, at its end."""
+
+
+class Contact(NamedTuple):
+    """Two things that touch for a while, or the closest that they come in a run."""
+
+    start_s: float
+    """First control period in which they touch, in the time of the robot."""
+    end_s: float
+    """First one in which they do not any more, or the end of the run."""
+    line: int
+    """Line of the main thread at `start_s`, or at `t`."""
+    first: str
+    """Name of the link, tool or payload that moves."""
+    second: str
+    """Name of the thing or link that it touches."""
+    distance_m: float
+    """Distance at `t`, m; how deep they are in each other if it is negative."""
+    t: float
+    """When they are deepest in each other, or closest, s."""
+    is_contact: bool
+    points: tuple[Vector3, Vector3]
+    """Where, a point of each, base frame, m."""
+
+    @property
+    def text(self) -> str:
+        """What touches what, how deep and when, in words."""
+        words = f"{self.first} touches {self.second}: {-1000.0 * self.distance_m:.1f} mm deep at {self.t:.3f} s"
+        return words if self.t == self.start_s else f"{words}, from {self.start_s:.3f} s on"
+
+
+class MovingArm(Protocol):
+    """Lists what is asked of the machine that moves the arm."""
+
+    @property
+    def tick(self) -> int:
+        """The present tick."""
+
+    @property
+    def line(self) -> int:
+        """Line of the main thread; 0 without a program."""
+
+    @property
+    def is_resting(self) -> bool:
+        """Whether nothing moves until something is due."""
+
+    def turned(self, begin: int, end: int) -> Six | None:
+        """Return how far each joint turns between two ticks, back and forth added up, at most, rad.
+
+        Both are from the present tick to the next that is due. None if it is not known without sampling.
+        """
+
+    def targets_at(self, ticks: range) -> list[tuple[Six, Six]]:
+        """Return the target joints, rad, and their speeds at ticks from the present one to the next that is due."""
+
+
+class _Group:
+    """Solids that move together and have one name."""
+
+    __slots__ = ("ball", "center", "levels", "link", "name", "solids")
+
+    def __init__(self, name: str, parts: Sequence[Part], link: int | None = None) -> None:
+        self.name = name
+        self.link = min(parts[0].link, FLANGE - 1) if link is None else link
+        self.solids = [body_of(part) for part in parts]
+        low, high = [inf] * 3, [-inf] * 3
+        for body, T in self.solids:
+            for i in range(3):
+                low[i], high[i] = min(low[i], T[9 + i] - body.bound), max(high[i], T[9 + i] + body.bound)
+        x, y, z = [0.5 * (a + b) for a, b in zip(low, high, strict=True)]
+        self.center = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, x, y, z)
+        self.ball = Body(
+            "sphere", (max(hypot(T[9] - x, T[10] - y, T[11] - z) + body.bound for body, T in self.solids),)
+        )
+        """Encloses all of it, about `center` of the frame of the link."""
+        tops = [(T[11], body.reach(T, 0.0, 0.0, 1.0)) for body, T in self.solids]
+        self.levels = min(z - reach for z, reach in tops), max(z + reach for z, reach in tops)
+        """Lowest and highest point, in the frame of the link."""
+
+    @property
+    def reach(self) -> float:
+        """Distance of its farthest point from the origin of the link's frame, m, at most."""
+        return max(hypot(*T[9:]) + body.bound for body, T in self.solids)
+
+    @property
+    def across(self) -> float:
+        """Distance of its farthest point from the z axis of the link's frame, m, at most."""
+        return max(hypot(T[9], T[10]) + body.bound for body, T in self.solids)
+
+
+class _Pair:
+    """Two groups, and what is known of their distance."""
+
+    __slots__ = ("contact", "first", "gap", "is_thing", "levers", "limit", "rise", "rise_limit", "second", "way")
+
+    def __init__(self, first: _Group, second: _Group, levers: tuple[float, ...], is_thing: bool) -> None:
+        self.first = first
+        self.second = second
+        self.is_thing = is_thing
+        self.levers = levers
+        self.way = 0.0
+        """Travel since the start of the run."""
+        self.rise = 0.0
+        """Vertical travel since then; the base joint turns about the vertical and adds nothing."""
+        self.gap = _Gap(inf, inf)
+        """As it was computed last, less the travel since."""
+        self.limit = self.rise_limit = -1.0
+        """Up to this `way`, or this `rise`, nothing that matters can have happened."""
+        self.contact: _Open | None = None
+
+    def travel(self, turned: Six) -> tuple[float, float]:
+        """Return travel and vertical travel, m, where the joints turn by these angles, rad."""
+        a, b, c, d, e, f = turned
+        i, j, k, m, n, o = self.levers
+        rise = j * b + k * c + m * d + n * e + o * f
+        return i * a + rise, rise
+
+
+class _Gap(NamedTuple):
+    """How far two groups are apart at a tick, m."""
+
+    distance: float
+    """Or a lower bound that is well above what matters."""
+    height: float
+    """Vertical gap, or a lower bound; -inf between links."""
+
+
+class _Open:
+    """A contact that goes on."""
+
+    __slots__ = ("deepest", "end_tick", "line", "said", "start_tick", "tick")
+
+    def __init__(self, tick: int, line: int, deepest: Closest) -> None:
+        self.start_tick = self.tick = tick
+        self.end_tick = -1
+        self.line = line
+        self.deepest = deepest
+        self.said: float | None = None
+        """Distance that was reported."""
+
+
+class _Placed:
+    """A group where it is at a tick; what is asked of it is computed once for all pairs."""
+
+    __slots__ = ("T_ball", "_T_link", "_levels", "_solids", "group")
+
+    def __init__(self, group: _Group, T_link: Transform) -> None:
+        self.group = group
+        self._T_link = T_link
+        self.T_ball = compose(T_link, group.center)
+        self._solids: list[tuple[Body, Transform]] | None = None
+        self._levels: tuple[float, float] | None = None
+
+    def solids(self) -> list[tuple[Body, Transform]]:
+        """Return the solids, in the base frame."""
+        if self._solids is None:
+            self._solids = [(body, compose(self._T_link, T)) for body, T in self.group.solids]
+        return self._solids
+
+    def levels(self) -> tuple[float, float]:
+        """Return the heights of its lowest and highest point, m."""
+        if self._levels is None:
+            _, _, _, _, _, _, r31, r32, r33, _, _, z = self._T_link
+            low, high = inf, -inf
+            for body, T in self.group.solids:
+                center = r31 * T[9] + r32 * T[10] + r33 * T[11] + z
+                # The vertical in the frame of the link is the third row of its rotation.
+                reach = body.reach(T, r31, r32, r33)
+                low, high = min(low, center - reach), max(high, center + reach)
+            self._levels = low, high
+        return self._levels
+
+
+class _Span:
+    """Joints from one tick to another, how far they turn in between, and groups where they are; all computed once."""
+
+    __slots__ = ("_arm", "_frames", "_frames_at", "_joints_at", "_placed_at", "_turned_at", "begin", "end")
+
+    def __init__(self, arm: MovingArm, end: int, frames: Callable[[Sequence[float]], Frames]) -> None:
+        self._arm = arm
+        self.begin, self.end = arm.tick, end
+        self._frames = frames
+        self._frames_at: dict[int, Frames] = {}
+        self._joints_at: dict[int, Six] = {}
+        self._placed_at: dict[tuple[int, _Group], _Placed] = {}
+        self._turned_at: dict[int, Six] = {self.begin: ZERO_SIX}
+        """How far each joint has turned since the begin, back and forth added up, rad."""
+        if end > self.begin and arm.turned(self.begin, end) is None:
+            ticks = range(self.begin, end + 1)
+            targets = [q for q, _ in arm.targets_at(ticks)]
+            self._joints_at.update(zip(ticks, targets, strict=True))
+            self._turned_at.update(zip(ticks, _turned(targets), strict=True))
+
+    def joints(self, tick: int) -> Six:
+        """Return the target joints at a tick, rad."""
+        found = self._joints_at.get(tick)
+        if found is None:
+            found = self._joints_at[tick] = self._arm.targets_at(range(tick, tick + 1))[0][0]
+        return found
+
+    def placed(self, group: _Group, tick: int) -> _Placed:
+        """Return a group at a tick."""
+        found = self._placed_at.get((tick, group))
+        if found is None:
+            frames = self._frames_at.get(tick)
+            if frames is None:
+                frames = self._frames_at[tick] = self._frames(self.joints(tick))
+            found = self._placed_at[tick, group] = _Placed(group, frames[group.link])
+        return found
+
+    def turned(self, begin: int, end: int) -> Six:
+        """Return how far each joint turns between two ticks, back and forth added up, rad."""
+        a, b, c, d, e, f = self._turned_to(begin)
+        g, h, i, j, k, m = self._turned_to(end)
+        return g - a, h - b, i - c, j - d, k - e, m - f
+
+    def _turned_to(self, tick: int) -> Six:
+        found = self._turned_at.get(tick)
+        if found is None:
+            found = self._arm.turned(self.begin, tick)
+            assert found is not None, "what is known up to the end is known up to any tick before"
+            self._turned_at[tick] = found
+        return found
+
+
+def _turned(targets: Sequence[Six]) -> list[Six]:
+    """Return how far each joint has turned since the first of many positions, back and forth added up, rad."""
+    a = b = c = d = e = f = 0.0
+    p1, p2, p3, p4, p5, p6 = targets[0]
+    sums: list[Six] = []
+    for q1, q2, q3, q4, q5, q6 in targets:
+        a, b, c = a + abs(q1 - p1), b + abs(q2 - p2), c + abs(q3 - p3)
+        d, e, f = d + abs(q4 - p4), e + abs(q5 - p5), f + abs(q6 - p6)
+        p1, p2, p3, p4, p5, p6 = q1, q2, q3, q4, q5, q6
+        sums.append((a, b, c, d, e, f))
+    return sums
+
+
+class ContactWatch:
+    """Watches one run for contacts.
+
+    Args:
+        cell: solids beside the robot and on its flange.
+        model: of the arm.
+        report: called for a contact that has begun, when it is known how deep it gets until the next thing happens; and
+            at its end, if it got deeper. Has the contact so far, and the tick at which that is reported.
+
+    Attributes:
+        contacts: those that are over, in the order of their ends.
+    """
+
+    __slots__ = ("_begin_tick", "_best", "_frames", "_line", "_news", "_pairs", "_report", "contacts")
+
+    def __init__(self, cell: Cell, model: RobotModel, report: Callable[[Contact, int], None]) -> None:
+        self._frames = frames_of(model.arm)
+        self._report = report
+        self._pairs = list(_pairs(cell, model))
+        self._best: dict[str, tuple[Closest, int, int, str]] = {}
+        """Closest distance by thing: where, tick, line and what came so close."""
+        self._begin_tick: int | None = None
+        self._line = 0
+        self._news: list[_Pair] = []
+        """Pairs whose contact has begun in the present span."""
+        self.contacts: list[Contact] = []
+
+    # ---------------------------------------------------------------- watching
+
+    def record(self, arm: MovingArm, until_tick: int) -> None:
+        """Watch from the present tick to a later one, before which nothing is due."""
+        self._line = arm.line or self._line
+        if self._begin_tick is None:
+            self._begin(arm)
+        if arm.is_resting:
+            return
+        span = _Span(arm, until_tick, self._frames)
+        turned = span.turned(span.begin, span.end)
+        if not any(turned):
+            return
+        for pair in self._pairs:
+            travel, rise = pair.travel(turned)
+            if pair.way + travel > pair.limit and pair.rise + rise > pair.rise_limit:
+                self._resolve(pair, span, travel, rise)
+            else:
+                pair.gap = _Gap(pair.gap.distance - travel, pair.gap.height - rise)
+            pair.way += travel
+            pair.rise += rise
+        if self._news:
+            self._tell_news()
+
+    def finish(self, arm: MovingArm) -> None:
+        """End the watch: the run is over."""
+        if self._begin_tick is None:
+            self._begin(arm)
+        for pair in self._pairs:
+            if pair.contact is not None:
+                self._end(pair, arm.tick + 1)
+
+    @property
+    def now(self) -> list[Contact]:
+        """Contacts that are over and those that go on, in the order of their starts."""
+        going_on = [_contact(pair, pair.contact, -1) for pair in self._pairs if pair.contact is not None]
+        return sorted([*self.contacts, *going_on], key=lambda its: its.start_s)
+
+    @property
+    def clearances(self) -> list[Contact]:
+        """The closest that anything came to each thing, in the order of the world file."""
+        return [
+            Contact(seconds(tick), seconds(tick), line, first, second, near.distance, seconds(tick), False, near[1:])
+            for second, (near, tick, line, first) in self._best.items()
+        ]
+
+    def _begin(self, arm: MovingArm) -> None:
+        self._begin_tick = arm.tick
+        span = _Span(arm, arm.tick, self._frames)
+        # Things in their own order, whatever comes closest.
+        for pair in self._pairs:
+            pair.gap = self._gap(pair, span, arm.tick)
+            self._visit(pair, span, arm.tick, pair.gap.distance)
+            self._set_limits(pair, 0.0, 0.0)
+        if self._news:
+            self._tell_news()
+
+    def _resolve(self, pair: _Pair, span: _Span, travel: float, rise: float) -> None:
+        """Find what happens to a pair in a span."""
+        before = pair.gap
+        if pair.contact is None and max(before) <= self._matters(pair):
+            before = self._gap(pair, span, span.begin)
+        after = self._gap(pair, span, span.end)
+        self._refine(pair, span, span.begin, before, span.end, after, travel, rise)
+        pair.gap = after
+        self._set_limits(pair, pair.way + travel, pair.rise + rise)
+
+    def _set_limits(self, pair: _Pair, way: float, rise: float) -> None:
+        """Set how far a pair may travel before its gap has to be computed anew."""
+        if pair.contact is None:
+            matters = self._matters(pair)
+            pair.limit, pair.rise_limit = way + pair.gap.distance - matters, rise + pair.gap.height - matters
+        else:
+            pair.limit, pair.rise_limit = way, rise
+
+    def _matters(self, pair: _Pair) -> float:
+        """Return the distance above which nothing matters, for a pair that does not touch."""
+        best = self._best.get(pair.second.name) if pair.is_thing else None
+        if best is None:
+            return _TOUCH_M
+        distance = best[0].distance
+        return max(distance - max(TOLERANCE_M, TOLERANCE * distance), _TOUCH_M)
+
+    def _refine(
+        self,
+        pair: _Pair,
+        span: _Span,
+        begin: int,
+        before: _Gap,
+        end: int,
+        after: _Gap,
+        travel: float,
+        rise: float,
+    ) -> None:
+        """Find what happens from one tick, which was visited, to another, and visit that.
+
+        Args:
+            pair: the pair.
+            span: the joints.
+            begin: the first tick.
+            before: gap there, or a lower bound of it if the pair does not touch.
+            end: the last tick.
+            after: gap there.
+            travel: of the pair in between, m.
+            rise: its vertical travel in between, m.
+        """
+        while end - begin > 1:
+            first, last = before.distance, after.distance
+            nearest = 0.5 * max(first + last - travel, before.height + after.height - rise)
+            if pair.contact is None:
+                is_clear = last > 0.0 and nearest >= self._matters(pair)
+            else:
+                deepest = min(first, last, pair.contact.deepest.distance)
+                is_clear = first + last + travel <= 0.0 and nearest >= deepest - max(
+                    TOLERANCE_M, -DEPTH_TOLERANCE * deepest
+                )
+            if is_clear:
+                break
+            middle = (begin + end) // 2
+            gap = self._gap(pair, span, middle)
+            self._refine(pair, span, begin, before, middle, gap, *pair.travel(span.turned(begin, middle)))
+            begin, before = middle, gap
+            travel, rise = pair.travel(span.turned(middle, end))
+        self._visit(pair, span, end, after.distance)
+
+    def _visit(self, pair: _Pair, span: _Span, tick: int, value: float) -> None:
+        """Note a contact that begins, goes on or ends at a tick."""
+        contact = pair.contact
+        if value > 0.0:
+            if contact is not None:
+                self._end(pair, tick)
+            return
+        if contact is not None and value >= contact.deepest.distance:
+            return
+        _, found = _measured(pair, span, tick, _AMPLE_M)
+        assert found is not None
+        if contact is None:
+            pair.contact = _Open(self._row(tick), self._line, found)
+            self._news.append(pair)
+        else:
+            contact.deepest, contact.tick = found, self._row(tick)
+
+    def _gap(self, pair: _Pair, span: _Span, tick: int) -> _Gap:
+        """Return the gap of a pair at a tick."""
+        best = self._best.get(pair.second.name)
+        is_first = pair.is_thing and best is None
+        ample = inf if is_first else self._matters(pair) + _AMPLE_M
+        gap, found = _measured(pair, span, tick, ample)
+        if found is not None and pair.is_thing and (best is None or found.distance < best[0].distance):
+            self._best[pair.second.name] = (found, self._row(tick), self._line, pair.first.name)
+        return gap
+
+    def _row(self, tick: int) -> int:
+        """Return the tick whose row of a trace has the joints of a tick: it shows the arm after the tick's motion."""
+        return max(tick - 1, self._begin_tick or 0)
+
+    # ---------------------------------------------------------------- reporting
+
+    def _tell_news(self) -> None:
+        """Report the contacts that have begun."""
+        news, self._news = self._news, []
+        for pair in sorted(news, key=lambda its: its.contact.start_tick if its.contact is not None else 0):
+            contact = pair.contact
+            if contact is not None and contact.said is None:
+                contact.said = contact.deepest.distance
+                self._report(_contact(pair, contact, -1), contact.start_tick)
+
+    def _end(self, pair: _Pair, tick: int) -> None:
+        tick = self._row(tick)
+        contact, pair.contact = pair.contact, None
+        assert contact is not None
+        found = _contact(pair, contact, tick)
+        self.contacts.append(found)
+        if contact.said is None:
+            self._report(found, contact.start_tick)
+        elif contact.deepest.distance < contact.said - _DEEPER_M:
+            self._report(found, tick)
+
+
+_TOUCH_M: Final = 1e-9
+"""Distances up to this are not certain to be apart."""
+
+
+def _contact(pair: _Pair, contact: _Open, end_tick: int) -> Contact:
+    return Contact(
+        seconds(contact.start_tick),
+        seconds(end_tick if end_tick >= 0 else contact.tick),
+        contact.line,
+        pair.first.name,
+        pair.second.name,
+        contact.deepest.distance,
+        seconds(contact.tick),
+        True,
+        contact.deepest[1:],
+    )
+
+
+def _measured(pair: _Pair, span: _Span, tick: int, ample: float) -> tuple[_Gap, Closest | None]:
+    """Return the gap of a pair and where it is; or lower bounds of which one is at least `ample`, and None."""
+    second = pair.second
+    placed = span.placed(pair.first, tick)
+    height = -inf
+    if pair.is_thing:
+        low, high = placed.levels()
+        bottom, top = second.levels
+        height = max(low - top, bottom - high)
+        if height >= ample:
+            return _Gap(height, height), None
+        others = second.solids
+    else:
+        other = span.placed(second, tick)
+        least = least_distance(pair.first.ball, placed.T_ball, second.ball, other.T_ball)
+        if least >= ample:
+            return _Gap(least, height), None
+        others = other.solids()
+    least = inf
+    near = []
+    for body, T in others:
+        bound = least_distance(pair.first.ball, placed.T_ball, body, T)
+        if bound < ample:
+            near.append((body, T))
+        elif bound < least:
+            least = bound
+    candidates = []
+    if near:
+        for own, T_own in placed.solids():
+            for body, T in near:
+                bound = least_distance(own, T_own, body, T)
+                if bound < ample:
+                    candidates.append((bound, own, T_own, body, T))
+                elif bound < least:
+                    least = bound
+    candidates.sort(key=_bound)
+    best: Closest | None = None
+    for bound, own, T_own, body, T in candidates:
+        if best is not None and bound >= best.distance:
+            break
+        found = closest(own, T_own, body, T)
+        if best is None or found.distance < best.distance:
+            best = found
+    if best is None or least < best.distance:
+        return _Gap(least, height), None
+    return _Gap(best.distance, height), best
+
+
+def _bound(candidate: tuple[float, Body, Transform, Body, Transform]) -> float:
+    return candidate[0]
+
+
+def _pairs(cell: Cell, model: RobotModel) -> Iterable[_Pair]:
+    """Yield the pairs that are watched: those of things in the order of the file, then those of the arm itself."""
+    links: dict[str, list[Part]] = {name: [] for name in LINKS}
+    for part in arm_parts(model):
+        if part.role != "ring":
+            links[LINKS[min(part.link, FLANGE - 1)]].append(part)
+    held: dict[str, list[Part]] = {}
+    things: dict[str, list[Part]] = {}
+    for part in cell.parts:
+        (things if part.link == BASE else held).setdefault(part.name, []).append(part)
+    arm = [_Group(name, parts) for name, parts in links.items() if parts]
+    tools = [_Group(name, parts) for name, parts in held.items()]
+
+    # The base is round about the axis of the first joint: as a part of the next link it is where it is.
+    base = [
+        part._replace(pose=(*part.pose[:2], part.pose[2] - model.arm.d1, *part.pose[3:])) for part in links[LINKS[0]]
+    ]
+    static = [_Group(LINKS[0], base, 1), *arm[1:]]
+
+    def pair(first: _Group, second: _Group, is_thing: bool) -> Iterable[_Pair]:
+        if frozenset((first.name, second.name)) not in cell.ignored:
+            levers = lever_arms(model.arm, second.link, first.link, first.reach, first.across)
+            yield _Pair(first, second, levers, is_thing)
+
+    for name, parts in things.items():
+        thing = _Group(name, parts)
+        for group in [*reversed(tools), *reversed(arm)]:
+            if group.link != BASE:
+                yield from pair(group, thing, True)
+    for number, second in enumerate(static):
+        for first in arm[number + 2 :]:
+            if (number, first.link) not in NOT_WATCHED:
+                yield from pair(first, second, False)
+        for tool in tools:
+            if number < FLANGE - 2:
+                yield from pair(tool, second, False)

@@ -1,0 +1,422 @@
+"""Conversations with the engine: texts in, messages out, and processes that hang, are killed, or eat memory."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from elitescript.conversation.messages import Detail, GoOn, Program, RunOptions, Seek, Step
+from elitescript.devices.world import World
+from elitescript.robot import VirtualRobot
+from elitescript.studio.live import processes
+from elitescript.studio.live.engine import LiveEngine, Setting
+from tests.conversation.frames import joints_by_tick
+
+EXAMPLES = Path(__file__).parents[3] / "examples"
+WAIT_S = 30.0
+
+SHORT = "def job():\n  movej([0.1, -1.57, -1.57, -1.57, 1.57, 0])\n  textmsg(1)\nend\n"
+ENDLESS = "def job():\n  n = 0\n  while True:\n    n = n + 1\n    sync()\n  end\nend\n"
+HANGS = "def job():\n  movej([0.1, -1.57, -1.57, -1.57, 1.57, 0])\n  n = 0\n  n = sum(range(10**12))\nend\n"
+
+
+class Page:
+    """Talks to an engine."""
+
+    def __init__(self, setting=None):
+        self.runner = asyncio.Runner()
+        self.messages = []
+        self.rows = []
+        self.version = 0
+        self.asks = 0
+        self.engine = self.runner.run(self._made(setting))
+
+    async def _made(self, setting):
+        self.news = asyncio.Condition()
+        engine = LiveEngine(self._take, self._take_rows, setting)
+        engine.name = "job.script"
+        await engine.start()
+        return engine
+
+    async def _take(self, message):
+        async with self.news:
+            self.messages.append(message)
+            self.news.notify_all()
+
+    async def _take_rows(self, frame):
+        self.rows.append(frame)
+
+    def close(self):
+        self.runner.run(self.engine.close())
+        self.runner.close()
+
+    def clear(self):
+        self.messages.clear()
+        self.rows.clear()
+
+    async def _until(self, is_wanted):
+        async with self.news:
+            await asyncio.wait_for(self.news.wait_for(lambda: any(map(is_wanted, self.messages))), WAIT_S)
+        return next(filter(is_wanted, self.messages))
+
+    def until(self, kind, **fields):
+        """Return the first message of a type with these fields, when it has come."""
+        return self.runner.run(
+            self._until(lambda m: m["type"] == kind and all(m.get(name) == value for name, value in fields.items()))
+        )
+
+    def do(self, work):
+        return self.runner.run(work)
+
+    def program(self, text, **options):
+        """Send a text; forget what came before."""
+        self.clear()
+        self.version += 1
+        self.do(self.engine.program(Program(self.version, text, RunOptions(**options))))
+
+    def ran(self, text, **options):
+        """Send a text; return the end of its run."""
+        self.program(text, **options)
+        return self.until("run_ended")
+
+    def asked(self, kind, run, **fields):
+        """Ask for a moment or a detail; return the answer."""
+        self.asks += 1
+        ask, works = self.asks, {Seek: self.engine.seek, Step: self.engine.step, Detail: self.engine.detail}
+        self.do(works[kind](kind(run=run, ask=ask, **fields)))
+        return self.runner.run(self._until(lambda message: message.get("ask") == ask))
+
+    def kinds(self):
+        return [message["type"] for message in self.messages]
+
+
+@pytest.fixture(scope="module")
+def page():
+    made = Page()
+    yield made
+    made.close()
+
+
+def children_of(group):
+    """Return the processes of a process group."""
+    listed = subprocess.run(["ps", "-o", "pid=", "-g", str(group)], capture_output=True, text=True, check=False)
+    return listed.stdout.split()
+
+
+class TestRuns:
+    def test_a_run_from_its_begin_to_its_end(self, page):
+        page.engine.forget()
+        ended = page.ran(SHORT)
+        kinds = page.kinds()
+        assert kinds[:3] == ["scene", "problems", "run_began"]
+        assert kinds[-1] == "run_ended"
+        assert not {"code", "at", "same"} & set(kinds)
+        assert page.until("problems")["version"] == page.until("run_began")["version"] == page.version
+        assert (ended["state"], ended["run"]) == ("finished", page.until("run_began")["run"])
+        options = page.until("run_began")["options"]
+        assert {name: options[name] for name in ("robot", "until_s", "world")} == {
+            "robot": "CS66",
+            "until_s": 120.0,
+            "world": "",
+        }
+        trace = VirtualRobot(world=World(), task_dir={}).run(SHORT, trace=True).trace
+        for tick, joints in joints_by_tick(page.rows).items():
+            assert joints == pytest.approx(trace[tick].q, abs=2.5e-7)
+
+    def test_numbers_of_runs_grow_and_the_scene_comes_once(self, page):
+        first = page.ran(SHORT.replace("0.1", "0.11"))["run"]
+        assert page.ran(SHORT.replace("0.1", "0.12"))["run"] > first
+        assert "scene" not in page.kinds()
+        page.ran(SHORT, robot="CS63")
+        assert page.until("scene")["robot"] == "CS63"
+        page.ran(SHORT)
+        assert page.until("scene")["robot"] == "CS66"
+
+    def test_a_text_that_does_not_compile_leaves_the_run_as_it_is(self, page):
+        run = page.ran(SHORT)["run"]
+        page.program("def job(")
+        assert not page.until("problems")["compiles"]
+        assert page.asked(Seek, run, t=0.1)["moment"]["t"] == pytest.approx(0.1)
+        assert page.kinds() == ["problems", "state"]
+
+    def test_the_newest_text_wins(self, page):
+        page.program(ENDLESS)
+        old = page.until("run_began")["run"]
+        page.until("progress", run=old)
+        seen = len(page.messages)
+        page.do(page.engine.program(Program(90, SHORT)))
+        page.until("run_ended")
+        assert {message["run"] for message in page.messages[seen:] if "run" in message} == {old + 1}
+
+    def test_an_unfinished_run_ends_when_the_newest_text_does_not_compile(self, page):
+        page.program(ENDLESS)
+        run = page.until("run_began")["run"]
+        page.until("progress", run=run)
+        page.do(page.engine.program(Program(91, "def job(")))
+        page.do(page.engine.program(Program(92, "def job(:")))
+        ended = page.until("run_ended")
+        assert (ended["state"], ended["run"]) == ("stopped", run)
+        assert page.until("problems", version=92)
+
+    def test_many_texts_at_once_give_the_last_one(self, page):
+        page.clear()
+        for number in range(12):
+            page.do(page.engine.program(Program(200 + number, SHORT.replace("0.1", f"0.{number + 20}"))))
+        page.until("problems", version=211)
+        ended = page.until("run_ended")
+        assert ended["moment"]["joints"][0] == pytest.approx(0.31)
+        assert page.until("run_began")["version"] == 211
+
+    def test_a_run_at_its_limit_goes_on(self, page):
+        ended = page.ran(ENDLESS, until_s=0.3)
+        assert (ended["state"], ended["moment"]["t"]) == ("time_limit", 0.3)
+        page.clear()
+        page.do(page.engine.go_on(GoOn(ended["run"], 0.6)))
+        assert page.until("run_ended")["moment"]["t"] == 0.6
+        assert min(joints_by_tick(page.rows)) > 75
+        assert page.asked(Seek, ended["run"], t=0.5)["moment"]["t"] == 0.5
+        page.do(page.engine.go_on(GoOn(ended["run"] + 1, 0.9)))
+        assert page.until("refused")
+
+    def test_stop_ends_what_is_computed(self, page):
+        page.program(ENDLESS, until_s=3000.0)
+        page.until("progress")
+        page.do(page.engine.stop())
+        ended = page.until("run_ended")
+        assert ended["state"] == "stopped"
+        assert len(ended["moment"]["joints"]) == 6
+        assert page.ran(SHORT)["state"] == "finished"
+
+    def test_comments_do_not_run_it_again(self, page):
+        before = page.ran(SHORT)
+        old = [message for message in page.messages if message["type"] in ("lines", "events", "moves", "cycle")]
+        ended = page.ran("# moves\n" + SHORT)
+        began = page.until("run_began")
+        assert began["same_until_s"] == before["moment"]["t"] == ended["moment"]["t"]
+        assert began["options"]["robot"] == "CS66"
+        assert ended["run"] == began["run"] == before["run"] + 1
+        assert page.rows == []
+        new = [message for message in page.messages if message["type"] in ("lines", "events", "moves", "cycle")]
+        assert [message["type"] for message in new] == [message["type"] for message in old]
+        assert [move["line"] for message in new if message["type"] == "moves" for move in message["list"]] == [3]
+        assert page.ran(SHORT.replace("0.1", "0.13"))
+        assert page.until("run_began")["same_until_s"] == 0.0
+
+    def test_a_new_page_gets_everything(self, page):
+        page.ran(SHORT)
+        page.engine.forget()
+        page.ran(SHORT)
+        assert page.until("run_began")["same_until_s"] == 0.0
+        assert page.rows
+        assert page.until("scene")
+
+
+class TestMoments:
+    def test_seek_step_and_detail(self, page):
+        ended = page.ran(SHORT)
+        run, end_s = ended["run"], ended["moment"]["t"]
+        trace = VirtualRobot(world=World(), task_dir={}).run(SHORT, trace=True).trace
+        assert page.asked(Seek, run, t=0.048)["moment"]["joints"] == list(trace[12].q)
+        # A time behind the end is the end.
+        assert page.asked(Seek, run, t=50.0)["moment"]["t"] == end_s
+        back = page.asked(Step, run, by=-1, thread="main", t=end_s)["moment"]
+        assert (back["line"], back["t"]) == (3, end_s)
+        again = page.asked(Step, run, by=-1, thread="main", t=end_s, position=back["position"])["moment"]
+        assert again["line"] == 2
+        page.rows.clear()
+        assert page.asked(Detail, run, from_s=0.04, to_s=0.08, step_s=0.004)["type"] == "detail_ended"
+        assert list(joints_by_tick(page.rows)) == list(range(10, 21))
+
+    def test_of_many_times_only_the_newest_is_answered(self, page):
+        run = page.ran(SHORT)["run"]
+        page.asked(Seek, run, t=0.0)
+        page.clear()
+
+        async def drag():
+            for number in range(30):
+                await page.engine.seek(Seek(run, 1000 + number, 0.004 * number))
+
+        page.do(drag())
+        assert page.until("state", ask=1029)["moment"]["t"] == pytest.approx(0.116)
+        assert len(page.messages) < 5
+
+    def test_of_another_run_nothing_is_known(self, page):
+        run = page.ran(SHORT)["run"]
+        assert page.asked(Seek, run - 1, t=0.0)["type"] == "refused"
+        assert page.asked(Detail, run + 1, from_s=0.0, to_s=1.0, step_s=0.04)["type"] == "refused"
+
+    def test_a_text_that_is_sent_ends_what_is_looked_for(self, page):
+        run = page.ran(SHORT)["run"]
+        page.clear()
+        page.do(page.engine.seek(Seek(run, 1, 0.0)))
+        assert page.ran(SHORT.replace("0.1", "0.14"))["run"] == run + 1
+
+
+class TestFailures:
+    def test_what_does_not_return_is_ended_with_its_line(self, page):
+        ended = page.ran(HANGS)
+        assert ended["state"] == "killed"
+        assert ended["killed"].startswith("line 4 does not return")
+        assert ended["moment"]["line"] == 4
+        assert ended["moment"]["t"] > 0.0
+        seen = page.asked(Seek, ended["run"], t=ended["moment"]["t"])["moment"]
+        assert (seen["t"], seen["joints"]) == (ended["moment"]["t"], ended["moment"]["joints"])
+        assert page.ran(SHORT)["state"] == "finished"
+
+    def test_memory_has_a_limit(self, page):
+        ended = page.ran('def job():\n  a = "x"\n  a = a * (2 * 10**9)\nend\n')
+        assert ended["state"] == "alarm"
+        assert (ended["alarm"]["code"], ended["alarm"]["line"]) == ("R150", 3)
+        assert page.ran(SHORT)["state"] == "finished"
+
+    def test_a_killed_worker_is_said_and_replaced(self, page):
+        page.program(ENDLESS, until_s=3000.0)
+        page.until("progress")
+        os.kill(page.engine._worker.pid, signal.SIGKILL)
+        ended = page.until("run_ended")
+        assert ended["state"] == "killed"
+        assert "SIGKILL" in ended["killed"]
+        assert page.ran(SHORT)["state"] == "finished"
+
+    def test_a_killed_looker_is_replaced(self, page):
+        run = page.ran(SHORT)["run"]
+        page.asked(Seek, run, t=0.1)
+        os.kill(page.engine._looker.pid, signal.SIGKILL)
+        answers = [page.asked(Seek, run, t=0.1)["type"] for _ in range(2)]
+        assert answers[1] == "state"
+
+    def test_a_killed_keeper_is_said_and_replaced(self, page):
+        page.program(ENDLESS, until_s=3000.0)
+        page.until("progress")
+        os.kill(page.do(page.engine._workers()).pid, signal.SIGKILL)
+        assert page.until("run_ended")["state"] == "killed"
+        assert page.ran(SHORT)["state"] == "finished"
+        assert "started again" in page.until("notice")["text"]
+
+    def test_a_page_that_does_not_read_holds_the_run_back(self, page):
+        page.do(page.engine.stop())
+
+        async def run():
+            stays, taken = asyncio.Event(), page.engine._send_rows
+
+            async def wait(frame):
+                await stays.wait()
+                await taken(frame)
+
+            page.engine._send_rows = wait
+            await page.engine.program(Program(300, ENDLESS, RunOptions(until_s=3000.0)))
+            await asyncio.sleep(1.2)
+            count = len(page.messages)
+            worker = page.engine._worker
+            before_s = worker.processor_time_s()
+            await asyncio.sleep(0.3)
+            is_held = worker.processor_time_s() is None or worker.processor_time_s() - before_s < 0.1
+            stays.set()
+            page.engine._send_rows = taken
+            return count, is_held
+
+        page.clear()
+        count, is_held = page.do(run())
+        assert count < 10
+        assert is_held
+        page.until("progress")
+        page.do(page.engine.stop())
+        assert page.until("run_ended")["state"] == "stopped"
+
+    @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no process group")
+    def test_no_process_outlives_the_one_that_started_them(self):
+        """Not even a run that never looks at its link."""
+        script = (
+            "import asyncio, sys\n"
+            "from elitescript.conversation.messages import Program, Seek\n"
+            "from elitescript.studio.live.engine import LiveEngine\n"
+            "async def main():\n"
+            "    began = asyncio.Event()\n"
+            "    async def send(message):\n"
+            "        if message['type'] == 'run_began': began.set()\n"
+            "    async def send_rows(frame): pass\n"
+            "    engine = LiveEngine(send, send_rows)\n"
+            f"    await engine.program(Program(1, {HANGS!r}))\n"
+            "    await began.wait()\n"
+            "    print(engine._worker.pid, (await engine._workers()).pid, flush=True)\n"
+            "    await asyncio.sleep(60)\n"
+            "asyncio.run(main())\n"
+        )
+        started = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True)
+        worker, keeper = map(int, started.stdout.readline().split())
+        started.kill()
+        started.wait()
+        started.stdout.close()
+
+        async def gone():
+            while any(map(is_running, (worker, keeper))):
+                await asyncio.sleep(0.01)
+
+        asyncio.run(asyncio.wait_for(gone(), WAIT_S))
+
+
+def is_running(process):
+    """Return whether a process computes or waits; one that has ended and nobody has asked about does not."""
+    try:
+        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    except FileNotFoundError:
+        return False
+    return state not in "ZX"
+
+
+class TestSettings:
+    def test_the_command_line_counts_and_the_page_more(self, tmp_path):
+        (tmp_path / "cell.toml").write_text('[robot]\nmodel = "CS620"\n')
+        setting = Setting(
+            robot={"firmware": "2.10"},
+            world=tmp_path / "cell.toml",
+            levels={"standard_digital_in[3]": True},
+            presets={"count": 4},
+        )
+        made = Page(setting)
+        try:
+            text = "def job():\n  global count\n  textmsg(count, get_standard_digital_in(3))\nend\n"
+            made.ran(text)
+            options = made.until("run_began")["options"]
+            assert (options["robot"], options["firmware"]) == ("CS620", "2.10")
+            (record,) = [item for item in made.until("events")["list"] if item["type"] == "log"]
+            assert record["text"] == "4True"
+            made.ran(text, robot="CS63", world=options["world"])
+            assert made.until("run_began")["options"]["robot"] == "CS63"
+            made.ran(text, world="")
+            assert made.until("run_began")["options"]["robot"] == "CS66"
+            made.program(text, world="../other.toml")
+            assert made.until("notice")["text"] == "world: no folder is open, so ../other.toml cannot be read"
+            made.engine.folder = tmp_path
+            made.program(text, world="../other.toml")
+            assert made.until("notice")["text"] == "world: ../other.toml is outside of the opened folder"
+            assert made.until("run_ended")
+        finally:
+            made.close()
+
+    def test_a_run_that_may_connect_is_not_repeated(self, page):
+        ended = page.ran('def job():\n  textmsg(socket_open("127.0.0.1", 9))\nend\n', may_connect=True)
+        assert "refused_connections" in ended or ended["state"] == "finished"
+        answer = page.asked(Seek, ended["run"], t=0.0)
+        assert (answer["type"], "real connections" in answer["text"]) == ("refused", True)
+
+
+class TestSpares:
+    """Where processes cannot be copied one is started ahead."""
+
+    def test_runs_moments_and_ends(self, monkeypatch):
+        monkeypatch.setattr(processes, "CAN_COPY", False)
+        made = Page()
+        try:
+            ended = made.ran(SHORT)
+            assert ended["state"] == "finished"
+            assert made.asked(Seek, ended["run"], t=0.1)["moment"]["t"] == pytest.approx(0.1)
+            assert made.ran(HANGS)["killed"].startswith("line ")
+        finally:
+            made.close()
