@@ -138,6 +138,13 @@ class TestEdits:
     def test_the_next_text_is_that_of_the_page(self, old: str, new: str) -> None:
         assert Document("", old).edited(services._edits(Document("", old), new), 2).text == new
 
+    def test_texts_with_marks_that_a_page_does_not_have(self) -> None:
+        desk = Desk({})
+        for version, text in enumerate(("\ufeff", "\ufeff\ud83d", "a\rb", "a\r\nb\n", "a\nb\n", "\ufeffa\nb\n")):
+            desk.put(version, text, Settings())
+            assert desk._document.text == text
+            assert ask(desk, "hover", 1, 5, version=version) is None
+
     def test_a_change_of_one_line_is_one_line(self) -> None:
         (edit,) = services._edits(Document("", "a\nb\nc\nd"), "a\nb\nx\nd")
         assert edit == (3, 1, 3, 2, "x")
