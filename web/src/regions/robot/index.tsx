@@ -271,7 +271,7 @@ function pointing(drawing: Drawing, canvas: HTMLCanvasElement, made: Stage | Fla
     listen(canvas, "pointermove", (event) => {
       if ((event as PointerEvent).buttons !== 0) return;
       const { t, line, joint } = placeOf(event as PointerEvent);
-      canvas.style.cursor = t !== null || joint !== null ? "pointer" : "";
+      canvas.style.cursor = t === null ? "" : "pointer";
       drawing.pointed.value = joint;
       if (t !== null) studio.point({ t, ...(line > 0 ? { line } : {}), region: "robot" });
       else if (studio.hover.peek()?.region === "robot") studio.point(null);

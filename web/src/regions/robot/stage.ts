@@ -333,6 +333,8 @@ export class Stage {
   at(x: number, y: number, tolerance_px: number, near_s: number): Pointed {
     const picture = this.last;
     if (picture === null) return { path: null, contact: null, joint: null };
+    // The camera may have moved since the last frame.
+    this.camera.updateMatrixWorld();
     this.ray.setFromCamera(new Vector2((2 * x) / this.width - 1, 1 - (2 * y) / this.height), this.camera);
     const mark = this.ray.intersectObject(this.marks)[0];
     const contact = mark === undefined ? null : (picture.contacts[Number(mark.object.userData["contact"])] ?? null);
