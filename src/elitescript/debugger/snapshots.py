@@ -303,8 +303,9 @@ class EngineProcess:
         return ours
 
     def pause(self) -> None:
-        """See `Engine.pause`; from any thread."""
-        os.kill(self._process, signal.SIGUSR1)
+        """See `Engine.pause`; from any thread, and also when the process has just been dropped for another one."""
+        with suppress(ProcessLookupError):
+            os.kill(self._process, signal.SIGUSR1)
 
     def close(self) -> None:
         """End it."""
