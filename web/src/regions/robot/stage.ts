@@ -328,6 +328,7 @@ export class Stage {
     if (picture === null) return [];
     const { scene, joints, path, ghosts } = picture;
     const points: Point[] = [[0.15, 0.15, 0], [-0.15, -0.15, 0]];
+    if (picture.hasReach) for (const axis of AXES) for (const side of [-1, 1]) points.push(scaled(axis, side * scene.limits.reach, scene.dh[0]?.d ?? 0));
     for (const shown of [joints, ...ghosts.map((ghost) => ghost.joints ?? joints)]) {
       const frames = linkFrames(scene.dh, shown);
       for (const part of scene.parts) {
