@@ -127,7 +127,7 @@ export class Stage {
     this.controls.dispose();
     this.renderer.dispose();
     // A browser keeps few contexts: those that it drops by itself may be the ones in use.
-    this.renderer.forceContextLoss();
+    this.renderer.getContext().getExtension("WEBGL_lose_context")?.loseContext();
   }
 
   resize(width: number, height: number): void {
