@@ -202,11 +202,6 @@ class VirtualRobot:
         """What runs its programs."""
         return self._host
 
-    @property
-    def cell(self) -> Cell | None:
-        """Solids beside it and on its flange, of its world file; None without any."""
-        return self._cell
-
     def threads(self) -> tuple[Any, ...]:
         """Return every script thread: name, line and what it waits for."""
         return self._host.threads()
