@@ -53,7 +53,6 @@ if TYPE_CHECKING:
     from elitescript.kernel.option_keywords import RobotKeywords
     from elitescript.runtime.environment import Channels
     from elitescript.runtime.host import ScriptHost
-    from elitescript.solids.cell import Cell
     from elitescript.solids.contacts import Contact, ContactWatch
 
 IDLE_TICKS: Final = ticks_for(1.0)
