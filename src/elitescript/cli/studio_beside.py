@@ -68,7 +68,7 @@ def studios(robots: Sequence[tuple[str, str]], host: str, folder: str | None, sa
 
 
 def _command(host: str, address: str, folder: str | None) -> list[str]:
-    words = [sys.executable, "-m", "elitescript", "studio", *(() if folder is None else (folder,))]
+    words = [sys.executable, "-m", "elitescript", "studio", folder or "."]
     return [*words, "--connect", host, "--socket", address, "--control", "--no-browser"]
 
 
