@@ -93,5 +93,24 @@ class TestServeStudio:
             served.wait()
             assert served.stdout is not None
             served.stdout.close()
-        with pytest.raises(OSError):
-            Page(studio["address"])
+        with pytest.raises(OSError), Page(studio["address"]):
+            pass
+
+    @needs_page
+    def test_a_studio_ends_with_its_input(self, tmp_path: Path) -> None:
+        environment = {
+            "PYTHONPATH": str(ROOT / "src"),
+            "XDG_RUNTIME_DIR": str(tmp_path),
+            "XDG_STATE_HOME": str(tmp_path),
+        }
+        words = ["studio", str(tmp_path), "--no-browser", "--connect", "127.0.0.1", "--ends-with-input"]
+        ended = subprocess.run(
+            [sys.executable, "-m", "elitescript", *words],
+            env={**os.environ, **environment},
+            input="",
+            capture_output=True,
+            text=True,
+            timeout=WAIT_S,
+            check=False,
+        )
+        assert (ended.returncode, ended.stderr) == (0, "")
