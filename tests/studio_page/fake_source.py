@@ -18,10 +18,11 @@ from typing import Any, Final
 
 from elitescript.conversation.describe import Moment as State
 from elitescript.conversation.describe import Thread as ThreadState
-from elitescript.conversation.describe import Variable, hello, scene
+from elitescript.conversation.describe import Variable, hello
 from elitescript.conversation.describe import moment as moment_data
 from elitescript.conversation.rows import frames
 from elitescript.models.model import load_model
+from elitescript.solids.scene import scene
 from elitescript.studio.outbox import Outbox
 from elitescript.studio.server import Door
 
