@@ -91,7 +91,9 @@ def context(browser: Browser) -> Iterator[Callable[..., Page]]:
 def _expect_nothing(wrong: list[str]) -> None:
     # A link that a test cuts, and the software that draws, are said to the console by the browser itself.
     left = [
-        text for text in wrong if not any(part in text for part in ("WebSocket connection", "GPU stall", "swiftshader"))
+        text
+        for text in wrong
+        if not any(part in text for part in ("WebSocket connection", "GPU stall", "WEBGL_lose_context", "swiftshader"))
     ]
     assert left == []
 

@@ -6,10 +6,11 @@ import asyncio
 import os
 import signal
 import socket
+import sys
 from contextlib import suppress
 from itertools import count
 from tempfile import TemporaryFile
-from typing import Any, Final
+from typing import IO, Any, Final
 
 from elitescript.environment.process import Life, module_command, module_environment, place_in_trace
 from elitescript.services.child.process import processor_time_s
@@ -124,7 +125,7 @@ class Keeper:
         os.set_blocking(trace, False)
         life = Life()
         number = next(self._numbers)
-        with TemporaryFile() as file:
+        with _memory() as file:
             file.truncate(Board.SIZE)
             board = Board(file.fileno())
             try:
@@ -190,6 +191,11 @@ class Keeper:
         with suppress(ProcessLookupError):
             self._process.kill()
         await self._process.wait()
+
+
+def _memory() -> IO[bytes]:
+    """Return a file for memory that processes share; on no disk where that is possible."""
+    return os.fdopen(os.memfd_create("board"), "r+b") if sys.platform == "linux" else TemporaryFile()
 
 
 class CopiedWorker(Worker):
