@@ -103,6 +103,21 @@ test("a taught point goes to the editor", () => {
   assert.equal(pointText([1e-9, -1e-9, 0.000012, -3.14159265, 0, 0]), "movej([0, 0, 0.00001, -3.14159, 0, 0])");
 });
 
+test("hand guiding ends with its program", async () => {
+  const { source, studio, pendant } = connected();
+  const guided = pendant.guide(true);
+  const asked = source.sent[0]!;
+  assert.ok(asked.type === "control" && asked.action === "freedrive_on");
+  studio.message({ type: "done", ask: asked.ask });
+  await guided;
+  pendant.observe(STATE);
+  assert.equal(pendant.isGuiding.value, true);
+  pendant.observe({ ...STATE, task_state: "PLAYING" });
+  assert.equal(pendant.isGuiding.value, true);
+  pendant.observe(STATE);
+  assert.equal(pendant.isGuiding.value, false);
+});
+
 test("the next step to a moving arm", () => {
   assert.equal(nextStep(STATE), null);
   assert.equal(nextStep({ ...STATE, robot_mode: "POWER_OFF" }), "power_on");

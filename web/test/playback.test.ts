@@ -46,7 +46,9 @@ function prepared(end_s: number, events: readonly RunEvent[] = [], hasEnded = tr
     advance: (t: number, asks: boolean) => { cursor.value = t; if (asks) asked.push(t); },
   };
   const clock = new Clock();
-  return { run, played, clock, cursor, asked, playback: new Playback(played, clock) };
+  const playback = new Playback(played, clock);
+  const close = playback.start();
+  return { run, played, clock, cursor, asked, playback, close };
 }
 
 function end(run: Run, t: number): void {
@@ -188,8 +190,8 @@ test("the exact state is asked for ten times a second, not with each frame", () 
 });
 
 test("nothing moves once it is closed", () => {
-  const { played, clock, playback } = prepared(10);
+  const { played, clock, close } = prepared(10);
   played.isPlaying.value = true;
-  playback.close();
+  close();
   assert.ok(clock.isIdle);
 });

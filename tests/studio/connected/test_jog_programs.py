@@ -53,6 +53,7 @@ class TestJog:
         assert max(qd[2] for _, qd, _ in rows) == pytest.approx(0.4)
         assert all(qd[axis] == 0.0 for _, qd, _ in rows for axis in (0, 1, 3, 4, 5))
         assert max(t for t, qd, _ in rows if any(qd)) < 1.0 + 0.1
+        assert f"output_int_register[{REGISTER}]" not in run.signals
 
     def test_it_stands_soon_after_the_last_beat(self):
         robot = robot_with(1.0, {0.1: (JOINT, (0.5, 0.0, 0.0, 0.0, 0.0, 0.0))})
@@ -61,6 +62,7 @@ class TestJog:
         moving = [t for t, qd, _ in rows if any(qd)]
         assert run.state == "finished"
         assert last_beat_s < max(moving) < last_beat_s + 0.3
+        assert run.signals[f"output_int_register[{REGISTER}]"] == SESSION
 
     def test_the_highest_speeds_of_the_tcp_stop_as_soon(self):
         for axis in (0, 3):
@@ -100,7 +102,7 @@ class TestGuiding:
         robot.at(0.2, "external_wrench[1]", 30.0)
         run = robot.run(guide_program(REGISTER, SESSION), until_s=5.0)
         assert run.state == "finished"
-        assert 1.0 < run.time_s < 1.5
+        assert 1.9 < run.time_s < 2.5
         assert run.joints != (0.0, -1.2, 1.0, -1.3, 1.4, 0.3)
 
     def test_it_ends_when_told(self):

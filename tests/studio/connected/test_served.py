@@ -143,7 +143,7 @@ class TestOwnRobot:
     def test_inputs_faults_and_stops(self, monkeypatch, tmp_path):
         async def test():
             async with driven(monkeypatch, tmp_path) as (_, _, (page,)):
-                assert page.messages[0]["abilities"] == ["live", "edit", "control", "signals", "faults"]
+                assert page.messages[0]["abilities"] == ["live", "control", "signals", "faults"]
                 assert (await page.ask(type="signal", name="standard_digital_in[3]", value=True))["type"] == "done"
                 await page.until(lambda: page.of("moment")[-1]["moment"]["signals"].get("standard_digital_in[3]"))
                 for action, mode in (

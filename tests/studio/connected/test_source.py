@@ -44,7 +44,7 @@ class TestWhatIsShown:
             async with faked() as (_, page):
                 await settled(page)
                 hello = page.messages[0]
-                assert (hello["type"], hello["mode"], hello["abilities"]) == ("hello", "connected", ["live", "edit"])
+                assert (hello["type"], hello["mode"], hello["abilities"]) == ("hello", "connected", ["live"])
                 assert hello["title"].startswith("127.0.0.1:")
                 scene = page.of("scene")[0]
                 assert len(scene["dh"]) == 6

@@ -32,6 +32,7 @@ export class PendantModel {
   readonly pressed = signal<ControlAction | null>(null);
   readonly isGuiding = signal(false);
   private readonly studio: Studio;
+  private hasGuided = false;
   private timer: ReturnType<typeof setInterval> | undefined;
 
   constructor(studio: Studio) {
@@ -65,7 +66,15 @@ export class PendantModel {
   }
 
   async guide(isOn: boolean): Promise<void> {
+    this.hasGuided = false;
     this.isGuiding.value = (await this.press(isOn ? "freedrive_on" : "freedrive_off")) && isOn;
+  }
+
+  /** Takes the controller's state: hand guiding ends with its program, for whatever reason. */
+  observe(state: ControllerState): void {
+    const isRunning = state.task_state === "PLAYING";
+    if (this.isGuiding.value && this.hasGuided && !isRunning) this.isGuiding.value = false;
+    this.hasGuided = isRunning;
   }
 
   /** Moves the speed slider of the controller. */
@@ -88,7 +97,7 @@ export class PendantModel {
 
   /** Puts a move to where the arm is below the caret's line. Returns the line, "" where nothing is known. */
   teach(): string {
-    const joints = this.studio.moment.value?.joints;
+    const joints = this.studio.present.value?.joints;
     if (joints === undefined || this.studio.editor === null) return "";
     const line = pointText(joints);
     this.studio.editor.insert(line);

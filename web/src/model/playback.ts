@@ -5,9 +5,6 @@ import type { RunEvent } from "../source/messages.ts";
 import type { Run } from "./run.ts";
 import { TICK_S } from "../source/rows.ts";
 
-/** Rates that people choose from; 1 is real time. */
-export const RATES: readonly number[] = [0.25, 0.5, 1, 2, 5, 10];
-
 /** A longer pause between two frames is that of a page that was hidden: playback goes on from where it was. */
 const FRAME_LONGEST_S = 0.5;
 
@@ -50,20 +47,22 @@ export class Playback {
   private last_ms: number | null = null;
   private exact_ms = -Infinity;
   private shown = NaN;
-  private readonly dispose: () => void;
 
   constructor(played: Played, frames: Frames) {
     this.played = played;
     this.frames = frames;
-    this.dispose = effect(() => {
-      if (played.isPlaying.value) this.begin();
-      else this.end();
-    });
   }
 
-  close(): void {
-    this.dispose();
-    this.end();
+  /** Plays whenever it should, until the returned function is called. */
+  start(): () => void {
+    const dispose = effect(() => {
+      if (this.played.isPlaying.value) this.begin();
+      else this.end();
+    });
+    return () => {
+      dispose();
+      this.end();
+    };
   }
 
   /** Calls a listener with the events that playback passes; returns what ends that. */

@@ -34,6 +34,9 @@ CTL: Final[Mapping[str, tuple[str, ...]]] = {
 FAULTS: Final = frozenset({"disturb", "protective", "violation", "fault", "restart", "remote", "local"})
 """Verbs of `ctl` that the page may use for faults."""
 
+SENT_NAME: Final = "studio"
+"""Name of the program that a text of the editor becomes."""
+
 GLOBALS_MAX: Final = 20
 """Variables that are asked for, once a second each."""
 
@@ -87,7 +90,7 @@ def unit_of(text: str) -> tuple[str, int]:
         return "\n".join(lines).rstrip("\n") + "\n", 0
     inside = _lines_in_strings(text)
     body = "\n".join(line if number in inside else f"\t{line}" for number, line in enumerate(lines, 1))
-    return f"def studio():\n{body}\nend\n", 1
+    return f"def {SENT_NAME}():\n{body}\nend\n", 1
 
 
 def _lines_in_strings(text: str) -> frozenset[int]:

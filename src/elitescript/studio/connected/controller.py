@@ -17,6 +17,7 @@ from elitescript.errors import ElitescriptError, PeerError, UsageError
 from elitescript.messages.enums import RobotMode, TaskState
 from elitescript.messages.signals import Value
 from elitescript.protocol.binary import WireValue
+from elitescript.protocol.primary.messages import KEY
 from elitescript.protocol.primary.packets import CARTESIAN, CONFIGURATION
 from elitescript.services.control.channel import exchange
 from elitescript.studio.connected import commands
@@ -72,6 +73,8 @@ class ConnectedController:
         """Time of the loop."""
         self._takes_registers = True
         self._firmware: tuple[int, ...] = ()
+        self._globals: tuple[str, ...] = ()
+        """Variables that are asked for."""
         self._popups = 0
         self._said: dict[str, str] = {}
         self.held_back: set[object] = set()
@@ -83,9 +86,9 @@ class ConnectedController:
                 target.ports["rtsi"],
                 target.jog_register,
                 send=self.send_script,
-                stop=lambda: self.press("stop"),
                 task_state=lambda: self.picture.task_state,
                 joint_at_end=self._joint_at_end,
+                lapsed=lambda: self.picture.values.get(f"output_int_register{target.jog_register}"),
                 ended=self._jog_ended,
             )
 
@@ -142,8 +145,8 @@ class ConnectedController:
     def abilities(self) -> tuple[str, ...]:
         """What the page can do."""
         if not self.target.may_control:
-            return ("live", "edit")
-        return ("live", "edit", "control", "signals", *(("faults",) if self.target.control_socket is not None else ()))
+            return ("live",)
+        return ("live", "control", "signals", *(("faults",) if self.target.control_socket is not None else ()))
 
     # ---------------------------------------------------------------- what comes from the ports
 
@@ -151,7 +154,8 @@ class ConnectedController:
         target = self.target
         async with rtsi_client(target.host, target.ports["rtsi"]) as client:
             self._firmware = await client.negotiate()
-            pictures = await client.set_up_outputs(VARIABLES, PICTURE_HZ)
+            lapsed = (f"output_int_register{target.jog_register}",) if target.may_control else ()
+            pictures = await client.set_up_outputs((*VARIABLES, *lapsed), PICTURE_HZ)
             if self._takes_registers:
                 # A controller that ends the connection because of so many names is not asked again.
                 self._takes_registers = False
@@ -212,6 +216,8 @@ class ConnectedController:
             level = "error" if values.get("is error") else "warning" if values.get("is warning") else "info"
             title, text = texts.get("title", ""), texts.get("text", "")
             self.picture.popup = {"title": title, "text": text, "level": level, "id": self._popups}
+        if message.kind == KEY.name and message.texts.get("text") != commands.SENT_NAME:
+            self.picture.line_offset = 0
         report = report_of(message, self.picture.time_s, self.picture.line_offset)
         if report is not None:
             self._reports.append(report)
@@ -236,10 +242,16 @@ class ConnectedController:
                 self._dashboard = None
 
     async def _ask_globals(self, client: DashboardClient) -> None:
-        for name in list(self.picture.globals):
-            reply = await client.ask(f"variable -get {name}")
-            found, colon, value = reply.partition(":")
-            self.picture.globals[name] = value.strip() if colon and found.strip() == name else "-"
+        values: dict[str, str] = {}
+        for name in self._globals:
+            found, colon, value = (await client.ask(f"variable -get {name}")).partition(":")
+            if colon and found.strip() == name:
+                values[name] = value.strip()
+        self.picture.globals = values
+
+    def know(self, text: str) -> None:
+        """Take the text of a page's editor: the variables that it declares global are asked for."""
+        self._globals = commands.globals_of(text)
 
     async def _watch_ctl(self) -> None:
         while True:
@@ -323,6 +335,8 @@ class ConnectedController:
         reply = await self._command(line, successes)
         if action == "close_popup":
             self.picture.popup = None
+        elif action == "play" and self.picture.task_state is TaskState.STOPPED:
+            self.picture.line_offset = 0
         return reply
 
     async def _command(self, line: str, successes: Sequence[str]) -> str:
@@ -418,7 +432,7 @@ class ConnectedController:
         seen = len(self._reports)
         newest = self._reports[-1] if self._reports else None
         self.picture.line_offset = offset
-        self.picture.globals = dict.fromkeys(commands.globals_of(text), "-")
+        self.know(text)
         await self.send_script(unit)
         loop = asyncio.get_running_loop()
         end = loop.time() + PROGRAM_S

@@ -8,6 +8,7 @@ for the arm to stop.
     integer register N      the number that changes: the heartbeat
     integer register N + 1  what to do, with the number of the session, so that an old value moves nothing
     float registers N to N + 5  the speeds
+    output integer register N   the number of the session, once the program has ended for want of a heartbeat
 """
 
 from __future__ import annotations
@@ -30,6 +31,8 @@ HOLD_S: Final = 0.3
 """Without a message of the page for this long, the arm stops."""
 QUIET_S: Final = 0.14
 """Without a heartbeat for this long, the controller's program stops the arm by itself."""
+GUIDE_QUIET_S: Final = 1.0
+"""The same while a person guides the arm, which holds it."""
 BEATS_HZ: Final = 50.0
 STEP_S: Final = 0.02
 """Period of the controller's program."""
@@ -37,8 +40,10 @@ START_S: Final = 2.0
 """Longest time for that program to start."""
 TAP_S: Final = 0.3
 """After a stop, a program that has not been seen to run for this long has come and gone."""
+LAPSE_S: Final = 0.3
+"""Longest time for the reason why a program has ended to arrive."""
 END_S: Final = 2.0
-"""Longest time for it to end; then it is stopped by command."""
+"""Longest time for which a program is told to end."""
 
 JOINT_SPEED: Final = 0.5
 """Of one joint at full speed, rad/s."""
@@ -75,6 +80,8 @@ _LOOP: Final = """def {name}():
             beat = now
             quiet = 0.0
 {after}
+    if quiet >= {quiet:g}:
+        write_output_integer_register({register}, {session})
 end
 """
 
@@ -105,22 +112,22 @@ def jog_program(register: int, session: int) -> str:
         register: first of the registers.
         session: a multiple of `SESSION_STEP`; register N + 1 holds it plus what to do.
     """
-    return _program(register, session, _JOG, f"    stopj({BRAKING:g})")
+    return _program(register, session, _JOG, f"    stopj({BRAKING:g})", QUIET_S)
 
 
 def guide_program(register: int, session: int) -> str:
     """Return the program that lets a person guide the arm by hand; arguments as of `jog_program`."""
-    text = _program(register, session, _GUIDE, "    end_freedrive_mode()")
+    text = _program(register, session, _GUIDE, "    end_freedrive_mode()", GUIDE_QUIET_S)
     return text.replace("    quiet = 0.0\n", "    quiet = 0.0\n    freedrive_mode()\n", 1)
 
 
-def _program(register: int, session: int, body: str, after: str) -> str:
+def _program(register: int, session: int, body: str, after: str, quiet_s: float) -> str:
     return _LOOP.format(
         name=PROGRAM_NAME,
         register=register,
         task_register=register + 1,
         session=session,
-        quiet=QUIET_S,
+        quiet=quiet_s,
         step=STEP_S,
         speeds=", ".join(f"read_input_float_register({register + axis})" for axis in range(6)),
         after=after,
@@ -174,9 +181,9 @@ class Jogger:
         rtsi_port: its RTSI port.
         register: first of the registers.
         send: sends a program to the controller.
-        stop: stops whatever program runs there.
         task_state: returns the present state of the task.
         joint_at_end: returns which joint is too near to the end of its range for these speeds of joints; 0 for none.
+        lapsed: returns the session in the controller's output register, the last that ended for want of a heartbeat.
         ended: takes that the arm was stopped for another reason than `release`, in words, with the page that moved it.
     """
 
@@ -186,12 +193,12 @@ class Jogger:
         "_host",
         "_is_stopping",
         "_joint_at_end",
+        "_lapsed",
         "_port",
         "_register",
         "_running",
         "_send",
         "_speeds",
-        "_stop",
         "_task",
         "_task_state",
         "owner",
@@ -204,18 +211,18 @@ class Jogger:
         register: int,
         *,
         send: Callable[[str], Any],
-        stop: Callable[[], Any],
         task_state: Callable[[], TaskState],
         joint_at_end: Callable[[Sequence[float]], int],
+        lapsed: Callable[[], object],
         ended: Callable[[object, str], None],
     ) -> None:
         self._host = host
         self._port = rtsi_port
         self._register = register
         self._send = send
-        self._stop = stop
         self._task_state = task_state
         self._joint_at_end = joint_at_end
+        self._lapsed = lapsed
         self._ended = ended
         self._running: asyncio.Task[None] | None = None
         self._task = STOP
@@ -295,14 +302,15 @@ class Jogger:
                 await client.start()
                 await self._drive(client, layout, program)
         except (LinkError, PeerError, UsageError) as error:
-            self._ended(owner, f"Jogging has ended: {error}")
+            what = "Hand guiding" if program is guide_program else "Jogging"
+            self._ended(owner, f"{what} has ended: {error}")
         finally:
             self._end()
             self.owner = None
 
     async def _drive(self, client: RtsiClient, layout: InputLayout, program: Callable[[int, int], str]) -> None:
         loop = asyncio.get_running_loop()
-        session = secrets.randbelow(_SESSIONS) * SESSION_STEP
+        session = (1 + secrets.randbelow(_SESSIONS)) * SESSION_STEP
         start = loop.time()
         self._beat(client, layout, session)
         await self._send(program(self._register, session))
@@ -314,7 +322,7 @@ class Jogger:
             has_run = has_run or is_running
             if has_run and not is_running:
                 if not self._is_stopping:
-                    raise UsageError("the controller has ended the program; its messages say why")
+                    self._check_end(await self._has_lapsed(session))
                 break
             if not has_run and now - start > START_S:
                 if not self._is_stopping:
@@ -330,10 +338,28 @@ class Jogger:
                 if not is_running and now - stopped_at > TAP_S:
                     break
                 if now - stopped_at > END_S:
-                    await self._stop()
-                    break
+                    # Whatever runs there now is not ours: that ends without a heartbeat.
+                    return
             self._beat(client, layout, session)
         client.write(layout, dict.fromkeys(layout.names, 0))
+
+    def _check_end(self, has_lapsed: bool) -> None:
+        """Refuse to begin again by itself, unless heartbeats came too late for a button that is still held.
+
+        Raises:
+            UsageError: says why the program has ended.
+        """
+        if not has_lapsed:
+            raise UsageError("the controller has ended the program; its messages say why")
+        if self._task == HAND:
+            raise UsageError(f"nothing was heard of the studio for {GUIDE_QUIET_S:g} s")
+
+    async def _has_lapsed(self, session: int) -> bool:
+        """Return whether heartbeats came too late: where the network or a computer is slow, the page may go on."""
+        end = asyncio.get_running_loop().time() + LAPSE_S
+        while self._lapsed() != session and asyncio.get_running_loop().time() < end:
+            await asyncio.sleep(1.0 / BEATS_HZ)
+        return self._lapsed() == session
 
     def _beat(self, client: RtsiClient, layout: InputLayout, session: int) -> None:
         beat, task, *speeds = layout.names

@@ -48,7 +48,7 @@ class ConnectedSource:
 
         Returns before the controller has answered: the end of a jog or an emergency stop must not wait for it.
         """
-        if isinstance(message, asked.Jog | asked.JogEnd):
+        if isinstance(message, asked.Jog | asked.JogEnd | asked.Program):
             await self._answer(message)
         elif len(self._waiting) < WAITING_MAX or _is_urgent(message):
             task = asyncio.create_task(self._answer(message))
@@ -71,6 +71,8 @@ class ConnectedSource:
         """Do it; return what the page is answered, None for nothing."""
         controller = self._controller
         match message:
+            case asked.Program():
+                controller.know(message.text)
             case asked.Jog():
                 self._jog(message)
             case asked.JogEnd():

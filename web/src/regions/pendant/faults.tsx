@@ -16,7 +16,7 @@ export function Faults({ pendant }: { pendant: PendantModel }) {
     return "";
   };
   return (
-    <details class="faults">
+    <details class="pendant-faults">
       <summary>{text("faults")}</summary>
       <div class="pendant-row">
         <button type="button" onClick={() => void pendant.press("safeguard_open")}>{text("safeguard_open")}</button>

@@ -29,6 +29,9 @@ export function Pendant({ studio }: { studio: Studio }) {
     };
   }, [pendant]);
   const state = studio.controller.value;
+  useEffect(() => {
+    if (state !== null) pendant.observe(state);
+  }, [pendant, state]);
   const hasControl = studio.can("control");
   if (state === null) return <p class="empty">{text("pendant_waiting", { address: studio.hello.value?.title ?? "" })}</p>;
   return (
@@ -91,9 +94,7 @@ function Buttons({ studio, pendant, state }: { studio: Studio; pendant: PendantM
   const emergency = text(isOwn ? "emergency_own" : "emergency_other");
   return (
     <>
-      <div class="pendant-row">
-        <Group>{button("power_on")}{button("release_brakes")}{button("power_off")}</Group>
-        <Group>{button("play")}{button("unlock")}</Group>
+      <div class="pendant-row pendant-emergencies">
         <Group>
           <button
             type="button" class={isPressed ? "emergency on" : "emergency"} aria-pressed={isOwn ? isPressed : undefined}
@@ -103,11 +104,15 @@ function Buttons({ studio, pendant, state }: { studio: Studio; pendant: PendantM
           </button>
           {isPressed && <button type="button" onClick={() => void pendant.press("emergency_stop_release")}>{text("emergency_release")}</button>}
           <span class="unseen" id="emergency-note">{emergency}</span>
-          <span class="faint note" aria-hidden="true">{text("emergency_note")}</span>
+          <span class="faint pendant-note" aria-hidden="true">{text("emergency_note")}</span>
         </Group>
       </div>
       <div class="pendant-row">
-        <label class="slider">
+        <Group>{button("power_on")}{button("release_brakes")}{button("power_off")}</Group>
+        <Group>{button("play")}{button("unlock")}</Group>
+      </div>
+      <div class="pendant-row">
+        <label class="pendant-slider">
           <span class="faint">{text("speed_slider")}</span>
           <input
             type="range" min="0" max="100" step="1" value={String(percent)} aria-label={text("speed_slider")} aria-valuetext={`${percent} %`}
@@ -130,7 +135,7 @@ function PopupWindow({ state, pendant, hasControl }: { state: ControllerState; p
   const popup = state.popup!;
   const isRunning = state.task_state === "PLAYING" || state.task_state === "PAUSED";
   return (
-    <div class={`popup ${popup.level}`} role="alertdialog" aria-label={popup.title || text("popup_title")} aria-describedby="popup-text" key={popup.id}>
+    <div class={`pendant-popup ${popup.level}`} role="alertdialog" aria-label={popup.title || text("popup_title")} aria-describedby="popup-text" key={popup.id}>
       <strong>{popup.title || text("popup_title")}</strong>
       <p id="popup-text">{popup.text}</p>
       {hasControl && (

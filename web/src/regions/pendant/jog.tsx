@@ -12,8 +12,9 @@ const FRAMES = ["joint", "base", "tool"] as const satisfies readonly Frame[];
 
 export function Jog({ studio, pendant }: { studio: Studio; pendant: PendantModel }) {
   const frame = pendant.frame.value;
-  const moment = studio.moment.value;
+  const moment = studio.present.value;
   const values = frame === "joint" ? moment?.joints : moment?.tcp_pose;
+  const units = frame === "joint" ? unitOf("angle", studio.display.value) : `${unitOf("length", studio.display.value)}, ${unitOf("angle", studio.display.value)}`;
   const percent = Math.round(pendant.speed.value * 100);
   const choose = (chosen: Frame) => {
     pendant.release();
@@ -22,14 +23,15 @@ export function Jog({ studio, pendant }: { studio: Studio; pendant: PendantModel
   return (
     <div class="jog" role="group" aria-label={text("jog")} title={text("jog_hint")}>
       <div class="pendant-row">
-        <div class="frames" role="radiogroup" aria-label={text("jog_frame")}>
+        <div class="jog-frames" role="radiogroup" aria-label={text("jog_frame")}>
           {FRAMES.map((name) => (
             <label key={name}>
               <input type="radio" name="jog-frame" checked={frame === name} onChange={() => choose(name)} /> {text(`frame_${name}`)}
             </label>
           ))}
+          <span class="faint">{units}</span>
         </div>
-        <label class="slider">
+        <label class="pendant-slider">
           <span class="faint">{text("jog_speed")}</span>
           <input
             type="range" min="2" max="100" step="1" value={String(percent)} aria-label={text("jog_speed")} aria-valuetext={`${percent} %`}
@@ -45,15 +47,15 @@ export function Jog({ studio, pendant }: { studio: Studio; pendant: PendantModel
         </button>
         {studio.can("edit") && <button type="button" title={text("teach_hint")} onClick={() => pendant.teach()}>{text("teach")}</button>}
       </div>
-      <div class="axes">
+      <div class="jog-axes">
         {AXES.map((axis) => {
           const quantity: Quantity = frame === "joint" || axis > 2 ? "angle" : "length";
           const name = frame === "joint" ? `J${axis + 1}` : NAMES[axis]!;
           const value = values === undefined ? "" : format(values[axis]!, quantity, studio.display.value);
           return (
-            <div class="axis" key={axis}>
+            <div class="jog-axis" key={axis}>
               <HoldButton pendant={pendant} axis={axis} direction={-1} />
-              <span class="place"><span class="faint">{name}</span> <output>{value}</output> <span class="faint">{unitOf(quantity, studio.display.value)}</span></span>
+              <span class="jog-place"><span class="faint">{name}</span> <output>{value}</output></span>
               <HoldButton pendant={pendant} axis={axis} direction={1} />
             </div>
           );
@@ -76,7 +78,7 @@ function HoldButton({ pendant, axis, direction }: { pendant: PendantModel; axis:
   };
   return (
     <button
-      type="button" class={isHeld ? "hold on" : "hold"} aria-label={label} aria-pressed={isHeld}
+      type="button" class={isHeld ? "jog-hold on" : "jog-hold"} aria-label={label} aria-pressed={isHeld}
       onPointerDown={(event) => {
         if (event.button !== 0) return;
         event.currentTarget.setPointerCapture(event.pointerId);

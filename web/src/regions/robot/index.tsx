@@ -20,6 +20,8 @@ const TOLERANCE_PX = { mouse: 8, pen: 10, touch: 20 } as const;
 /** A pointer that moves less than this between press and release has clicked, pixels. */
 const CLICK_PX = 5;
 const HIDDEN_PAGE_MS = 100;
+/** When nothing has changed for so long, the picture is drawn once more, finely. */
+const REST_MS = 400;
 const TURN_RAD = Math.PI / 36;
 const SHIFT = 0.04;
 const ZOOM = 1.15;
@@ -51,7 +53,14 @@ export function Robot({ studio }: { studio: Studio }) {
           )}
         </div>
         <Legend drawing={drawing} />
-        {isFlat && <p class="no-webgl">{text("robot_no_webgl")}</p>}
+        {isFlat && (
+          <p class="no-webgl">
+            {text("robot_no_webgl")}{" "}
+            <button type="button" onClick={() => setFlat(isSoftware() === null)}>
+              {text("robot_webgl_again")}
+            </button>
+          </p>
+        )}
         {scene === null && <p class="none">{text("robot_none")}</p>}
         {drawing.meshFault.value !== "" && <p class="fault">{text("robot_mesh_fault", { why: drawing.meshFault.value })}</p>}
       </div>
@@ -129,6 +138,7 @@ function show(drawing: Drawing, canvas: HTMLCanvasElement, labels: HTMLElement, 
   const { studio } = drawing;
   const region = canvas.closest("section");
   let pending = 0;
+  let rest: ReturnType<typeof setTimeout> | undefined;
   const request = () => {
     // Frames of a page that nobody sees do not come; what the region says of itself stays true.
     if (pending === 0) pending = document.hidden ? -window.setTimeout(frame, HIDDEN_PAGE_MS) : requestAnimationFrame(frame);
@@ -145,6 +155,8 @@ function show(drawing: Drawing, canvas: HTMLCanvasElement, labels: HTMLElement, 
     const { joints, t } = drawing.drawn.peek();
     if (picture !== null) {
       made.draw(picture);
+      clearTimeout(rest);
+      if (made instanceof Stage) rest = setTimeout(() => made.refine(), REST_MS);
       if (region !== null) {
         region.dataset["joints"] = joints.join();
         region.dataset["time"] = String(t);
@@ -174,8 +186,7 @@ function show(drawing: Drawing, canvas: HTMLCanvasElement, labels: HTMLElement, 
       effect(() => {
         const wanted = studio.view.value?.to;
         if (wanted === undefined) return;
-        if (wanted === "fit") made.fit();
-        else made.view(wanted);
+        made.want(wanted);
         request();
       }),
       listen(canvas, "keydown", (event) => {
@@ -187,6 +198,7 @@ function show(drawing: Drawing, canvas: HTMLCanvasElement, labels: HTMLElement, 
   return () => {
     if (pending > 0) cancelAnimationFrame(pending);
     else clearTimeout(-pending);
+    clearTimeout(rest);
     for (const end of ends) end();
   };
 }
@@ -219,6 +231,7 @@ function pictureOf(drawing: Drawing): Picture | null {
     speedEnd: drawing.speedEnd.value,
     line: drawing.line.value,
     contacts: drawing.contacts.value,
+    contact: drawing.contact.value,
     jointTexts: joint === null ? ["", "", ""] : [angle(scene.limits.position_min[joint]!), `J${joint + 1} ${angle(joints[joint]!)}`, angle(scene.limits.position_max[joint]!)],
     hasReach: drawing.hasReach.value,
     pieces: drawing.pieces.value,
@@ -249,12 +262,13 @@ function pointing(drawing: Drawing, canvas: HTMLCanvasElement, made: Stage | Fla
   };
   const placeOf = (event: PointerEvent) => {
     const { path, contact, joint } = at(event);
-    if (contact !== null) return { t: contact.t, line: contact.line, joint: null };
-    if (path !== null) return { t: path.t, line: drawing.path.peek()?.line[path.stretch] ?? 0, joint: null };
-    return { t: null, line: 0, joint };
+    if (contact !== null) return { t: contact.t, line: contact.line, joint: null, contact };
+    if (path !== null) return { t: path.t, line: drawing.path.peek()?.line[path.stretch] ?? 0, joint: null, contact };
+    return { t: null, line: 0, joint, contact };
   };
   const leave = () => {
     drawing.pointed.value = null;
+    drawing.contact.value = null;
     if (studio.hover.peek()?.region === "robot") studio.point(null);
   };
   const ends = [
@@ -264,8 +278,9 @@ function pointing(drawing: Drawing, canvas: HTMLCanvasElement, made: Stage | Fla
     }),
     listen(canvas, "pointermove", (event) => {
       if ((event as PointerEvent).buttons !== 0) return;
-      const { t, line, joint } = placeOf(event as PointerEvent);
-      canvas.style.cursor = t !== null || joint !== null ? "pointer" : "";
+      const { t, line, joint, contact } = placeOf(event as PointerEvent);
+      drawing.contact.value = contact;
+      canvas.style.cursor = t === null ? "" : "pointer";
       drawing.pointed.value = joint;
       if (t !== null) studio.point({ t, ...(line > 0 ? { line } : {}), region: "robot" });
       else if (studio.hover.peek()?.region === "robot") studio.point(null);

@@ -37,11 +37,12 @@ export function Readout({ drawing }: { drawing: Drawing }) {
                     <i style={{ background: `var(--joint-${index + 1})` }} />J{index + 1}
                   </button>
                 </th>
-                <td>{format(joint, "angle", display)}</td>
+                <td>
+                  {isNear && <abbr title={`${text("robot_near_limit")}. ${range}`}>⚠</abbr>} {format(joint, "angle", display)}
+                </td>
                 <td class="meter" aria-hidden="true">
                   <i style={{ left: `${(100 * Math.min(1, Math.max(0, (joint - low) / (high - low)))).toFixed(1)}%` }} />
                 </td>
-                <td class="warning">{isNear && <abbr title={range}>{text("robot_near_limit")}</abbr>}</td>
               </tr>
             );
           })}

@@ -29,6 +29,8 @@ export interface Picture {
   readonly speedEnd: number;
   readonly line: number;
   readonly contacts: readonly Contact[];
+  /** The one that is pointed at. */
+  readonly contact: Contact | null;
   readonly contactText: (contact: Contact) => string;
   /** Joint whose limits are drawn, from 0, and its texts. */
   readonly joint: number | null;
@@ -48,6 +50,8 @@ export interface Pointed {
 const FOV_DEG = 32;
 /** What a fitted picture leaves free: left and right together, at the top for the buttons, at the bottom for the legend. */
 const EDGE_PX = 48;
+/** Share of the reach from which on a thing may go beyond the picture. */
+const WIDE_SHARE = 0.4;
 const TOP_PX = 52;
 const BOTTOM_PX = 40;
 const DIRECTIONS: { readonly [view in View]: Point } = { front: [0, -1, 0.0001], side: [1, 0, 0.0001], top: [0, -0.0001, 1], iso: [0.75, -1, 0.62] };
@@ -86,8 +90,10 @@ export class Stage {
   private lines: Lines | null = null;
   private screen: { of: Path; xy: Float32Array } | null = null;
   private frameLabels: Label[] = [];
+  private wanted: View | "fit" | null = null;
   private isFitted = false;
   private isTouched = false;
+  private isRefined = false;
 
   /** `changed` is called when the camera has moved. Throws where the browser has no WebGL. */
   constructor(canvas: HTMLCanvasElement, labels: HTMLElement, software: boolean, changed: () => void) {
@@ -119,13 +125,15 @@ export class Stage {
 
   dispose(): void {
     this.controls.dispose();
-    this.arm?.dispose();
     this.renderer.dispose();
+    // A browser keeps few contexts: those that it drops by itself may be the ones in use.
+    this.renderer.getContext().getExtension("WEBGL_lose_context")?.loseContext();
   }
 
   resize(width: number, height: number): void {
     this.width = Math.max(1, width);
     this.height = Math.max(1, height);
+    this.isRefined = false;
     this.renderer.setPixelRatio(this.software ? 1 : Math.min(devicePixelRatio || 1, 2));
     this.renderer.setSize(this.width, this.height, false);
     this.camera.aspect = this.width / this.height;
@@ -135,7 +143,21 @@ export class Stage {
 
   // ---------------------------------------------------------------- drawing
 
+  /** Draws the last picture once more with four times the pixels: what software is too slow for while things move. */
+  refine(): void {
+    if (!this.software || this.isRefined || this.last === null) return;
+    this.isRefined = true;
+    this.renderer.setPixelRatio(REFINED_RATIO);
+    this.lines?.refine(true);
+    this.renderer.render(this.root, this.camera);
+  }
+
   draw(picture: Picture): void {
+    if (this.isRefined) {
+      this.isRefined = false;
+      this.renderer.setPixelRatio(1);
+      this.lines?.refine(false);
+    }
     const last = this.last;
     this.last = picture;
     const isNewLook = last === null || last.isDark !== picture.isDark || last.scene !== picture.scene || last.pieces !== picture.pieces;
@@ -149,6 +171,9 @@ export class Stage {
     if (isNewLook || last.path !== picture.path) this.screen = null;
     this.frameLabels = lines.frames(picture, frames);
     if (isNewLook || last.contacts !== picture.contacts) this.placeContacts(picture);
+    if (this.wanted === "fit") this.fit();
+    else if (this.wanted !== null) this.look(new Vector3(...DIRECTIONS[this.wanted]).normalize(), this.points());
+    this.wanted = null;
     if (!this.isFitted || (!this.isTouched && last?.path == null && picture.path !== null)) this.fit();
     this.renderer.render(this.root, this.camera);
     const labels = [...this.frameLabels, ...this.ghostLabels(picture), ...contactLabels(picture), ...thingLabels(picture)];
@@ -212,25 +237,38 @@ export class Stage {
     });
   }
 
+  /** Red balls where something touches, small plain ones with a line between them where it comes closest. */
   private placeContacts({ contacts }: Picture): void {
     clear(this.marks);
-    const ball = new SphereGeometry(0.008, 16, 12);
-    const paint = new MeshBasicMaterial({ color: this.colours.contact, depthTest: false, transparent: true });
-    contacts.slice(0, CONTACTS_MAX).forEach((contact, index) => {
-      for (const point of contact.points ?? []) {
-        const mark = new Mesh(ball, paint);
+    contacts.slice(0, CONTACTS_MAX).forEach(({ points, is_contact }, index) => {
+      const colour = is_contact ? this.colours.contact : this.colours.ink;
+      const paint = new MeshBasicMaterial({ color: colour, depthTest: false, transparent: true, opacity: is_contact ? 1 : 0.6 });
+      for (const point of points ?? []) {
+        const mark = new Mesh(new SphereGeometry(is_contact ? 0.01 : 0.005, 16, 12), paint);
         mark.position.set(...point);
         mark.renderOrder = 21;
         mark.userData["contact"] = index;
         this.marks.add(mark);
       }
+      if (is_contact || points === undefined) return;
+      const geometry = new BufferGeometry().setFromPoints(points.map((point) => new Vector3(...point)));
+      const line = new Line(geometry, new LineBasicMaterial({ color: colour, depthTest: false, transparent: true, opacity: 0.6 }));
+      line.renderOrder = 21;
+      line.userData["contact"] = index;
+      this.marks.add(line);
     });
   }
 
   // ---------------------------------------------------------------- camera
 
+  /** Looks from a side, or fits what is there into the picture, in the next frame: what is drawn then counts. */
+  want(view: View | "fit"): void {
+    this.wanted = view;
+    if (view !== "fit") this.isTouched = true;
+  }
+
   /** Puts the arm, the path and the things into the picture. */
-  fit(): void {
+  private fit(): void {
     const points = this.points();
     if (points.length === 0) return;
     this.isFitted = true;
@@ -238,11 +276,6 @@ export class Stage {
     const direction = this.camera.position.clone().sub(this.controls.target);
     if (direction.lengthSq() < 1e-9) direction.set(...DIRECTIONS.iso);
     this.look(direction.normalize(), points);
-  }
-
-  view(view: View): void {
-    this.isTouched = true;
-    this.look(new Vector3(...DIRECTIONS[view]).normalize(), this.points());
   }
 
   /** Turns, moves or zooms by a step of the keyboard. */
@@ -295,12 +328,13 @@ export class Stage {
     if (picture === null) return [];
     const { scene, joints, path, ghosts } = picture;
     const points: Point[] = [[0.15, 0.15, 0], [-0.15, -0.15, 0]];
+    if (picture.hasReach) for (const axis of AXES) for (const side of [-1, 1]) points.push(scaled(axis, side * scene.limits.reach, scene.dh[0]?.d ?? 0));
     for (const shown of [joints, ...ghosts.map((ghost) => ghost.joints ?? joints)]) {
       const frames = linkFrames(scene.dh, shown);
       for (const part of scene.parts) {
         const centre = compose(frames[part.link] ?? frames[0]!, fromRotationVector(part.pose));
         const size = part.kind === "box" ? part.size.map((side) => side / 2) : [part.size[0]!, part.size[0]!, part.size.at(-1)! / 2];
-        if (Math.max(...size) > scene.limits.reach) continue; // a floor or a wall
+        if (Math.max(...size) > WIDE_SHARE * scene.limits.reach) continue; // a table, a floor or a wall
         for (const side of [-1, 1]) for (const axis of [0, 1, 2]) points.push(apply(centre, [0, 1, 2].map((k) => (k === axis ? side * size[k]! : 0)) as unknown as Point));
       }
     }
@@ -317,6 +351,9 @@ export class Stage {
   at(x: number, y: number, tolerance_px: number, near_s: number): Pointed {
     const picture = this.last;
     if (picture === null) return { path: null, contact: null, joint: null };
+    // The camera may have moved since the last frame.
+    this.camera.updateMatrixWorld();
+    this.ray.params.Line.threshold = 0.006;
     this.ray.setFromCamera(new Vector2((2 * x) / this.width - 1, 1 - (2 * y) / this.height), this.camera);
     const mark = this.ray.intersectObject(this.marks)[0];
     const contact = mark === undefined ? null : (picture.contacts[Number(mark.object.userData["contact"])] ?? null);
@@ -345,8 +382,12 @@ function position(t: Transform): Point {
   return [t[9], t[10], t[11]];
 }
 
-function contactLabels({ contacts, contactText }: Picture): Label[] {
-  return contacts.slice(0, LABELLED_CONTACTS_MAX).map((contact) => ({ text: contactText(contact), point: contact.points![0], kind: "contact" }));
+/** Labels of contacts, the first ones; of a closest distance while it is pointed at. */
+function contactLabels({ contacts, contact, contactText }: Picture): Label[] {
+  const touching = contacts.filter((other) => other.is_contact && other !== contact).slice(0, LABELLED_CONTACTS_MAX);
+  return [...(contact === null ? [] : [contact]), ...touching].map((shown) => ({
+    text: contactText(shown), point: shown.points![0], kind: shown.is_contact ? "contact" : "distance",
+  }));
 }
 
 function thingLabels({ scene }: Picture): Label[] {
@@ -410,6 +451,8 @@ function floor({ limits, parts }: Scene, colours: Palette): Group {
 
 // ---------------------------------------------------------------- lines
 
+const REFINED_RATIO = 2;
+
 /** Pieces that a software renderer draws wide. */
 const WIDE_PIECES_MAX = 800;
 const NOTHING = new Float32Array(0);
@@ -426,6 +469,8 @@ class Lines {
   private readonly path: LineObject;
   private readonly hair: HairObject;
   private readonly isSoftware: boolean;
+  /** Whether the path is too long to be drawn wide while things move. */
+  private isFine = false;
   private readonly hidden: LineObject | null;
   private readonly raised: LineObject;
   private readonly stale: LineObject;
@@ -490,15 +535,23 @@ class Lines {
     this.group.removeFromParent();
   }
 
+  /** Draws a long path wide or in lines of a pixel. */
+  refine(isRefined: boolean): void {
+    if (!this.isFine) return;
+    this.path.object.visible = isRefined;
+    this.hair.object.visible = !isRefined;
+  }
+
   /** Updates the paths where they are others than in the last picture. */
   paths(picture: Picture, last: Picture | null): void {
     const { path, speedEnd, isDark } = picture;
     const isNew = last === null || last.path !== path || last.speedEnd !== speedEnd || last.isStale !== picture.isStale;
     if (isNew) {
       const [positions, colours] = path === null ? [NOTHING, NOTHING] : strokesOf(path, speedEnd, isDark);
-      const isFine = this.isSoftware && positions.length > 6 * WIDE_PIECES_MAX;
-      this.path.set(picture.isStale || isFine ? [] : positions, colours);
-      this.hair.set(picture.isStale || !isFine ? NOTHING : positions, colours);
+      this.isFine = this.isSoftware && positions.length > 6 * WIDE_PIECES_MAX;
+      this.path.set(picture.isStale ? [] : positions, colours);
+      this.hair.set(picture.isStale || !this.isFine ? NOTHING : positions, colours);
+      this.refine(false);
       this.whole.set(picture.isStale ? positions : []);
       this.hidden?.share(this.path);
     }

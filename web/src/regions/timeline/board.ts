@@ -18,7 +18,7 @@ import { drawGrid, drawLane, laneValue, SANS, type Drawing } from "./draw.ts";
 import { drawSign, tints } from "./looks.ts";
 import { CURVES, type CurveKey, type Row, type TimelineState } from "./state.ts";
 
-export const ROW = 22;
+export const ROW = 24;
 /** Of the second run, below the first. */
 export const ROW_COMPARED = 14;
 export const AXIS_HEIGHT = 22;
@@ -347,7 +347,9 @@ export class Board {
     const place = (t: number) => ((t - from) / (to - from)) * width.peek();
     const cursor = studio.cursor.peek();
     const hover = studio.hover.peek()?.t ?? null;
-    put(this.cursorLine, cursor >= from && cursor <= to ? place(cursor) : null);
+    // Rows of a source whose time goes on by itself come a little after its moments.
+    const shown = studio.isFollowing.peek() && studio.can("live") ? Math.min(cursor, to) : cursor;
+    put(this.cursorLine, shown >= from && shown <= to ? place(shown) : null);
     put(this.hoverLine, hover !== null && hover >= from && hover <= to ? place(hover) : null);
     if (this.hoverTime !== null && hover !== null) this.hoverTime.textContent = seconds(hover);
     const selected = view.selected.peek();
@@ -360,12 +362,15 @@ export class Board {
       }
     }
     const t = hover ?? cursor;
+    const isExact = hover === null && studio.isExact.peek();
     for (const row of this.state.rows.peek()) {
       const element = this.values.get(row.id);
       const lane = laneAt(row, run, t);
-      if (element !== undefined) say(element, lane === undefined ? "" : laneValue(lane, t));
+      if (element === undefined) continue;
+      // Of lines that take no time only the exact state knows which one it is.
+      const thread = isExact && row.id.startsWith("lines ") ? studio.moment.peek()!.threads.find(({ name }) => name === row.name) : undefined;
+      say(element, thread !== undefined && thread.line > 0 ? String(thread.line) : lane === undefined ? "" : laneValue(lane, t));
     }
-    const isExact = hover === null && studio.isExact.peek();
     for (const spec of this.state.curves.peek()) {
       spec.columns.forEach((column, index) => {
         const element = this.values.get(`curve ${column}`);
@@ -490,7 +495,7 @@ export class Board {
     const run = studio.runAt(t);
     studio.point({ t, line: line > 0 ? line : (run?.lineAt(t) ?? 0), region: "timeline" });
     const lane = row === null ? undefined : laneAt(row, studio.run.peek(), t);
-    const words = lane === undefined ? "" : tooltip(lane, t, this.reach_s(), (number) => this.linesOf(run)[number - 1]?.trim() ?? "");
+    const words = lane === undefined ? "" : tooltip(lane, t, this.reach_s(), (number) => this.linesOf(run)[number - 1]?.trim() ?? "", this.state.families.peek());
     if (this.tip === null || this.root === null) return;
     this.tip.hidden = words === "";
     if (words === "") return;

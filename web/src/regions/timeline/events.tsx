@@ -34,9 +34,9 @@ function EventTable({ state, count }: { state: TimelineState; count: number }) {
     <div class="event-table" tabIndex={0} role="group" aria-label={text("timeline_events", { count })}>
       {last > 0 && (
         <p class="event-pages">
-          <button type="button" class="tool" disabled={shown === 0} onClick={() => setPage(shown - 1)}>{text("timeline_page_before")}</button>
+          <button type="button" class="timeline-tool" disabled={shown === 0} onClick={() => setPage(shown - 1)}>{text("timeline_page_before")}</button>
           {text("timeline_page", { page: shown + 1, pages: last + 1 })}
-          <button type="button" class="tool" disabled={shown === last} onClick={() => setPage(shown + 1)}>{text("timeline_page_after")}</button>
+          <button type="button" class="timeline-tool" disabled={shown === last} onClick={() => setPage(shown + 1)}>{text("timeline_page_after")}</button>
         </p>
       )}
       <table>

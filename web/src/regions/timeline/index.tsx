@@ -3,6 +3,7 @@
 import { useComputed } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Frames } from "../../model/playback.ts";
+import type { Family } from "../../model/points.ts";
 import type { Studio } from "../../model/studio.ts";
 import { parse, seconds } from "../../model/units.ts";
 import { TICK_S } from "../../source/rows.ts";
@@ -24,27 +25,37 @@ const FRAMES: Frames = {
 /** What PageUp and PageDown move by, s. */
 const PAGE_S = 1;
 
+const states = new WeakMap<Studio, TimelineState>();
+
+/** What the region and the tools in its head share. */
+function stateOf(studio: Studio): TimelineState {
+  const known = states.get(studio) ?? new TimelineState(studio, FRAMES);
+  states.set(studio, known);
+  return known;
+}
+
 export function Timeline({ studio }: { studio: Studio }) {
   const root = useRef<HTMLDivElement>(null);
-  const state = useMemo(() => new TimelineState(studio, FRAMES), [studio]);
+  const state = stateOf(studio);
   const board = useMemo(() => new Board(state, FRAMES), [state]);
   useEffect(() => {
+    const ends = [state.playback.start(), () => board.stop()];
     board.start(root.current!);
-    return () => {
-      board.stop();
-      state.playback.close();
-    };
+    return () => ends.forEach((end) => end());
   }, [board]);
+  const canAsk = studio.can("services");
+  useEffect(() => {
+    // A source that does not answer says so in Signals; units are left out then.
+    if (canAsk) studio.ask("signals").then((found) => Array.isArray(found) && (state.families.value = found as unknown as readonly Family[]), () => undefined);
+  }, [canAsk]);
   return (
     <div class="timeline-region" ref={root} onKeyDown={(event) => onKey(event, state)}>
-      <Tools state={state} />
       <div class="timeline-head">
-        <TimeField studio={studio} />
+        <TimeField state={state} />
         <Slider state={state} board={board} />
       </div>
       <LanesAndCurves state={state} board={board} />
       <Said state={state} />
-      <Events state={state} />
     </div>
   );
 }
@@ -65,12 +76,6 @@ function onKey(event: KeyboardEvent, state: TimelineState): void {
     case "0":
       view.fit();
       break;
-    case "[":
-      state.jump(-1);
-      break;
-    case "]":
-      state.jump(1);
-      break;
     case "Escape":
       state.select(null);
       state.chosen.value = null;
@@ -84,39 +89,47 @@ function onKey(event: KeyboardEvent, state: TimelineState): void {
 
 // ---------------------------------------------------------------- tools
 
-function Tools({ state }: { state: TimelineState }) {
-  const { studio, view, playback } = state;
+/** In the head of the region. */
+export function TimelineTools({ studio }: { studio: Studio }) {
+  const state = stateOf(studio);
+  const { view, playback } = state;
   const selected = view.selected.value;
   const isLooping = playback.loop.value !== null;
-  const open = studio.settings.open.value;
-  const hasErrors = studio.run.value?.samples.has("qa1") === true && studio.run.value.revision.value >= 0;
   return (
-    <div class="timeline-tools" role="toolbar" aria-label={text("timeline_tools")}>
+    <div class="timeline-tools" role="toolbar" aria-label={text("timeline_tools")} onKeyDown={(event) => onKey(event, state)}>
       <span class="tool-group">
-        <Tool label={text("timeline_event_before")} sign="⇤" onClick={() => state.jump(-1)} />
-        <Tool label={text("timeline_event_after")} sign="⇥" onClick={() => state.jump(1)} />
+        <Tool label={text("timeline_event_before")} sign="⇤" onClick={() => studio.jumpToEvent(-1)} />
+        <Tool label={text("timeline_event_after")} sign="⇥" onClick={() => studio.jumpToEvent(1)} />
       </span>
       <span class="tool-group">
         <Tool label={text("timeline_zoom_out")} sign="−" onClick={() => view.zoom(studio.cursor.value, 2)} disabled={view.isWhole.value} />
         <Tool label={text("timeline_zoom_in")} sign="+" onClick={() => view.zoom(studio.cursor.value, 0.5)} />
         <Tool label={text("timeline_fit")} sign={text("timeline_fit_short")} onClick={() => view.fit()} disabled={view.isWhole.value} />
       </span>
-      <span class="tool-group">
-        <Tool label={text("timeline_to_selection")} sign={text("timeline_to_selection_short")} disabled={selected === null} onClick={() => selected && view.show(selected[0], selected[1])} />
-        <Tool label={text("timeline_loop")} sign={`↻ ${text("timeline_loop_short")}`} pressed={isLooping} disabled={selected === null && !isLooping} onClick={() => state.toggleLoop()} />
-        {selected !== null && (
-          <output class="selection-length">
-            {seconds(selected[0])} – {seconds(selected[1])} ({seconds(selected[1] - selected[0])})
-          </output>
-        )}
-      </span>
-      <span class="tool-group curve-tools">
-        {CURVES.filter(({ key }) => key !== "error" || hasErrors).map(({ key, isShown }) => (
-          <Tool key={key} sign={text(`timeline_curve_${key}`)} pressed={open[`curve_${key}`] ?? isShown} onClick={() => state.toggleCurve(key)} />
-        ))}
-        <Tool label={text("timeline_limits")} sign={text("timeline_limits_short")} pressed={state.showsLimits.value} onClick={() => (state.showsLimits.value = !state.showsLimits.value)} />
-      </span>
+      {(selected !== null || isLooping) && (
+        <span class="tool-group">
+          <Tool label={text("timeline_to_selection")} sign={text("timeline_to_selection_short")} disabled={selected === null} onClick={() => selected && view.show(selected[0], selected[1])} />
+          <Tool label={text("timeline_loop")} sign={`↻ ${text("timeline_loop_short")}`} pressed={isLooping} onClick={() => state.toggleLoop()} />
+          <Tool label={text("timeline_unselect")} sign="×" onClick={() => state.select(null)} />
+          {selected !== null && <output class="selection-length">{seconds(selected[0])} – {seconds(selected[1])} ({seconds(selected[1] - selected[0])})</output>}
+        </span>
+      )}
+      <CurveTools state={state} />
     </div>
+  );
+}
+
+function CurveTools({ state }: { state: TimelineState }) {
+  const open = state.studio.settings.open.value;
+  const run = state.studio.run.value;
+  const hasErrors = run !== null && run.revision.value >= 0 && run.samples.has("qa1");
+  return (
+    <span class="tool-group curve-tools" role="group" aria-label={text("timeline_curves")}>
+      {CURVES.filter(({ key }) => key !== "error" || hasErrors).map(({ key, isShown }) => (
+        <Tool key={key} sign={text(`timeline_curve_${key}`)} pressed={open[`curve_${key}`] ?? isShown} onClick={() => state.toggleCurve(key)} />
+      ))}
+      <Tool label={text("timeline_limits")} sign={text("timeline_limits_short")} pressed={state.showsLimits.value} onClick={() => (state.showsLimits.value = !state.showsLimits.value)} />
+    </span>
   );
 }
 
@@ -131,14 +144,15 @@ interface ToolProps {
 
 function Tool({ sign, label, pressed, disabled = false, onClick }: ToolProps) {
   return (
-    <button type="button" class="tool" {...(label === undefined ? {} : { "aria-label": label, title: label })} aria-pressed={pressed} disabled={disabled} onClick={onClick}>
+    <button type="button" class="timeline-tool" {...(label === undefined ? {} : { "aria-label": label, title: label })} aria-pressed={pressed} disabled={disabled} onClick={onClick}>
       {sign}
     </button>
   );
 }
 
 /** The time as a field: `12.5`, `12.5 s`, `750 ms`. */
-function TimeField({ studio }: { studio: Studio }) {
+function TimeField({ state }: { state: TimelineState }) {
+  const { studio, playback } = state;
   const [typed, setTyped] = useState<string | null>(null);
   const [isWrong, setWrong] = useState(false);
   const leave = () => {
@@ -169,7 +183,7 @@ function TimeField({ studio }: { studio: Studio }) {
         }}
         onBlur={() => (isWrong ? leave() : take())}
       />
-      <span class="time-end">/ {seconds(studio.end.value)}</span>
+      <span class="time-end">{playback.isHeld.value ? text("timeline_held") : `/ ${seconds(studio.end.value)}`}</span>
     </div>
   );
 }
@@ -183,7 +197,7 @@ function Slider({ state, board }: { state: TimelineState; board: Board }) {
     const line = studio.isExact.value ? studio.moment.value!.line : (run?.lineAt(cursor) ?? 0);
     return line > 0 ? `${seconds(cursor)}, ${text("timeline_line", { line })}` : seconds(cursor);
   });
-  const end = studio.end.value;
+  const [begin, end] = state.view.whole.value;
   const cursor = studio.cursor.value;
   const move = (t: number) => {
     studio.pause();
@@ -193,8 +207,8 @@ function Slider({ state, board }: { state: TimelineState; board: Board }) {
     const by = { ArrowLeft: -TICK_S, ArrowDown: -TICK_S, ArrowRight: TICK_S, ArrowUp: TICK_S, PageUp: PAGE_S, PageDown: -PAGE_S }[event.key];
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     if (by !== undefined) move(studio.cursor.value + by);
-    else if (event.key === "Home") move(0);
-    else if (event.key === "End") move(studio.end.value);
+    else if (event.key === "Home") move(begin);
+    else if (event.key === "End") move(end);
     else return;
     event.preventDefault();
   };
@@ -202,8 +216,8 @@ function Slider({ state, board }: { state: TimelineState; board: Board }) {
     <div class="slider" data-zooms ref={board.sliderRef}>
       <canvas class="overview" aria-hidden="true" ref={board.canvas("overview")} />
       <input
-        type="range" min={0} max={end} step="any" aria-label={text("timeline_time")} value={cursor}
-        aria-valuemin={0} aria-valuemax={end} aria-valuenow={Number(cursor.toFixed(6))} aria-valuetext={words.value}
+        type="range" min={begin} max={end} step="any" aria-label={text("timeline_time")} value={cursor}
+        aria-valuemin={begin} aria-valuemax={end} aria-valuenow={Number(cursor.toFixed(6))} aria-valuetext={words.value}
         onInput={(event) => move(event.currentTarget.valueAsNumber)} onKeyDown={onKeyDown}
       />
     </div>
@@ -215,32 +229,36 @@ function Slider({ state, board }: { state: TimelineState; board: Board }) {
 function LanesAndCurves({ state, board }: { state: TimelineState; board: Board }) {
   const { studio } = state;
   const run = studio.run.value;
-  if (run === null) return <p class="timeline-empty">{text("timeline_no_run")}</p>;
-  const isEmpty = run.ended !== null && run.revision.value >= 0 && run.known_s <= 0;
+  if (run === null) return <p class="empty">{text("timeline_no_run")}</p>;
+  const isEmpty = run.revision.value >= 0 && run.ended !== null && run.known_s <= 0;
   const stale = studio.staleFrom.value;
   return (
     <>
-      {isEmpty && <p class="timeline-empty">{text("timeline_no_time")}</p>}
+      {isEmpty && <p class="empty">{text("timeline_no_time")}</p>}
       {stale > 0 && <p class="timeline-stale">{text("timeline_stale", { line: stale })}</p>}
       <div class={`timeline-board${stale > 0 ? " is-stale" : ""}`} tabIndex={0} role="group" aria-label={text("timeline_board")}>
-        <div class="lane-group axis-row">
-          <div class="lane-names" />
-          <canvas class="axis" aria-hidden="true" ref={board.canvas("axis")} />
-        </div>
-        <Groups state={state} board={board} />
-        <Charts state={state} board={board} />
-        <div class="plot-frame">
-          <div
-            class="plot-area" ref={board.areaRef} onPointerDown={board.onPointerDown} onPointerMove={board.onPointerMove}
-            onPointerUp={board.onPointerUp} onPointerCancel={board.onPointerCancel} onPointerLeave={board.onPointerLeave} onDblClick={board.onDoubleClick}
-          >
-            <div class="selected-stretch" hidden ref={board.overlay("selection")} />
-            <div class="hover-line" hidden ref={board.overlay("hoverLine")}>
-              <span class="hover-time" ref={board.overlay("hoverTime")} />
+        <div class="timeline-rows">
+          <div class="lane-group axis-row">
+            <div class="lane-names" />
+            <canvas class="axis" aria-hidden="true" ref={board.canvas("axis")} />
+          </div>
+          <Groups state={state} board={board} />
+          <CurveTools state={state} />
+          <Charts state={state} board={board} />
+          <div class="plot-frame">
+            <div
+              class="plot-area" ref={board.areaRef} onPointerDown={board.onPointerDown} onPointerMove={board.onPointerMove}
+              onPointerUp={board.onPointerUp} onPointerCancel={board.onPointerCancel} onPointerLeave={board.onPointerLeave} onDblClick={board.onDoubleClick}
+            >
+              <div class="selected-stretch" hidden ref={board.overlay("selection")} />
+              <div class="hover-line" hidden ref={board.overlay("hoverLine")}>
+                <span class="hover-time" ref={board.overlay("hoverTime")} />
+              </div>
+              <div class="cursor-line" hidden ref={board.overlay("cursorLine")} />
             </div>
-            <div class="cursor-line" hidden ref={board.overlay("cursorLine")} />
           </div>
         </div>
+        <Events state={state} />
       </div>
       <div class="timeline-tip" hidden ref={board.overlay("tip")} />
     </>
@@ -256,7 +274,7 @@ function Groups({ state, board }: { state: TimelineState; board: Board }) {
     <>
       {state.groups.value.map(({ group, rows, more, isOpen }) => (
         <div class="lane-group" key={group}>
-          <div class="lane-names" style={{ "--row": `${height}px` }}>
+          <div class="lane-names" style={{ "--lane": `${height}px` }}>
             {rows.map((row) => (
               <LaneName key={row.id} row={row} name={rowName(row, sourceLine)} isChosen={chosen.value === row.id} isOpen={expanded.value.has(row.id)} state={state} board={board} />
             ))}
@@ -369,5 +387,5 @@ function Said({ state }: { state: TimelineState }) {
       say(`${kind}, ${seconds(event.t)}, ${text("timeline_line", { line: event.line ?? 0 })}: ${String(event["text"])}`);
     });
   }, [state]);
-  return <p class="timeline-said" aria-live="polite">{said}</p>;
+  return <p class="unseen" aria-live="polite">{said}</p>;
 }

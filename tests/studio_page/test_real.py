@@ -1,0 +1,64 @@
+"""The page of `elitescript studio` itself: programs are typed, run, stepped, stopped and saved."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from elitescript import VirtualRobot
+from tests.studio.page_client import studio
+
+PROGRAM = """\
+global count
+movej([0.1, -1.2, 1.2, -1.5, -1.57, 0.2])
+count = 1
+sleep(0.5)
+movej([0.4, -1.2, 1.2, -1.5, -1.57, 0.2])
+textmsg("there")
+"""
+
+
+def test_a_program_from_text_to_file(context: Callable[..., Page], tmp_path: Path) -> None:
+    file = tmp_path / "move.script"
+    file.write_text(PROGRAM)
+    with studio(file, state=tmp_path / "state") as address:
+        page = context()
+        page.goto(address)
+        state, robot = page.locator(".state"), page.get_by_role("region", name="Robot")
+        problems = page.get_by_role("region", name="Problems")
+        text = page.get_by_role("textbox", name="Program text")
+        expect(state).to_contain_text("finished")
+
+        text.click()
+        page.keyboard.press("Control+End")
+        page.keyboard.type("sleep 0.25")
+        expect(problems).to_contain_text(re.compile(r"line 7, column \d+: error E"))
+        expect(state).to_contain_text("before line 7")
+        for _ in range(5):
+            page.keyboard.press("Backspace")
+        page.keyboard.type("(0.25")
+        expect(problems).to_contain_text("No problems.")
+        expect(state).to_contain_text("finished")
+        typed = f"{PROGRAM}sleep(0.25)"
+        assert file.read_text() == PROGRAM
+
+        ran = VirtualRobot().run(typed)
+        page.get_by_role("slider", name="Time").press("End")
+        expect(robot).to_have_attribute("data-time", re.compile(rf"^{ran.time_s:.3f}0*$"))
+        shown = [float(number) for number in (robot.get_attribute("data-joints") or "").split(",")]
+        assert shown == pytest.approx(ran.joints, abs=1e-6)
+        expect(page.get_by_role("region", name="Variables")).to_contain_text("count")
+
+        page.get_by_role("button", name="Stop", exact=True).click()
+        expect(robot).to_have_attribute("data-time", "0")
+        for _ in range(2):
+            page.get_by_role("button", name="Step", exact=True).click()
+        expect(page.get_by_role("region", name="Threads")).to_contain_text(re.compile(r"main\s*[234]"))
+
+        page.get_by_role("button", name="Save").click()
+        expect(page).to_have_title(re.compile("^move.script"))
+        assert file.read_text().rstrip("\n") == typed
