@@ -36,7 +36,9 @@ def test_slider_and_field(open_page: Open) -> None:
     expect(field).to_have_attribute("aria-invalid", "true")
     field.press("Escape")
     expect(field).to_have_value("2.500 s")
-    expect(page.get_by_role("img", name=re.compile(r"^Signals, 2\.500 s\. standard_digital_out\[0\]: 1"))).to_be_visible()
+    expect(
+        page.get_by_role("img", name=re.compile(r"^Signals, 2\.500 s\. standard_digital_out\[0\]: 1"))
+    ).to_be_visible()
 
 
 def test_pointer_zoom_and_table(open_page: Open) -> None:
