@@ -35,7 +35,7 @@ export class Run {
   /** Those of the events that people read. */
   readonly messages: RunEvent[] = [];
   /** Changes of each signal that changed. */
-  readonly signals = new Map<string, { readonly t: number[]; readonly value: Value[] }>();
+  readonly signals = new Map<string, { readonly t: number[]; readonly value: Value[]; readonly line: number[] }>();
   cycle: readonly CycleRow[] = [];
   contacts: readonly Contact[] = [];
   /** Up to where it is computed, s. */
@@ -161,9 +161,10 @@ export class Run {
     if (READ_TYPES.has(event.type)) this.messages.push(event);
     if (event.type === "signal") {
       const name = String(event["name"]);
-      const changes = this.signals.get(name) ?? { t: [], value: [] };
+      const changes = this.signals.get(name) ?? { t: [], value: [], line: [] };
       changes.t.push(event.t);
       changes.value.push(event["value"] as Value);
+      changes.line.push(event.line ?? 0);
       this.signals.set(name, changes);
     }
   }

@@ -354,6 +354,7 @@ export class Studio implements Listener {
     this.isPlaying.value = true;
   }
 
+  /** Holds the cursor. */
   pause(): void {
     this.isFollowing.value = false;
     this.isPlaying.value = false;
@@ -375,8 +376,12 @@ export class Studio implements Listener {
     this.requests.send({ type: "control", ask: 0, action }).catch((error: unknown) => this.notice("warning", reason(error)));
   }
 
-  /** Ends playback and a computation that goes on; the cursor goes to 0. */
+  /** Ends playback and a computation that goes on; the cursor goes to 0, or on with a controller's time. */
   stopAll(): void {
+    if (this.can("live")) {
+      this.isFollowing.value = true;
+      return;
+    }
     this.pause();
     this.transmit({ type: "stop" });
     this.setCursor(0);
