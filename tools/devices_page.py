@@ -10,6 +10,7 @@ from typing import Any
 from elitescript.devices.channels.faults import FORMS, INPUTS, TABLE, Fault, FaultEffect
 from elitescript.devices.device import setting_names
 from elitescript.devices.scenario import KINDS
+from elitescript.solids import cell as cells
 from tools.markdown import NOTICE, cell
 
 
@@ -38,6 +39,7 @@ def devices_page() -> str:
             lines += ["", f"## [[{section}]]", "", "Anything else: `class` names it, such as `cell.py:Button`."]
         if kind.base:
             lines += ["", 'With `class = "cell.py:Name"` the other keys are settings of that class.']
+    lines += _solids()
     head = "on a TCP connection | on a serial line | keys of its own |"
     lines += ["", "## Faults", "", f"| kind | {head}", "|---|---|---|---|"]
     lines += [_row(row.name, row.tcp, row.line, row.takes) for row in TABLE.values() if not row.is_of_inputs]
@@ -59,6 +61,25 @@ def devices_page() -> str:
         "*assumed*.",
     ]
     return "\n".join(lines) + "\n"
+
+
+def _solids() -> list[str]:
+    """Things beside the robot and solids on its flange."""
+    kinds = [f"`{kind}` has {' and '.join(f'`{key}`' for key in keys)}" for kind, keys in cells.KINDS.items()]
+    return [
+        "",
+        "## Solids: " + ", ".join(f"[[{kind}]]" for kind in cells.KINDS) + " and [tool]",
+        "",
+        "What stands around the arm, and what is on its flange: the studio draws it, and `run` and `check` warn of",
+        "[contacts](../how-to/contacts.md). `[tool]` and `[tool.payload]` have lists of the same solids, such as",
+        "`[[tool.box]]`; `name`, `color` and `ignore` of the table hold for all of them.",
+        "",
+        f"Sizes: {', '.join(kinds)}.",
+        "",
+        "| key | |",
+        "|---|---|",
+        *(f"| `{key}` | {cell(text)} |" for key, text in cells.KEYS.items()),
+    ]
 
 
 def _row(name: str, tcp: FaultEffect, line: FaultEffect, takes: tuple[str, ...]) -> str:

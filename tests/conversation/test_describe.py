@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-from math import pi
 from pathlib import Path
 
 import pytest
@@ -13,16 +12,16 @@ from elitescript.conversation import describe
 from elitescript.conversation.describe import Moment, Thread, Variable
 from elitescript.conversation.messages import RunOptions, SignalInput
 from elitescript.json_records.events import record_of
-from elitescript.kinematics.transforms import transform_from_pose
 from elitescript.language.diagnostics import Edit, Fix, diagnostic
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.messages.events import Alarm
 from elitescript.messages.motion import MoveJ, MoveL
 from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
-from elitescript.messages.state import Payload
 from elitescript.models.model import load_model
 from elitescript.robot import VirtualRobot
+from elitescript.solids.contacts import Contact
+from elitescript.solids.scene import scene
 
 CONTRACT = Path(__file__).parents[2] / "web/src/source/messages.ts"
 SIX = (0.0, 1.0, 0.0, 0.0, 0.0, 0.5)
@@ -92,7 +91,7 @@ class TestForms:
         assert_has_form(found, message(found["type"]))
 
     def test_scene(self):
-        found = describe.scene(load_model("CS63"), urdf="arm.urdf")
+        found = scene(load_model("CS63"), urdf="arm.urdf")
         assert_has_form(found, interface("Scene"))
         assert set(found["limits"]) == {"position_min", "position_max", "speed", "acceleration", "tcp_speed", "reach"}
 
@@ -115,6 +114,11 @@ class TestForms:
         )
         assert_has_form(found, interface("AlarmReport"))
 
+    def test_contacts(self):
+        touch = Contact(1.0, 2.0, 4, "tool", "table", -0.01, 1.5, True, ((0.0, 0.0, 0.0), (0.0, 0.0, 0.01)))
+        assert_has_form(describe.contacts(1, [touch])["list"][0], interface("Contact"))
+        assert_has_form(describe.contacts(1, [touch]), message("contacts"))
+
     def test_cycle(self):
         assert_has_form(describe.cycle(1, [(3, 1.0, 0.5, 2)])["table"][0], interface("CycleRow"))
         assert_has_form(describe.moves(1, [(0.0, 1.0, "movej", 2)])["list"][0], interface("Move"))
@@ -130,33 +134,6 @@ class TestProblems:
         ]
         assert ["fix" in item for item in made["list"]] == [item.fix is not None and item.fix.safe for item in found]
         assert found
-
-
-class TestScene:
-    def test_links_are_those_of_the_modified_rule(self):
-        rows = describe.scene(load_model("CS66"))["dh"]
-        assert [row["a"] for row in rows] == [0.0, 0.0, -0.427, -0.3905, 0.0, 0.0]
-        assert [row["d"] for row in rows] == [0.1625, 0.0, 0.0, 0.1475, 0.0965, 0.092]
-        assert [row["alpha"] for row in rows] == pytest.approx([0, pi / 2, 0, 0, pi / 2, -pi / 2])
-
-    def test_tcp_has_a_rotation_vector(self):
-        found = describe.scene(load_model("CS66"), tcp=(0.1, 0.2, 0.3, 0.0, 0.0, pi / 2), payload=Payload(1.5))
-        assert found["tcp"] == pytest.approx([0.1, 0.2, 0.3, 0.0, 0.0, pi / 2])
-        assert found["payload_kg"] == 1.5
-        both = describe.rotvec_pose(transform_from_pose((0, 0, 0, pi / 2, 0, pi / 2)))
-        assert both[3:] == pytest.approx([2 * pi / 3 / 3**0.5] * 3)
-
-    @pytest.mark.parametrize(
-        ("gravity", "turn"),
-        [
-            ((0, 0, 9.81), (0, 0, 0)),
-            ((0, 0, -9.81), (pi, 0, 0)),
-            ((0, 9.81, 0), (pi / 2, 0, 0)),
-            ((9.81, 0, 0), (0, -pi / 2, 0)),
-        ],
-    )
-    def test_mounting_sets_gravity_upright(self, gravity, turn):
-        assert describe.mounting(gravity) == pytest.approx([0, 0, 0, *turn])
 
 
 class TestRun:

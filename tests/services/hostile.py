@@ -369,7 +369,7 @@ def main() -> None:
     else:
         from elitescript.services.child.jail import enter_jail
 
-        layers = [list(layer) for layer in enter_jail()]
+        layers = [list(layer) for layer in enter_jail(may_copy=sys.argv[1] == "copies")]
     results = {name: tried(name) for name in names}
     from decimal import Decimal  # a module of the standard library can still be loaded
 

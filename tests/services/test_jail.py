@@ -64,6 +64,21 @@ class TestJail:
         assert free["results"][name] == ""
 
 
+class TestCopies:
+    """A process that may leave copies of itself."""
+
+    def test_only_that_is_allowed(self):
+        found = outcome("copies")
+        missing = [f"{layer}: {detail}" for layer, is_active, detail in found["layers"] if not is_active]
+        if missing:
+            pytest.skip("; ".join(missing))
+        assert {name for name in hostile.ACTIONS if not found["results"][name]} == {
+            "fork",
+            "socket_pair",
+            "many_descriptors",
+        }
+
+
 class TestReport:
     def test_says_why_a_layer_is_missing(self, monkeypatch):
         def fail() -> str:

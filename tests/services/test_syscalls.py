@@ -6,19 +6,19 @@ from pathlib import Path
 
 import pytest
 
-from elitescript.services.child.syscalls import AUDIT_ARCHES, CALLS, filter_program, packed
+from elitescript.services.child.syscalls import AUDIT_ARCHES, CALLS, COPYING, filter_program, packed
 
 ALLOW, KILL, REFUSE = 0x7FFF0000, 0x80000000, 0x00050000 | errno.EPERM
 BY_NAME = {call.name: call for call in CALLS}
 
 
-def verdict(machine: str, number: int, *arguments: int, arch: int | None = None) -> int:
+def verdict(machine: str, number: int, *arguments: int, arch: int | None = None, calls=CALLS) -> int:
     """What the filter says of a call."""
     words = {0: number, 4: AUDIT_ARCHES[machine] if arch is None else arch}
     for index in range(6):
         value = arguments[index] if index < len(arguments) else 0
         words[16 + 8 * index], words[20 + 8 * index] = value & 0xFFFFFFFF, value >> 32
-    program, at, register = filter_program(machine), 0, 0
+    program, at, register = filter_program(machine, calls), 0, 0
     while True:
         code, if_true, if_false, operand = program[at]
         at += 1
@@ -87,6 +87,20 @@ class TestFilter:
         assert all(0 <= jump <= 255 for step in program for jump in step[1:3])
 
 
+@pytest.mark.parametrize(("machine", "clone", "pair"), [("x86_64", 56, 53), ("aarch64", 220, 199)])
+def test_copies_share_everything_and_talk_to_nobody_else(machine, clone, pair):
+    calls = (*CALLS, *COPYING)
+    assert verdict(machine, clone, 0x1200011, calls=calls) == ALLOW
+    # A user namespace, a network namespace.
+    assert verdict(machine, clone, 0x10000011, calls=calls) == REFUSE
+    assert verdict(machine, clone, 0x40000011, calls=calls) == REFUSE
+    assert verdict(machine, pair, 1, 1, calls=calls) == ALLOW
+    assert verdict(machine, pair, 2, 1, calls=calls) == REFUSE
+    # Datagrams may have another address each.
+    assert verdict(machine, pair, 1, 2, calls=calls) == REFUSE
+    assert verdict(machine, clone, 0x1200011) == REFUSE
+
+
 def test_the_second_set_of_numbers_is_closed():
     assert verdict("x86_64", 0x40000000) == KILL
 
@@ -101,6 +115,6 @@ def test_numbers_are_those_of_the_headers(path, column):
     text = Path(path).read_text()
     defined = {name: int(number) for name, number in re.findall(r"#define __NR(?:3264)?_(\w+) (\d+)", text)}
     defined.setdefault("newfstatat", defined.get("fstatat", -1))
-    for call in CALLS:
+    for call in (*CALLS, *COPYING):
         number = getattr(call, column)
         assert number is None or number == defined[call.name], call.name

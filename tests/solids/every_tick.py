@@ -9,7 +9,7 @@ from random import Random
 from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale, StopTask
 from elitescript.models.model import load_model
 from elitescript.robot import VirtualRobot
-from elitescript.solids.contacts import _measured, _pairs
+from elitescript.solids.contacts import _measured, _pairs, _Placed
 from elitescript.solids.frames import frames_of
 from elitescript.world_file import load_world_file
 from tests.invariants.random_programs import random_program
@@ -58,6 +58,16 @@ def watched_run(seed: int, folder: Path):
     return run, home, world
 
 
+class OneMoment:
+    """Stands for a span: groups where they are at one moment."""
+
+    def __init__(self, frames) -> None:
+        self._frames = frames
+
+    def placed(self, group, _tick):
+        return _Placed(group, self._frames[group.link])
+
+
 def contacts_of_every_tick(run, home, world, model="CS66"):
     """Return contacts as (first, second, start, end, deepest), and the closest distance to each thing."""
     arm = load_model(model)
@@ -69,7 +79,7 @@ def contacts_of_every_tick(run, home, world, model="CS66"):
         for t, q in samples:
             if q != last_q:
                 last_q = q
-                gap, found = _measured(pair, frames(q), (max(best, 0.0) if pair.is_thing else 0.0) + 1e-3)
+                gap, found = _measured(pair, OneMoment(frames(q)), 0, (max(best, 0.0) if pair.is_thing else 0.0) + 1e-3)
                 distance = gap.distance if found is None else found.distance
             best = min(best, distance)
             if distance <= 0.0:

@@ -53,7 +53,7 @@ def is_inside(body, T, point, tolerance):
 def test_distances_apart_are_certain():
     draw = Random(1)
     apart = 0
-    for _ in range(1500):
+    for _ in range(600):
         a, b = random_body(draw), random_body(draw)
         T_a, T_b = random_place(draw, 1.0), random_place(draw, 1.0)
         d, p, q = closest(a, T_a, b, T_b)
@@ -68,18 +68,18 @@ def test_distances_apart_are_certain():
         n = tuple((q[i] - p[i]) / d for i in range(3))
         gap = -farthest(b, T_b, tuple(-c for c in n)) - farthest(a, T_a, n)
         assert gap == pytest.approx(d, abs=1e-7)
-    assert apart > 500
+    assert apart > 200
 
 
 def test_depths_are_the_shortest_way_out():
     draw = Random(2)
     directions = []
-    while len(directions) < 300:
+    while len(directions) < 150:
         n = [draw.gauss(0, 1) for _ in range(3)]
         length = hypot(*n)
         directions.append(tuple(c / length for c in n))
     inside = 0
-    for _ in range(400):
+    for _ in range(120):
         a, b = random_body(draw), random_body(draw)
         T_a, T_b = random_place(draw, 0.2), random_place(draw, 0.2)
         d, p, q = closest(a, T_a, b, T_b)
@@ -93,7 +93,7 @@ def test_depths_are_the_shortest_way_out():
         assert closest(a, T_a, b, moved)[0] == pytest.approx(0.0, abs=1e-6)
         for m in directions:
             assert farthest(a, T_a, m) + farthest(b, T_b, tuple(-c for c in m)) >= -d - 1e-9
-    assert inside > 150
+    assert inside > 50
 
 
 @pytest.mark.parametrize(

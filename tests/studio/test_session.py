@@ -49,7 +49,13 @@ class Page:
     """A session and what it has said."""
 
     def __init__(
-        self, folder: Path, world: Path | None = None, source: Source | None = None, *, has_programs: bool = True
+        self,
+        folder: Path,
+        world: Path | None = None,
+        source: Source | None = None,
+        *,
+        has_programs: bool = True,
+        model: str | None = None,
     ) -> None:
         self.said: list[Any] = []
         self.source = source or Source("edit")
@@ -59,7 +65,7 @@ class Page:
         (cell / "a.script").write_text(TEXT)
         (cell / "b.script").write_text("b")
         programs = Programs(cell) if has_programs else None
-        place = Workplace(programs, self.memory, {}, world)
+        place = Workplace(programs, self.memory, {} if model is None else {"model": model}, world)
         file = None if programs is None else OpenFile(programs, self.memory, self.said.append)
         self.session = Session(place, self.source, file, self.said.append)
 
@@ -217,6 +223,16 @@ class TestWorld:
         assert self.world_of(tmp_path, "") == ""
         given = tmp_path.resolve() / "given.toml"
         assert self.world_of(tmp_path, str(given), given) == str(given)
+
+    def test_an_arm_of_ones_own_too(self, tmp_path: Path) -> None:
+        async def steps(page: Page) -> None:
+            for robot in ("CS63", "arm.toml", "/far/arm.toml", "../arm.toml", "/etc/arm.toml"):
+                await page.take("program", version=1, text=TEXT, options={"robot": robot})
+
+        page = run(tmp_path, steps, model="/far/arm.toml")
+        taken = [message.options.robot for message in page.source.taken]  # type: ignore[union-attr]
+        assert taken == ["CS63", str((tmp_path / "cell").resolve() / "arm.toml"), None]
+        assert [message["type"] for message in page.said[2:]] == ["notice", "notice"]
 
     @pytest.mark.parametrize("name", ["../world.toml", "/etc/passwd", "a\0b"])
     def test_no_other_is_read(self, tmp_path: Path, name: str) -> None:

@@ -34,6 +34,7 @@ from elitescript.controller.tasks import ProgramPort, Task
 from elitescript.controller.tool_setup import SETUP_HANDLERS, Setup
 from elitescript.errors import MotionError, ScriptStateError
 from elitescript.kinematics.arm import Arm
+from elitescript.kinematics.rotations import Vector3
 from elitescript.kinematics.tcp import tcp_pose
 from elitescript.messages.enums import RobotMode, TaskState
 from elitescript.messages.events import (
@@ -368,6 +369,10 @@ class Controller:
     def turned(self, begin: int, end: int) -> Six | None:
         """Return how far each joint of the target turns between two ticks, rad; see `MotionControl.turned`."""
         return self.arm_state.turned(begin, end)
+
+    def tool_way(self, begin: int, end: int) -> tuple[float, float, Vector3] | None:
+        """Return how far TCP goes, m, and tool turns, rad, between two ticks, and the TCP; see `Move.tool_way`."""
+        return self.arm_state.tool_way(begin, end)
 
     def targets_at(self, ticks: range) -> list[tuple[Six, Six]]:
         """Return the target joints, rad, and their speeds, rad/s, from the present tick to the next that is due."""

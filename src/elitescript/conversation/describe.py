@@ -1,29 +1,26 @@
 """Makes the messages to a page of what is known of a robot, a text and a run, each ready for JSON.
 
 A live engine, a recorded page and a connected controller describe themselves with the same functions, which take
-records and rows and know nothing of processes. `web/src/source/messages.ts` says what each message holds.
+records and rows and know nothing of processes. `web/src/source/messages.ts` says what each message holds; the one with
+the solids is made by `solids.scene`.
 """
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from math import acos, hypot
 from typing import Any, Final
 
 from elitescript.conversation.messages import PROTOCOL, RunOptions, options_data
 from elitescript.json_records.events import record_of
 from elitescript.json_records.jsonlines import plain
-from elitescript.kinematics.rotations import rotvec_from_rotation
-from elitescript.kinematics.transforms import Transform, position_of, rotation_of, transform_from_pose
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.messages.events import Alarm, Event, MotionEnded, MotionStarted
 from elitescript.messages.motion import MotionRequest, MoveC, MoveJ, MoveL, MoveP, ServoJ, Six
 from elitescript.messages.signals import Value
-from elitescript.messages.state import ZERO_SIX, Payload
 from elitescript.messages.timing import seconds
-from elitescript.models.model import RobotModel
 from elitescript.records import record, replace
+from elitescript.solids.contacts import Contact
 
 Message = dict[str, Any]
 
@@ -80,72 +77,6 @@ def refused(text: str, ask: int | None = None, conflict: Mapping[str, str] | Non
 def notice(severity: str, text: str) -> Message:
     """Return a message for people: `information`, `warning` or `error`."""
     return {"type": "notice", "severity": severity, "text": text}
-
-
-# ---------------------------------------------------------------- the scene
-
-
-def scene(
-    model: RobotModel,
-    *,
-    tcp: Six = ZERO_SIX,
-    payload: Payload | None = None,
-    gravity: Sequence[float] | None = None,
-    parts: Iterable[Mapping[str, Any]] = (),
-    urdf: str = "",
-) -> Message:
-    """Return what a page draws and measures the run by.
-
-    Args:
-        model: the arm.
-        tcp: in the flange frame, with roll, pitch and yaw, as programs set it.
-        payload: at the flange.
-        gravity: vector that points away from the earth, base frame; that of the model if None.
-        parts: solids, as the page has them.
-        urdf: name of the user's own description of the arm.
-    """
-    load = payload or Payload()
-    found: Message = {
-        "type": "scene",
-        "robot": model.name,
-        "dh": [{"a": a, "d": d, "alpha": alpha} for a, d, alpha in zip(*model.arm.modified_dh, strict=True)],
-        "parts": [dict(part) for part in parts],
-        "limits": {
-            "position_min": [joint.q_min for joint in model.joints],
-            "position_max": [joint.q_max for joint in model.joints],
-            "speed": [joint.qd_max for joint in model.joints],
-            "acceleration": [joint.qdd_max for joint in model.joints],
-            "tcp_speed": model.max_tool_speed,
-            "reach": model.reach_m,
-        },
-        "tcp": rotvec_pose(transform_from_pose(tcp)),
-        "payload_kg": load.mass_kg,
-        "center_of_gravity": list(load.cog),
-        "mounting": mounting(model.gravity if gravity is None else gravity),
-    }
-    if urdf:
-        found["urdf"] = urdf
-    return found
-
-
-def rotvec_pose(T: Transform) -> list[float]:
-    """Return a transform as position and rotation vector."""
-    return [*position_of(T), *rotvec_from_rotation(rotation_of(T))]
-
-
-def mounting(gravity: Sequence[float]) -> list[float]:
-    """Return the pose of the base in the world for the direction of gravity: the shortest turn that sets it upright.
-
-    Args:
-        gravity: vector that points away from the earth, base frame.
-    """
-    x, y, z = gravity
-    length, across = hypot(x, y, z), hypot(x, y)
-    if across <= 1e-9 * length:
-        return [0.0, 0.0, 0.0, acos(-1.0) if z < 0.0 else 0.0, 0.0, 0.0]
-    angle = acos(max(-1.0, min(1.0, z / length)))
-    # About the cross product of that vector and z.
-    return [0.0, 0.0, 0.0, angle * y / across, -angle * x / across, 0.0]
 
 
 # ---------------------------------------------------------------- the text
@@ -219,6 +150,11 @@ def moves(run: int, found: Iterable[tuple[float, float, str, int]]) -> Message:
     """Return moves: start, end, kind and line of each."""
     rows = [{"start_s": start, "end_s": end, "kind": kind, "line": line} for start, end, kind, line in found]
     return {"type": "moves", "run": run, "list": rows}
+
+
+def contacts(run: int, found: Iterable[Contact]) -> Message:
+    """Return contacts, and the closest that anything came to a thing."""
+    return {"type": "contacts", "run": run, "list": [contact._asdict() for contact in found]}
 
 
 def cycle(run: int, table: Iterable[tuple[int, float, float, int]]) -> Message:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Sequence
-from typing import Protocol
+from collections.abc import Iterator, Sequence
+from typing import Final, Protocol
 
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.motion import Six
@@ -67,6 +67,10 @@ class JointPath(AnyPath, Protocol):
 
     def tool_rates(self, s: float) -> tuple[float, float]:
         """Return the way (m) and rotation (rad) of the tool per unit of path position."""
+
+
+_TOOL_PATHS: Final = ("line", "arc", "blend")
+"""Kinds of paths whose `tool_rates` are the same everywhere, or bounds."""
 
 
 class Segment:
@@ -137,7 +141,30 @@ class Segment:
 
     def turned(self, begin_s: float, end_s: float) -> Six | None:
         """Return how far each joint turns between two times, back and forth added up, at most, rad; see `JointPath`."""
-        return self.path.turned(self.profile.at(begin_s)[0], self.profile.at(end_s)[0])
+        total = ZERO_SIX
+        for path, begin, end in self._stretches(begin_s, end_s):
+            turned = path.turned(begin, end)
+            if turned is None:
+                return None
+            total = added(total, turned)
+        return total
+
+    def tool_way(self, begin_s: float, end_s: float) -> tuple[float, float] | None:
+        """Return how far the TCP goes between two times, m, and how far the tool turns, rad, at most.
+
+        None if the path has no rates of the tool that hold everywhere on it.
+        """
+        total_way = total_turn = 0.0
+        for path, begin, end in self._stretches(begin_s, end_s):
+            if path.kind not in _TOOL_PATHS:
+                return None
+            way, turn = path.tool_rates(begin)
+            total_way, total_turn = total_way + way * (end - begin), total_turn + turn * (end - begin)
+        return total_way, total_turn
+
+    def _stretches(self, begin_s: float, end_s: float) -> Iterator[tuple[JointPath, float, float]]:
+        """Yield the paths that are followed between two times, and begin and end on each."""
+        yield self.path, self.profile.at(begin_s)[0], self.profile.at(end_s)[0]
 
     def profile_time(self, t_s: float) -> float:
         """Return the time of the profile at a time of the segment; below 0 before the path is entered."""
@@ -217,26 +244,15 @@ class BlendedSegment(Segment):
             *[(self.path.q_end, ZERO_SIX)] * (len(times_s) - end),
         ]
 
-    def turned(self, begin_s: float, end_s: float) -> Six | None:
+    def _stretches(self, begin_s: float, end_s: float) -> Iterator[tuple[JointPath, float, float]]:
         approach_s, entered_s = self.approach_s, self.entered_s
-        total = ZERO_SIX
-        pieces = (
-            (self.before, self.before_profile, -self.before_s, 0.0, approach_s),
-            (self.corner, None, approach_s, approach_s, entered_s),
-            (self.path, self.profile, entered_s, entered_s, self.duration_s),
-        )
-        for path, profile, start_s, from_s, to_s in pieces:
-            first_s, last_s = max(begin_s, from_s), min(end_s, to_s)
-            if first_s >= last_s:
-                continue
-            first, last = first_s - start_s, last_s - start_s
-            if profile is not None:
-                first, last = profile.at(first)[0], profile.at(last)[0]
-            turned = path.turned(first, last)
-            if turned is None:
-                return None
-            total = added(total, turned)
-        return total
+        if begin_s < approach_s:
+            at, before_s = self.before_profile.at, self.before_s
+            yield self.before, at(before_s + max(begin_s, 0.0))[0], at(before_s + min(end_s, approach_s))[0]
+        if begin_s < entered_s and end_s > approach_s:
+            yield self.corner, max(begin_s, approach_s) - approach_s, min(end_s, entered_s) - approach_s
+        if end_s > entered_s:
+            yield self.path, self.profile.at(begin_s - entered_s)[0], self.profile.at(end_s - entered_s)[0]
 
     def profile_time(self, t_s: float) -> float:
         return t_s - self.entered_s

@@ -39,6 +39,21 @@ SECTIONS: Final = (*KINDS, "tool")
 FARTHEST_M: Final = 20.0
 """Beyond this a length is in millimetres."""
 
+KEYS: Final[dict[str, str]] = {
+    "name": "for messages; solids of one name are one thing.",
+    "size": "x, y and z of a box, m.",
+    "radius": "of a cylinder or a sphere, m.",
+    "length": "of a cylinder, along z, m.",
+    "pose": "of the middle: `[x, y, z]`, or with roll, pitch and yaw as scripts write a pose; m, rad. Things stand in "
+    "the base frame, solids of the tool in the flange frame.",
+    "pose_deg": "the same with angles in degrees.",
+    "color": 'as `"#ffcc00"`.',
+    "ignore": "names of what it may touch: other things, tool or payload, `arm`, or links: "
+    + ", ".join(f"`{name}`" for name in LINKS)
+    + ".",
+}
+"""What the keys of a solid are; those of sizes belong to their kinds."""
+
 _COMMON: Final = ("name", "pose", "pose_deg", "color", "ignore")
 
 

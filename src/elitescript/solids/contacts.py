@@ -44,8 +44,11 @@ base at the side, and the wrists turn within their lengths. The solids of forear
 _AMPLE_M: Final = 0.05
 """A lower bound that exceeds what matters by so much is taken instead of the distance."""
 
+_TOUCH_M: Final = 1e-9
+"""Distances up to this are not certain to be apart."""
+
 _DEEPER_M: Final = 0.001
-"""A contact that gets deeper by so much after it was reported is reported once more, at its end."""
+"""A contact that gets deeper by so much than was reported for its line is reported once more."""
 
 
 class Contact(NamedTuple):
@@ -97,6 +100,12 @@ class MovingArm(Protocol):
         Both are from the present tick to the next that is due. None if it is not known without sampling.
         """
 
+    def tool_way(self, begin: int, end: int) -> tuple[float, float, Vector3] | None:
+        """Return how far the TCP goes between two such ticks, m, how far the tool turns, rad, and the TCP.
+
+        That is a point of the flange frame. None if it is not known.
+        """
+
     def targets_at(self, ticks: range) -> list[tuple[Six, Six]]:
         """Return the target joints, rad, and their speeds at ticks from the present one to the next that is due."""
 
@@ -124,6 +133,12 @@ class _Group:
         self.levels = min(z - reach for z, reach in tops), max(z + reach for z, reach in tops)
         """Lowest and highest point, in the frame of the link."""
 
+    def farthest_from(self, point: Vector3) -> float:
+        """Return the distance of its farthest point from a point of the link's frame, m, at most."""
+        x, y, z = point
+        T = self.center
+        return hypot(T[9] - x, T[10] - y, T[11] - z) + self.ball.bound
+
     @property
     def reach(self) -> float:
         """Distance of its farthest point from the origin of the link's frame, m, at most."""
@@ -138,13 +153,27 @@ class _Group:
 class _Pair:
     """Two groups, and what is known of their distance."""
 
-    __slots__ = ("contact", "first", "gap", "is_thing", "levers", "limit", "rise", "rise_limit", "second", "way")
+    __slots__ = (
+        "contact",
+        "first",
+        "gap",
+        "is_carried",
+        "is_thing",
+        "levers",
+        "limit",
+        "rise",
+        "rise_limit",
+        "second",
+        "way",
+    )
 
     def __init__(self, first: _Group, second: _Group, levers: tuple[float, ...], is_thing: bool) -> None:
         self.first = first
         self.second = second
         self.is_thing = is_thing
         self.levers = levers
+        self.is_carried = is_thing and first.link == FLANGE - 1
+        """Whether it is what the flange carries against a thing."""
         self.way = 0.0
         """Travel since the start of the run."""
         self.rise = 0.0
@@ -154,13 +183,6 @@ class _Pair:
         self.limit = self.rise_limit = -1.0
         """Up to this `way`, or this `rise`, nothing that matters can have happened."""
         self.contact: _Open | None = None
-
-    def travel(self, turned: Six) -> tuple[float, float]:
-        """Return travel and vertical travel, m, where the joints turn by these angles, rad."""
-        a, b, c, d, e, f = turned
-        i, j, k, m, n, o = self.levers
-        rise = j * b + k * c + m * d + n * e + o * f
-        return i * a + rise, rise
 
 
 class _Gap(NamedTuple):
@@ -175,15 +197,12 @@ class _Gap(NamedTuple):
 class _Open:
     """A contact that goes on."""
 
-    __slots__ = ("deepest", "end_tick", "line", "said", "start_tick", "tick")
+    __slots__ = ("deepest", "line", "start_tick", "tick")
 
     def __init__(self, tick: int, line: int, deepest: Closest) -> None:
         self.start_tick = self.tick = tick
-        self.end_tick = -1
         self.line = line
         self.deepest = deepest
-        self.said: float | None = None
-        """Distance that was reported."""
 
 
 class _Placed:
@@ -221,7 +240,19 @@ class _Placed:
 class _Span:
     """Joints from one tick to another, how far they turn in between, and groups where they are; all computed once."""
 
-    __slots__ = ("_arm", "_frames", "_frames_at", "_joints_at", "_placed_at", "_turned_at", "begin", "end")
+    __slots__ = (
+        "_arm",
+        "_between",
+        "_frames",
+        "_frames_at",
+        "_joints_at",
+        "_placed_at",
+        "_tool",
+        "_tool_at",
+        "_turned_at",
+        "begin",
+        "end",
+    )
 
     def __init__(self, arm: MovingArm, end: int, frames: Callable[[Sequence[float]], Frames]) -> None:
         self._arm = arm
@@ -229,9 +260,16 @@ class _Span:
         self._frames = frames
         self._frames_at: dict[int, Frames] = {}
         self._joints_at: dict[int, Six] = {}
+        self._between: dict[tuple[int, int], tuple[Six, float, float]] = {}
         self._placed_at: dict[tuple[int, _Group], _Placed] = {}
         self._turned_at: dict[int, Six] = {self.begin: ZERO_SIX}
         """How far each joint has turned since the begin, back and forth added up, rad."""
+        self._tool: Vector3 | None = None
+        """The TCP, if it is known how far it goes."""
+        self._tool_at: dict[int, tuple[float, float]] = {self.begin: (0.0, 0.0)}
+        """How far the TCP has gone since the begin, m, and how far the tool has turned, rad."""
+        if end > self.begin and (tool := arm.tool_way(self.begin, end)) is not None:
+            self._tool = tool[2]
         if end > self.begin and arm.turned(self.begin, end) is None:
             ticks = range(self.begin, end + 1)
             targets = [q for q, _ in arm.targets_at(ticks)]
@@ -255,11 +293,43 @@ class _Span:
             found = self._placed_at[tick, group] = _Placed(group, frames[group.link])
         return found
 
-    def turned(self, begin: int, end: int) -> Six:
-        """Return how far each joint turns between two ticks, back and forth added up, rad."""
+    @property
+    def is_moving(self) -> bool:
+        """Whether any joint turns."""
+        return any(self._turned_to(self.end))
+
+    def travel(self, pair: _Pair, begin: int, end: int) -> tuple[float, float]:
+        """Return travel and vertical travel of a pair between two ticks, m, at most."""
+        between = self._between.get((begin, end))
+        if between is None:
+            between = self._between[begin, end] = self._turned(begin, end)
+        (a, b, c, d, e, f), way, turn = between
+        i, j, k, m, n, o = pair.levers
+        rise = j * b + k * c + m * d + n * e + o * f
+        travel = i * a + rise
+        if self._tool is not None and pair.is_carried:
+            carried = way + turn * pair.first.farthest_from(self._tool)
+            return min(travel, carried), min(rise, carried)
+        return travel, rise
+
+    def _turned(self, begin: int, end: int) -> tuple[Six, float, float]:
+        """Return how far each joint turns, and how far the TCP goes and the tool turns where that is known."""
         a, b, c, d, e, f = self._turned_to(begin)
         g, h, i, j, k, m = self._turned_to(end)
-        return g - a, h - b, i - c, j - d, k - e, m - f
+        turned = (g - a, h - b, i - c, j - d, k - e, m - f)
+        if self._tool is None:
+            return turned, 0.0, 0.0
+        way_a, turn_a = self._tool_to(begin)
+        way_b, turn_b = self._tool_to(end)
+        return turned, way_b - way_a, turn_b - turn_a
+
+    def _tool_to(self, tick: int) -> tuple[float, float]:
+        found = self._tool_at.get(tick)
+        if found is None:
+            tool = self._arm.tool_way(self.begin, tick)
+            assert tool is not None, "what is known up to the end is known up to any tick before"
+            found = self._tool_at[tick] = tool[:2]
+        return found
 
     def _turned_to(self, tick: int) -> Six:
         found = self._turned_at.get(tick)
@@ -289,14 +359,14 @@ class ContactWatch:
     Args:
         cell: solids beside the robot and on its flange.
         model: of the arm.
-        report: called for a contact that has begun, when it is known how deep it gets until the next thing happens; and
-            at its end, if it got deeper. Has the contact so far, and the tick at which that is reported.
+        report: called for a contact that has begun, when it is known how deep it gets until the next thing happens,
+            once for each line and names; and at its end, if it got deeper. Has the contact so far, and the tick.
 
     Attributes:
         contacts: those that are over, in the order of their ends.
     """
 
-    __slots__ = ("_begin_tick", "_best", "_frames", "_line", "_news", "_pairs", "_report", "contacts")
+    __slots__ = ("_begin_tick", "_best", "_frames", "_line", "_news", "_pairs", "_report", "_said", "contacts")
 
     def __init__(self, cell: Cell, model: RobotModel, report: Callable[[Contact, int], None]) -> None:
         self._frames = frames_of(model.arm)
@@ -309,6 +379,8 @@ class ContactWatch:
         self._news: list[_Pair] = []
         """Pairs whose contact has begun in the present span."""
         self.contacts: list[Contact] = []
+        self._said: dict[tuple[int, str, str], float] = {}
+        """Distances that were reported, by line and names."""
 
     # ---------------------------------------------------------------- watching
 
@@ -320,11 +392,10 @@ class ContactWatch:
         if arm.is_resting:
             return
         span = _Span(arm, until_tick, self._frames)
-        turned = span.turned(span.begin, span.end)
-        if not any(turned):
+        if not span.is_moving:
             return
         for pair in self._pairs:
-            travel, rise = pair.travel(turned)
+            travel, rise = span.travel(pair, span.begin, span.end)
             if pair.way + travel > pair.limit and pair.rise + rise > pair.rise_limit:
                 self._resolve(pair, span, travel, rise)
             else:
@@ -430,9 +501,9 @@ class ContactWatch:
                 break
             middle = (begin + end) // 2
             gap = self._gap(pair, span, middle)
-            self._refine(pair, span, begin, before, middle, gap, *pair.travel(span.turned(begin, middle)))
+            self._refine(pair, span, begin, before, middle, gap, *span.travel(pair, begin, middle))
             begin, before = middle, gap
-            travel, rise = pair.travel(span.turned(middle, end))
+            travel, rise = span.travel(pair, middle, end)
         self._visit(pair, span, end, after.distance)
 
     def _visit(self, pair: _Pair, span: _Span, tick: int, value: float) -> None:
@@ -471,11 +542,9 @@ class ContactWatch:
     def _tell_news(self) -> None:
         """Report the contacts that have begun."""
         news, self._news = self._news, []
-        for pair in sorted(news, key=lambda its: its.contact.start_tick if its.contact is not None else 0):
-            contact = pair.contact
-            if contact is not None and contact.said is None:
-                contact.said = contact.deepest.distance
-                self._report(_contact(pair, contact, -1), contact.start_tick)
+        begun = [(pair.contact, pair) for pair in news if pair.contact is not None]
+        for contact, pair in sorted(begun, key=lambda its: its[0].start_tick):
+            self._tell(_contact(pair, contact, -1), contact.start_tick)
 
     def _end(self, pair: _Pair, tick: int) -> None:
         tick = self._row(tick)
@@ -483,14 +552,16 @@ class ContactWatch:
         assert contact is not None
         found = _contact(pair, contact, tick)
         self.contacts.append(found)
-        if contact.said is None:
-            self._report(found, contact.start_tick)
-        elif contact.deepest.distance < contact.said - _DEEPER_M:
-            self._report(found, tick)
+        # One that has begun in the present span is reported as of its begin.
+        self._tell(found, contact.start_tick if pair in self._news else tick)
 
-
-_TOUCH_M: Final = 1e-9
-"""Distances up to this are not certain to be apart."""
+    def _tell(self, contact: Contact, tick: int) -> None:
+        """Report a contact, unless that was done before: then only if it is deeper."""
+        key = (contact.line, contact.first, contact.second)
+        said = self._said.get(key)
+        if said is None or contact.distance_m < said - _DEEPER_M:
+            self._said[key] = contact.distance_m
+            self._report(contact, tick)
 
 
 def _contact(pair: _Pair, contact: _Open, end_tick: int) -> Contact:

@@ -37,6 +37,7 @@ from elitescript.conversation import describe
 from elitescript.errors import UsageError
 from elitescript.kernel.options import DEFAULTS
 from elitescript.language.diagnostics import Diagnostic, Edit
+from elitescript.language.text.source import BOM
 from elitescript.lint.explanations import markdown
 from elitescript.lint.program import Span
 from elitescript.messages.profile import PROFILES
@@ -110,7 +111,9 @@ class Desk:
         old = self._document
         if version < old.version or (version == old.version and text == old.text and settings == old.settings):
             return
-        if settings == old.settings:
+        # A page has neither of these marks; with them, rows and places would be counted in other ways.
+        is_plain = not any(mark in each for mark in ("\r", BOM) for each in (old.text, text))
+        if is_plain and settings == old.settings:
             self._document = old.edited(_edits(old, text), version)
         else:
             self._document = Document(old.name, text, version, settings)

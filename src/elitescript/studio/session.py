@@ -16,6 +16,7 @@ from elitescript.conversation.describe import notice, refused
 from elitescript.conversation.fields import MessageError
 from elitescript.conversation.messages import Open, Program, Save, Service, Settings, ToSource, ask_of, read_message
 from elitescript.errors import UsageError
+from elitescript.models.model import is_model_file
 from elitescript.records import NamedTuple, replace
 from elitescript.studio.files import Programs
 from elitescript.studio.last_runs import LastRuns
@@ -82,6 +83,8 @@ class Session:
         self._services = EditorServices(place.given, place.world, place.meshes)
         self._last_runs = LastRuns(self._services.ran)
         self._file = file
+        self._names: list[str] = []
+        """Programs that can be opened."""
         self._is_checked_here = False
         """Whether the source does not check texts."""
         self._beside: set[asyncio.Task[None]] = set()
@@ -90,6 +93,8 @@ class Session:
 
     async def begin(self) -> None:
         """Send what a page begins with."""
+        if self._place.programs is not None:
+            self._names = await asyncio.to_thread(self._place.programs.names)
         await self._source.start(self._from_source)
         if self._file is not None:
             await self._file.open_first()
@@ -151,17 +156,21 @@ class Session:
                 await self._source.take(message)
 
     async def _program(self, message: Program) -> None:
-        given, world = message.options, message.options.world
-        path = None if not world else self._world(world)
+        given = message.options
+        world = self._inside(given.world) if given.world else None
+        # An arm of the command line may be anywhere; it is used if the page leaves it out.
+        robot = None if given.robot == self._place.given.get("model") else given.robot
+        if robot is not None and is_model_file(robot):
+            robot = str(self._inside(robot))
         self._opened.edited(message.text)
         self._last_runs.program(message.version, message.text)
-        options = {"model": given.robot, "firmware": given.firmware}
+        options = {"model": robot, "firmware": given.firmware}
         chosen = {name: value for name, value in options.items() if value is not None}
-        self._services.put(message.version, message.text, chosen, path)
+        self._services.put(message.version, message.text, chosen, world)
         if self._is_checked_here:
             self._let(None, self._check, message.version)
         else:
-            located = given if path is None else replace(given, world=str(path))
+            located = replace(given, robot=robot, world=given.world if world is None else str(world))
             await self._source.take(replace(message, options=located))
 
     async def _check(self, version: int) -> None:
@@ -182,19 +191,19 @@ class Session:
         except (OSError, ValueError) as error:
             raise UsageError(f"the settings of the page are not kept: {error}") from None
 
-    def _world(self, name: str) -> Path:
-        """Return the path of a world file that the page names.
+    def _inside(self, name: str) -> Path:
+        """Return the path of a file that the page names: what is read here must be the user's choice.
 
         Raises:
-            UsageError: it is neither that of the command line nor in the opened folder: it may name Python files.
+            UsageError: it is neither in the folder of the program nor the world file of the command line.
         """
-        folder, given = self._opened.folder, self._place.world
+        folder = self._opened.folder
         try:
             path = (folder / name).resolve()
         except (OSError, ValueError, RuntimeError) as error:
             raise UsageError(f"{name!r:.200} is no path: {error}") from None
-        if path != given and not path.is_relative_to(folder):
-            raise UsageError(f"{name!r:.200} is outside {folder}; name it with --world")
+        if path != self._place.world and not path.is_relative_to(folder):
+            raise UsageError(f"{name!r:.200} is outside {folder}; name it on the command line")
         return path
 
     # ---------------------------------------------------------------- messages of the source
@@ -215,7 +224,7 @@ class Session:
         if self._place.programs is not None:
             self._is_checked_here = "edit" not in abilities
             abilities += ["edit", "save"]
-            given["programs"] = message.get("programs") or self._place.programs.names()
+            given["programs"] = message.get("programs") or self._names
         return {**message, **given, "abilities": list(dict.fromkeys(abilities))}
 
     # ---------------------------------------------------------------- failures

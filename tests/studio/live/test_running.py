@@ -251,6 +251,22 @@ class TestOutside:
             assert link.one("run_ended")["state"] == "time_limit"
         assert "refused_connections" not in link.one("run_ended")
 
+    def test_contacts_with_things_of_the_world_and_the_closest_to_them(self, tmp_path):
+        (tmp_path / "cell.toml").write_text(
+            '[[box]]\nname = "wall"\nsize = [0.2, 0.2, 2.0]\npose = [-0.6, 0.35, 0.0, 0, 0, 0]\n'
+            '[[box]]\nname = "far"\nsize = [0.1, 0.1, 0.1]\npose = [3.0, 0.0, 0.0, 0, 0, 0]\n'
+        )
+        text = (
+            "def job():\n  movej([0, -1.2, -1.57, -1.57, 1.57, 0])\n  movej([-1.2, -1.2, -1.57, -1.57, 1.57, 0])\nend\n"
+        )
+        link = reported(text, world=str(tmp_path / "cell.toml"))
+        found = {contact["second"]: contact for contact in link.one("contacts")["list"]}
+        assert set(found) == {"wall", "far"}
+        assert found["wall"]["is_contact"] == (found["wall"]["distance_m"] < 0.0)
+        assert not found["far"]["is_contact"]
+        assert found["far"]["distance_m"] > 1.0
+        assert [part["name"] for part in link.one("scene")["parts"] if part["role"] == "thing"] == ["wall", "far"]
+
     def test_a_world_file_that_is_not_trusted_names_no_python(self, tmp_path):
         (tmp_path / "cell.toml").write_text('[[device]]\nclass = "cell.py:Cell"\n')
         link = reported(TEXT, world=str(tmp_path / "cell.toml"))

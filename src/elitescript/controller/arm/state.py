@@ -13,6 +13,7 @@ from typing import Final, Protocol
 
 from elitescript.controller.arm.plant import LaggingJoints
 from elitescript.controller.motion.control import MotionControl
+from elitescript.kinematics.rotations import Vector3
 from elitescript.messages.motion import Six
 from elitescript.messages.state import JointState
 from elitescript.messages.timing import PERIOD_S
@@ -119,6 +120,10 @@ class ArmState:
     def turned(self, begin: int, end: int) -> Six | None:
         """Return how far each joint of the target turns between two ticks, rad; see `MotionControl.turned`."""
         return None if self._is_stepped else self._motion.turned(begin, end)
+
+    def tool_way(self, begin: int, end: int) -> tuple[float, float, Vector3] | None:
+        """Return how far the tool goes and turns between two ticks; see `MotionControl.tool_way`."""
+        return None if self._is_stepped else self._motion.tool_way(begin, end)
 
     @property
     def next_tick(self) -> int | None:

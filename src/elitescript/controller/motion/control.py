@@ -26,6 +26,7 @@ from elitescript.controller.motion.stepped_drives import ServoDrive, ToolDrive
 from elitescript.errors import MotionError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import tcp_twist
+from elitescript.kinematics.rotations import Vector3
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.events import Event, MotionEnded, MotionStarted, Warned
 from elitescript.messages.motion import (
@@ -168,6 +169,11 @@ class MotionControl:
         """Take other joints (rad) as those of the resting arm: a correction has ended there."""
         self._q_rest = q
         self._sampled_tick = -1
+
+    def tool_way(self, begin: int, end: int) -> tuple[float, float, Vector3] | None:
+        """Return way and turn of the tool between two ticks, as `turned`, and the TCP; see `Move.tool_way`."""
+        source = self._source
+        return source.tool_way(begin, end) if isinstance(source, Move) and end <= source.end_tick else None
 
     def turned(self, begin: int, end: int) -> Six | None:
         """Return how far each joint turns between two ticks, from the present one to the next that is due, rad.

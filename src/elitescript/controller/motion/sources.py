@@ -11,7 +11,8 @@ from bisect import bisect_left
 from math import inf, isinf
 from typing import Final, Protocol
 
-from elitescript.kinematics.transforms import Transform
+from elitescript.kinematics.rotations import Vector3
+from elitescript.kinematics.transforms import Transform, position_of
 from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import PERIOD_S, ticks_for
@@ -178,6 +179,14 @@ class Move:
     def turned(self, begin: int, end: int) -> Six | None:
         """Return how far each joint turns between two ticks, at most; see `JointPath.turned`."""
         return self.segment.turned(self.path_time_s(begin), self.path_time_s(end))
+
+    def tool_way(self, begin: int, end: int) -> tuple[float, float, Vector3] | None:
+        """Return how far the TCP goes between two ticks, m, how far the tool turns, rad, and the TCP, flange frame.
+
+        None if that is not known.
+        """
+        found = self.segment.tool_way(self.path_time_s(begin), self.path_time_s(end))
+        return None if found is None else (*found, position_of(self.T_flange_tcp))
 
     def is_awaited(self, number: int) -> bool:
         """Return whether the call of that number is not over."""

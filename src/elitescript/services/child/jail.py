@@ -31,6 +31,8 @@ from elitescript.services.child import syscalls
 MEMORY_MAX: Final = 1 << 30
 """Bytes of address space; a controller with a program takes a tenth."""
 OPEN_FILES_MAX: Final = 32
+OPEN_FILES_OF_COPIES_MAX: Final = 128
+"""Of a process that talks to copies of itself."""
 
 _PR_SET_PDEATHSIG: Final = 1
 _PR_SET_DUMPABLE: Final = 4
@@ -62,23 +64,26 @@ class Layer(NamedTuple):
     """What it does here, or why it is not there."""
 
 
-def enter_jail(readable: Iterable[str] | None = None, memory_max: int = MEMORY_MAX) -> tuple[Layer, ...]:
+def enter_jail(
+    readable: Iterable[str] | None = None, memory_max: int = MEMORY_MAX, *, may_copy: bool = False
+) -> tuple[Layer, ...]:
     """Return lock this process in, for good.
 
     Args:
         readable: files and folders that may still be read; `own_modules()` if None.
         memory_max: bytes of address space.
+        may_copy: whether it may leave copies of itself, which are locked in as well.
 
     Returns:
         Every layer: one that cannot be had is marked as missing, the others are there all the same.
     """
     paths = own_modules() if readable is None else list(readable)
     return (
-        _tried("limits", lambda: _limit(memory_max)),
+        _tried("limits", lambda: _limit(memory_max, may_copy=may_copy)),
         _tried("capabilities", _drop_capabilities),
         _tried("privileges", _give_up_privileges),
         _tried("files", lambda: _restrict_files(paths)),
-        _tried("system calls", _filter_calls),
+        _tried("system calls", lambda: _filter_calls(may_copy=may_copy)),
     )
 
 
@@ -130,25 +135,21 @@ def _prctl(option: int, argument: int, what: str, third: int = 0) -> None:
     _checked(prctl(ctypes.c_int(option), *values), what)
 
 
-def _limit(memory_max: int) -> str:
+def _limit(memory_max: int, *, may_copy: bool) -> str:
     import resource
 
-    wanted = {
-        "AS": memory_max,
-        "NOFILE": OPEN_FILES_MAX,
-        "FSIZE": 0,
-        "NPROC": 0,
-        "CORE": 0,
-        "MEMLOCK": 0,
-        "MSGQUEUE": 0,
-    }
+    open_files = OPEN_FILES_OF_COPIES_MAX if may_copy else OPEN_FILES_MAX
+    wanted = {"AS": memory_max, "NOFILE": open_files, "FSIZE": 0, "CORE": 0, "MEMLOCK": 0, "MSGQUEUE": 0}
+    if not may_copy:
+        wanted["NPROC"] = 0
     for name, value in wanted.items():
         number = getattr(resource, f"RLIMIT_{name}", None)
         if number is not None:
             hard = resource.getrlimit(number)[1]
             limit = value if hard == resource.RLIM_INFINITY else min(value, hard)
             resource.setrlimit(number, (limit, limit))
-    return f"{memory_max >> 20} MiB of memory, {OPEN_FILES_MAX} open files, no growing files, no processes"
+    processes = "copies of itself" if may_copy else "no processes"
+    return f"{memory_max >> 20} MiB of memory, {open_files} open files, no growing files, {processes}"
 
 
 def _drop_capabilities() -> str:
@@ -216,11 +217,12 @@ class _Program(ctypes.Structure):
     _fields_ = (("length", ctypes.c_ushort), ("filter", ctypes.c_char_p))
 
 
-def _filter_calls() -> str:
+def _filter_calls(*, may_copy: bool) -> str:
     machine = os.uname().machine
     if machine not in syscalls.AUDIT_ARCHES:
         raise OSError(f"no table of system calls for {machine}, only for {', '.join(syscalls.AUDIT_ARCHES)}")
-    program = syscalls.filter_program(machine)
+    calls = (*syscalls.CALLS, *syscalls.COPYING) if may_copy else syscalls.CALLS
+    program = syscalls.filter_program(machine, calls)
     code = ctypes.create_string_buffer(syscalls.packed(program))
     wanted = _Program(len(program), ctypes.cast(code, ctypes.c_char_p))
     # PR_SET_SECCOMP refuses without no_new_privs, so a failure of that layer is seen here too.
@@ -228,4 +230,4 @@ def _filter_calls() -> str:
         ctypes.c_int(_PR_SET_SECCOMP), ctypes.c_ulong(_SECCOMP_MODE_FILTER), ctypes.byref(wanted), 0, 0
     )
     _checked(result, "prctl(PR_SET_SECCOMP)")
-    return f"{len(syscalls.CALLS)} of them on {machine}, all others refused"
+    return f"{len(calls)} of them on {machine}, all others refused"

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import errno
 import struct
+from collections.abc import Sequence
 from typing import Final
 
 from elitescript.records import NamedTuple
@@ -112,6 +113,21 @@ CALLS: Final = (
     Syscall("exit_group", 231, 94),
 )
 
+COPYING: Final = (
+    # No flag for a namespace of its own.
+    Syscall("clone", 56, 220, (Check(0, "none_of", (0x7E020000,)),)),
+    Syscall("wait4", 61, 260),
+    Syscall("socketpair", 53, 199, (Check(0, "one_of", (1,)), Check(1, "one_of", (0x1, 0x80001)))),
+    Syscall("sendto", 44, 206),
+    Syscall("recvfrom", 45, 207),
+    Syscall("sendmsg", 46, 211),
+    Syscall("recvmsg", 47, 212),
+    Syscall("getsockname", 51, 204),
+    Syscall("getsockopt", 55, 209),
+)
+"""What a process may do besides that leaves copies of itself and talks to them: through pairs of streams of this
+computer (AF_UNIX), which are connected to each other and to nothing else."""
+
 AUDIT_ARCHES: Final = {"x86_64": 0xC000003E, "aarch64": 0xC00000B7}
 """Processors that the table knows, as the kernel numbers them."""
 
@@ -131,8 +147,12 @@ Instruction = tuple[int, int, int, int]
 """Code, jump if true, jump if false, operand."""
 
 
-def filter_program(machine: str) -> list[Instruction]:
-    """Return the program of the filter for one processor, `x86_64` or `aarch64`.
+def filter_program(machine: str, calls: Sequence[Syscall] = CALLS) -> list[Instruction]:
+    """Return the program of the filter for one processor.
+
+    Args:
+        machine: `x86_64` or `aarch64`.
+        calls: what is allowed.
 
     Raises:
         KeyError: the table does not know it.
@@ -146,7 +166,7 @@ def filter_program(machine: str) -> list[Instruction]:
     if machine == "x86_64":
         # The same processor has a second set of numbers, for programs with pointers of 32 bits.
         program += [(_JUMP_IF_AT_LEAST, 0, 1, _X32_BIT), (_RETURN, 0, 0, _KILL_PROCESS)]
-    for call in CALLS:
+    for call in calls:
         number = call.x86_64 if machine == "x86_64" else call.aarch64
         if number is not None:
             block = [step for check in call.checks for step in _steps(check)] + [(_RETURN, 0, 0, _ALLOW)]

@@ -11,7 +11,7 @@ from elitescript.conversation.rows import RowWriter
 from elitescript.errors import ElitescriptError, ProgramError
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.timing import PERIOD_S, seconds, ticks_for
-from elitescript.studio.live.jobs import Cell, code_name, job_of
+from elitescript.studio.live.jobs import PreparedJob, code_name, job_of
 from elitescript.studio.live.link import Link
 
 ROWS_AT_ONCE: Final = 2000
@@ -30,7 +30,7 @@ def sample(link: Link, request: Mapping[str, Any], jail: Callable[[], None]) -> 
     job = job_of(request["job"])
     rows = StretchRows(link, run, request["from_s"], request["to_s"], request["step_s"])
     try:
-        robot = Cell(job).robot()
+        robot = PreparedJob(job).robot()
         jail()
         unit = robot.compile(SourceFile(code_name(job.name), job.text))
         # A tick more: the last row of a run that is cut short shows the begin of its stop.

@@ -565,7 +565,7 @@ class LiveEngine:
                 worker.kill()
 
 
-_REPEATED: Final = frozenset(("run_began", "lines", "moves", "events", "cycle", "run_ended"))
+_REPEATED: Final = frozenset(("run_began", "lines", "contacts", "moves", "events", "cycle", "run_ended"))
 """Messages that are sent again for a text with the same code."""
 
 

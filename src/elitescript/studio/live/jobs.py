@@ -58,7 +58,7 @@ def code_name(name: str) -> str:
     return name if name.endswith(".script") else f"{name}.script"
 
 
-class Cell:
+class PreparedJob:
     """What a job needs of this computer, read once: robots of it can be made when nothing can be read any more.
 
     Args:

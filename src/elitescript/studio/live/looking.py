@@ -16,7 +16,7 @@ from elitescript.debugger.api import BEFORE_STATEMENT, DebugError, Picture, Posi
 from elitescript.debugger.session import DebugSession
 from elitescript.debugger.source import ProgramSource
 from elitescript.errors import ElitescriptError, ProgramError
-from elitescript.studio.live.jobs import Cell, code_name, job_of
+from elitescript.studio.live.jobs import PreparedJob, code_name, job_of
 from elitescript.studio.live.link import Link
 from elitescript.world_file import closed_world
 
@@ -39,17 +39,18 @@ def look(link: Link, request: Mapping[str, Any], jail: Callable[[], None]) -> No
     """
     run, job = request["run"], job_of(request["job"])
     try:
-        cell = Cell(job)
+        prepared = PreparedJob(job)
+        jail()
         session = DebugSession(
             ProgramSource(
                 code_name(job.name),
                 text=job.text,
                 world=lambda: closed_world(job.world or None, is_trusted=job.is_trusted),
-                levels=cell.levels,
-                schedule=cell.schedule,
+                levels=prepared.levels,
+                schedule=prepared.schedule,
                 presets=job.presets,
                 until_s=request["until_s"],
-                task_dir=cell.files,
+                task_dir=prepared.files,
                 **job.robot,
             ),
             forks=CAN_COPY,

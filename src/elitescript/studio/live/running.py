@@ -31,8 +31,9 @@ from elitescript.plotting.line_times import ThreadLines, line_times
 from elitescript.plotting.sampling import Sampling
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
+from elitescript.solids.scene import scene
 from elitescript.studio.live.code import digest_of, lines_of, moved_lines
-from elitescript.studio.live.jobs import Cell, Job, code_name, job_data, job_of
+from elitescript.studio.live.jobs import Job, PreparedJob, code_name, job_data, job_of
 from elitescript.studio.live.link import Board, Link
 
 STEP_S: Final = 0.04
@@ -65,7 +66,7 @@ def run_program(link: Link, request: Mapping[str, Any], jail: Callable[[], None]
     job = job_of(request["job"])
     source = SourceFile(code_name(job.name), job.text)
     try:
-        robot = Cell(job).robot()
+        robot = PreparedJob(job).robot()
     except ElitescriptError as error:
         jail()
         checked = compile_checked(source, PROFILES[DEFAULT_FIRMWARE], Options())
@@ -74,7 +75,17 @@ def run_program(link: Link, request: Mapping[str, Any], jail: Callable[[], None]
         return
     jail()
     setup = robot.controller.setup
-    link.send(describe.scene(robot.model, tcp=setup.tcp_offset, payload=setup.payload, gravity=setup.gravity))
+    payload, cell = setup.payload, robot.cell
+    link.send(
+        scene(
+            robot.model,
+            tcp=setup.tcp_offset,
+            payload_kg=payload.mass_kg,
+            center_of_gravity=payload.cog,
+            gravity=setup.gravity,
+            parts=() if cell is None else cell.parts,
+        )
+    )
     checked = compile_checked(
         source, robot.profile, Options(strict=robot.options.strict), presets=job.presets, arm=robot.model
     )
@@ -254,6 +265,9 @@ class RunReport:
     def _end(self, run: Run, state: str, last: Moment) -> None:
         if self._open is not None and state != "time_limit":
             self._link.send(describe.moves(self._number, timed_moves([self._open], last.t)))
+        if run.watch is not None:
+            closest = [contact for contact in run.clearances if not contact.is_contact]
+            self._link.send(describe.contacts(self._number, [*run.contacts, *closest]))
         alarm = None
         if run.alarms:
             refused = self._robot.controller.motion.refused

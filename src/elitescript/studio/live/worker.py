@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import os
 import sys
+from pathlib import Path
 from typing import Any, Final
 
 from elitescript.environment.process import end_with_parent, limit_memory
-from elitescript.services.child.jail import enter_jail
+from elitescript.services.child.jail import enter_jail, own_modules
 from elitescript.studio.live.detail import sample
 from elitescript.studio.live.link import Link
 from elitescript.studio.live.looking import look
@@ -33,8 +34,14 @@ def serve(link: Link) -> None:
 
 
 def _lock_in(request: dict[str, Any]) -> None:
-    if request["job"]["may_connect"]:
+    job = request["job"]
+    if job["may_connect"]:
         limit_memory(MEMORY_BYTES)
+    elif request["do"] == "look":
+        # It makes robots again and again, and copies of itself.
+        model = str(job["robot"].get("model", ""))
+        files = [str(Path(path).parent) for path in (job["world"], model) if path.endswith(".toml")]
+        enter_jail([*own_modules(), *files], MEMORY_BYTES, may_copy=True)
     else:
         enter_jail(memory_max=MEMORY_BYTES)
 
