@@ -53,7 +53,6 @@ if TYPE_CHECKING:
     from elitescript.kernel.option_keywords import RobotKeywords
     from elitescript.runtime.environment import Channels
     from elitescript.runtime.host import ScriptHost
-    from elitescript.solids.cell import Cell
     from elitescript.solids.contacts import Contact, ContactWatch
 
 IDLE_TICKS: Final = ticks_for(1.0)
@@ -201,11 +200,6 @@ class VirtualRobot:
     def host(self) -> ScriptHost:
         """What runs its programs."""
         return self._host
-
-    @property
-    def cell(self) -> Cell | None:
-        """Solids beside it and on its flange, of its world file; None without any."""
-        return self._cell
 
     def threads(self) -> tuple[Any, ...]:
         """Return every script thread: name, line and what it waits for."""

@@ -35,7 +35,7 @@ export class Run {
   /** Those of the events that people read. */
   readonly messages: RunEvent[] = [];
   /** Changes of each signal that changed. */
-  readonly signals = new Map<string, { readonly t: number[]; readonly value: Value[] }>();
+  readonly signals = new Map<string, { readonly t: number[]; readonly value: Value[]; readonly line: number[] }>();
   cycle: readonly CycleRow[] = [];
   contacts: readonly Contact[] = [];
   /** Up to where it is computed, s. */
@@ -141,7 +141,7 @@ export class Run {
     return (visits.find((span) => span.start_s > t + TICK_S / 2) ?? visits[0])?.start_s ?? null;
   }
 
-  /** The time of the next (1) or previous (-1) event or begin of a move; null if there is none. */
+  /** The time of the next (1) or previous (-1) event, contact or begin of a move; null if there is none. */
   eventBeside(t: number, by: 1 | -1): number | null {
     let found: number | null = null;
     const look = (time: number) => {
@@ -149,6 +149,7 @@ export class Run {
     };
     for (const event of this.events) look(event.t);
     for (const move of this.moves) look(move.start_s);
+    for (const contact of this.contacts) if (contact.is_contact) look(contact.start_s);
     if (this.alarm !== null) look(this.alarm.t);
     return found;
   }
@@ -160,9 +161,10 @@ export class Run {
     if (READ_TYPES.has(event.type)) this.messages.push(event);
     if (event.type === "signal") {
       const name = String(event["name"]);
-      const changes = this.signals.get(name) ?? { t: [], value: [] };
+      const changes = this.signals.get(name) ?? { t: [], value: [], line: [] };
       changes.t.push(event.t);
       changes.value.push(event["value"] as Value);
+      changes.line.push(event.line ?? 0);
       this.signals.set(name, changes);
     }
   }

@@ -73,6 +73,7 @@ export class CurveChart {
         stroke: () => (isGhost ? this.input.palette.stale : this.colour(index)),
         width: isGhost ? 1 : 1.5,
         dash: isGhost ? [2, 2] : [...DASHES[spec.columns.length > 1 ? index : 0]!],
+        pxAlign: 0,
         points: { show: false },
         spanGaps: true,
       }));
