@@ -25,6 +25,7 @@ MODULES = (
     "serial",
     "pygls.lsp.server",
     "mcp.server.mcpserver",
+    "websockets.asyncio.server",
 )
 JAIL = """
 from time import perf_counter, process_time

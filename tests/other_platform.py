@@ -46,7 +46,10 @@ NOT_ON_WINDOWS = {
 }
 LOOKING_AT_THE_SYSTEM = ("ctypes", "shutil", "tempfile", "uuid")
 """Modules of the standard library that look at the system when they are imported."""
-OF_OTHERS = ("asyncssh", "mcp.server.stdio", "mcp.server.mcpserver", "pygls.lsp.server", "pytest")
+OF_OTHERS = (
+    *("asyncssh", "mcp.server.stdio", "mcp.server.mcpserver", "pygls.lsp.server", "pytest"),
+    "websockets.asyncio.server",
+)
 """Libraries of extras, which look at the system too."""
 MODULES_NOT_ON_WINDOWS = ("fcntl", "grp", "pty", "pwd", "readline", "resource", "syslog", "termios", "tty")
 PROGRAM = """

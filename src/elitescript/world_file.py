@@ -23,6 +23,7 @@ from elitescript.messages.signals import Value
 from elitescript.paths import why_no_file
 
 if TYPE_CHECKING:
+    from elitescript.assist.document import Settings
     from elitescript.devices.world import World
 
 SIGNALS_SECTION: Final = "signals"
@@ -279,3 +280,43 @@ def _has_bare_index(text: str) -> bool:
         if bracket and name.isidentifier() and rest[:-1].isdecimal() and rest.endswith("]"):
             return True
     return False
+
+
+# ---------------------------------------------------------------- for editors
+
+
+def text_settings(given: Mapping[str, Any], world: str | Path | None) -> tuple[Settings, list[str]]:
+    """Return what texts are written for, and what is wrong with the world file, whose options are then left out.
+
+    Args:
+        given: options of the robot, which go before those of the world file; without a `model` in either, texts are
+            for any arm.
+        world: path of the world file; None without one.
+
+    Raises:
+        UsageError: an option that makes no sense.
+    """
+    from elitescript.assist.document import Settings
+    from elitescript.kernel.arm_facts import arm_facts
+    from elitescript.kernel.options import robot_options
+    from elitescript.messages.profile import profile
+
+    from_file: dict[str, Any] = {}
+    names: dict[str, tuple[str, ...]] = {}
+    wrong: list[str] = []
+    if world is not None:
+        try:
+            file = load_world_file(world, with_world=False)
+            from_file, names = file.options, _names_beside(file.beside)
+        except UsageError as error:
+            wrong.append(str(error))
+    robot = robot_options(given, from_file)
+    arm = arm_facts(robot) if "model" in given or "model" in from_file else None
+    return Settings(profile(robot.firmware), robot.strict, arm, names=names), wrong
+
+
+def _names_beside(beside: Mapping[str, Any]) -> dict[str, tuple[str, ...]]:
+    """Return the names that strings of programs may hold, by kind, from the sections of a world file."""
+    rows = [row for table in beside.values() if isinstance(table, list) for row in table if isinstance(row, Mapping)]
+    addresses = [row.get("address") for row in rows]
+    return {"address": tuple(dict.fromkeys(name for name in addresses if isinstance(name, str) and name))}

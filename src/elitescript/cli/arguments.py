@@ -181,6 +181,11 @@ def add_serve(parser: Parser) -> None:
         help="remember registers, flags and general Modbus values in this file over restarts, as the robot does; of "
         "further robots in files with a number in their names (default: nothing is remembered)",
     )
+    parser.add_argument(
+        "--studio",
+        action="store_true",
+        help="the studio as well, a page on this computer with a pendant for each robot; needs the extra `studio`",
+    )
     _add_world(parser, "what is around each robot, as for run")
     _add_serial(parser)
     parser.add_argument(
@@ -316,6 +321,48 @@ def add_mcp(parser: Parser) -> None:
     )
 
 
+def add_studio(parser: Parser) -> None:
+    from elitescript.cli.robot_options import add_options
+
+    parser.description = (
+        "Serve the studio, a page on this computer: it checks and runs the program again with every edit, and shows "
+        "path, time line, signals and messages. A line `ready ADDRESS` names the page once it is there. Ctrl-C ends "
+        "it. Needs: pip install 'elitescript[studio]'"
+    )
+    parser.add_argument(
+        "path",
+        nargs="?",
+        metavar="FILE|FOLDER",
+        help="a program, which need not exist yet, or a folder of programs (default: this one; with --connect none)",
+    )
+    parser.add_argument(
+        "--port", type=int, default=0, metavar="N", help="port of this computer (default: any free one)"
+    )
+    parser.add_argument("--no-browser", action="store_true", help="only print the address of the page")
+    add_options(parser, "studio")
+    _add_world(parser, "what is around the robot, as for run")
+    parser.add_argument(
+        "--urdf", metavar="FILE", help="draw the arm from this URDF, with the meshes in the folder of the file"
+    )
+    parser.add_argument(
+        "--connect", metavar="HOST", help="show the controller at this address through its ordinary ports instead"
+    )
+    parser.add_argument("--control", action="store_true", help="with --connect: commands too, not only looking")
+    parser.add_argument(
+        "--instance", type=int, default=0, metavar="N", help="with --connect: which robot of a serve (default 0)"
+    )
+    parser.add_argument(
+        "--socket", metavar="PATH", help="with --connect: the ctl address of a robot that is served on this computer"
+    )
+    parser.add_argument(
+        "--jog-register",
+        type=int,
+        metavar="N",
+        help="with --control: first of the RTSI input registers that jogging writes, two integer and six float ones "
+        "(default 40)",
+    )
+
+
 def add_commands(parser: Parser) -> None:
     parser.description = (
         "Print the list of all robot commands, one command in full, or those that a word finds in names, parameters "
@@ -348,6 +395,7 @@ COMMANDS: Final[dict[str, tuple[str, Callable[[Parser], None]]]] = {
     "doctor": ("what this computer has that serving needs", add_doctor),
     "lsp": ("what editors show of programs, by the Language Server Protocol", add_lsp),
     "mcp": ("check, run and step through programs for agents", add_mcp),
+    "studio": ("a page that shows the program while it is written, or a controller", add_studio),
     "commands": ("the catalogue of robot commands", add_commands),
     "completion": ("completion of calls for bash, zsh and fish", add_completion),
 }

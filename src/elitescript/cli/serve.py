@@ -72,6 +72,10 @@ def serve(options: argparse.Namespace) -> int:
     spares = [spare_numbers(options.instance, chosen, robot=index, has_ssh=has_ssh) for index in robots]
     _check_host(options)
     _lockstep_timeout_s(options)
+    if options.studio:
+        from elitescript.cli.studio_beside import check_studio
+
+        check_studio()
     if not is_in_process(options):
         return _run(options, configs, worlds, numbers, spares, login, _on_signals)
     # Programs run in this process, and may block its signal handlers.
@@ -138,7 +142,14 @@ async def _serve(
     await session.open()
     try:
         log.ready(options.host, session, configs, policy.text, login)
-        await session.run(stop)
+        with contextlib.ExitStack() as held:
+            if options.studio:
+                from elitescript.cli.studio_beside import studios
+
+                names = [config.robot_id for config in configs]
+                robots = list(zip(names, session.control_addresses, strict=True))
+                held.enter_context(studios(robots, options.host, options.task_dir, _from_thread(log.studio)))
+            await session.run(stop)
     finally:
         await session.close()
     log.end()
@@ -357,6 +368,18 @@ def _threadsafe(stop: asyncio.Event) -> Callable[[], None]:
     return set_stop
 
 
+def _from_thread(say: Callable[[str, str], None]) -> Callable[[str, str], None]:
+    """Return a function that other threads may call in its place."""
+    loop = asyncio.get_running_loop()
+
+    def said(name: str, line: str) -> None:
+        with contextlib.suppress(RuntimeError):
+            # The loop is closed: nothing is printed any more.
+            loop.call_soon_threadsafe(say, name, line)
+
+    return said
+
+
 def missing_record(count: int) -> str:
     """Return the JSON line in the place of dropped lines."""
     text = f"{count} lines are missing here: they came faster than they could be printed"
@@ -471,6 +494,16 @@ class ServeLog:
         words = "ended by an alarm" if what == "alarm" else what
         self._out.write(f"{tag}{seconds(event.tick):10.3f} s  [{words}] {event.name or 'a program without a name'}\n")
         self._out.flush()
+
+    def studio(self, robot: str, line: str) -> None:
+        """Print what the studio of a robot says, its address above all; an empty line: it has ended."""
+        stream = self._out if line else self._err
+        if self._is_json:
+            _, _, address = line.partition(" ")
+            self._record({"type": "studio", "robot": robot, "address": address})
+        else:
+            stream.write(f"{line or f'the studio of {robot} has ended; the robot goes on'}\n")
+            stream.flush()
 
     def end(self) -> None:
         """Print that everything is closed."""

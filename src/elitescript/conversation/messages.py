@@ -323,7 +323,19 @@ _OPTIONS: Final[dict[str, Reader]] = {
 }
 SERVICES: Final = (
     *("completion", "resolve", "hover", "signature", "definition", "references", "rename", "actions", "format"),
-    *("tokens", "hints", "folding", "outline", "explain", "commands", "robots", "mesh", "examples", "signals"),
+    *(
+        "tokens",
+        "hints",
+        "typing",
+        "folding",
+        "outline",
+        "explain",
+        "commands",
+        "robots",
+        "mesh",
+        "examples",
+        "signals",
+    ),
 )
 ACTIONS: Final = (
     *("power_on", "power_off", "release_brakes", "play", "pause", "resume", "stop", "unlock", "close_popup"),

@@ -215,7 +215,7 @@ class RobotOptions:
         Text(),
         flag="--robot",
         metavar="MODEL",
-        commands=("run", "plot", "check", "serve"),
+        commands=("run", "plot", "check", "serve", "studio"),
     )
     model_text: str = option("", "text of the file of an own arm; empty for a model of the package")
     firmware: str = option(
@@ -223,7 +223,7 @@ class RobotOptions:
         "controller firmware",
         Text(tuple(PROFILES)),
         flag="--firmware",
-        commands=("run", "plot", "check", "serve"),
+        commands=("run", "plot", "check", "serve", "studio"),
     )
     seed: int = option(0, "seed of random()", Whole(), flag="--seed", metavar="N", commands=("run", "plot", "serve"))
     first_tick: int = option(0, "number of the first tick; of a robot that goes on where another one ended")

@@ -12,7 +12,7 @@ from typing import Any, Final
 
 from elitescript.assist.diagnostics import diagnostics
 from elitescript.assist.document import Document
-from elitescript.lsp.collecting import Collector
+from elitescript.environment.collecting import Collector
 from elitescript.lsp.frames import Frames
 from elitescript.lsp.processes import is_alive
 from elitescript.lsp.server import Server

@@ -8,11 +8,10 @@ from typing import Any, Final
 
 from elitescript.assist.document import Settings
 from elitescript.errors import UsageError
-from elitescript.kernel.arm_facts import arm_facts
-from elitescript.kernel.options import robot_options
 from elitescript.messages.profile import profile
 from elitescript.models.model import is_model_file, load_model
 from elitescript.records import record
+from elitescript.world_file import text_settings
 
 SECTION: Final = "elitescript"
 
@@ -66,33 +65,9 @@ def read_settings(given: object, folder: Path | None) -> tuple[ClientSettings, l
 
 
 def document_settings(settings: ClientSettings) -> tuple[Settings, list[str]]:
-    """Return what texts are written for, with the options of the world file; and what is wrong with that file.
-
-    An option of the settings goes before that of the world file.
-    """
+    """Return what texts are written for, with the options of the world file; and what is wrong with that file."""
     given = {"model": settings.robot, "firmware": settings.firmware, "strict": settings.strict}
-    given = {name: value for name, value in given.items() if value is not None}
-    from_file: dict[str, Any] = {}
-    names: dict[str, tuple[str, ...]] = {}
-    wrong: list[str] = []
-    if settings.world is not None:
-        from elitescript.world_file import load_world_file
-
-        try:
-            file = load_world_file(settings.world, with_world=False)
-            from_file, names = file.options, _names(file.beside)
-        except UsageError as error:
-            wrong.append(str(error))
-    robot = robot_options(given, from_file)
-    arm = arm_facts(robot) if "model" in given or "model" in from_file else None
-    return Settings(profile(robot.firmware), robot.strict, arm, names=names), wrong
-
-
-def _names(beside: Mapping[str, Any]) -> dict[str, tuple[str, ...]]:
-    """Return the names that strings of programs may hold, by kind, from the sections of a world file."""
-    rows = [row for table in beside.values() if isinstance(table, list) for row in table if isinstance(row, Mapping)]
-    addresses = [row.get("address") for row in rows]
-    return {"address": tuple(dict.fromkeys(name for name in addresses if isinstance(name, str) and name))}
+    return text_settings({name: value for name, value in given.items() if value is not None}, settings.world)
 
 
 def _flat(values: Mapping[str, Any]) -> dict[str, Any]:

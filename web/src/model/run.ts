@@ -1,8 +1,8 @@
 /** One run of a program as the page knows it: grows while it is computed. */
 
 import { signal } from "@preact/signals-core";
-import type { AlarmReport, Contact, CycleRow, FromSource, Moment, Move, RunEvent, RunOptions } from "../source/messages.ts";
-import type { Rows } from "../source/rows.ts";
+import type { AlarmReport, Contact, CycleRow, FromSource, Moment, Move, RunEvent, RunOptions, Value } from "../source/messages.ts";
+import { TICK_S, type Rows } from "../source/rows.ts";
 import { SampleTable } from "./samples.ts";
 
 export type RunEnded = Extract<FromSource, { type: "run_ended" }>;
@@ -13,6 +13,16 @@ export interface ThreadLines {
   readonly line: number[];
 }
 
+/** A stretch of a thread in one line. */
+export interface Span {
+  readonly start_s: number;
+  readonly end_s: number;
+  readonly thread: string;
+}
+
+/** Types of events that are for people to read: rows of Messages. */
+const READ_TYPES: ReadonlySet<string> = new Set(["log", "print", "popup", "warning", "device", "safety", "alarm"]);
+
 export class Run {
   /** Raised when anything has changed; what shows a run reads it. At most once for each message. */
   readonly revision = signal(0);
@@ -20,7 +30,12 @@ export class Run {
   /** By the name of the thread, `main` first. */
   readonly lines = new Map<string, ThreadLines>();
   readonly moves: Move[] = [];
+  /** In the order in which they happened. */
   readonly events: RunEvent[] = [];
+  /** Those of the events that people read. */
+  readonly messages: RunEvent[] = [];
+  /** Changes of each signal that changed. */
+  readonly signals = new Map<string, { readonly t: number[]; readonly value: Value[] }>();
   cycle: readonly CycleRow[] = [];
   contacts: readonly Contact[] = [];
   /** Up to where it is computed, s. */
@@ -30,11 +45,14 @@ export class Run {
   /** Of the text. */
   readonly version: number;
   readonly options: RunOptions;
+  /** The text that ran. */
+  readonly text: string;
 
-  constructor(number: number, version: number, options: RunOptions) {
+  constructor(number: number, version: number, options: RunOptions, text = "") {
     this.number = number;
     this.version = version;
     this.options = options;
+    this.text = text;
   }
 
   /** The last moment, once it has ended. */
@@ -53,17 +71,13 @@ export class Run {
         this.known_s = Math.max(this.known_s, message.t);
         break;
       case "events":
-        this.events.push(...message.list);
+        for (const event of message.list) this.happen(event);
         break;
-      case "lines": {
-        const known = this.lines.get(message.thread) ?? { t: [], line: [] };
-        known.t.push(...message.t);
-        known.line.push(...message.line);
-        this.lines.set(message.thread, known);
+      case "lines":
+        this.pass(message.thread, message.t, message.line);
         break;
-      }
       case "moves":
-        this.moves.push(...message.list);
+        for (const move of message.list) this.move(move);
         break;
       case "cycle":
         this.cycle = message.table;
@@ -87,4 +101,100 @@ export class Run {
     this.known_s = Math.max(this.known_s, this.samples.end_s);
     this.revision.value++;
   }
+
+  /** Takes over what another run did before a time, as this one does the same up to there. */
+  continueFrom(other: Run, until_s: number): void {
+    if (until_s <= 0) return;
+    this.samples.begin(other.samples, until_s);
+    for (const [thread, { t, line }] of other.lines) {
+      const count = t.findIndex((time) => time >= until_s);
+      if (count !== 0) this.lines.set(thread, { t: t.slice(0, count < 0 ? undefined : count), line: line.slice(0, count < 0 ? undefined : count) });
+    }
+    for (const move of other.moves) if (move.end_s <= until_s) this.moves.push(move);
+    for (const event of other.events) if (event.t < until_s) this.happen(event);
+    this.known_s = Math.max(this.known_s, Math.min(until_s, other.known_s));
+    this.revision.value++;
+  }
+
+  // ---------------------------------------------------------------- questions
+
+  /** The line of a thread at a time; 0 where there is none. */
+  lineAt(t: number, thread = "main"): number {
+    const found = this.lines.get(thread);
+    return found === undefined ? 0 : (found.line[lastAtOrBefore(found.t, t)] ?? 0);
+  }
+
+  /** Stretches in which a thread is in a line, by their begin. */
+  spansOf(line: number): Span[] {
+    const spans: Span[] = [];
+    for (const [thread, { t, line: lines }] of this.lines) {
+      for (let index = 0; index < t.length; index++) {
+        if (lines[index] === line) spans.push({ start_s: t[index]!, end_s: t[index + 1] ?? this.known_s, thread });
+      }
+    }
+    return spans.sort((a, b) => a.start_s - b.start_s);
+  }
+
+  /** The next visit of a line after a time, the first one if there is none; null if it never ran. */
+  visitAfter(line: number, t: number): number | null {
+    const visits = this.spansOf(line);
+    return (visits.find((span) => span.start_s > t + TICK_S / 2) ?? visits[0])?.start_s ?? null;
+  }
+
+  /** The time of the next (1) or previous (-1) event or begin of a move; null if there is none. */
+  eventBeside(t: number, by: 1 | -1): number | null {
+    let found: number | null = null;
+    const look = (time: number) => {
+      if (by > 0 ? time > t + TICK_S / 2 && (found === null || time < found) : time < t - TICK_S / 2 && (found === null || time > found)) found = time;
+    };
+    for (const event of this.events) look(event.t);
+    for (const move of this.moves) look(move.start_s);
+    if (this.alarm !== null) look(this.alarm.t);
+    return found;
+  }
+
+  // ---------------------------------------------------------------- what it grows by
+
+  private happen(event: RunEvent): void {
+    this.events.push(event);
+    if (READ_TYPES.has(event.type)) this.messages.push(event);
+    if (event.type === "signal") {
+      const name = String(event["name"]);
+      const changes = this.signals.get(name) ?? { t: [], value: [] };
+      changes.t.push(event.t);
+      changes.value.push(event["value"] as Value);
+      this.signals.set(name, changes);
+    }
+  }
+
+  /** What comes again for a time counts instead of what was known. */
+  private pass(thread: string, t: readonly number[], line: readonly number[]): void {
+    const known = this.lines.get(thread) ?? { t: [], line: [] };
+    while (known.t.length > 0 && t.length > 0 && known.t.at(-1)! >= t[0]!) {
+      known.t.pop();
+      known.line.pop();
+    }
+    for (let index = 0; index < t.length; index++) {
+      known.t.push(t[index]!);
+      known.line.push(line[index]!);
+    }
+    this.lines.set(thread, known);
+  }
+
+  private move(move: Move): void {
+    while (this.moves.length > 0 && this.moves.at(-1)!.start_s >= move.start_s - TICK_S / 2) this.moves.pop();
+    this.moves.push(move);
+  }
+}
+
+/** Index of the last of ascending times that is not after `t`; -1 if there is none. */
+export function lastAtOrBefore(times: ArrayLike<number>, t: number): number {
+  let low = 0;
+  let high = times.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (times[middle]! <= t + TICK_S / 4) low = middle + 1;
+    else high = middle;
+  }
+  return low - 1;
 }

@@ -55,7 +55,7 @@ export type ControlAction =
 
 export type Service =
   | "completion" | "resolve" | "hover" | "signature" | "definition" | "references" | "rename" | "actions" | "format"
-  | "tokens" | "hints" | "folding" | "outline" | "explain" | "commands" | "robots" | "mesh" | "examples" | "signals";
+  | "tokens" | "hints" | "typing" | "folding" | "outline" | "explain" | "commands" | "robots" | "mesh" | "examples" | "signals";
 
 export type ToSource =
   /** A new text of the editor: is checked, and run. `version` grows with each text. */

@@ -66,16 +66,19 @@ class Guard(NamedTuple):
     def refusal(self, snapshot: Snapshot) -> str:
         """Return why the command is refused now; empty if it is accepted."""
         robot = snapshot.robot
-        if self.is_remote_only and not snapshot.is_remote:
+        return self.refusal_in(robot.robot_mode, robot.safety_mode, robot.task_state, is_remote=snapshot.is_remote)
+
+    def refusal_in(self, mode: RobotMode, safety: SafetyMode, task: TaskState, *, is_remote: bool = True) -> str:
+        """Return why the command is refused in these states; empty if it is accepted."""
+        if self.is_remote_only and not is_remote:
             return f"{self.failure}: {LOCAL}"
-        if robot.safety_mode not in self.safety:
-            why = f"safety status is {safety_name(robot.safety_mode)}"
-            return f"{self.failure}: {_with_remedy(why, REMEDY_OF_SAFETY.get(robot.safety_mode))}"
-        if robot.robot_mode not in self.modes:
-            why = f"robotMode is {robot.robot_mode.name}"
-            return f"{self.failure}: {_with_remedy(why, REMEDY_OF_MODE.get(robot.robot_mode))}"
-        if robot.task_state not in self.tasks:
-            return f"{self.failure}: {WHY_TASK[robot.task_state]}"
+        if safety not in self.safety:
+            why = f"safety status is {safety_name(safety)}"
+            return f"{self.failure}: {_with_remedy(why, REMEDY_OF_SAFETY.get(safety))}"
+        if mode not in self.modes:
+            return f"{self.failure}: {_with_remedy(f'robotMode is {mode.name}', REMEDY_OF_MODE.get(mode))}"
+        if task not in self.tasks:
+            return f"{self.failure}: {WHY_TASK[task]}"
         return ""
 
 

@@ -14,7 +14,18 @@ from typing import Any, Final
 from elitescript.messages.enums import SafetyMode, TaskState
 from elitescript.messages.events import Alarm, Event, Popup, SafetyModeChanged, TaskStateChanged, TextMessage, Warned
 from elitescript.messages.snapshot import RobotDescription
-from elitescript.protocol.binary import BOOL, INT32, UINT8, UINT32, UINT64, Field, FieldList, Number, WireType
+from elitescript.protocol.binary import (
+    BOOL,
+    INT32,
+    UINT8,
+    UINT32,
+    UINT64,
+    Field,
+    FieldList,
+    Number,
+    WireType,
+    WireValue,
+)
 from elitescript.protocol.primary.packets import ASSUMED, DOCUMENTED, timestamp
 from elitescript.records import record
 
@@ -83,6 +94,23 @@ class MessageKind:
         body += _cut(text, MAX_TEXT_BYTES) + terminator
         size = self.fields.size + len(body)
         return self.fields.pack((size, ROBOT_MESSAGE, timestamp(tick), source, self.number, *values)) + body
+
+    def unpack(self, data: bytes) -> tuple[dict[str, WireValue], dict[str, str]]:
+        """Return the values of the fields and the texts of a whole message, by name.
+
+        Raises:
+            ValueError: fewer bytes than the fields, or the titles with their lengths, need.
+        """
+        values = self.fields.unpack(data)
+        at = self.fields.size
+        texts: dict[str, str] = {}
+        for name in self.texts[:-1]:
+            if at >= len(data) or at + 1 + data[at] > len(data):
+                raise ValueError(f"the {name} of a {self.name} message ends behind the message")
+            texts[name] = data[at + 1 : at + 1 + data[at]].decode("utf-8", "replace")
+            at += 1 + data[at]
+        texts[self.texts[-1]] = data[at:].rstrip(b"\0").decode("utf-8", "replace")
+        return {field.name: value for field, value in zip(self.fields.fields, values, strict=True)}, texts
 
 
 HEAD: Final = (

@@ -36,6 +36,7 @@ from elitescript.protocol.binary import (
     FieldList,
     Number,
     WireType,
+    WireValue,
     packed_bits,
 )
 from elitescript.protocol.device_modes import joint_mode, tool_mode
@@ -135,6 +136,21 @@ class SubMessage:
         except ValueError:
             # Torques of a program may exceed a FLOAT; clients still get the state.
             return self._fields.pack((self.size, self.number, *self._in_range(columns)))
+
+    def unpack(self, data: bytes) -> dict[str, WireValue]:
+        """Return the values by name of the field; of a part that repeats its fields, tuples of one for each repetition.
+
+        Args:
+            data: the bytes with their head; further ones, of a newer firmware, are left out.
+
+        Raises:
+            ValueError: fewer bytes than the fields need.
+        """
+        values = self._fields.unpack(data)[len(_HEAD) :]
+        if self.repeats == 1:
+            return {row.field.name: value for row, value in zip(self.rows, values, strict=True)}
+        count = len(self.rows)
+        return {row.field.name: values[place::count] for place, row in enumerate(self.rows)}  # type: ignore[misc]
 
     def _in_range(self, columns: Sequence[Number | Sequence[Number]]) -> list[Number | Sequence[Number]]:
         """Return the values with infinity in place of those that are too large for a FLOAT, as rounding does."""

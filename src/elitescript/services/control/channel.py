@@ -18,6 +18,7 @@ import os
 import secrets
 import stat
 import tempfile
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -320,18 +321,29 @@ def ask(path: Path, verb: str, arguments: list[str], values: dict[str, Any], *, 
         UsageError: no controller is served there.
     """
 
-    async def exchange() -> dict[str, Any]:
-        reader, writer, token = await _connect(path)
-        record = {"verb": verb, "arguments": arguments, "values": values, "wait": waits}
+    return asyncio.run(exchange(path, verb, arguments, values, waits=waits))
+
+
+async def exchange(
+    path: Path,
+    verb: str,
+    arguments: Sequence[str] = (),
+    values: Mapping[str, Any] | None = None,
+    *,
+    waits: bool = False,
+) -> dict[str, Any]:
+    """Ask a served robot, see `ask`; for processes that have an event loop."""
+    reader, writer, token = await _connect(path)
+    try:
+        record = {"verb": verb, "arguments": list(arguments), "values": dict(values or {}), "wait": waits}
         writer.write(json.dumps({**record, "token": token} if token else record).encode() + b"\n")
         line = await reader.readline()
+    finally:
         writer.close()
-        if not line:
-            raise UsageError("the controller has gone before it answered")
-        answer: dict[str, Any] = json.loads(line)
-        return answer
-
-    return asyncio.run(exchange())
+    if not line:
+        raise UsageError("the controller has gone before it answered")
+    answer: dict[str, Any] = json.loads(line)
+    return answer
 
 
 async def _connect(path: Path) -> tuple[asyncio.StreamReader, asyncio.StreamWriter, str]:

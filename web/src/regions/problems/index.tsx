@@ -1,5 +1,122 @@
+/** Region `Problems`: what `check` finds in the text, and what the run has met: its alarm, contacts, refused connections. */
+
+import type { ComponentChildren } from "preact";
+import { Icon, type IconName } from "../../app/icons.tsx";
+import type { Run } from "../../model/run.ts";
 import type { Studio } from "../../model/studio.ts";
+import { seconds, withUnit } from "../../model/units.ts";
+import type { AlarmReport, Contact, Problem } from "../../source/messages.ts";
+import type { Texts } from "../../text/en.ts";
+import { text } from "../../text/text.ts";
+
+/** Rows in the document; more problems than that are counted. */
+const ROWS_MAX = 200;
+
+const SEVERITIES: { readonly [severity in Problem["severity"]]: keyof Texts } = {
+  error: "severity_error", warning: "severity_warning", information: "severity_information", hint: "severity_hint",
+};
 
 export function Problems({ studio }: { studio: Studio }) {
-  return <p>{studio.hello.value?.title}</p>;
+  const run = studio.run.value;
+  void run?.revision.value;
+  const list = studio.problems.value?.list ?? [];
+  const isStale = studio.staleFrom.value > 0;
+  // A text that does not compile has no run of its own: what the one on the screen met says nothing of it.
+  const met = run === null || isStale ? [] : runProblems(studio, run);
+  const rows = [...list.map((problem, index) => <Finding key={`check ${index}`} studio={studio} problem={problem} />), ...met];
+  if (rows.length === 0) {
+    return <p class="empty">{text(studio.problems.value === null && run === null ? "problems_unknown" : "problems_none")}</p>;
+  }
+  return (
+    <div class="rows problems-list" tabIndex={0} role="group" aria-label={text("rows_of_problems")}>
+      <ul>{rows.slice(0, ROWS_MAX)}</ul>
+      {rows.length > ROWS_MAX && <p class="faint">{text("rows_more", { count: rows.length - ROWS_MAX })}</p>}
+    </div>
+  );
+}
+
+function runProblems(studio: Studio, run: Run): ComponentChildren[] {
+  const refused = run.ended?.refused_connections ?? [];
+  return [
+    ...(run.alarm === null ? [] : [<AlarmRow key="alarm" studio={studio} alarm={run.alarm} />]),
+    ...run.contacts.filter((contact) => contact.is_contact).map((contact, index) => <ContactRow key={`contact ${index}`} studio={studio} contact={contact} />),
+    ...(refused.length === 0 ? [] : [
+      <li key="refused" class="problem information">
+        <Icon name="information" />
+        <div>
+          <p>{text("refused_connections", { where: refused.join(", ") })}</p>
+          <p class="faint">{text("refused_hint")}</p>
+        </div>
+      </li>,
+    ]),
+  ];
+}
+
+interface RowProps {
+  readonly studio: Studio;
+  readonly kind: IconName;
+  readonly severity: string;
+  readonly line: number;
+  readonly words: string;
+  readonly t?: number;
+  readonly press: () => void;
+  readonly children?: ComponentChildren;
+}
+
+function Row({ studio, kind, severity, line, words, t, press, children }: RowProps) {
+  const hovered = studio.hover.value;
+  const isOutlined = hovered !== null && hovered.region !== "problems" && hovered.line === line && line > 0;
+  const point = () => studio.point({ region: "problems", line, ...(t === undefined ? {} : { t }) });
+  return (
+    <li class={`problem ${severity}${isOutlined ? " outlined" : ""}`} onPointerEnter={point} onPointerLeave={() => studio.point(null)}>
+      <Icon name={kind} />
+      <div>
+        <button type="button" class="place" onClick={press} onFocus={point} onBlur={() => studio.point(null)}>{words}</button>
+        {children}
+      </div>
+    </li>
+  );
+}
+
+function Finding({ studio, problem }: { studio: Studio; problem: Problem }) {
+  const { fix } = problem;
+  const words = text("problem", {
+    line: problem.line, column: problem.column, severity: text(SEVERITIES[problem.severity]), code: problem.code, text: problem.text,
+  });
+  const icon = problem.severity === "hint" ? "information" : problem.severity;
+  return (
+    <Row studio={studio} kind={icon} severity={problem.severity} line={problem.line} words={words} press={() => go(studio, problem)}>
+      {problem.hint !== "" && <p class="faint">{problem.hint}</p>}
+      {fix !== undefined && studio.can("edit") && (
+        <button type="button" class="fix" title={fix.title} onClick={() => studio.apply(fix.edits)}>{text("fix")}</button>
+      )}
+    </Row>
+  );
+}
+
+function AlarmRow({ studio, alarm }: { studio: Studio; alarm: AlarmReport }) {
+  const words = text("alarm", { line: alarm.line, column: alarm.column, code: alarm.code, text: alarm.text, t: seconds(alarm.t) });
+  return (
+    <Row studio={studio} kind="error" severity="error" line={alarm.line} t={alarm.t} words={words} press={() => studio.jump(alarm.t, alarm)}>
+      {alarm.limit !== undefined && <p>{alarm.limit}</p>}
+      {alarm.hints.map((hint, index) => <p key={index} class="faint">{hint}</p>)}
+    </Row>
+  );
+}
+
+function ContactRow({ studio, contact }: { studio: Studio; contact: Contact }) {
+  const words = text("contact", {
+    line: contact.line, first: contact.first, second: contact.second, t: seconds(contact.start_s),
+    depth: withUnit(Math.abs(contact.distance_m), "length", studio.display.value),
+  });
+  return (
+    <Row
+      studio={studio} kind="contact" severity="warning" line={contact.line} t={contact.t} words={words}
+      press={() => studio.jump(contact.t, { line: contact.line, column: 1 })}
+    />
+  );
+}
+
+function go(studio: Studio, place: { readonly line: number; readonly column: number }): void {
+  studio.goto.value = { line: place.line, column: place.column };
 }

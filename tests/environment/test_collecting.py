@@ -10,8 +10,8 @@ from time import sleep
 
 import pytest
 
-from elitescript.lsp import collecting
-from elitescript.lsp.collecting import Collector
+from elitescript.environment import collecting
+from elitescript.environment.collecting import Collector
 
 
 @pytest.fixture

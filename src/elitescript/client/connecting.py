@@ -1,0 +1,105 @@
+"""Connections to a controller: opened within a time, and opened again when they are lost."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import socket
+from collections.abc import AsyncIterator, Awaitable, Callable
+from typing import Final
+
+from elitescript.errors import ElitescriptError, PeerError
+
+CONNECT_S: Final = 3.0
+"""Longest time for a connection to open."""
+BACKOFF_S: Final = (0.2, 0.5, 1.0, 2.0, 5.0)
+"""Pauses between attempts; the last one again and again."""
+
+
+class LinkError(ElitescriptError):
+    """A connection to a controller cannot be had, or has ended; the text says which and why."""
+
+
+class CommandError(ElitescriptError):
+    """Something would command the controller over a connection that only reads."""
+
+
+Streams = tuple[asyncio.StreamReader, asyncio.StreamWriter]
+
+
+@contextlib.asynccontextmanager
+async def connected(host: str, port: int, name: str, timeout_s: float = CONNECT_S) -> AsyncIterator[Streams]:
+    """Open a connection; close it at the end of the block.
+
+    Args:
+        host: name or address.
+        port: its number.
+        name: of the port, for texts.
+        timeout_s: longest time to wait.
+
+    Raises:
+        LinkError: it does not open; in the block, also when it ends or a peer does not keep the protocol.
+    """
+    where = f"{name} port {host}:{port}"
+    try:
+        async with asyncio.timeout(timeout_s):
+            reader, writer = await asyncio.open_connection(host, port)
+    except TimeoutError:
+        raise LinkError(f"{where}: nobody answers within {timeout_s:g} s") from None
+    except OSError as error:
+        raise LinkError(f"{where}: {error.strerror or error}") from None
+    peer: socket.socket | None = writer.get_extra_info("socket")
+    if peer is not None:
+        peer.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    try:
+        yield reader, writer
+    except (OSError, EOFError) as error:
+        raise LinkError(f"{where}: the connection has ended ({error})") from None
+    except PeerError as error:
+        raise LinkError(f"{where}: {error}") from None
+    finally:
+        # Abort: what waits in buffers is not to reach a controller later on.
+        writer.transport.abort()
+
+
+async def read_some(reader: asyncio.StreamReader, timeout_s: float, what: str) -> bytes:
+    """Return what arrives next.
+
+    Raises:
+        LinkError: nothing came within the time, or the peer has closed the connection.
+    """
+    try:
+        async with asyncio.timeout(timeout_s):
+            data = await reader.read(1 << 16)
+    except TimeoutError:
+        raise LinkError(f"{what}: nothing came in time") from None
+    except OSError as error:
+        raise LinkError(f"{what}: {error.strerror or error}") from None
+    if not data:
+        raise LinkError(f"{what}: the controller has closed the connection")
+    return data
+
+
+async def keep_connected(
+    session: Callable[[], Awaitable[None]], lost: Callable[[str], None], backoff_s: tuple[float, ...] = BACKOFF_S
+) -> None:
+    """Run a session again whenever it ends with an error, until this task is cancelled or it returns.
+
+    Args:
+        session: opens a connection and works with it; one that worked for a while begins the pauses anew.
+        lost: takes why it ended, each time.
+        backoff_s: pauses between attempts.
+    """
+    loop = asyncio.get_running_loop()
+    attempt = 0
+    while True:
+        began = loop.time()
+        try:
+            await session()
+            return
+        except (LinkError, PeerError) as error:
+            lost(str(error))
+        if loop.time() - began > backoff_s[-1]:
+            attempt = 0
+        await asyncio.sleep(backoff_s[min(attempt, len(backoff_s) - 1)])
+        attempt += 1

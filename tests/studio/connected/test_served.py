@@ -1,0 +1,189 @@
+"""A page that drives a robot of our own, through its ordinary ports and `ctl`: real sockets, the whole way."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator
+from math import dist
+
+from elitescript.kernel import Kernel, RobotOptions
+from elitescript.services.control.channel import ControlChannel
+from elitescript.studio.connected.controller import ConnectedController
+from elitescript.studio.connected.target import Target
+from tests.services.served import Scene, serving
+from tests.studio.connected.fake_controller import Page, run, shown
+
+COUNTING = "global n\nn = 0\nwhile True:\n    n = n + 1\n    sleep(0.01)\n"
+
+
+@contextlib.asynccontextmanager
+async def driven(
+    monkeypatch, tmp_path, pages: int = 1, **options
+) -> AsyncIterator[tuple[Scene, ConnectedController, list[Page]]]:
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    robot = Kernel(RobotOptions(power_on=True, **options))
+    async with serving(robot) as scene:
+        control = ControlChannel(scene.server, 41)
+        await control.open()
+        target = Target(
+            "127.0.0.1", scene.server.ports, may_control=True, control_socket=tmp_path / "elitescript" / "serve-41.sock"
+        )
+        async with shown(target, pages) as (controller, made):
+            await made[0].until(lambda: made[0].of("scene") and controller.picture.may_move)
+            yield scene, controller, made
+        await control.close()
+
+
+async def hold(page: Page, seconds: float, **jog) -> None:
+    """Hold a button: the page repeats its message."""
+    end = asyncio.get_running_loop().time() + seconds
+    while asyncio.get_running_loop().time() < end:
+        await page.say(**{"type": "jog", "frame": "joint", "axis": 0, "direction": 1, "speed": 1.0, **jog})
+        await asyncio.sleep(0.05)
+
+
+async def stands(page: Page, controller: ConnectedController) -> float:
+    """Wait until the arm stands and nothing runs; return the first joint."""
+    await page.until(lambda: not controller.jogger.is_active)
+    await page.until(lambda: not any(controller.picture.values["actual_joint_speeds"]))
+    return controller.picture.joints[0]
+
+
+class TestJogging:
+    def test_it_moves_while_held_and_stops_when_released(self, monkeypatch, tmp_path):
+        async def test():
+            async with driven(monkeypatch, tmp_path) as (_, controller, (page,)):
+                first = controller.picture.joints[0]
+                await hold(page, 0.5)
+                await page.say(type="jog_end")
+                assert 0.05 < await stands(page, controller) - first < 0.5
+                assert page.of("refused") == page.of("notice") == []
+
+        run(test())
+
+    def test_it_stops_when_the_page_says_nothing_more(self, monkeypatch, tmp_path):
+        async def test():
+            async with driven(monkeypatch, tmp_path) as (_, controller, (page,)):
+                await hold(page, 0.4)
+                await stands(page, controller)
+
+        run(test())
+
+    def test_it_stops_when_the_page_is_gone(self, monkeypatch, tmp_path):
+        async def test():
+            async with driven(monkeypatch, tmp_path, pages=2) as (_, controller, (watching, page)):
+                await hold(page, 0.4)
+                await page.source.close()
+                last = controller.picture.joints[0]
+                assert await stands(watching, controller) - last < 0.5 * 0.3
+
+        run(test())
+
+    def test_one_page_holds_it(self, monkeypatch, tmp_path):
+        async def test():
+            async with driven(monkeypatch, tmp_path, pages=2) as (_, controller, (page, other)):
+                await hold(page, 0.3)
+                await other.say(type="jog", frame="joint", axis=1, direction=1, speed=1.0)
+                await other.say(type="jog", frame="joint", axis=1, direction=1, speed=1.0)
+                assert [message["text"] for message in other.of("refused")] == ["another page moves the arm"]
+                await other.say(type="jog_end")
+                assert controller.jogger.owner is page.source
+                await page.say(type="jog_end")
+                await stands(page, controller)
+                await hold(other, 0.2)
+                assert controller.jogger.owner is other.source
+                await other.say(type="jog_end")
+                await stands(other, controller)
+
+        run(test())
+
+    def test_a_button_that_is_held_does_not_begin_later(self, monkeypatch, tmp_path):
+        async def test():
+            async with driven(monkeypatch, tmp_path) as (_, controller, (page,)):
+                assert (await page.ask(type="send_program", text=COUNTING))["type"] == "done"
+                await hold(page, 0.1)
+                assert (await page.ask(type="control", action="stop"))["type"] == "done"
+                await page.until(lambda: controller.picture.task_state.name == "STOPPED")
+                await hold(page, 0.2)
+                assert not controller.jogger.is_active
+                await page.say(type="jog_end")
+                await hold(page, 0.1)
+                assert controller.jogger.is_active
+                await page.say(type="jog_end")
+                await stands(page, controller)
+
+        run(test())
+
+
+class TestPrograms:
+    def test_a_text_is_sent_and_runs(self, monkeypatch, tmp_path):
+        async def test():
+            async with driven(monkeypatch, tmp_path) as (_, controller, (page,)):
+                assert (await page.ask(type="send_program", text=COUNTING))["type"] == "done"
+                await page.until(lambda: controller.picture.globals.get("n", "-") not in ("-", "0"), 10.0)
+                lines = {message["moment"]["line"] for message in page.of("moment")}
+                assert lines <= {0, 1, 2, 3, 4, 5}, "lines are those of the text of the page"
+                answer = await page.ask(type="control", action="stop")
+                assert answer["type"] == "done"
+
+        run(test())
+
+    def test_what_is_wrong_with_a_text_is_said_with_its_line(self, monkeypatch, tmp_path):
+        async def test():
+            async with driven(monkeypatch, tmp_path) as (_, _, (page,)):
+                answer = await page.ask(type="send_program", text="x = 1\ny = \n")
+                assert answer["type"] == "refused"
+                assert answer["text"].startswith("line 2: SyntaxError")
+
+        run(test())
+
+
+class TestOwnRobot:
+    def test_inputs_faults_and_stops(self, monkeypatch, tmp_path):
+        async def test():
+            async with driven(monkeypatch, tmp_path) as (_, _, (page,)):
+                assert page.messages[0]["abilities"] == ["live", "edit", "control", "signals", "faults"]
+                assert (await page.ask(type="signal", name="standard_digital_in[3]", value=True))["type"] == "done"
+                await page.until(lambda: page.of("moment")[-1]["moment"]["signals"].get("standard_digital_in[3]"))
+                for action, mode in (
+                    ("emergency_stop", "ROBOT_EMERGENCY_STOP"),
+                    ("emergency_stop_release", "NORMAL"),
+                    ("safeguard_open", "SAFEGUARD_STOP"),
+                    ("safeguard_close", "NORMAL"),
+                ):
+                    assert (await page.ask(type="control", action=action))["type"] == "done"
+                    await page.until(lambda mode=mode: page.controller()["safety_mode"] == mode)
+                assert (await page.ask(type="fault", words=["protective", "touched"]))["type"] == "done"
+                await page.until(lambda: page.controller()["safety_mode"] == "PROTECTIVE_STOP")
+                answer = await page.ask(type="control", action="play")
+                assert "unlock it" in answer["text"]
+
+        run(test())
+
+    def test_hand_guiding(self, monkeypatch, tmp_path):
+        async def test():
+            async with driven(monkeypatch, tmp_path) as (_, controller, (page,)):
+                assert (await page.ask(type="control", action="freedrive_on"))["type"] == "done"
+                await page.until(lambda: page.controller()["task_state"] == "PLAYING")
+                await page.ask(type="signal", name="external_wrench[1]", value=40.0)
+                first = controller.picture.joints
+                await page.until(lambda: dist(first, controller.picture.joints) > 0.01)
+                assert (await page.ask(type="control", action="freedrive_off"))["type"] == "done"
+                await stands(page, controller)
+
+        run(test())
+
+    def test_a_window_of_a_program_is_closed(self, monkeypatch, tmp_path):
+        async def test():
+            async with driven(monkeypatch, tmp_path) as (_, _, (page,)):
+                text = 'popup("go on?", "Question", blocking=True)\n'
+                assert (await page.ask(type="send_program", text=text))["type"] == "done"
+                await page.until(lambda: "popup" in page.controller())
+                popup = page.controller()["popup"]
+                assert (popup["title"], popup["text"], popup["level"]) == ("Question", "go on?", "info")
+                assert (await page.ask(type="control", action="close_popup"))["type"] == "done"
+                await page.until(lambda: "popup" not in page.controller())
+                await page.until(lambda: page.controller()["task_state"] == "STOPPED")
+
+        run(test())

@@ -1,0 +1,112 @@
+"""A browser for the tests of the page: one for all of them, a fresh context for each page.
+
+Without Chromium, Playwright or the built page these tests are skipped, or fail where ELITESCRIPT_BROWSER is `required`.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import pytest
+
+from elitescript import page as built
+from tests.studio_page.fake_source import FakeSource, Play
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+NAMES: Final = ("chromium", "chromium-browser", "google-chrome")
+
+ARGUMENTS: Final = (
+    "--no-sandbox",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+    "--disable-quic",
+)
+"""WebGL in software, and nothing that reaches out of this computer."""
+
+WIDE: Final = (1200, 720)
+NARROW: Final = (400, 800)
+"""Sizes of the window; small ones, as pictures in software cost time."""
+
+WAIT_MS: Final = 15_000
+
+Open = Callable[..., "tuple[Page, FakeSource]"]
+
+
+def _missing() -> str:
+    if not any(map(shutil.which, NAMES)):
+        return "no Chromium: install the package chromium"
+    try:
+        import playwright.sync_api  # noqa: F401, PLC0415
+    except ImportError:
+        return "no Playwright: make .venv/.browser-ready"
+    return "" if built.is_built() else built.NOT_BUILT
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    """Start a browser; it ends with the last test."""
+    if missing := _missing():
+        if os.environ.get("ELITESCRIPT_BROWSER") == "required":
+            pytest.fail(missing)
+        pytest.skip(missing)
+    from playwright.sync_api import sync_playwright  # noqa: PLC0415
+
+    with sync_playwright() as driver:
+        found = next(path for name in NAMES if (path := shutil.which(name)))
+        browser = driver.chromium.launch(executable_path=found, args=list(ARGUMENTS))
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def context(browser: Browser) -> Iterator[Callable[..., Page]]:
+    """Make pages of a size, with what `new_context` takes; a message on the console or an exception fails the test."""
+    with ExitStack() as stack:
+
+        def make(size: tuple[int, int] = WIDE, **options: Any) -> Page:
+            given = {"locale": "en-US", "color_scheme": "light", "reduced_motion": "reduce", **options}
+            context = browser.new_context(viewport={"width": size[0], "height": size[1]}, **given)
+            stack.callback(context.close)
+            page = context.new_page()
+            page.set_default_timeout(WAIT_MS)
+            wrong: list[str] = []
+            page.on("pageerror", lambda error: wrong.append(str(error)))
+            page.on("console", lambda said: wrong.append(said.text) if said.type in {"error", "warning"} else None)
+            stack.callback(lambda: _expect_nothing(wrong))
+            return page
+
+        yield make
+
+
+def _expect_nothing(wrong: list[str]) -> None:
+    # A link that a test cuts, and the software that draws, are said to the console by the browser itself.
+    left = [text for text in wrong if not any(part in text for part in ("WebSocket connection", "GPU stall", "swiftshader"))]
+    assert left == []
+
+
+@pytest.fixture
+def open_page(context: Callable[..., Page]) -> Iterator[Open]:
+    """Open pages of fake sources, and wait until the first run has ended."""
+    with ExitStack() as stack:
+
+        def make(play: Play | None = None, size: tuple[int, int] = WIDE, **options: Any) -> tuple[Page, FakeSource]:
+            source = stack.enter_context(FakeSource(play or Play()))
+            page = context(size, **options)
+            page.goto(source.address)
+            page.get_by_role("region", name="Robot" if options.get("locale", "en")[:2] == "en" else "机器人").wait_for()
+            return page, source
+
+        yield make
+
+
+AXE: Final = Path(__file__).parents[2] / "web" / "node_modules" / "axe-core" / "axe.min.js"

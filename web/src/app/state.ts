@@ -1,0 +1,60 @@
+/** The state of the run in words. */
+
+import { LIMIT_S, type Studio } from "../model/studio.ts";
+import { text } from "../text/text.ts";
+
+export interface RunState {
+  readonly kind: "none" | "busy" | "good" | "warning" | "error";
+  readonly text: string;
+  /** Whether it is of an earlier text. */
+  readonly isStale: boolean;
+}
+
+const short = (t: number) => t.toFixed(1);
+
+export function runState(studio: Studio): RunState {
+  const run = studio.run.value;
+  void run?.revision.value;
+  const problems = studio.problems.value;
+  const isStale = studio.staleFrom.value > 0;
+  const state = (kind: RunState["kind"], words: string): RunState => ({ kind, text: words, isStale });
+  if (studio.hello.value === null) return state("none", text("state_connecting"));
+  if (run === null) return problems?.compiles === false ? state("error", text("state_not_compiled")) : state("none", text("state_no_run"));
+  if (isStale) return state("warning", text("state_stale", { line: studio.staleFrom.value }));
+  const { ended } = run;
+  if (ended === null) {
+    if (studio.can("live")) return state("good", text("state_live", { t: short(run.known_s) }));
+    const before = studio.before.value?.ended == null ? 0 : studio.before.value.known_s;
+    const expected = before > run.known_s ? before : (run.options.until_s ?? LIMIT_S);
+    return state("busy", text(before > run.known_s ? "state_of_about" : "state_of_limit", { t: short(run.known_s), end: short(expected) }));
+  }
+  const t = short(ended.moment.t);
+  switch (ended.state) {
+    case "finished":
+      return state("good", text("state_finished", { t }));
+    case "stopped":
+      return state("none", text("state_stopped", { t }));
+    case "alarm":
+      return state("error", text("state_alarm", { t: short(ended.alarm?.t ?? ended.moment.t), line: ended.alarm?.line ?? ended.moment.line }));
+    case "time_limit":
+      return state("warning", text("state_time_limit", { t }));
+    case "stuck":
+      return state("error", text("state_stuck", { t, line: ended.moment.line }));
+    case "killed":
+      return state("error", text("state_killed", { why: ended.killed ?? "" }));
+  }
+}
+
+/** The number of findings in words: "2 errors, 1 warning"; empty if there are none. */
+export function problemCount(studio: Studio): string {
+  const list = studio.problems.value?.list ?? [];
+  const errors = list.filter((problem) => problem.severity === "error").length;
+  const warnings = list.filter((problem) => problem.severity === "warning").length;
+  const others = list.length - errors - warnings;
+  const parts = [
+    errors > 0 ? text(errors === 1 ? "error_one" : "error_many", { count: errors }) : "",
+    warnings > 0 ? text(warnings === 1 ? "warning_one" : "warning_many", { count: warnings }) : "",
+    others > 0 ? text(others === 1 ? "hint_one" : "hint_many", { count: others }) : "",
+  ];
+  return parts.filter(Boolean).join(", ");
+}

@@ -1,0 +1,64 @@
+/** Signals: which there are, and their values at a time. */
+
+import type { Moment, RunOptions, Value } from "../source/messages.ts";
+import { lastAtOrBefore, type Run } from "./run.ts";
+
+/** A family of signals, as `service: "signals"` answers. */
+export interface Family {
+  readonly name: string;
+  readonly kind: "bool" | "int" | "float";
+  /** Number of points: `name` alone if it is 1, else `name[0]`, `name[1]`, ... */
+  readonly size: number;
+  readonly is_input: boolean;
+  readonly low: number | null;
+  readonly high: number | null;
+  readonly unit: string;
+  readonly default: boolean | number;
+  readonly summary: string;
+}
+
+/** The family of a signal: that whose name is before the index. */
+export function familyOf(families: readonly Family[], name: string): Family | null {
+  const stem = name.replace(/\[\d+\]$/, "");
+  return families.find((family) => family.name === stem) ?? null;
+}
+
+/** Names of all signals that take values from outside. */
+export function inputNames(families: readonly Family[]): string[] {
+  return families.filter((family) => family.is_input).flatMap((family) =>
+    family.size === 1 ? [family.name] : Array.from({ length: family.size }, (_, index) => `${family.name}[${index}]`));
+}
+
+/** A range with a slider: of what has two ends that are not those of the number format. */
+export function hasSlider(family: Family): boolean {
+  return family.low !== null && family.high !== null && family.high - family.low <= 1000;
+}
+
+/** Reads a typed value; null if the family takes none like it. */
+export function readValue(family: Family, typed: string): Value | null {
+  const said = typed.trim().toLowerCase();
+  if (family.kind === "bool") return ["true", "on", "1"].includes(said) ? true : ["false", "off", "0"].includes(said) ? false : null;
+  const value = Number(said.replace(/[a-z/ ]+$/, ""));
+  if (said === "" || !Number.isFinite(value) || (family.kind === "int" && !Number.isInteger(value))) return null;
+  return (family.low !== null && value < family.low) || (family.high !== null && value > family.high) ? null : value;
+}
+
+/** The value of a signal at a time: of the exact state if it is given, else as the run's changes say; undefined: not known. */
+export function valueAt(name: string, t: number, run: Run | null, exact: Moment | null, families: readonly Family[]): Value | undefined {
+  const initial = familyOf(families, name)?.default;
+  if (exact !== null) return exact.signals[name] ?? initial;
+  const changes = run?.signals.get(name);
+  const index = changes === undefined ? -1 : lastAtOrBefore(changes.t, t);
+  return index >= 0 ? changes!.value[index] : initial;
+}
+
+/** Names to show: what changed in the run, is not at its default now, or is given from outside; inputs first, then as in the list of families. */
+export function shownNames(run: Run | null, moment: Moment | null, options: RunOptions, pinned: readonly string[], families: readonly Family[]): string[] {
+  const names = new Set([...(run?.signals.keys() ?? []), ...Object.keys(moment?.signals ?? {}), ...(options.inputs ?? []).map((input) => input.name), ...pinned]);
+  const rank = (name: string) => {
+    const index = families.findIndex((family) => family.name === name.replace(/\[\d+\]$/, ""));
+    return (index >= 0 && families[index]!.is_input ? 0 : 1000) + (index < 0 ? 999 : index);
+  };
+  const point = (name: string) => Number(/\[(\d+)\]$/.exec(name)?.[1] ?? 0);
+  return [...names].sort((a, b) => rank(a) - rank(b) || point(a) - point(b) || a.localeCompare(b));
+}

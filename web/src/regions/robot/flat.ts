@@ -1,0 +1,170 @@
+/** The scene without WebGL: arm and path from above and from the side, on a 2-D canvas. */
+
+import { FLANGE, linkFrames, type Point, tcpFrame } from "../../model/kinematics.ts";
+import { type Path, partsOf, pick, type Picked, speedColour } from "../../model/path.ts";
+import type { Scene, Six } from "../../source/messages.ts";
+import { palette } from "./palette.ts";
+import type { Picture, Pointed } from "./stage.ts";
+
+/** Which axes go right and up. */
+const SIDES = [{ right: 0, up: 1 }, { right: 0, up: 2 }] as const;
+const MARGIN_PX = 28;
+
+interface Plane {
+  readonly x: (point: ArrayLike<number>) => number;
+  readonly y: (point: ArrayLike<number>) => number;
+}
+
+export class Flat {
+  private readonly canvas: HTMLCanvasElement;
+  private readonly titles: () => readonly [string, string];
+  private width = 1;
+  private height = 1;
+  private last: Picture | null = null;
+  private planes: readonly Plane[] = [];
+
+  /** `titles`: names of the view from above and of that from the side. */
+  constructor(canvas: HTMLCanvasElement, titles: () => readonly [string, string]) {
+    this.canvas = canvas;
+    this.titles = titles;
+  }
+
+  resize(width: number, height: number): void {
+    const ratio = devicePixelRatio || 1;
+    this.width = width;
+    this.height = height;
+    this.canvas.width = Math.max(1, Math.round(width * ratio));
+    this.canvas.height = Math.max(1, Math.round(height * ratio));
+  }
+
+  draw(picture: Picture): void {
+    const g = this.canvas.getContext("2d");
+    if (g === null) return;
+    this.last = picture;
+    const colours = palette(picture.isDark);
+    const ratio = this.canvas.width / this.width;
+    g.setTransform(ratio, 0, 0, ratio, 0, 0);
+    g.clearRect(0, 0, this.width, this.height);
+    const reach = 1.15 * picture.scene.limits.reach;
+    const cell = Math.min(this.width / 2, this.height) - 2 * MARGIN_PX;
+    const scale = Math.max(cell, 10) / (2 * reach);
+    const height = picture.scene.dh[0]?.d ?? 0;
+    this.planes = SIDES.map(({ right, up }, index) => {
+      const middle = { x: this.width * (0.25 + 0.5 * index), y: this.height / 2 + (up === 2 ? height * scale : 0) };
+      return { x: (point) => middle.x + point[right]! * scale, y: (point) => middle.y - point[up]! * scale };
+    });
+    g.font = "12px system-ui, sans-serif";
+    this.planes.forEach((plane, index) => {
+      g.fillStyle = colours.ink;
+      g.textAlign = "center";
+      g.fillText(this.titles()[index]!, this.width * (0.25 + 0.5 * index), 16);
+      grid(g, plane, SIDES[index]!, reach, colours.grid);
+      paths(g, plane, picture, colours.stale, colours.compared);
+      for (const ghost of picture.ghosts) {
+        if (ghost.joints !== undefined) arm(g, plane, picture.scene, ghost.joints, colours[ghost.kind], ghost.text);
+      }
+      arm(g, plane, picture.scene, picture.joints, colours.ink, "", colours.parts.cap);
+    });
+  }
+
+  at(x: number, y: number, tolerance_px: number, near_s: number): Pointed {
+    const path = this.last?.path ?? null;
+    let found: Picked | null = null;
+    for (const plane of path === null ? [] : this.planes) {
+      const screen = new Float32Array(2 * path!.t.length);
+      for (let i = 0; i < path!.t.length; i++) {
+        const point = path!.xyz.subarray(3 * i, 3 * i + 3);
+        screen[2 * i] = plane.x(point);
+        screen[2 * i + 1] = plane.y(point);
+      }
+      const picked = pick(path!, screen, x, y, tolerance_px, near_s);
+      if (picked !== null && (found === null || picked.distance_px < found.distance_px)) found = picked;
+    }
+    return { path: found, contact: null, joint: null };
+  }
+}
+
+function grid(g: CanvasRenderingContext2D, plane: Plane, { right, up }: (typeof SIDES)[number], reach: number, colour: string): void {
+  const cells = Math.floor(reach / 0.1);
+  g.strokeStyle = colour;
+  for (let line = -cells; line <= cells; line++) {
+    g.globalAlpha = line === 0 ? 0.8 : line % 5 === 0 ? 0.4 : 0.18;
+    g.lineWidth = 1;
+    for (const isAcross of [false, true]) {
+      const [from, to] = [-1, 1].map((side) => {
+        const point = [0, 0, 0];
+        point[isAcross ? up : right] = side * cells * 0.1;
+        point[isAcross ? right : up] = line * 0.1;
+        return point;
+      });
+      stroke(g, plane, [from!, to!]);
+    }
+  }
+  g.globalAlpha = 1;
+}
+
+function stroke(g: CanvasRenderingContext2D, plane: Plane, points: readonly ArrayLike<number>[]): void {
+  g.beginPath();
+  for (const point of points) g.lineTo(plane.x(point), plane.y(point));
+  g.stroke();
+}
+
+function paths(g: CanvasRenderingContext2D, plane: Plane, picture: Picture, stale: string, compared: string): void {
+  g.lineCap = g.lineJoin = "round";
+  const plain = (path: Path, colour: string, dash: number[]) => {
+    g.strokeStyle = colour;
+    g.lineWidth = 1.5;
+    g.setLineDash(dash);
+    g.beginPath();
+    for (let i = 0; i < path.t.length; i++) {
+      const [x, y] = [plane.x(path.xyz.subarray(3 * i, 3 * i + 3)), plane.y(path.xyz.subarray(3 * i, 3 * i + 3))];
+      if (i > 0 && path.jumps[i - 1] === 0) g.lineTo(x, y);
+      else g.moveTo(x, y);
+    }
+    g.stroke();
+    g.setLineDash([]);
+  };
+  if (picture.stale !== null) plain(picture.stale, stale, []);
+  if (picture.compared !== null) plain(picture.compared, compared, [5, 4]);
+  const { path } = picture;
+  if (path === null) return;
+  if (picture.isStale) return plain(path, stale, []);
+  const coloured = (from: number, to: number, width: number) => {
+    g.lineWidth = width;
+    for (let i = from; i < to; i++) {
+      if (path.jumps[i] === 1) continue;
+      g.strokeStyle = `rgb(${speedColour(path.speed[i]! / picture.speedEnd, picture.isDark).join()})`;
+      stroke(g, plane, [path.xyz.subarray(3 * i, 3 * i + 3), path.xyz.subarray(3 * i + 3, 3 * i + 6)]);
+    }
+  };
+  coloured(0, path.jumps.length, 1.5);
+  for (const { from, to } of picture.line > 0 ? partsOf(path, picture.line) : []) coloured(from, to, 4.5);
+}
+
+/** The arm as a stick from joint to joint, with the offsets of its housings as they are. */
+function arm(g: CanvasRenderingContext2D, plane: Plane, scene: Scene, joints: Six, colour: string, text: string, core = colour): void {
+  const frames = linkFrames(scene.dh, joints);
+  const points: Point[] = frames.slice(0, FLANGE).map((frame) => [frame[9], frame[10], frame[11]]);
+  const tcp = tcpFrame(scene, joints);
+  g.strokeStyle = colour;
+  g.globalAlpha = 0.85;
+  g.lineWidth = 7;
+  stroke(g, plane, points);
+  g.lineWidth = 3;
+  g.strokeStyle = core;
+  stroke(g, plane, points);
+  g.lineWidth = 1.5;
+  g.strokeStyle = colour;
+  stroke(g, plane, [points.at(-1)!, [tcp[9], tcp[10], tcp[11]]]);
+  g.globalAlpha = 1;
+  g.fillStyle = colour;
+  for (const point of points.slice(1)) {
+    g.beginPath();
+    g.arc(plane.x(point), plane.y(point), 3.5, 0, 2 * Math.PI);
+    g.fill();
+  }
+  if (text !== "") {
+    g.textAlign = "left";
+    g.fillText(text, plane.x([tcp[9], tcp[10], tcp[11]]) + 8, plane.y([tcp[9], tcp[10], tcp[11]]) - 6);
+  }
+}
