@@ -62,3 +62,17 @@ def test_a_program_from_text_to_file(context: Callable[..., Page], tmp_path: Pat
         page.get_by_role("button", name="Save").click()
         expect(page).to_have_title(re.compile("^move.script"))
         assert file.read_text().rstrip("\n") == typed
+
+
+def test_the_first_click_into_an_empty_program_writes_and_does_not_take_an_example(
+    context: Callable[..., Page], tmp_path: Path
+) -> None:
+    with studio(tmp_path / "new.script", state=tmp_path / "state") as address:
+        page = context()
+        page.goto(address)
+        text, program = page.get_by_role("textbox", name="Program text"), page.get_by_role("region", name="Program")
+        expect(program.get_by_role("listitem")).to_have_count(3)
+        text.click()
+        page.keyboard.type("sleep(0.5)")
+        expect(program.get_by_role("listitem")).to_have_count(0)
+        expect(page.locator(".state")).to_contain_text("finished in 0.5")
