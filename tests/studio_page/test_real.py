@@ -76,3 +76,19 @@ def test_the_first_click_into_an_empty_program_writes_and_does_not_take_an_examp
         page.keyboard.type("sleep(0.5)")
         expect(program.get_by_role("listitem")).to_have_count(0)
         expect(page.locator(".state")).to_contain_text("finished in 0.5")
+
+
+def test_a_program_typed_with_its_own_indentation_and_ends_is_that_program(
+    context: Callable[..., Page], tmp_path: Path
+) -> None:
+    program = "def a():\n  b = [\n    0,\n  ]\n  for c in b:\n    sleep(0.1)\n  end\nend\n"
+    file = tmp_path / "typed.script"
+    with studio(file, state=tmp_path / "state") as address:
+        page = context()
+        page.goto(address)
+        page.get_by_role("textbox", name="Program text").click()
+        page.keyboard.type(program)
+        expect(page.locator(".state")).to_contain_text("finished")
+        page.get_by_role("button", name="Save").click()
+        expect(page).to_have_title(re.compile("^typed.script"))
+        assert file.read_text().rstrip() == program.rstrip()

@@ -37,14 +37,15 @@ function completionSource(services: Services) {
   return async (context: CompletionContext): Promise<CompletionResult | null> => {
     const word = context.matchBefore(/\w+/);
     const before = context.state.sliceDoc(Math.max(0, context.pos - 1), context.pos);
-    if (!context.explicit && word === null && !/["'.(,=\s]/.test(before)) return null;
-    if (!context.explicit && word === null && /\s/.test(before)) return null;
+    // Where nothing of a name is typed yet, a list would take the new line that is typed next.
+    if (!context.explicit && word === null && !/["'.]/.test(before)) return null;
     const items = await services.completion(placeOf(context.state.doc, context.pos));
     if (items === null || items.length === 0) return null;
-    // A whole keyword wants its blank or its new line, which must not choose from a list.
-    if (!context.explicit && items.some((item) => item.kind === "keyword" && item.label === word?.text)) return null;
+    // A name that is complete wants its blank or its new line, which must not choose from a list.
+    const complete = new Set(items.filter((item) => item.snippet === "" && item.text === item.label).map((item) => item.label));
+    if (!context.explicit && complete.has(word?.text ?? "")) return null;
     const from = rangeOf(context.state.doc, items[0]!.span).from;
-    return { from, options: items.map((item, index) => option(services, item, items.length - index)), validFor: /^\w*$/ };
+    return { from, options: items.map((item, index) => option(services, item, items.length - index)), validFor: (typed) => /^\w*$/.test(typed) && !complete.has(typed) };
   };
 }
 
@@ -55,11 +56,10 @@ function option(services: Services, item: CompletionItem, rank: number): Complet
     type: ICONS[item.kind] ?? "text",
     // The order of the services counts among those that fit equally well.
     boost: Math.min(99, rank / 10),
-    apply: (view, completion, _from, _to) => {
-      const { from } = rangeOf(view.state.doc, item.span);
-      const to = view.state.selection.main.head;
-      if (item.snippet !== "") snippet(ownSnippet(item.snippet))(view, completion, from, Math.max(to, from));
-      else view.dispatch({ changes: { from, to: Math.max(to, from), insert: item.text }, selection: { anchor: from + item.text.length }, userEvent: "input.complete" });
+    // The place as it is now: the line may have been indented anew since the list was asked for.
+    apply: (view, completion, from, to) => {
+      if (item.snippet !== "") snippet(ownSnippet(item.snippet))(view, completion, from, to);
+      else view.dispatch({ changes: { from, to, insert: item.text }, selection: { anchor: from + item.text.length }, userEvent: "input.complete" });
     },
     info: async () => {
       const full = item.documentation !== "" ? item : await services.resolve(item);

@@ -17,6 +17,7 @@ import { applyEdits, assistance, changesOf } from "./assistance.ts";
 import { inlayHints, setHints } from "./hints.ts";
 import { eliteScript, setFolds, setTokens } from "./language.ts";
 import { NO_MARKS, runMarks, setMarks, type LineMarks } from "./marks.ts";
+import { overtyping } from "./overtyping.ts";
 import { offsetOf, rangeOf } from "./positions.ts";
 import { Services } from "./services.ts";
 import { Versions } from "./versions.ts";
@@ -60,6 +61,8 @@ export class ProgramEditor {
           highlightActiveLineGutter(),
           highlightSelectionMatches(),
           bracketMatching(),
+          // Before the closing of brackets: what stands below the caret is overtyped, too.
+          overtyping(),
           closeBrackets(),
           indentOnInput(),
           search({ top: true }),

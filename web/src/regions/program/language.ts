@@ -1,6 +1,6 @@
 /** Colours, indentation and folding of the language: Python's grammar, the words of EliteScript, and what the services know of names. */
 
-import { foldService, HighlightStyle, indentService, indentUnit, LanguageSupport, syntaxHighlighting } from "@codemirror/language";
+import { foldService, HighlightStyle, indentService, indentUnit, LanguageSupport, matchBrackets, syntaxHighlighting } from "@codemirror/language";
 import { pythonLanguage } from "@codemirror/lang-python";
 import { RangeSetBuilder, StateEffect, StateField, type Extension, type Text } from "@codemirror/state";
 import { Decoration, EditorView, type DecorationSet } from "@codemirror/view";
@@ -12,7 +12,7 @@ export const INDENT = "  ";
 
 /** Lines that stand one step left of the block that they end or continue. */
 const CLOSERS = /^\s*(end|else|elif|except|finally|case)\b/;
-const OPENER = /:\s*(#.*)?$/;
+const OPENER = /[:([{]\s*(#.*)?$/;
 
 const HIGHLIGHT = HighlightStyle.define([
   { tag: [tags.keyword, tags.controlKeyword, tags.definitionKeyword, tags.operatorKeyword, tags.moduleKeyword], class: "tok-keyword" },
@@ -39,6 +39,10 @@ const indentation = indentService.of((context, at) => {
   const line = context.state.doc.lineAt(at);
   const typed = context.simulatedBreak === null || context.simulatedBreak !== at ? line.text : line.text.slice(at - line.from);
   const broken = context.simulatedBreak !== null && context.simulatedBreak === at;
+  // A bracket that closes stands below the line in which it was opened.
+  const bracket = broken ? null : /^\s*[)\]}]/.exec(line.text);
+  const from = bracket === null ? undefined : matchBrackets(context.state, line.from + bracket[0].length, -1)?.end?.from;
+  if (from !== undefined) return /^[ \t]*/.exec(context.state.doc.lineAt(from).text)![0].replaceAll("\t", INDENT).length;
   if (!broken) return indentationAt(context.state.doc, at, typed);
   const before = line.text.slice(0, at - line.from);
   const columns = /^[ \t]*/.exec(before)![0].replaceAll("\t", INDENT).length;
