@@ -102,16 +102,10 @@ export class Run {
     this.revision.value++;
   }
 
-  /** Takes over what another run did before a time, as this one does the same up to there. */
+  /** Takes over the rows of another run up to a time; all else comes again, as its lines may be others in this text. */
   continueFrom(other: Run, until_s: number): void {
     if (until_s <= 0) return;
     this.samples.begin(other.samples, until_s);
-    for (const [thread, { t, line }] of other.lines) {
-      const count = t.findIndex((time) => time >= until_s);
-      if (count !== 0) this.lines.set(thread, { t: t.slice(0, count < 0 ? undefined : count), line: line.slice(0, count < 0 ? undefined : count) });
-    }
-    for (const move of other.moves) if (move.end_s <= until_s) this.moves.push(move);
-    for (const event of other.events) if (event.t < until_s) this.happen(event);
     this.known_s = Math.max(this.known_s, Math.min(until_s, other.known_s));
     this.revision.value++;
   }
