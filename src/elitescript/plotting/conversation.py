@@ -20,7 +20,7 @@ from elitescript.plotting.line_times import line_times, stretches
 from elitescript.plotting.recording import Recording
 from elitescript.solids.scene import scene
 
-ABILITIES: Final = ("seek",)
+ABILITIES: Final = ("seek", "step")
 """What a recorded run can do."""
 
 EVENTS_MAX: Final = 50_000

@@ -380,7 +380,7 @@ export class Studio implements Listener {
 
   private async compareText(name: string, text: string, title: string): Promise<void> {
     try {
-      const content = await this.record({ type: "record", ask: 0, name, text, as: "recording" });
+      const content = await this.record({ type: "record", ask: 0, name, text, form: "recording" });
       this.compareRecorded(await readRecording(fromBase64(content)), title);
     } catch (error) {
       this.notice("error", words("not_compared", { name, why: reason(error) }));
@@ -394,7 +394,7 @@ export class Studio implements Listener {
   /** Returns the text of a page of the run as the text of the editor does it now; null, with a notice, if it cannot be had. */
   async page(): Promise<string | null> {
     try {
-      return await this.record({ type: "record", ask: 0, name: this.file.value?.name ?? "program.script", text: this.text.value, as: "page" });
+      return await this.record({ type: "record", ask: 0, name: this.file.value?.name ?? "program.script", text: this.text.value, form: "page" });
     } catch (error) {
       this.notice("error", words("no_page", { why: reason(error) }));
       return null;

@@ -75,7 +75,7 @@ export type ToSource =
   /** Writes the file. `seen`: digest of the file as the page knows it; `force`: although it has changed since. */
   | { readonly type: "save"; readonly ask: number; readonly text: string; readonly seen: string; readonly force?: boolean }
   /** Runs a text from begin to end, with the options of the last program, or reads a trace; answered by `recorded`. */
-  | { readonly type: "record"; readonly ask: number; readonly name: string; readonly text: string; readonly as: "recording" | "page" }
+  | { readonly type: "record"; readonly ask: number; readonly name: string; readonly text: string; readonly form: "recording" | "page" }
   /** Opens a file of the folder (a relative path), or a new one. */
   | { readonly type: "open"; readonly ask: number; readonly name: string }
   /** What the page remembers from one start to the next (sizes, language, theme); opaque to the source. */

@@ -2,6 +2,7 @@
 
 import { runOf } from "../model/compare.ts";
 import { lastAtOrBefore, type Run } from "../model/run.ts";
+import { text } from "../text/text.ts";
 import type { FromSource, Moment, Six, ThreadState, ToSource, Value, VariableState } from "./messages.ts";
 import type { RecordedRun } from "./recording.ts";
 import { type Column, TICK_S } from "./rows.ts";
@@ -37,12 +38,18 @@ export class RecordedSource implements Source {
       case "seek":
         this.answer({ type: "state", ask: message.ask, run: message.run, moment: this.momentAt(message.t) });
         return;
+      case "step": {
+        const t = this.beginBeside(message.t, message.by, message.thread);
+        if (t === null) this.answer({ type: "refused", ask: message.ask, text: text(message.by > 0 ? "last_statement" : "first_statement") });
+        else this.answer({ type: "state", ask: message.ask, run: message.run, moment: this.momentAt(t) });
+        return;
+      }
       case "detail":
         // All rows that there are have been said.
         this.answer({ type: "detail_ended", ask: message.ask, run: message.run });
         return;
       default:
-        if ("ask" in message) this.answer({ type: "refused", ask: message.ask, text: "a recorded run cannot do that" });
+        if ("ask" in message) this.answer({ type: "refused", ask: message.ask, text: text("recorded_only") });
     }
   }
 
@@ -53,6 +60,15 @@ export class RecordedSource implements Source {
   /** Answers after the question was sent, as every source does. */
   private answer(message: FromSource): void {
     queueMicrotask(() => this.listener?.message(message));
+  }
+
+  /** The next or previous time at which a thread comes to a line; what takes no time is not recorded. */
+  private beginBeside(t: number, by: 1 | -1, thread: string): number | null {
+    const times = this.run.lines.get(thread)?.t ?? [];
+    const here = lastAtOrBefore(times, t);
+    if (by > 0) return times[here + 1] ?? (this.last !== null && t < this.last.t - TICK_S / 4 ? this.last.t : null);
+    const isAtBegin = here >= 0 && Math.abs(times[here]! - t) < TICK_S / 4;
+    return times[isAtBegin ? here - 1 : here] ?? null;
   }
 
   private momentAt(t: number): Moment {

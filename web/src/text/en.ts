@@ -409,6 +409,9 @@ export const en = {
   save_page: "Save as page",
   save_page_hint: "Write this run as one HTML file that needs no server",
   no_page: "There is no page: {why}",
+  recorded_only: "A recorded run cannot do that.",
+  first_statement: "This is the first statement.",
+  last_statement: "The run has ended.",
   recording_unread: "The recording in this page cannot be read: {why}",
 };
 

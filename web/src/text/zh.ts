@@ -411,5 +411,8 @@ export const zh: Texts = {
   save_page: "另存为网页",
   save_page_hint: "将此次运行写成一个无需服务器的 HTML 文件",
   no_page: "无法生成网页：{why}",
+  recorded_only: "已记录的运行不支持此操作。",
+  first_statement: "这是第一条语句。",
+  last_statement: "运行已结束。",
   recording_unread: "无法读取此页面中的记录：{why}",
 };
