@@ -13,7 +13,7 @@ export class RecordedSource implements Source {
   private readonly run: Run;
   private listener: Listener | null = null;
   private last: Moment | null = null;
-  /** Of the answer before, for marks of what has changed. */
+  /** The answer before: globals that differ from it are marked as changed. */
   private shown: Moment | null = null;
 
   constructor(recorded: RecordedRun) {
@@ -72,15 +72,16 @@ export class RecordedSource implements Source {
   }
 
   private momentAt(t: number): Moment {
+    if (this.shown !== null && this.shown.t === t) return this.shown;
     const { first } = this.recorded;
     let found: Moment;
     if (this.last !== null && t > this.last.t - TICK_S / 4) found = this.last;
     else if (first !== null && t < first.t + TICK_S / 4) found = first;
     else found = this.between(t);
     const before = this.shown;
-    const marked = before === null ? found : { ...found, globals: found.globals.map((item) => ({ ...item, changed: valueOf(before, item.name) !== item.value })) };
+    if (before !== null) found = { ...found, globals: found.globals.map((item) => ({ ...item, changed: valueOf(before, item.name) !== item.value })) };
     this.shown = found;
-    return marked;
+    return found;
   }
 
   private between(t: number): Moment {
