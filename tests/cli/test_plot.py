@@ -1,4 +1,4 @@
-"""`elitescript plot` as its contract says: what it writes, what it says, exit codes."""
+"""`elitescript plot` as its contract says: what it writes, what it says, exit codes; its pages are the plain ones."""
 
 import json
 import re
@@ -16,6 +16,7 @@ PROGRAM = "def job():\n  global n\n  sleep(0.1)\n  textmsg(n)\n  movej([0.2, -1.
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("elitescript.page._BUILT", tmp_path / "not built")
     (tmp_path / "job.script").write_text(PROGRAM)
     return tmp_path
 
@@ -33,6 +34,18 @@ def test_a_program_is_run_and_plotted(folder, capsys):
     captured = capsys.readouterr()
     assert re.fullmatch(r"job\.plot\.html: \d\.\d{3} s of CS620, finished \(\d+ kB\)\n", captured.out)
     assert "7" in captured.err
+
+
+def test_without_the_front_end_one_line_says_what_to_do(folder, capsys):
+    assert main(["plot", "job.script", "--set", "n=7"]) == 0
+    (line,) = [line for line in capsys.readouterr().err.splitlines() if "page" in line]
+    assert line == "a plain page is written: the studio's page is not built: in a working copy, run `make studio`; an installed package has it"
+
+
+def test_the_plain_page_compares_nothing(folder, capsys):
+    assert main(["plot", "job.script", "--set", "n=7", "--compare-robot", "CS612"]) == 2
+    assert "--compare" in capsys.readouterr().err
+    assert not (folder / "job.plot.html").exists()
 
 
 def test_the_page_goes_where_it_is_wanted(folder):

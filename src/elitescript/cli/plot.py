@@ -82,12 +82,11 @@ def _in_words(recording: Recording) -> str:
 
 def _options_of_compared(path: Path, options: argparse.Namespace) -> argparse.Namespace:
     """Return the options of the other run: those of the first but for its robot and world; of a trace only the robot."""
-    changed = argparse.Namespace(**vars(options))
+    given = vars(options)
     if path.suffix in SUFFIXES:
-        for name in (*OPTIONS, *_OF_PROGRAMS):
-            if hasattr(changed, name):
-                setattr(changed, name, [] if name == "set" else None)
-        changed.model = options.model
+        given = {name: value for name, value in given.items() if name == "model" or name not in OPTIONS}
+        given |= {"until": None, "task_dir": None, "set": [], "world": None}
+    changed = argparse.Namespace(**given)
     if options.compare_robot is not None:
         changed.model = options.compare_robot
     if options.compare_world is not None:
