@@ -39,7 +39,8 @@ def test_a_program_is_run_and_plotted(folder, capsys):
 def test_without_the_front_end_one_line_says_what_to_do(folder, capsys):
     assert main(["plot", "job.script", "--set", "n=7"]) == 0
     (line,) = [line for line in capsys.readouterr().err.splitlines() if "page" in line]
-    assert line == "a plain page is written: the studio's page is not built: in a working copy, run `make studio`; an installed package has it"
+    assert line.startswith("a plain page is written: ")
+    assert "run `make studio`" in line
 
 
 def test_the_plain_page_compares_nothing(folder, capsys):

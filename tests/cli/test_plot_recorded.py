@@ -3,6 +3,7 @@
 import re
 from base64 import b64decode
 from functools import partial
+from itertools import pairwise
 
 import pytest
 
@@ -75,7 +76,8 @@ def test_signals_of_a_trace_are_events(folder, capsys):
     (run,) = runs_of(folder / "out.plot.html")
     (events,) = said(run, "events")
     (event,) = events["list"]
-    assert (event["name"], event["value"], event["t"]) == ("standard_digital_out[2]", True, pytest.approx(0.1, abs=0.005))
+    assert (event["name"], event["value"]) == ("standard_digital_out[2]", True)
+    assert event["t"] == pytest.approx(0.1, abs=0.005)
 
 
 def test_an_alarm_has_its_line_and_pose(folder, capsys):
@@ -115,7 +117,7 @@ def test_a_page_that_would_be_too_large_has_fewer_rows_and_says_so(folder, capsy
     step = re.search(r", a row every (\d+) ms", capsys.readouterr().out)
     assert int(step[1]) in (8, 16, 32)
     ticks = runs_of(folder / "job.plot.html")[0]["columns"]["tick"]
-    assert max(later - t for t, later in zip(ticks, ticks[1:], strict=False)) * 4 <= int(step[1]) + 4
+    assert max(later - t for t, later in pairwise(ticks)) * 4 <= int(step[1]) + 4
 
 
 def test_a_long_run_is_sampled_as_before(folder, capsys, monkeypatch):

@@ -179,10 +179,10 @@ def recording_of_two() -> dict[str, Any]:
     """Return a recording of two runs in base 64, and rows of both: tick, then the columns of `names`."""
     runs = [made(JOB), made(EDITED, "CS612")]
     names = list(runs[0].columns)
-    rows = [
-        [[run.ticks[index], *(run.columns[name][index] for name in names)] for index in (0, 77, 150, len(run.ticks) - 1)]
-        for run in runs
-    ]
+    rows = []
+    for run in runs:
+        chosen = (0, 77, 150, len(run.ticks) - 1)
+        rows.append([[run.ticks[row], *(run.columns[name][row] for name in names)] for row in chosen])
     return {"recording": b64encode(recording(runs)).decode(), "names": names, "rows": rows}
 
 
@@ -253,7 +253,7 @@ def examples(held: Mapping[str, list[Entry]]) -> str:
                 shown = {name: "" if name == "content" else part for name, part in message.items()}
                 lines.append(f"  {json.dumps(shown)},")
     head = [
-        "/** Messages that sources have said, one of each form: the compiler compares them with their types. Recorded, not written: see README.md. */",
+        "/** Messages that sources have said, one of each form, whose types the compiler checks: see README.md. */",
         "",
         'import type { FromSource } from "../../src/source/messages.ts";',
         "",

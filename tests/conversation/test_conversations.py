@@ -26,7 +26,8 @@ def test_every_recording_is_looked_at():
 
 
 def test_the_compiler_compares_messages_of_every_recorded_form():
-    assert (FOLDER / "examples.ts").read_text(encoding="utf-8") == held.examples({name: held.read(name) for name in NAMES})
+    found = (FOLDER / "examples.ts").read_text(encoding="utf-8")
+    assert found == held.examples({name: held.read(name) for name in NAMES})
 
 
 def test_a_field_of_another_name_or_type_is_another_form():

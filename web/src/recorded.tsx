@@ -17,6 +17,9 @@ readRecording(fromBase64(document.getElementById("recording")!.textContent)).the
   place.replaceChildren();
   render(<Page studio={studio} />, place);
   studio.start();
+  // What ended in an alarm is opened there.
+  const alarm = studio.run.value?.alarm;
+  if (alarm != null) studio.jump(alarm.t, alarm);
   if (second !== undefined) studio.compareWith(runOf(second), titleOf(second));
 }).catch((error: unknown) => {
   place.textContent = text("recording_unread", { why: error instanceof Error ? error.message : String(error) });

@@ -81,7 +81,7 @@ def _in_words(recording: Recording) -> str:
 
 
 def _options_of_compared(path: Path, options: argparse.Namespace) -> argparse.Namespace:
-    """Return the options of the other run: those of the first but for its robot and world; of a trace only the robot."""
+    """Return the options of the other run: those of the first but for robot and world; of a trace the robot alone."""
     given = vars(options)
     if path.suffix in SUFFIXES:
         given = {name: value for name, value in given.items() if name == "model" or name not in OPTIONS}

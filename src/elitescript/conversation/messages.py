@@ -151,7 +151,7 @@ class Service:
 
 @record
 class Record:
-    """Run a text from begin to end with the options of the last program, or read a trace, for a comparison or a page."""
+    """Run a text from begin to end with the options of the last program, or read a trace; for comparisons and pages."""
 
     ask: int
     name: str

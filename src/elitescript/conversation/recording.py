@@ -92,7 +92,12 @@ def recording(runs: Sequence[RecordedRun]) -> bytes:
         if run.first is not None:
             head["first"] = run.first
         head["globals"] = [
-            {"name": name, "t": [t for t, _, _ in known], "value": [v for _, v, _ in known], "type": [k for *_, k in known]}
+            {
+                "name": name,
+                "t": [t for t, _, _ in known],
+                "value": [v for _, v, _ in known],
+                "type": [k for *_, k in known],
+            }
             for name, known in run.globals.items()
         ]
         head["waits"] = [
@@ -108,6 +113,7 @@ def recording(runs: Sequence[RecordedRun]) -> bytes:
 def _coded(values: Sequence[float], step: float, order: int) -> tuple[float, int, bytes]:
     """Return step, order and bytes of a column."""
     scale = 1.0 / step
+    whole: list[int] = []
     try:
         whole = [round(value * scale) for value in values]
         is_large = max(whole, default=0) >= _LARGEST or min(whole, default=0) <= -_LARGEST

@@ -104,7 +104,8 @@ def _said(found: Recording, events_max: int) -> Iterator[Message]:
     message["list"] += _changes(rows)
     yield message
     if left_out:
-        yield describe.notice("warning", f"{left_out} events are left out, beginning at {seconds(found.events[events_max].tick):.3f} s")
+        first_s = seconds(found.events[events_max].tick)
+        yield describe.notice("warning", f"{left_out} events are left out, beginning at {first_s:.3f} s")
     yield describe.cycle(RUN, line_times(rows))
     if found.contacts is not None:
         yield describe.contacts(RUN, found.contacts)
@@ -123,7 +124,9 @@ def _changes(rows: TraceRows) -> list[dict[str, Any]]:
             if known[name] != value:
                 known[name] = value
                 t = rows.times[part.begin]
-                found.append({"type": "signal", "t": t, "name": name, "value": plain(value), "by": "", "line": part.line})
+                found.append(
+                    {"type": "signal", "t": t, "name": name, "value": plain(value), "by": "", "line": part.line}
+                )
     return found
 
 
