@@ -27,6 +27,7 @@ MODULES = (
     "choices",
     "editor",
     "debugger",
+    "studio",
 )
 LONG = ("growth",)
 """Measured only by name: it takes ten minutes."""

@@ -40,6 +40,17 @@ MOVING = b"""def move():
   end
 end
 """
+PAGE = """
+import sys
+from urllib.parse import urlsplit
+from websockets.sync.client import connect
+at = urlsplit(sys.argv[1])
+address = f"ws://{at.netloc}/socket?{at.query}"
+with connect(address, origin=f"http://{at.netloc}", compression=None, max_size=None, proxy=None) as socket:
+    for _ in socket:
+        pass
+"""
+"""A page that reads and shows nothing: what a browser does with it is another matter."""
 TWO = "timestamp,actual_joint_positions"
 OUTPUTS = (
     "timestamp,payload_mass,payload_cog,script_control_line,target_joint_positions,target_joint_speeds,"
@@ -55,7 +66,10 @@ OUTPUTS = (
 
 @contextmanager
 def served(*options: str, stderr: IO[bytes] | None = None) -> Iterator[tuple[dict[str, int], int]]:
-    """A controller on free ports; their numbers, of several robots those of the last, and the number of its process."""
+    """A controller on free ports; their numbers, of several robots those of the last, and the number of its process.
+
+    With `--studio`, a page is open too: a process that reads all that the studio sends.
+    """
     with tempfile.TemporaryDirectory(prefix="es") as folder:
         process = subprocess.Popen(
             [sys.executable, "-m", "elitescript", "serve", "--port", "all=0", "--power-on", *options],
@@ -68,7 +82,17 @@ def served(*options: str, stderr: IO[bytes] | None = None) -> Iterator[tuple[dic
         try:
             line = next(line for line in process.stdout if line.startswith("ready"))
             words = findall(r"(\w+) (\d+)\b", line.partition(": ")[2])
-            yield {name: int(number) for name, number in words}, process.pid
+            ports = {name: int(number) for name, number in words}
+            if "--studio" not in options:
+                yield ports, process.pid
+                return
+            address = next(line for line in process.stdout if line.startswith("ready http")).split()[1]
+            page = subprocess.Popen([sys.executable, "-c", PAGE, address])
+            try:
+                yield ports, process.pid
+            finally:
+                page.terminate()
+                page.wait()
         finally:
             process.terminate()
             process.wait()
@@ -127,9 +151,9 @@ class Stream:
         return count
 
 
-def _paced(what: str, program: bytes, *options: str) -> list[Row]:
+def _paced(what: str, program: bytes, *options: str, clients: int = CLIENTS) -> list[Row]:
     with served(*options) as (ports, pid):
-        streams = [Stream(ports["rtsi"], OUTPUTS) for _ in range(CLIENTS)]
+        streams = [Stream(ports["rtsi"], OUTPUTS) for _ in range(clients)]
         selector = selectors.DefaultSelector()
         for stream in streams:
             selector.register(stream.socket, selectors.EVENT_READ, stream)
@@ -159,11 +183,11 @@ def _paced(what: str, program: bytes, *options: str) -> list[Row]:
     as_read = _late([read - robot for robot, _, read in arrivals])
     return [
         Row(
-            f"{CLIENTS} RTSI clients, 250 Hz, {what}: late",
+            f"{clients} RTSI clients, 250 Hz, {what}: late",
             words=f"{at_socket} (read: {as_read}); of {len(arrivals)} {lost} lost, {repeated} twice",
             beside="aim: p50 < 0.2, p99 < 1 ms, none lost",
         ),
-        Row(f"{CLIENTS} RTSI clients, 250 Hz, {what}: a tick", "us", cpu_s=used / (SECONDS * 250)),
+        Row(f"{clients} RTSI clients, 250 Hz, {what}: a tick", "us", cpu_s=used / (SECONDS * 250)),
     ]
 
 
@@ -196,6 +220,12 @@ def _lockstep(what: str, names: str, program: bytes = b"", frequency_hz: float =
     return timed_row(f"lockstep with one client, {what}", per_second, simulated_s=1.0)
 
 
+def page_rows() -> list[Row]:
+    """Two clients while the arm moves, without and with an open page of the studio, by turns."""
+    without = _paced("the arm moves", MOVING, clients=2)
+    return [*without, *_paced("the arm moves, a page is open", MOVING, "--studio", clients=2)]
+
+
 def paced_rows() -> list[Row]:
     """Ten clients, idle and with a program that burns CPU; `python -m benchmarks.serving` prints these alone."""
     return [*_paced("idle", b""), *_paced("a program burns CPU", BUSY)]
@@ -215,4 +245,4 @@ def rows() -> list[Row]:
 
 
 if __name__ == "__main__":
-    print_rows(paced_rows())
+    print_rows([*paced_rows(), *page_rows()])

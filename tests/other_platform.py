@@ -120,8 +120,11 @@ def main(platform: str, piece: str, arguments: list[str]) -> int:
         import_all()
         print(record(arguments[0]))
         return 0
+    from elitescript.cli import watched
     from elitescript.cli.main import main as command_line
 
+    # Nothing that is started here needs longer to end by itself.
+    watched.GRACE_S = 0.5  # type: ignore[misc]
     sys.argv[1:] = arguments
     return command_line(arguments if piece == "command" else None)
 

@@ -10,6 +10,7 @@ import tomllib
 from array import array
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from types import FrameType
 from typing import get_args
@@ -39,6 +40,22 @@ def tracked_files() -> list[Path]:
             if not any(part in left_by_tools or part.endswith("_cache") for part in path.relative_to(ROOT).parts)
         ]
     return [path for path in paths if path.is_file() and path.suffix not in BINARY]
+
+
+@cache
+def statements() -> dict[Path, list[ast.Import | ast.ImportFrom | ast.Global]]:
+    """Return the statements of each module of ours that name what is outside of it, at the top or within others."""
+    found = {}
+    for path in MODULES:
+        found[path] = kept = []
+        left: list[ast.AST] = [ast.parse(path.read_text(encoding="utf-8"))]
+        while left:
+            node = left.pop()
+            if isinstance(node, ast.Import | ast.ImportFrom | ast.Global):
+                kept.append(node)
+            for inner in ("body", "orelse", "handlers", "finalbody", "cases"):
+                left += getattr(node, inner, ())
+    return found
 
 
 class TestImports:
@@ -90,7 +107,7 @@ def imports_of_modules() -> dict[str, set[str]]:
     found: dict[str, set[str]] = {}
     for module, path in paths.items():
         names = found[module] = set()
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in statements()[path]:
             if isinstance(node, ast.Import):
                 names.update(alias.name for alias in node.names)
             elif isinstance(node, ast.ImportFrom) and node.module:
@@ -148,10 +165,10 @@ class TestPage:
     def imported() -> dict[str, set[str]]:
         """Packages of ours that each package imports, whether at the top, in a function or for types."""
         found: dict[str, set[str]] = {}
-        for path in MODULES:
+        for path, nodes in statements().items():
             package = path.relative_to(SOURCE).parts[0].removesuffix(".py")
             names = found.setdefault(package, set())
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            for node in nodes:
                 if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("elitescript."):
                     names.add(str(node.module).split(".")[1])
         return {package: names - {package} for package, names in found.items() if not package.startswith("__")}
@@ -254,8 +271,8 @@ class TestFiles:
         """`global` in a function of ours means state that two robots in one process would share."""
         found = [
             f"{path.relative_to(ROOT)}:{node.lineno}"
-            for path in MODULES
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+            for path, nodes in statements().items()
+            for node in nodes
             if isinstance(node, ast.Global)
         ]
         assert found == []

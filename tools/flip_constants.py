@@ -27,6 +27,7 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Final
 
@@ -169,13 +170,15 @@ def _is_enum(base: ast.expr) -> bool:
 
 
 def _flips_in(file: str, text: str, value: ast.expr, members: dict[str, list[str]], words: list[str]) -> Iterator[Flip]:
+    lines = text.split("\n")
     in_formats = {id(part) for node in ast.walk(value) if isinstance(node, ast.JoinedStr) for part in ast.walk(node)}
     for node in ast.walk(value):
         new = None if id(node) in in_formats else _changed(node, members, words)
         if new is None or node.lineno != node.end_lineno:  # type: ignore[attr-defined]
             continue
-        old = ast.get_source_segment(text, node) or ""
-        yield Flip(file, node.lineno, node.col_offset, node.end_col_offset, old, new)  # type: ignore[attr-defined]
+        start, end = node.col_offset, node.end_col_offset  # type: ignore[attr-defined]
+        old = lines[node.lineno - 1].encode()[start:end].decode()  # type: ignore[attr-defined]
+        yield Flip(file, node.lineno, start, end, old, new)  # type: ignore[attr-defined]
 
 
 def _changed(node: ast.AST, members: dict[str, list[str]], words: list[str]) -> str | None:
@@ -248,12 +251,17 @@ def _passes(copy: Path, tests: list[str]) -> bool:
 def chosen(seed: int, count: int, only: list[str]) -> list[Flip]:
     """Return the changes of a seed: as many from each file as its share of all constants, at least one."""
     files = [file for file in TABLES if not only or file in only]
-    possible = {file: list(flips(file, (SOURCE / file).read_text(encoding="utf-8"))) for file in files}
+    possible = {file: _possible(file) for file in files}
     random_ = random.Random(seed)
     first = [random_.choice(entries) for entries in possible.values() if entries]
     rest = [flip for entries in possible.values() for flip in entries if flip not in first]
     random_.shuffle(rest)
     return sorted((first + rest)[:count], key=lambda flip: (flip.file, flip.line, flip.start))
+
+
+@cache
+def _possible(file: str) -> tuple[Flip, ...]:
+    return tuple(flips(file, (SOURCE / file).read_text(encoding="utf-8")))
 
 
 def main() -> int:

@@ -53,7 +53,6 @@ if TYPE_CHECKING:
     from elitescript.kernel.option_keywords import RobotKeywords
     from elitescript.runtime.environment import Channels
     from elitescript.runtime.host import ScriptHost
-    from elitescript.solids.cell import Cell
     from elitescript.solids.contacts import Contact, ContactWatch
 
 IDLE_TICKS: Final = ticks_for(1.0)
@@ -153,7 +152,8 @@ class VirtualRobot:
         self._run: Run | None = None
         self._limit = WarningLimit()
         self._trace: Trace | None = None
-        self._cell = settings.cell
+        self.cell = settings.cell
+        """Solids beside the robot and on its flange, as the world file has them; None if it has none."""
         self._watch: ContactWatch | None = None
         """Of the present run, where the world has solids."""
         self._interrupted_as: EndState | Literal[""] = ""
@@ -200,11 +200,6 @@ class VirtualRobot:
     def host(self) -> ScriptHost:
         """What runs its programs."""
         return self._host
-
-    @property
-    def cell(self) -> Cell | None:
-        """Solids beside it and on its flange, of its world file; None without any."""
-        return self._cell
 
     def threads(self) -> tuple[Any, ...]:
         """Return every script thread: name, line and what it waits for."""
@@ -417,11 +412,11 @@ class VirtualRobot:
             from elitescript.controller.views.trace_rows import TraceRecorder
 
             self._trace = TraceRecorder(trace_step_s, TraceSignals(trace_signals), trace_window_s, run.trace)
-        if self._cell is not None:
+        if self.cell is not None:
             # Imported late: few worlds have solids.
             from elitescript.solids.contacts import ContactWatch
 
-            self._watch = run.watch = ContactWatch(self._cell, self.model, self._contact)
+            self._watch = run.watch = ContactWatch(self.cell, self.model, self._contact)
         if OBSERVATION.observer is not None:
             self._trace = OBSERVATION.observer.started(self, run, values, self._trace)
         if unit.kind == SECONDARY and self._run is run:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
 
+from elitescript.dap.adapter import Adapter
 from elitescript.dap.messages import (
     DOES_NOT_COMPILE,
     IS_RUNNING,
@@ -14,7 +16,8 @@ from elitescript.dap.messages import (
     UNKNOWN_REQUEST,
     WRONG_ARGUMENTS,
 )
-from tests.dap.client import Client, Failed, MemoryClient
+from elitescript.dap.requests.catalogue import HANDLERS
+from tests.dap.client import Client, Failed, MemoryClient, MemoryRequests
 
 KIT = Path(__file__).with_name("kit")
 CELL = KIT / "cell.script"
@@ -650,3 +653,33 @@ class TestWhileItRuns:
             client.event("terminated")
         elif command == "restart":
             assert client.stop()["body"]["reason"] == "entry"
+
+
+def test_no_message_is_left_behind_wherever_another_one_interrupts_its_sending():
+    """A signal handler may send in the middle of `send`; nothing that comes later would send what it left."""
+    interrupted = 0
+    for line in range(20):
+        sent: list[object] = []
+        adapter = Adapter(sent.append, MemoryRequests(), HANDLERS)
+        left = [line]
+
+        def trace(frame, event, _, adapter=adapter, left=left):
+            if frame.f_code is not Adapter.send.__code__:
+                return None
+            if event == "line" and left:
+                left[0] -= 1
+                if left[0] < 0:
+                    left.clear()
+                    sys.settrace(None)
+                    adapter.send({"number": 2})
+            return trace
+
+        before = sys.gettrace()
+        sys.settrace(trace)
+        try:
+            adapter.send({"number": 1})
+        finally:
+            sys.settrace(before)
+        interrupted += not left
+        assert len(sent) == 2 - bool(left), line
+    assert 5 <= interrupted < 20

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from elitescript.dap.worker import Incoming
 from tests.dap.client import Client, Failed, environment, process_client, socket_client
 
 CELL = Path(__file__).with_name("kit") / "cell.script"
@@ -135,14 +136,14 @@ class TestRunningPrograms:
             client.set_breakpoints(tmp_path / "cell.script", 4)
             assert client.stop()["body"]["reason"] == "breakpoint"
             client.set_breakpoints(tmp_path / "cell.script")
-            seen = []
-            for _ in range(3):
+            seen = [int(client.evaluate("x"))]
+            # On a busy machine the pause may be there before the program has gone on.
+            while len(set(seen)) < 3:
                 client.request("continue", threadId=1)
                 client.request("pause", threadId=1)
                 assert client.stop()["body"]["reason"] == "pause"
                 seen.append(int(client.evaluate("x")))
             assert seen == sorted(seen)
-            assert len(set(seen)) > 1
             client.disconnect()
 
     def test_an_endless_one_is_ended(self, tmp_path):
@@ -215,3 +216,30 @@ class TestRunningPrograms:
         with process_client() as client:
             pid = running(client, tmp_path / "cell.script", HANGS)
         wait_for_end(pid)
+
+
+@needs_signals
+def test_signals_that_come_in_the_middle_of_looking_for_requests_do_no_harm():
+    """As on a busy machine, where the signal of a request comes when the request has long been read."""
+    ours, theirs = os.pipe()
+    incoming = Incoming(ours)
+    looks: list[bool] = []
+    before = signal.getsignal(signal.SIGURG)
+    incoming.begin(lambda: looks.append(incoming.has_next()))
+    once = f"    os.kill({os.getpid()}, signal.SIGURG)\n    time.sleep(2e-5)"
+    sends = f"import os, signal, time\nfor _ in range(3000):\n{once}"
+    sender = subprocess.Popen([sys.executable, "-c", sends])
+    try:
+        while sender.poll() is None:
+            for _ in range(100):
+                assert not incoming.has_next()
+        assert sender.returncode == 0
+        assert True not in looks and len(looks) > 10
+        os.write(theirs, b"{}\n")
+        assert incoming.has_next()
+    finally:
+        sender.kill()
+        sender.wait()
+        signal.signal(signal.SIGURG, before)
+        os.close(ours)
+        os.close(theirs)

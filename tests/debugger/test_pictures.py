@@ -7,6 +7,7 @@ from random import Random
 
 import pytest
 
+from elitescript.debugger import snapshots
 from elitescript.robot import VirtualRobot
 from tests.debugger.sessions import debugging
 
@@ -97,3 +98,16 @@ def test_it_has_names_threads_and_functions():
     assert [(thread.name, thread.line) for thread in picture.threads] == [("main", 7), ("blink", 15)]
     assert picture.functions == ("pick", "blink")
     assert picture.line == 7
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
+def test_times_back_and_far_ahead_begin_at_copies(rows, monkeypatch):
+    monkeypatch.setattr(snapshots, "EACH_S", 0.0)
+    with debugging(TEXT, forks=True) as session:
+        session.start(stop_on_entry=True)
+        session.run_to_tick(max(rows) - 1)
+        # No execution begins at the start any more.
+        monkeypatch.setattr(session, "_new_engine", None)
+        for tick in (max(rows) // 2, 20, max(rows) - 5):
+            session.run_to_tick(tick)
+            assert session.picture().joints == rows[tick].q

@@ -12,7 +12,7 @@ from tests.debugger.random_programs import random_program
 from tests.debugger.sessions import debugging, everything
 from tests.invariants.cases import CASES
 
-WALKS = CASES // 4
+WALKS = max(CASES // 4, 10)
 """10 for `make test`; `ELITESCRIPT_INVARIANTS=8000` tries 2,000."""
 STEPS = 14
 

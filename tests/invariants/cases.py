@@ -5,4 +5,4 @@ from __future__ import annotations
 import os
 from typing import Final
 
-CASES: Final = int(os.environ.get("ELITESCRIPT_INVARIANTS", "40"))
+CASES: Final = int(os.environ.get("ELITESCRIPT_INVARIANTS", "20"))

@@ -2,7 +2,7 @@
 
 Nothing takes longer than its time-out, nothing ends the program but what the program does, nothing stays open, and the
 same seed gives the same record to the last event, in leaps or in steps.
-A fifth of `ELITESCRIPT_INVARIANTS` says how many are tried (of 40 if unset).
+A fifth of `ELITESCRIPT_INVARIANTS` says how many are tried, at least 20.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Stops, safeguards, reduced mode and limits at random ticks of random programs: no jump, no limit of the arm exceeded,
 nothing left undone, and leaping cannot be told from stepping.
 
-`ELITESCRIPT_INVARIANTS` sets how many cases are tried (40 if unset: a third of that here).
+`ELITESCRIPT_INVARIANTS` sets how many cases are tried, a third of that here (20 if unset).
 """
 
 from itertools import pairwise

@@ -73,8 +73,11 @@ def refused(file: MicroLine, q_start: Six = Q_WORK, first: int = 1, last: int = 
 
 
 def passes(plan: Plan, point: Six, near_s: float) -> float:
-    """The smallest joint difference from a point, around a time."""
-    return min(largest_difference(plan.segment.sample(near_s + k * 1e-5), point) for k in range(-3000, 3000))
+    """The smallest joint difference from a point, around a time: looked for in periods of 1 ms, then of 10 us."""
+    for step_s, count in ((1e-3, 30), (1e-5, 100)):
+        times = [near_s + k * step_s for k in range(-count, count + 1)]
+        near_s = min(times, key=lambda t_s: largest_difference(plan.segment.sample(t_s), point))
+    return largest_difference(plan.segment.sample(near_s), point)
 
 
 def test_joint_points_are_passed_in_order_and_the_last_is_the_end() -> None:
@@ -338,8 +341,8 @@ def test_limits_and_continuity_of_whole_moves(shape: str, interval_s: float, see
 def test_poses_are_solved_to_the_last_bit_as_one_by_one(frame: Six, tilt: float) -> None:
     chance = Random(f"{frame} {tilt}")
     T_base_part = transform_from_pose(frame)
-    solved = 0
-    for _ in range(3 * CASES):
+    solved, count = 0, max(3 * CASES, 120)
+    for _ in range(count):
         # The tool straight down: many elements of its rotation are nearly or exactly 0 then.
         T_flange_tcp = chance.choice((T_FLANGE_TCP, transform_from_pose((0.0, 0.0, 0.15, 0.0, 0.0, 0.0))))
         place = [chance.gauss(mean, 0.1) for mean in (-0.1, -0.6, 0.1)]
@@ -362,4 +365,4 @@ def test_poses_are_solved_to_the_last_bit_as_one_by_one(frame: Six, tilt: float)
         assert [[angle.hex() for angle in column] for column in found] == [
             [q[joint].hex() for q in wanted] for joint in range(6)
         ]
-    assert solved > CASES // 2
+    assert solved > count // 6

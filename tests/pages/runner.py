@@ -166,6 +166,9 @@ class PageRunner:
             "NO_COLOR": "1",
             "COLUMNS": "80",
             "PYTHONDONTWRITEBYTECODE": "1",
+            # As in an environment with no other plugin; that ours is found there, tests/pytest_plugin tests.
+            "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
+            "PYTEST_PLUGINS": "elitescript.pytest_plugin.plugin",
         }
 
     def run(self, block: Block) -> None:

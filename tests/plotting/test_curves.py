@@ -56,7 +56,7 @@ def test_a_move_at_the_limit_uses_all_of_it():
 
 
 def test_restless_rows_stay_within_the_budget():
-    rows = restless(20_000)
+    rows = restless(6_000)
     for joint in joint_curves(rows, MODEL):
         for name in ("q", "qd", "qdd"):
             assert len(joint[name]["t"]) == len(joint[name]["v"]) <= POINTS_MAX

@@ -137,7 +137,7 @@ def test_hours_of_work_leave_nothing_behind() -> None:
     )
 
     def grown() -> int:
-        robot.advance(300)
+        robot.advance(200)
         robot.current.events = [event for event in robot.current.events if isinstance(event, LineMarked)]
         gc.collect()
         return len(gc.get_objects())
@@ -146,4 +146,4 @@ def test_hours_of_work_leave_nothing_behind() -> None:
     first = grown()
     for _ in range(3):
         last = grown()
-    assert last - first < 1500
+    assert last - first < 1000

@@ -117,7 +117,7 @@ def test_a_child_that_floods_its_output_keeps_nothing_waiting(small):
 
 
 @pytest.mark.skipif(not Path("/proc/self/fd").exists(), reason="what a process has open is not known here")
-def test_a_hundred_replaced_children_leave_nothing_behind(small, monkeypatch):
+def test_replaced_children_leave_nothing_behind(small, monkeypatch):
     monkeypatch.setattr(supervision, "PAUSES_TICKS", (0,))
     small("exit")
 
@@ -129,10 +129,10 @@ def test_a_hundred_replaced_children_leave_nothing_behind(small, monkeypatch):
             await replaced(link)
         gc.collect()
         files, blocks = len(os.listdir("/proc/self/fd")), sys.getallocatedblocks()  # noqa: PTH208
-        for _ in range(100):
+        for _ in range(30):
             await replaced(link)
         gc.collect()
-        assert sys.getallocatedblocks() - blocks < 1000
+        assert sys.getallocatedblocks() - blocks < 300
         assert len(os.listdir("/proc/self/fd")) == files  # noqa: PTH208
         if children.exists():
             assert len(set(children.read_text().split()) - before) <= 2

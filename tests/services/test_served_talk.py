@@ -88,7 +88,7 @@ class Session:
         await server.close()
 
 
-@pytest.mark.parametrize("seed", [*range(3), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3, 40))])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 40))])
 def test_a_session_with_faults_leaves_nothing_open_and_plays_again(seed: int, tmp_path: Any) -> None:
     session = Session(seed, tmp_path / "first.journal")
     assert (session.left_in_kernel, session.left_in_server, session.left_in_world) == ({}, {}, 0)

@@ -13,7 +13,7 @@ from elitescript.solids.arm import arm_parts
 from elitescript.solids.contacts import LINKS, NOT_WATCHED, _Group
 from elitescript.solids.distance import closest
 from elitescript.solids.frames import frames_of
-from tests.solids.every_tick import compare
+from tests.solids.every_tick import compare, contacts_of_every_tick
 
 TABLE = '[[box]]\nname = "table"\nsize = [2.0, 2.0, 0.1]\npose = [0.0, 0.0, -0.05]\n'
 GRIPPER = '[tool]\nname = "gripper"\n[[tool.box]]\nsize = [0.06, 0.06, 0.1]\npose = [0, 0, 0.05]\n'
@@ -148,3 +148,34 @@ def test_links_that_are_left_out_never_touch(name):
     assert least[0, 2] > 0.002
     assert least[4, 6] > 0.002
     assert least[3, 5] > (-0.012 if name in ("CS620", "CS625") else 0.002)
+
+
+SWEEP = """def sweep():
+  movej([-0.6, -1.5708, -1.5708, -1.5708, 1.5708, 0], a=4, v=2)
+  movej([0.6, -1.5708, -1.5708, -1.5708, 1.5708, 0], a=4, v=2)
+  p = get_target_tcp_pose()
+  p[1] -= 0.5
+  movel(p, a=2, v=0.5)
+end
+"""
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.05])
+def test_what_happens_in_the_middle_of_a_move_is_found(gap, tmp_path):
+    """The gripper passes a post, or through it; at both ends of the moves it is far away."""
+    home = VirtualRobot("CS66").state
+    x, y, z = home.tcp_pose_target[:3]
+    world = f'[[cylinder]]\nname = "post"\nradius = 0.01\nlength = 0.1\npose = [{x}, {y}, {z - 0.15 - gap}]\n' + GRIPPER
+    run = VirtualRobot("CS66", world=_written(tmp_path, world)).run(SWEEP, trace=True)
+    expected, closest_by_thing = contacts_of_every_tick(run, home.q_target, tmp_path / "world.toml")
+    found = [(its.first, its.second, its.start_s, its.end_s) for its in run.contacts]
+    assert sorted(found) == sorted(its[:4] for its in expected)
+    assert len(found) == (3 if gap == 0.0 else 0)
+    least = closest_by_thing["post"]
+    assert least <= run.clearances[0].distance_m <= least + max(1e-5, 0.011 * least, -0.11 * least)
+
+
+def _written(folder, text):
+    path = folder / "world.toml"
+    path.write_text(text)
+    return path

@@ -6,7 +6,7 @@ import asyncio
 import json
 from base64 import b64encode
 from collections.abc import Awaitable, Callable, Iterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -344,6 +344,9 @@ class TestHangingClients:
                 async with port.page() as second:
                     assert await said(second, 2) == {"type": "echo", "of": 2}
                 assert await said(first, 3) == {"type": "echo", "of": 3}
+                with suppress(ConnectionError):
+                    # The oldest one was hung up on.
+                    assert await asyncio.wait_for(hanging[0][0].read(), 5.0) == b""
                 for _, writer in hanging:
                     writer.close()
 

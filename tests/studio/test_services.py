@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,8 @@ from elitescript.robot import VirtualRobot
 from elitescript.studio import services
 from elitescript.studio.last_runs import LastRuns
 from elitescript.studio.services import EXAMPLES, Desk, EditorServices, Place
+
+ROOT = Path(__file__).resolve().parents[2]
 
 TEXT = """def cell():
   LIFT = 0.1
@@ -180,8 +183,16 @@ class TestOfTheProduct:
         with pytest.raises(UsageError, match="started without --urdf"):
             ask(desk, "mesh")
 
-    def test_every_service_is_answered(self) -> None:
+    def test_every_service_is_answered_and_its_result_described(self) -> None:
         assert set(services._SERVICES) == set(SERVICES)
+        described = (ROOT / "web" / "src" / "source" / "services.ts").read_text().partition("interface Results {")[2]
+        assert re.findall(r"^  (\w+):", described, re.MULTILINE) == [*dict.fromkeys(SERVICES)]
+
+    def test_what_follows_from_a_character(self) -> None:
+        desk = Desk({})
+        desk.put(1, "def p():\n  if True:\n\nend\n", Settings())
+        edits = ask(desk, "typing", 3, 1, typed="\n")
+        assert [edit["line"] for edit in edits] and any("end" in edit["text"] for edit in edits)
 
 
 class TestExamples:

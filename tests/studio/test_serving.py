@@ -19,6 +19,8 @@ from elitescript.studio import serving
 from elitescript.studio.memory import Memory
 from tests.studio.page_client import WAIT_S, Page, process
 
+MOVE = "def p():\n  movej([0.5, -1.57, -1.57, -1.57, 1.57, 0])\nend\n"
+
 needs_page = pytest.mark.skipif(not page.is_built(), reason="the page is not built: make studio")
 
 
@@ -95,7 +97,15 @@ class TestProcess:
             with Page(address) as connected:
                 assert connected.wait("hello")["title"] == "new.script"
                 assert connected.wait("file")["is_new"] is True
-                assert connected.service("robots")["defaults"]["robot"] == "CS66"
+                connected.send("program", version=1, text=MOVE)
+                ended = connected.wait("run_ended")
+                assert (ended["state"], ended["moment"]["t"] > 1.0) == ("finished", True)
+                state = connected.ask("seek", run=ended["run"], t=0.5)
+                assert state["moment"]["line"] == 2
+                labels = [hint["label"] for hint in connected.service("hints", 1, line=2, column=1)]
+                assert any(label.endswith(" s") for label in labels), labels
+                refused = connected.ask("control", action="power_on")
+                assert refused["text"] == "a live run has no controller: start the studio with --connect"
                 started.send_signal(signal.SIGINT if sys.platform != "win32" else signal.SIGTERM)
                 assert started.wait(WAIT_S) == 0
 

@@ -1,4 +1,4 @@
-"""A source of the page that says what a test gives it, behind the studio's own port; and one program that such a source plays.
+"""A source of the page that says what a test gives it, behind the studio's own port, and a program that it plays.
 
 with FakeSource(Play()) as source:
     page.goto(source.address)
@@ -16,13 +16,13 @@ from collections.abc import Callable, Iterable, Mapping
 from math import cos, sin
 from typing import Any, Final
 
-from elitescript.conversation.describe import Variable, hello
 from elitescript.conversation.describe import Moment as State
 from elitescript.conversation.describe import Thread as ThreadState
+from elitescript.conversation.describe import Variable, hello
 from elitescript.conversation.describe import moment as moment_data
-from elitescript.conversation.describe import scene
 from elitescript.conversation.rows import frames
 from elitescript.models.model import load_model
+from elitescript.solids.scene import scene
 from elitescript.studio.outbox import Outbox
 from elitescript.studio.server import Door
 
@@ -220,10 +220,14 @@ class Play:
             case "detail":
                 yield {"type": "detail_ended", "ask": ask, "run": message["run"]}
             case "save":
-                yield {"type": "saved", "ask": ask, "digest": "second"} if self.refusal is None else {
-                    **self.refusal,
-                    "ask": ask,
-                }
+                yield (
+                    {"type": "saved", "ask": ask, "digest": "second"}
+                    if self.refusal is None
+                    else {
+                        **self.refusal,
+                        "ask": ask,
+                    }
+                )
             case "service":
                 yield {"type": "answer", "ask": ask, "result": SERVICES.get(message["service"], None)}
             case "open":

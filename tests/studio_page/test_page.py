@@ -55,7 +55,13 @@ def test_panes_are_sized_by_keyboard_and_remembered(open_page: Open) -> None:
 
 def test_what_is_remembered_is_there_again(open_page: Open) -> None:
     play = Play()
-    play.settings = {"language": "zh", "theme": "dark", "angle": "rad", "sizes": {"left": 0.5}, "open": {"wide.cycle": False}}
+    play.settings = {
+        "language": "zh",
+        "theme": "dark",
+        "angle": "rad",
+        "sizes": {"left": 0.5},
+        "open": {"wide.cycle": False},
+    }
     page, _ = open_page(play, locale="zh-CN")
     assert page.evaluate("document.documentElement.dataset.theme") == "dark"
     expect(page.get_by_role("button", name="运行", exact=True)).to_be_visible()
@@ -97,10 +103,14 @@ def test_save_and_a_conflict(open_page: Open) -> None:
     page.keyboard.press("Control+Home")
     page.keyboard.type("# mine\n")
     assert page.title().startswith("●")
-    source.play.refusal = {"type": "refused", "text": "changed", "conflict": {"text": f"# theirs\n{PROGRAM}", "digest": "other"}}
+    source.play.refusal = {
+        "type": "refused",
+        "text": "changed",
+        "conflict": {"text": f"# theirs\n{PROGRAM}", "digest": "other"},
+    }
     page.keyboard.press("Control+s")
     conflict = page.get_by_role("complementary", name="Two texts of one file")
-    expect(conflict).to_contain_text("− # theirs")
+    expect(conflict).to_contain_text("\N{MINUS SIGN} # theirs")
     expect(conflict).to_contain_text("+ # mine")
     conflict.get_by_role("button", name="Keep the text here").click()
     expect(conflict).to_have_count(0)

@@ -36,7 +36,9 @@ def test_slider_and_field(open_page: Open) -> None:
     expect(field).to_have_attribute("aria-invalid", "true")
     field.press("Escape")
     expect(field).to_have_value("2.500 s")
-    expect(page.get_by_role("img", name=re.compile(r"^Signals, 2\.500 s\. standard_digital_out\[0\]: 1"))).to_be_visible()
+    expect(
+        page.get_by_role("img", name=re.compile(r"^Signals, 2\.500 s\. standard_digital_out\[0\]: 1"))
+    ).to_be_visible()
 
 
 def test_pointer_zoom_and_table(open_page: Open) -> None:
@@ -62,8 +64,8 @@ def test_pointer_zoom_and_table(open_page: Open) -> None:
     page.mouse.down()
     page.mouse.move(x + 200, y, steps=3)
     page.mouse.up()
-    timeline.get_by_role("button", name="Repeat the selected stretch").click()
-    expect(timeline.get_by_role("button", name="Repeat the selected stretch")).to_have_attribute("aria-pressed", "true")
+    timeline.get_by_role("button", name="Loop the selected stretch").click()
+    expect(timeline.get_by_role("button", name="Loop the selected stretch")).to_have_attribute("aria-pressed", "true")
     timeline.get_by_text(re.compile("^Events as a table")).click()
     rows = timeline.get_by_role("table").get_by_role("row")
     expect(rows).to_have_count(1 + 5 + 3)

@@ -35,7 +35,6 @@ test("lanes come in the order of groups, terminals before registers, outputs bef
     "signal standard_digital_in[10]", "signal output_int_register[3]", "channel socket cam", "device camera",
   ]);
   assert.equal((lanes.get("contacts") as SpanLane).what(0), "elbow – table");
-  assert.deepEqual([...lanes.stops], [0, 1, 2, 3]);
   assert.deepEqual(lanes.entries().map(({ t, kind }) => `${t} ${kind}`), [
     "0 move", "1 signal", "1 signal", "1 signal", "1 signal", "1 channel", "1 device", "1 contact", "2 log", "3 safety",
   ]);
@@ -121,7 +120,7 @@ test("50,000 events are taken once each", () => {
     events(run, ...Array.from({ length: 500 }, (_, index) => SIGNAL((part * 500 + index) * 0.004, `output_int_register[${index % 14}]`, index)));
     assert.equal(lanes.all.length, 14);
   }
-  assert.equal(lanes.stops.length, 50_000);
+  assert.equal(lanes.all.reduce((sum, lane) => sum + lane.stops.length, 0), 50_000);
   // Beginning again with each part would make 2,500,000 steps.
   assert.ok(process.cpuUsage().user - before < 1_500_000);
 });

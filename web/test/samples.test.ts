@@ -77,6 +77,19 @@ test("a table that begins as another one", () => {
   assert.deepEqual([...old.column("q1")], [1, 2, 3]);
 });
 
+test("rows of a source that goes on for hours are forgotten", () => {
+  const table = new SampleTable();
+  for (let tick = 0; tick < 100_000; tick += 5) {
+    table.add(rows([tick, tick + 1, tick + 2, tick + 3, tick + 4], { q1: [tick, tick + 1, tick + 2, tick + 3, tick + 4], qd1: [0, 0, 0, 0, 0] }));
+    table.forget(table.end_s - 4);
+    assert.ok(table.length <= 2010, String(table.length));
+  }
+  assert.ok(table.t[0]! <= table.end_s - 4);
+  assert.equal(table.value("q1", table.end_s - 4), 98_999);
+  assert.equal(table.value("q1", 1), table.column("q1")[0]);
+  assert.equal(table.column("qdd1").length, table.length);
+});
+
 test("random rows in random order equal a slow table", () => {
   const draw = random(7);
   for (let round = 0; round < 30; round++) {

@@ -133,7 +133,7 @@ test("of a run that grows only whole blocks are asked for, and of one that refus
   assert.deepEqual(asked.slice(2), [[0, 2]]);
 });
 
-test("one answer is waited for at a time", async () => {
+test("one answer is waited for at a time", { timeout: 5000 }, async () => {
   const run = coarse(60);
   let answer = () => {};
   let count = 0;

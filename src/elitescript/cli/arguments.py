@@ -362,6 +362,11 @@ def add_studio(parser: Parser) -> None:
         "--socket", metavar="PATH", help="with --connect: the ctl address of a robot that is served on this computer"
     )
     parser.add_argument(
+        "--ends-with-input",
+        action="store_true",
+        help="end when standard input ends, as with the process that has started it",
+    )
+    parser.add_argument(
         "--jog-register",
         type=int,
         metavar="N",

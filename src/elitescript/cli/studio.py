@@ -35,7 +35,13 @@ def studio(options: argparse.Namespace) -> int:
     path = options.path or (None if options.connect else ".")
     place = workplace(path, given, options.world, options.urdf)
     target = None if options.connect is None else _target(options, given.get("model", ""))
-    return serve_studio(place, options.port, target, opens_browser=not options.no_browser)
+    return serve_studio(
+        place,
+        options.port,
+        target,
+        opens_browser=not options.no_browser,
+        ends_with_input=options.ends_with_input,
+    )
 
 
 def _target(options: argparse.Namespace, robot: str) -> Target:

@@ -49,7 +49,9 @@ def studios(robots: Sequence[tuple[str, str]], host: str, folder: str | None, sa
     ending = threading.Event()
     try:
         for name, address in robots:
-            process = subprocess.Popen(_command(_EVERYWHERE.get(host, host), address, folder), stdout=-1, text=True)
+            # Its input ends with this process, also when that is killed.
+            command = _command(_EVERYWHERE.get(host, host), address, folder)
+            process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
             processes.append(process)
             with contextlib.suppress(AttributeError, OSError):
                 os.setpriority(os.PRIO_PROCESS, process.pid, NICENESS)
@@ -68,8 +70,8 @@ def studios(robots: Sequence[tuple[str, str]], host: str, folder: str | None, sa
 
 
 def _command(host: str, address: str, folder: str | None) -> list[str]:
-    words = [sys.executable, "-m", "elitescript", "studio", *(() if folder is None else (folder,))]
-    return [*words, "--connect", host, "--socket", address, "--control", "--no-browser"]
+    words = [sys.executable, "-m", "elitescript", "studio", folder or "."]
+    return [*words, "--connect", host, "--socket", address, "--control", "--no-browser", "--ends-with-input"]
 
 
 def _listen(process: subprocess.Popen[str], name: str, say: Say, ending: threading.Event) -> None:

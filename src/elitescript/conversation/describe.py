@@ -19,7 +19,7 @@ from elitescript.messages.events import Alarm, Event, MotionEnded, MotionStarted
 from elitescript.messages.motion import MotionRequest, MoveC, MoveJ, MoveL, MoveP, ServoJ, Six
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import seconds
-from elitescript.records import record, replace
+from elitescript.records import field, record, replace
 from elitescript.solids.contacts import Contact
 
 Message = dict[str, Any]
@@ -212,7 +212,7 @@ class Moment:
     joints: Six
     tcp_pose: Six
     globals: tuple[Variable, ...] = ()
-    signals: Mapping[str, Value] = {}
+    signals: Mapping[str, Value] = field(default_factory=dict)
     threads: tuple[Thread, ...] = ()
     position: str = ""
     tcp_force: Six | None = None

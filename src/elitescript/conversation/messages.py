@@ -28,7 +28,7 @@ from elitescript.errors import UsageError, did_you_mean
 from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import PERIOD_S
-from elitescript.records import NamedTuple, fields_of, record
+from elitescript.records import NamedTuple, field, fields_of, record
 
 PROTOCOL: Final = 1
 """Version of the conversation."""
@@ -146,7 +146,7 @@ class Service:
     version: int
     line: int = 0
     column: int = 0
-    arguments: Mapping[str, Any] = {}
+    arguments: Mapping[str, Any] = field(default_factory=dict)
 
 
 @record

@@ -484,14 +484,14 @@ class Adapter:
     def send(self, message: Message) -> None:
         """Send a message behind those that are being sent: `interrupt` may come in the middle of one."""
         self._outgoing.append(message)
-        if self._is_sending:
-            return
-        self._is_sending = True
-        try:
-            while self._outgoing:
-                self._send(self._outgoing.popleft())
-        finally:
-            self._is_sending = False
+        while self._outgoing and not self._is_sending:
+            # What comes now is sent in here; what comes behind the last look at the queue, in the next pass.
+            self._is_sending = True
+            try:
+                while self._outgoing:
+                    self._send(self._outgoing.popleft())
+            finally:
+                self._is_sending = False
 
     def note(self, text: str, category: str) -> None:
         """Write a line to the client's console."""

@@ -38,14 +38,12 @@ class Incoming:
         descriptor: where to read.
     """
 
-    __slots__ = ("_calls", "_descriptor", "_messages", "_poll", "_rest", "_wake", "_woken")
+    __slots__ = ("_calls", "_descriptor", "_messages", "_rest", "_wake", "_woken")
 
     def __init__(self, descriptor: int) -> None:
         self._descriptor = descriptor
         self._messages: deque[Message] = deque()
         self._rest = b""
-        self._poll = select.poll()
-        self._poll.register(descriptor, select.POLLIN | select.POLLHUP)
         self._calls: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._woken, self._wake = os.pipe()
 
@@ -78,8 +76,8 @@ class Incoming:
         os.write(self._wake, b"!")
 
     def has_next(self) -> bool:
-        """Return whether `next` returns at once."""
-        return bool(self._messages or self._poll.poll(0))
+        """Return whether `next` returns at once. A signal may call it in the middle of itself, which `poll` refuses."""
+        return bool(self._messages or select.select([self._descriptor], [], [], 0)[0])
 
 
 class ThreadedIncoming:
@@ -139,12 +137,22 @@ def main() -> None:
     os.close(nothing)
     os.dup2(2, 1)
 
+    if hasattr(os, "register_at_fork"):
+        # Engines in processes of their own are not to keep the pipes open: the end of this process is seen by them.
+        pipes = [requests, responses]
+
+        def forget() -> None:
+            while pipes:
+                os.close(pipes.pop())
+
+        os.register_at_fork(after_in_child=forget)
+
     def send(message: Message) -> None:
         data = to_text(message).encode("ascii") + b"\n"
         while data:
             data = data[os.write(responses, data) :]
 
-    incoming = Incoming(requests) if hasattr(select, "poll") else ThreadedIncoming(requests)
+    incoming = Incoming(requests) if os.name == "posix" else ThreadedIncoming(requests)
     adapter = Adapter(send, incoming, HANDLERS, forks=os.name == "posix")
 
     def interrupt() -> None:

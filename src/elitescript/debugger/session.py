@@ -212,7 +212,10 @@ class DebugSession:
         here = self._engine.position
         if here.kind == AFTER_TICK and here.tick == tick:
             return self._stop
-        if tick < here.tick or (tick == here.tick and here.kind == AT_END):
+        is_back = tick < here.tick or (tick == here.tick and here.kind == AT_END)
+        if not self._rules.count_hits and self._snapshots.tick_before(tick) > (-1 if is_back else here.tick):
+            self._replace_engine(self._engine_from(self._snapshots.before_tick(tick)))
+        elif is_back:
             self._replace_engine(self._new_engine(is_heard=True))
         stop = self._engine.run(Goal(Position(0, 0, tick, AFTER_TICK)))
         return self._arrived(stop)
@@ -607,7 +610,10 @@ class DebugSession:
 
     def _engine_before(self, position: Position) -> Engine:
         """Return an engine that stands before a position: a copy of one that came by there, or one at the start."""
-        near = None if self._rules.count_hits else self._snapshots.before(position)
+        return self._engine_from(None if self._rules.count_hits else self._snapshots.before(position))
+
+    def _engine_from(self, near: tuple[Engine, Position] | None) -> Engine:
+        """Return the engine of a copy, with the present rules and inputs; one at the start if there is none."""
         if near is None:
             return self._new_engine(is_heard=True)
         engine, at = near

@@ -68,6 +68,14 @@ class NoSnapshots:
         """Return a copy of the engine nearest before a position, and where it stands; None if there is none."""
         return None
 
+    def before_tick(self, tick: int) -> tuple[Engine, Position] | None:
+        """Return a copy of the engine nearest before a tick, and where it stands; None if there is none."""
+        return None
+
+    def tick_before(self, tick: int) -> int:
+        """Return the tick at which the copy nearest before another tick stands; -1 if there is none."""
+        return -1
+
     def copy_of(self, engine: Engine) -> Engine | None:
         """Return a copy of an engine as it stands; None where there are no copies."""
         return None
@@ -147,15 +155,24 @@ class Snapshots(NoSnapshots):
 
     def before(self, position: Position) -> tuple[Engine, Position] | None:
         """See `NoSnapshots.before`."""
-        near = [item for item in self._copies if item[0].is_before(position)]
+        return self._copied([item for item in self._copies if item[0].is_before(position)])
+
+    def before_tick(self, tick: int) -> tuple[Engine, Position] | None:
+        """See `NoSnapshots.before_tick`."""
+        return self._copied([item for item in self._copies if item[0].tick < tick])
+
+    def tick_before(self, tick: int) -> int:
+        """See `NoSnapshots.tick_before`."""
+        return max((at.tick for at, _ in self._copies if at.tick < tick), default=-1)
+
+    def _copied(self, near: list[tuple[Position, EngineProcess]]) -> tuple[Engine, Position] | None:
+        """Return a copy of the last of some copies, and where it stands."""
         if not near:
             return None
         at, process = near[-1]
-        copy = self._process(process.copied())
-        copy.refresh()
-        return cast("Engine", copy), at
+        return self.copy_of(cast("Engine", process)), at
 
-    def copy_of(self, engine: Engine) -> Engine | None:
+    def copy_of(self, engine: Engine) -> Engine:
         """See `NoSnapshots.copy_of`."""
         copy = self._process(cast("EngineProcess", engine).copied())
         copy.refresh()
@@ -286,8 +303,9 @@ class EngineProcess:
         return ours
 
     def pause(self) -> None:
-        """See `Engine.pause`; from any thread."""
-        os.kill(self._process, signal.SIGUSR1)
+        """See `Engine.pause`; from any thread, and also when the process has just been dropped for another one."""
+        with suppress(ProcessLookupError):
+            os.kill(self._process, signal.SIGUSR1)
 
     def close(self) -> None:
         """End it."""

@@ -153,13 +153,27 @@ class _Group:
 class _Pair:
     """Two groups, and what is known of their distance."""
 
-    __slots__ = ("contact", "first", "gap", "is_thing", "levers", "limit", "rise", "rise_limit", "second", "way")
+    __slots__ = (
+        "contact",
+        "first",
+        "gap",
+        "is_carried",
+        "is_thing",
+        "levers",
+        "limit",
+        "rise",
+        "rise_limit",
+        "second",
+        "way",
+    )
 
     def __init__(self, first: _Group, second: _Group, levers: tuple[float, ...], is_thing: bool) -> None:
         self.first = first
         self.second = second
         self.is_thing = is_thing
         self.levers = levers
+        self.is_carried = is_thing and first.link == FLANGE - 1
+        """Whether it is what the flange carries against a thing."""
         self.way = 0.0
         """Travel since the start of the run."""
         self.rise = 0.0
@@ -169,13 +183,6 @@ class _Pair:
         self.limit = self.rise_limit = -1.0
         """Up to this `way`, or this `rise`, nothing that matters can have happened."""
         self.contact: _Open | None = None
-
-    def travel(self, turned: Six) -> tuple[float, float]:
-        """Return travel and vertical travel, m, where the joints turn by these angles, rad."""
-        a, b, c, d, e, f = turned
-        i, j, k, m, n, o = self.levers
-        rise = j * b + k * c + m * d + n * e + o * f
-        return i * a + rise, rise
 
 
 class _Gap(NamedTuple):
@@ -235,6 +242,7 @@ class _Span:
 
     __slots__ = (
         "_arm",
+        "_between",
         "_frames",
         "_frames_at",
         "_joints_at",
@@ -252,6 +260,7 @@ class _Span:
         self._frames = frames
         self._frames_at: dict[int, Frames] = {}
         self._joints_at: dict[int, Six] = {}
+        self._between: dict[tuple[int, int], tuple[Six, float, float]] = {}
         self._placed_at: dict[tuple[int, _Group], _Placed] = {}
         self._turned_at: dict[int, Six] = {self.begin: ZERO_SIX}
         """How far each joint has turned since the begin, back and forth added up, rad."""
@@ -284,15 +293,35 @@ class _Span:
             found = self._placed_at[tick, group] = _Placed(group, frames[group.link])
         return found
 
+    @property
+    def is_moving(self) -> bool:
+        """Whether any joint turns."""
+        return any(self._turned_to(self.end))
+
     def travel(self, pair: _Pair, begin: int, end: int) -> tuple[float, float]:
         """Return travel and vertical travel of a pair between two ticks, m, at most."""
-        travel, rise = pair.travel(self.turned(begin, end))
-        if self._tool is not None and pair.is_thing and pair.first.link == FLANGE - 1:
-            way_a, turn_a = self._tool_to(begin)
-            way_b, turn_b = self._tool_to(end)
-            carried = way_b - way_a + (turn_b - turn_a) * pair.first.farthest_from(self._tool)
+        between = self._between.get((begin, end))
+        if between is None:
+            between = self._between[begin, end] = self._turned(begin, end)
+        (a, b, c, d, e, f), way, turn = between
+        i, j, k, m, n, o = pair.levers
+        rise = j * b + k * c + m * d + n * e + o * f
+        travel = i * a + rise
+        if self._tool is not None and pair.is_carried:
+            carried = way + turn * pair.first.farthest_from(self._tool)
             return min(travel, carried), min(rise, carried)
         return travel, rise
+
+    def _turned(self, begin: int, end: int) -> tuple[Six, float, float]:
+        """Return how far each joint turns, and how far the TCP goes and the tool turns where that is known."""
+        a, b, c, d, e, f = self._turned_to(begin)
+        g, h, i, j, k, m = self._turned_to(end)
+        turned = (g - a, h - b, i - c, j - d, k - e, m - f)
+        if self._tool is None:
+            return turned, 0.0, 0.0
+        way_a, turn_a = self._tool_to(begin)
+        way_b, turn_b = self._tool_to(end)
+        return turned, way_b - way_a, turn_b - turn_a
 
     def _tool_to(self, tick: int) -> tuple[float, float]:
         found = self._tool_at.get(tick)
@@ -301,12 +330,6 @@ class _Span:
             assert tool is not None, "what is known up to the end is known up to any tick before"
             found = self._tool_at[tick] = tool[:2]
         return found
-
-    def turned(self, begin: int, end: int) -> Six:
-        """Return how far each joint turns between two ticks, back and forth added up, rad."""
-        a, b, c, d, e, f = self._turned_to(begin)
-        g, h, i, j, k, m = self._turned_to(end)
-        return g - a, h - b, i - c, j - d, k - e, m - f
 
     def _turned_to(self, tick: int) -> Six:
         found = self._turned_at.get(tick)
@@ -369,8 +392,7 @@ class ContactWatch:
         if arm.is_resting:
             return
         span = _Span(arm, until_tick, self._frames)
-        turned = span.turned(span.begin, span.end)
-        if not any(turned):
+        if not span.is_moving:
             return
         for pair in self._pairs:
             travel, rise = span.travel(pair, span.begin, span.end)

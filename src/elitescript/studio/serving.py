@@ -61,7 +61,14 @@ def workplace(path: str | None, given: Mapping[str, Any], world: str | None, urd
     )
 
 
-def serve_studio(place: Workplace, port: int, target: Target | None = None, *, opens_browser: bool) -> int:
+def serve_studio(
+    place: Workplace,
+    port: int,
+    target: Target | None = None,
+    *,
+    opens_browser: bool,
+    ends_with_input: bool = False,
+) -> int:
     """Serve until SIGINT or SIGTERM; return the exit code.
 
     Args:
@@ -69,16 +76,19 @@ def serve_studio(place: Workplace, port: int, target: Target | None = None, *, o
         port: of this computer; 0 is any free one.
         target: the controller that is shown; None for live runs.
         opens_browser: whether the page is opened.
+        ends_with_input: whether the end of standard input ends it too.
 
     Raises:
         UsageError: the port cannot be had.
     """
 
-    asyncio.run(_serve(place, port, target, opens_browser=opens_browser))
+    asyncio.run(_serve(place, port, target, opens_browser=opens_browser, ends_with_input=ends_with_input))
     return 0
 
 
-async def _serve(place: Workplace, port: int, target: Target | None, *, opens_browser: bool) -> None:
+async def _serve(
+    place: Workplace, port: int, target: Target | None, *, opens_browser: bool, ends_with_input: bool
+) -> None:
     controller = None if target is None else ConnectedController(target)
     ready: list[LiveSource] = []
     """A source whose processes are started before there is a page."""
@@ -100,6 +110,9 @@ async def _serve(place: Workplace, port: int, target: Target | None, *, opens_br
     door = Door(begin)
     stop = asyncio.Event()
     _on_signals(stop)
+    if ends_with_input:
+        loop = asyncio.get_running_loop()
+        threading.Thread(target=_wait_for_end, args=(loop, stop), daemon=True).start()
     try:
         await door.open(port)
     except OSError as error:
@@ -139,6 +152,15 @@ def _open_browser(address: str) -> threading.Thread | None:
     opening = threading.Thread(target=webbrowser.open, args=(address,), daemon=True)
     opening.start()
     return opening
+
+
+def _wait_for_end(loop: asyncio.AbstractEventLoop, stop: asyncio.Event) -> None:
+    """Read standard input to its end, then set the event of a loop."""
+    while os.read(sys.stdin.fileno(), 4096):
+        pass
+    with suppress(RuntimeError):
+        # The loop is closed: it has stopped already.
+        loop.call_soon_threadsafe(stop.set)
 
 
 def _on_signals(stop: asyncio.Event) -> None:

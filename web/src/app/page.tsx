@@ -2,7 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import { useEffect } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import type { Studio } from "../model/studio.ts";
 import { Cycle } from "../regions/cycle/index.tsx";
 import { Messages } from "../regions/messages/index.tsx";
@@ -25,7 +25,7 @@ import { Notices } from "./notices.tsx";
 import { OptionsPanel } from "./options.tsx";
 import { isOpen, Region } from "./region.tsx";
 import { problemCount } from "./state.ts";
-import { dress } from "./theme.ts";
+import { dress, speak } from "./theme.ts";
 import { Toolbar } from "./toolbar.tsx";
 
 export type Layout = "wide" | "medium" | "narrow";
@@ -50,6 +50,7 @@ const SIZES = {
 const percent = (fraction: number) => `${(100 * fraction).toFixed(1)}%`;
 
 export function Page({ studio }: { studio: Studio }) {
+  useState(speak);
   const layout = useSignal<Layout>(layoutFor(window.innerWidth));
   useEffect(() => {
     const measure = () => (layout.value = layoutFor(window.innerWidth));

@@ -19,11 +19,14 @@ export function runState(studio: Studio): RunState {
   const isStale = studio.staleFrom.value > 0;
   const state = (kind: RunState["kind"], words: string): RunState => ({ kind, text: words, isStale });
   if (studio.hello.value === null) return state("none", text("state_connecting"));
+  if (studio.can("live")) {
+    const moment = studio.moment.value;
+    return moment === null ? state("none", text("state_connecting")) : state("good", text("state_live", { t: short(moment.t) }));
+  }
   if (run === null) return problems?.compiles === false ? state("error", text("state_not_compiled")) : state("none", text("state_no_run"));
   if (isStale) return state("warning", text("state_stale", { line: studio.staleFrom.value }));
   const { ended } = run;
   if (ended === null) {
-    if (studio.can("live")) return state("good", text("state_live", { t: short(run.known_s) }));
     const before = studio.before.value?.ended == null ? 0 : studio.before.value.known_s;
     const expected = before > run.known_s ? before : (run.options.until_s ?? LIMIT_S);
     return state("busy", text(before > run.known_s ? "state_of_about" : "state_of_limit", { t: short(run.known_s), end: short(expected) }));

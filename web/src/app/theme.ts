@@ -5,13 +5,17 @@ import type { Studio } from "../model/studio.ts";
 import { isDark, palette, systemIsDark } from "../style/palette.ts";
 import { language, text } from "../text/text.ts";
 
+/** Begins with the language of the browser. */
+export function speak(): void {
+  language.value = navigator.language.toLowerCase().startsWith("zh") ? "zh" : "en";
+}
+
 /** Follows settings and the system until the returned function is called. */
 export function dress(studio: Studio): () => void {
   const query = matchMedia("(prefers-color-scheme: dark)");
   const follow = () => (systemIsDark.value = query.matches);
   follow();
   query.addEventListener("change", follow);
-  language.value = navigator.language.toLowerCase().startsWith("zh") ? "zh" : "en";
   const root = document.documentElement;
   const ends = [
     effect(() => {

@@ -91,20 +91,24 @@ function SaveButton({ studio, showsName }: { studio: Studio; showsName: boolean 
 }
 
 function Transport({ studio }: { studio: Studio }) {
-  const isRunning = studio.can("live") ? studio.isFollowing.value : studio.isPlaying.value;
+  const isLive = studio.can("live");
+  const isRunning = isLive ? studio.isFollowing.value : studio.isPlaying.value;
+  // With control these two are the buttons of the robot; the page's own time is held by a click into the time line.
+  const hasControl = studio.can("control");
+  const cannotStep = studio.hello.value !== null && !studio.can("step");
   return (
     <div class="tools transport" role="group" aria-label={text("group_playback")}>
-      <Tool name="step_back" icon="step_back" press={() => void studio.step(-1)} hint={text("step_back_hint")} />
-      <Tool name="run" icon="run" press={() => studio.play()} showsName class={isRunning ? "primary on" : "primary"} hint={text("run_hint")} />
-      <Tool name="pause" icon="pause" press={() => studio.pressPause()} hint={text("pause_hint")} />
-      <Tool name="step" icon="step" press={() => void studio.step(1)} hint={text("step_hint")} />
-      <Tool name="stop" icon="stop" press={() => studio.pressStop()} hint={text("stop_hint")} />
-      <select
+      <Tool name="step_back" icon="step_back" press={() => void studio.step(-1)} hint={text("step_back_hint")} isDisabled={cannotStep} />
+      <Tool name="run" icon="run" press={() => studio.play()} showsName class={isRunning ? "primary on" : "primary"} hint={text(isLive ? "run_live_hint" : "run_hint")} />
+      <Tool name="pause" icon="pause" press={() => studio.pressPause()} hint={text(hasControl ? "pause_robot_hint" : "pause_hint")} />
+      <Tool name="step" icon="step" press={() => void studio.step(1)} hint={text("step_hint")} isDisabled={cannotStep} />
+      <Tool name="stop" icon="stop" press={() => studio.pressStop()} hint={text(hasControl ? "stop_robot_hint" : isLive ? "run_live_hint" : "stop_hint")} />
+      {!isLive && <select
         class="rate" aria-label={text("rate")} title={text("rate")} value={String(studio.rate.value)}
         onChange={(event) => (studio.rate.value = Number(event.currentTarget.value))}
       >
         {RATES.map((rate) => <option key={rate} value={String(rate)}>{rate}×</option>)}
-      </select>
+      </select>}
     </div>
   );
 }

@@ -87,8 +87,6 @@ export class Lanes {
   private eventsTaken = 0;
   private contactsTaken: readonly Contact[] = [];
   private sorted: readonly Lane[] = [];
-  private stopsKnown: { readonly size: number; readonly times: Float64Array } = { size: -1, times: new Float64Array(0) };
-  private size = 0;
 
   constructor(run: Run) {
     this.run = run;
@@ -102,7 +100,6 @@ export class Lanes {
     if (run.moves.length > 0 && !this.found.has("moves")) this.add(moveLane(run.moves));
     if (run.contacts !== this.contactsTaken) this.takeContacts();
     for (; this.eventsTaken < run.events.length; this.eventsTaken++) this.takeEvent(run.events[this.eventsTaken]!);
-    this.size = this.eventsTaken + run.moves.length + run.contacts.length;
     if (this.found.size !== before || this.sorted.length !== this.found.size) this.sorted = [...this.found.values()].sort(inOrder);
     return this.sorted;
   }
@@ -110,16 +107,6 @@ export class Lanes {
   get(id: string): Lane | undefined {
     void this.all;
     return this.found.get(id);
-  }
-
-  /** Times of all events, begins of moves and contacts, ascending and each once; not of lines, which `step` goes by. */
-  get stops(): Float64Array {
-    const lanes = this.all;
-    if (this.stopsKnown.size !== this.size) {
-      const times = lanes.filter((lane) => lane.group !== "threads").flatMap((lane) => lane.stops);
-      this.stopsKnown = { size: this.size, times: Float64Array.from(new Set(times)).sort() };
-    }
-    return this.stopsKnown.times;
   }
 
   /** All events, moves and contacts, in the order of time. */

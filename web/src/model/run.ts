@@ -35,7 +35,7 @@ export class Run {
   /** Those of the events that people read. */
   readonly messages: RunEvent[] = [];
   /** Changes of each signal that changed. */
-  readonly signals = new Map<string, { readonly t: number[]; readonly value: Value[] }>();
+  readonly signals = new Map<string, { readonly t: number[]; readonly value: Value[]; readonly line: number[] }>();
   cycle: readonly CycleRow[] = [];
   contacts: readonly Contact[] = [];
   /** The robot that ran; null: that of the page. */
@@ -104,16 +104,10 @@ export class Run {
     this.revision.value++;
   }
 
-  /** Takes over what another run did before a time, as this one does the same up to there. */
+  /** Takes over the rows of another run up to a time; all else comes again, as its lines may be others in this text. */
   continueFrom(other: Run, until_s: number): void {
     if (until_s <= 0) return;
     this.samples.begin(other.samples, until_s);
-    for (const [thread, { t, line }] of other.lines) {
-      const count = t.findIndex((time) => time >= until_s);
-      if (count !== 0) this.lines.set(thread, { t: t.slice(0, count < 0 ? undefined : count), line: line.slice(0, count < 0 ? undefined : count) });
-    }
-    for (const move of other.moves) if (move.end_s <= until_s) this.moves.push(move);
-    for (const event of other.events) if (event.t < until_s) this.happen(event);
     this.known_s = Math.max(this.known_s, Math.min(until_s, other.known_s));
     this.revision.value++;
   }
@@ -143,7 +137,7 @@ export class Run {
     return (visits.find((span) => span.start_s > t + TICK_S / 2) ?? visits[0])?.start_s ?? null;
   }
 
-  /** The time of the next (1) or previous (-1) event or begin of a move; null if there is none. */
+  /** The time of the next (1) or previous (-1) event, contact or begin of a move; null if there is none. */
   eventBeside(t: number, by: 1 | -1): number | null {
     let found: number | null = null;
     const look = (time: number) => {
@@ -151,6 +145,7 @@ export class Run {
     };
     for (const event of this.events) look(event.t);
     for (const move of this.moves) look(move.start_s);
+    for (const contact of this.contacts) if (contact.is_contact) look(contact.start_s);
     if (this.alarm !== null) look(this.alarm.t);
     return found;
   }
@@ -162,9 +157,10 @@ export class Run {
     if (READ_TYPES.has(event.type)) this.messages.push(event);
     if (event.type === "signal") {
       const name = String(event["name"]);
-      const changes = this.signals.get(name) ?? { t: [], value: [] };
+      const changes = this.signals.get(name) ?? { t: [], value: [], line: [] };
       changes.t.push(event.t);
       changes.value.push(event["value"] as Value);
+      changes.line.push(event.line ?? 0);
       this.signals.set(name, changes);
     }
   }

@@ -103,6 +103,17 @@ export class SampleTable {
     return { run, ticks: Int32Array.from(ticks), columns };
   }
 
+  /** Drops the rows before a time, once they are at least half of all: memory stays bounded, and copies are few. */
+  forget(before_s: number): void {
+    const rows = this.index(before_s);
+    if (rows < ROOM_LEAST || 2 * rows < this.size) return;
+    this.ticks.copyWithin(0, rows, this.size);
+    this.times.copyWithin(0, rows, this.size);
+    for (const values of this.data.values()) values.copyWithin(0, rows, this.size);
+    this.size -= rows;
+    this.derived.clear();
+  }
+
   /** Returns the last row at or before a time; -1 if it is before the first. */
   index(t: number): number {
     let low = 0;

@@ -11,9 +11,11 @@ import { text as words } from "../text/text.ts";
 import { type Alignment, aligned, recordingIn, runOf } from "./compare.ts";
 import { firstChange } from "./difference.ts";
 import { History } from "./history.ts";
+import { nextStop } from "./lanes.ts";
 import { Refused, Requests, type Request } from "./requests.ts";
 import { Run, type RunEnded } from "./run.ts";
 import { Settings } from "./settings.ts";
+import { WINDOW_S } from "./view.ts";
 
 export type { Display } from "./units.ts";
 
@@ -132,6 +134,8 @@ export class Studio implements Listener {
   readonly view = signal<{ readonly to: ViewName } | null>(null);
   readonly settings = new Settings();
   readonly display = this.settings.display;
+  /** Times of the lane that is chosen in the time line, ascending; set by that region. */
+  laneStops: (() => ArrayLike<number> | null) | null = null;
   /** Set by the region Program while it is there. */
   editor: Editor | null = null;
   readonly notices = signal<readonly Notice[]>([]);
@@ -439,6 +443,7 @@ export class Studio implements Listener {
     this.isPlaying.value = true;
   }
 
+  /** Holds the cursor. */
   pause(): void {
     this.isFollowing.value = false;
     this.isPlaying.value = false;
@@ -460,8 +465,12 @@ export class Studio implements Listener {
     this.requests.send({ type: "control", ask: 0, action }).catch((error: unknown) => this.notice("warning", reason(error)));
   }
 
-  /** Ends playback and a computation that goes on; the cursor goes to 0. */
+  /** Ends playback and a computation that goes on; the cursor goes to 0, or on with a controller's time. */
   stopAll(): void {
+    if (this.can("live")) {
+      this.isFollowing.value = true;
+      return;
+    }
     this.pause();
     this.transmit({ type: "stop" });
     this.setCursor(0);
@@ -487,9 +496,10 @@ export class Studio implements Listener {
     }
   }
 
-  /** Goes to the next (1) or previous (-1) event or begin of a move. */
+  /** Goes to the next (1) or previous (-1) event, contact or begin of a move, or to that of the chosen lane. */
   jumpToEvent(by: 1 | -1): void {
-    const t = this.run.value?.eventBeside(this.cursor.value, by);
+    const stops = this.laneStops?.() ?? null;
+    const t = stops === null ? this.run.value?.eventBeside(this.cursor.value, by) : nextStop(stops, this.cursor.value, by);
     if (t != null) this.jump(t);
   }
 
@@ -601,6 +611,7 @@ export class Studio implements Listener {
   rows(rows: Rows): void {
     if (rows.run !== this.run.value?.number) return;
     this.run.value.takeRows(rows);
+    if (this.can("live")) this.run.value.samples.forget(this.run.value.samples.end_s - WINDOW_S);
     this.grow();
   }
 

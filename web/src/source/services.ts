@@ -75,6 +75,8 @@ export interface Results {
     readonly line: number; readonly column: number; readonly kind: string; readonly label: string; readonly tooltip: string;
     readonly pads_left: boolean; readonly pads_right: boolean;
   }[];
+  /** What follows from argument `typed`, the character in front of `line`, `column`: indentation, the `end` of a block. */
+  typing: readonly TextEdit[];
   folding: readonly { readonly line: number; readonly end_line: number; readonly kind: string }[];
   outline: readonly OutlineSymbol[];
   /** Argument `code`, such as E303. */

@@ -31,6 +31,8 @@ HOLD_S: Final = 0.3
 """Without a message of the page for this long, the arm stops."""
 QUIET_S: Final = 0.14
 """Without a heartbeat for this long, the controller's program stops the arm by itself."""
+GUIDE_QUIET_S: Final = 1.0
+"""The same while a person guides the arm, which holds it."""
 BEATS_HZ: Final = 50.0
 STEP_S: Final = 0.02
 """Period of the controller's program."""
@@ -110,22 +112,22 @@ def jog_program(register: int, session: int) -> str:
         register: first of the registers.
         session: a multiple of `SESSION_STEP`; register N + 1 holds it plus what to do.
     """
-    return _program(register, session, _JOG, f"    stopj({BRAKING:g})")
+    return _program(register, session, _JOG, f"    stopj({BRAKING:g})", QUIET_S)
 
 
 def guide_program(register: int, session: int) -> str:
     """Return the program that lets a person guide the arm by hand; arguments as of `jog_program`."""
-    text = _program(register, session, _GUIDE, "    end_freedrive_mode()")
+    text = _program(register, session, _GUIDE, "    end_freedrive_mode()", GUIDE_QUIET_S)
     return text.replace("    quiet = 0.0\n", "    quiet = 0.0\n    freedrive_mode()\n", 1)
 
 
-def _program(register: int, session: int, body: str, after: str) -> str:
+def _program(register: int, session: int, body: str, after: str, quiet_s: float) -> str:
     return _LOOP.format(
         name=PROGRAM_NAME,
         register=register,
         task_register=register + 1,
         session=session,
-        quiet=QUIET_S,
+        quiet=quiet_s,
         step=STEP_S,
         speeds=", ".join(f"read_input_float_register({register + axis})" for axis in range(6)),
         after=after,
@@ -300,7 +302,8 @@ class Jogger:
                 await client.start()
                 await self._drive(client, layout, program)
         except (LinkError, PeerError, UsageError) as error:
-            self._ended(owner, f"Jogging has ended: {error}")
+            what = "Hand guiding" if program is guide_program else "Jogging"
+            self._ended(owner, f"{what} has ended: {error}")
         finally:
             self._end()
             self.owner = None
@@ -318,8 +321,8 @@ class Jogger:
             is_running = self._task_state() is not TaskState.STOPPED
             has_run = has_run or is_running
             if has_run and not is_running:
-                if not self._is_stopping and (self._task == HAND or not await self._has_lapsed(session)):
-                    raise UsageError("the controller has ended the program; its messages say why")
+                if not self._is_stopping:
+                    self._check_end(await self._has_lapsed(session))
                 break
             if not has_run and now - start > START_S:
                 if not self._is_stopping:
@@ -339,6 +342,17 @@ class Jogger:
                     return
             self._beat(client, layout, session)
         client.write(layout, dict.fromkeys(layout.names, 0))
+
+    def _check_end(self, has_lapsed: bool) -> None:
+        """Refuse to begin again by itself, unless heartbeats came too late for a button that is still held.
+
+        Raises:
+            UsageError: says why the program has ended.
+        """
+        if not has_lapsed:
+            raise UsageError("the controller has ended the program; its messages say why")
+        if self._task == HAND:
+            raise UsageError(f"nothing was heard of the studio for {GUIDE_QUIET_S:g} s")
 
     async def _has_lapsed(self, session: int) -> bool:
         """Return whether heartbeats came too late: where the network or a computer is slow, the page may go on."""

@@ -32,7 +32,7 @@ from elitescript.conversation.messages import (
 from elitescript.errors import UsageError
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import seconds
-from elitescript.records import record, replace
+from elitescript.records import field, record, replace
 from elitescript.studio.live.jobs import Job, job_data
 from elitescript.studio.live.link import ROWS
 from elitescript.studio.live.processes import Keeper, Spares, Worker, start_workers
@@ -74,10 +74,10 @@ class Setting:
         presets: program globals that have a value before it begins.
     """
 
-    robot: Mapping[str, Any] = {}
+    robot: Mapping[str, Any] = field(default_factory=dict)
     world: Path | None = None
-    levels: Mapping[str, Value] = {}
-    presets: Mapping[str, Any] = {}
+    levels: Mapping[str, Value] = field(default_factory=dict)
+    presets: Mapping[str, Any] = field(default_factory=dict)
 
 
 class _Shown:

@@ -9,7 +9,7 @@ from typing import Any
 from elitescript.conversation.messages import SignalInput
 from elitescript.environment.memory import folder_contents
 from elitescript.messages.signals import Value
-from elitescript.records import fields_of, record
+from elitescript.records import field, fields_of, record
 from elitescript.robot import VirtualRobot
 from elitescript.world_file import closed_world
 
@@ -34,12 +34,12 @@ class Job:
     name: str
     text: str
     folder: str = ""
-    robot: Mapping[str, Any] = {}
+    robot: Mapping[str, Any] = field(default_factory=dict)
     world: str = ""
     is_trusted: bool = False
     may_connect: bool = False
-    levels: Mapping[str, Value] = {}
-    presets: Mapping[str, Any] = {}
+    levels: Mapping[str, Value] = field(default_factory=dict)
+    presets: Mapping[str, Any] = field(default_factory=dict)
     inputs: tuple[SignalInput, ...] = ()
 
 

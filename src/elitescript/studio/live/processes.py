@@ -6,10 +6,11 @@ import asyncio
 import os
 import signal
 import socket
+import sys
 from contextlib import suppress
 from itertools import count
 from tempfile import TemporaryFile
-from typing import Any, Final
+from typing import IO, Any, Final
 
 from elitescript.environment.process import Life, module_command, module_environment, place_in_trace
 from elitescript.services.child.process import processor_time_s
@@ -124,7 +125,7 @@ class Keeper:
         os.set_blocking(trace, False)
         life = Life()
         number = next(self._numbers)
-        with TemporaryFile() as file:
+        with _memory() as file:
             file.truncate(Board.SIZE)
             board = Board(file.fileno())
             try:
@@ -190,6 +191,11 @@ class Keeper:
         with suppress(ProcessLookupError):
             self._process.kill()
         await self._process.wait()
+
+
+def _memory() -> IO[bytes]:
+    """Return a file for memory that processes share; on no disk where that is possible."""
+    return os.fdopen(os.memfd_create("board"), "r+b") if sys.platform == "linux" else TemporaryFile()
 
 
 class CopiedWorker(Worker):
@@ -280,6 +286,8 @@ class Spares:
 
     def __init__(self) -> None:
         self._next: asyncio.Task[SpareWorker] | None = None
+        self._workers: set[SpareWorker] = set()
+        """Those that have not ended."""
 
     @classmethod
     async def start(cls) -> Spares:
@@ -295,13 +303,17 @@ class Spares:
     async def begin(self) -> SpareWorker:
         """Return the worker that was started ahead, and start another one."""
         worker = await (self._next or self._ahead())
+        self._workers = {other for other in self._workers if not other.ended.done()} | {worker}
         self._ahead()
         return worker
 
     async def close(self) -> None:
-        """End the one that was started ahead."""
+        """End all of them."""
         if self._next is not None:
-            (await self._next).kill()
+            self._workers.add(await self._next)
+        for worker in self._workers:
+            worker.kill()
+            await worker.ended
 
 
 async def _started() -> SpareWorker:

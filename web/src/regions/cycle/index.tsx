@@ -59,7 +59,7 @@ function cell(studio: Studio, row: CycleView, name: CycleOrder) {
         <td key={name} class="number">
           {row.line > 0 ? (
             <button
-              type="button" class="place" title={text("next_visit")}
+              type="button" tabIndex={-1} class="place" title={text("next_visit")}
               onClick={() => {
                 studio.visit(row.line);
                 studio.goto.value = { line: row.line, column: 1 };

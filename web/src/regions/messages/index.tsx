@@ -58,7 +58,7 @@ function Message({ studio, event }: { studio: Studio; event: RunEvent }) {
   const line = event.line ?? 0;
   return (
     <button
-      type="button" class="message" title={said} onClick={() => studio.jump(event.t, { line, column: 1 })}
+      type="button" tabIndex={-1} class="message" title={said} onClick={() => studio.jump(event.t, { line, column: 1 })}
       onFocus={() => point(studio, event)} onBlur={() => studio.point(null)}
     >
       <span class="number time">{seconds(event.t)}</span>

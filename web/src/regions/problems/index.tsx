@@ -1,4 +1,4 @@
-/** Region `Problems`: what `check` finds in the text, and what the run has met: its alarm, contacts, refused connections. */
+/** Region `Problems`: what the run has met, its alarm first, and what `check` finds in the text. */
 
 import type { ComponentChildren } from "preact";
 import { Icon, type IconName } from "../../app/icons.tsx";
@@ -23,7 +23,7 @@ export function Problems({ studio }: { studio: Studio }) {
   const isStale = studio.staleFrom.value > 0;
   // A text that does not compile has no run of its own: what the one on the screen met says nothing of it.
   const met = run === null || isStale ? [] : runProblems(studio, run);
-  const rows = [...list.map((problem, index) => <Finding key={`check ${index}`} studio={studio} problem={problem} />), ...met];
+  const rows = [...met, ...list.map((problem, index) => <Finding key={`check ${index}`} studio={studio} problem={problem} />)];
   if (rows.length === 0) {
     return <p class="empty">{text(studio.problems.value === null && run === null ? "problems_unknown" : "problems_none")}</p>;
   }

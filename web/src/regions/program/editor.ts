@@ -81,7 +81,7 @@ export class ProgramEditor {
             indentWithTab,
             ...defaultKeymap,
           ]),
-          EditorView.contentAttributes.of({ "aria-label": shown("editor_name"), spellcheck: "false", autocorrect: "off", autocapitalize: "off" }),
+          EditorView.contentAttributes.of(() => ({ "aria-label": shown("editor_name"), spellcheck: "false", autocorrect: "off", autocapitalize: "off" })),
           EditorView.updateListener.of((update) => {
             if (!update.docChanged) return;
             for (const transaction of update.transactions) this.versions.changed(transaction.changes);
@@ -98,7 +98,6 @@ export class ProgramEditor {
     });
     // The scrolling area can be scrolled by keyboard where its text cannot be edited.
     this.view.scrollDOM.tabIndex = 0;
-    this.view.scrollDOM.setAttribute("aria-label", shown("editor_scroller"));
     this.view.scrollDOM.setAttribute("role", "group");
     studio.editor = {
       apply: (edits: readonly TextEdit[]) => {
@@ -118,6 +117,13 @@ export class ProgramEditor {
   }
 
   // ---------------------------------------------------------------- what the model says
+
+  /** Names the parts in the language of the page. */
+  name(): void {
+    this.view.scrollDOM.setAttribute("aria-label", shown("editor_scroller"));
+    // Attributes of the text are asked for again.
+    this.view.dispatch({});
+  }
 
   show(options: { readonly times: boolean; readonly hints: boolean }): void {
     this.options = options;

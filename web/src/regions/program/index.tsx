@@ -1,9 +1,9 @@
 /** Region `Program`: the editor, with what the services and the run say of the text. */
 
-import { effect, useSignal } from "@preact/signals";
+import { effect, untracked, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Studio } from "../../model/studio.ts";
-import { text } from "../../text/text.ts";
+import { language, text } from "../../text/text.ts";
 import { ProgramEditor } from "./editor.ts";
 import "./program.css";
 
@@ -15,6 +15,10 @@ export function Program({ studio }: { studio: Studio }) {
   useEffect(() => {
     const editor = new ProgramEditor(place.current!, studio);
     const ends = [
+      effect(() => {
+        void language.value;
+        untracked(() => editor.name());
+      }),
       effect(() => editor.show({ times: showsTimes.value, hints: showsHints.value })),
       effect(() => editor.take(studio.text.value)),
       effect(() => editor.allow(studio.can("edit"))),

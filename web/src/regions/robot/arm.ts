@@ -82,6 +82,7 @@ export class ArmObject {
   dispose(): void {
     this.group.removeFromParent();
     for (const material of this.materials) material.dispose();
+    for (const link of this.links) for (const object of link.children) if (object instanceof LineSegments) object.geometry.dispose();
   }
 }
 
@@ -100,6 +101,8 @@ export function solidLook(palette: Palette): Look {
       material = isShiny
         ? new MeshPhongMaterial({ color: paint, specular: role === "flange" ? 0x666666 : 0x2a2a2a, shininess: 42, emissive: role === "cap" ? paint.clone().multiplyScalar(0.3) : 0 })
         : new MeshLambertMaterial({ color: paint });
+      // Grid and shadow lie on top of a table whose top is the floor of the base.
+      if (role === "thing") Object.assign(material, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 2 });
       made.set(key, material);
     }
     return [material];

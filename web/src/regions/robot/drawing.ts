@@ -36,6 +36,8 @@ export class Drawing {
   /** Joint whose limits are drawn, from 0: of the pointer, else the chosen one. */
   readonly pointed = signal<number | null>(null);
   readonly chosen = signal<number | null>(null);
+  /** Contact or closest distance that is pointed at. */
+  readonly contact = signal<Contact | null>(null);
   readonly hasReach = signal(false);
   /** The user's own meshes, and why they are not drawn. */
   readonly pieces = signal<readonly Piece[] | null>(null);

@@ -53,7 +53,14 @@ export function Robot({ studio }: { studio: Studio }) {
           )}
         </div>
         <Legend drawing={drawing} />
-        {isFlat && <p class="no-webgl">{text("robot_no_webgl")}</p>}
+        {isFlat && (
+          <p class="no-webgl">
+            {text("robot_no_webgl")}{" "}
+            <button type="button" onClick={() => setFlat(isSoftware() === null)}>
+              {text("robot_webgl_again")}
+            </button>
+          </p>
+        )}
         {scene === null && <p class="none">{text("robot_none")}</p>}
         {drawing.meshFault.value !== "" && <p class="fault">{text("robot_mesh_fault", { why: drawing.meshFault.value })}</p>}
       </div>
@@ -225,6 +232,7 @@ function pictureOf(drawing: Drawing): Picture | null {
     speedEnd: drawing.speedEnd.value,
     line: drawing.line.value,
     contacts: drawing.contacts.value,
+    contact: drawing.contact.value,
     jointTexts: joint === null ? ["", "", ""] : [angle(scene.limits.position_min[joint]!), `J${joint + 1} ${angle(joints[joint]!)}`, angle(scene.limits.position_max[joint]!)],
     hasReach: drawing.hasReach.value,
     pieces: drawing.pieces.value,
@@ -255,12 +263,13 @@ function pointing(drawing: Drawing, canvas: HTMLCanvasElement, made: Stage | Fla
   };
   const placeOf = (event: PointerEvent) => {
     const { path, contact, joint } = at(event);
-    if (contact !== null) return { t: contact.t, line: contact.line, joint: null };
-    if (path !== null) return { t: path.t, line: drawing.path.peek()?.line[path.stretch] ?? 0, joint: null };
-    return { t: null, line: 0, joint };
+    if (contact !== null) return { t: contact.t, line: contact.line, joint: null, contact };
+    if (path !== null) return { t: path.t, line: drawing.path.peek()?.line[path.stretch] ?? 0, joint: null, contact };
+    return { t: null, line: 0, joint, contact };
   };
   const leave = () => {
     drawing.pointed.value = null;
+    drawing.contact.value = null;
     if (studio.hover.peek()?.region === "robot") studio.point(null);
   };
   const ends = [
@@ -270,7 +279,8 @@ function pointing(drawing: Drawing, canvas: HTMLCanvasElement, made: Stage | Fla
     }),
     listen(canvas, "pointermove", (event) => {
       if ((event as PointerEvent).buttons !== 0) return;
-      const { t, line, joint } = placeOf(event as PointerEvent);
+      const { t, line, joint, contact } = placeOf(event as PointerEvent);
+      drawing.contact.value = contact;
       canvas.style.cursor = t === null ? "" : "pointer";
       drawing.pointed.value = joint;
       if (t !== null) studio.point({ t, ...(line > 0 ? { line } : {}), region: "robot" });

@@ -6,7 +6,7 @@ import type { Point } from "../../model/kinematics.ts";
 export interface Label {
   readonly text: string;
   readonly point: Point;
-  readonly kind: "axis" | "name" | "ghost" | "asked" | "contact" | "limit low" | "limit high";
+  readonly kind: "axis" | "name" | "ghost" | "asked" | "contact" | "distance" | "limit low" | "limit high";
   readonly colour?: string;
 }
 
@@ -48,5 +48,5 @@ const BESIDE_PX = 10;
 
 /** Whether a label is a box that has to be read, so that it stays inside of the picture. */
 function isBox({ kind }: Label): boolean {
-  return kind === "asked" || kind === "contact";
+  return kind === "asked" || kind === "contact" || kind === "distance";
 }

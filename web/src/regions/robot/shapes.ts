@@ -12,8 +12,8 @@ export interface Triangles {
 /** A point of the outline of a solid of revolution: radius and height, m, and its normal. */
 type Outline = readonly (readonly [radius: number, z: number, normal_r: number, normal_z: number])[];
 
-const SEGMENTS = 48;
-const ARC_STEPS = 4;
+const SEGMENTS = 40;
+const ARC_STEPS = 3;
 const EDGE_M = 0.004;
 
 /** Returns no triangles, to which parts are added. */

@@ -29,6 +29,8 @@ export interface Picture {
   readonly speedEnd: number;
   readonly line: number;
   readonly contacts: readonly Contact[];
+  /** The one that is pointed at. */
+  readonly contact: Contact | null;
   readonly contactText: (contact: Contact) => string;
   /** Joint whose limits are drawn, from 0, and its texts. */
   readonly joint: number | null;
@@ -48,6 +50,8 @@ export interface Pointed {
 const FOV_DEG = 32;
 /** What a fitted picture leaves free: left and right together, at the top for the buttons, at the bottom for the legend. */
 const EDGE_PX = 48;
+/** Share of the reach from which on a thing may go beyond the picture. */
+const WIDE_SHARE = 0.4;
 const TOP_PX = 52;
 const BOTTOM_PX = 40;
 const DIRECTIONS: { readonly [view in View]: Point } = { front: [0, -1, 0.0001], side: [1, 0, 0.0001], top: [0, -0.0001, 1], iso: [0.75, -1, 0.62] };
@@ -120,8 +124,9 @@ export class Stage {
 
   dispose(): void {
     this.controls.dispose();
-    this.arm?.dispose();
     this.renderer.dispose();
+    // A browser keeps few contexts: those that it drops by itself may be the ones in use.
+    this.renderer.forceContextLoss();
   }
 
   resize(width: number, height: number): void {
@@ -228,18 +233,25 @@ export class Stage {
     });
   }
 
+  /** Red balls where something touches, small plain ones with a line between them where it comes closest. */
   private placeContacts({ contacts }: Picture): void {
     clear(this.marks);
-    const ball = new SphereGeometry(0.008, 16, 12);
-    const paint = new MeshBasicMaterial({ color: this.colours.contact, depthTest: false, transparent: true });
-    contacts.slice(0, CONTACTS_MAX).forEach((contact, index) => {
-      for (const point of contact.points ?? []) {
-        const mark = new Mesh(ball, paint);
+    contacts.slice(0, CONTACTS_MAX).forEach(({ points, is_contact }, index) => {
+      const colour = is_contact ? this.colours.contact : this.colours.ink;
+      const paint = new MeshBasicMaterial({ color: colour, depthTest: false, transparent: true, opacity: is_contact ? 1 : 0.6 });
+      for (const point of points ?? []) {
+        const mark = new Mesh(new SphereGeometry(is_contact ? 0.01 : 0.005, 16, 12), paint);
         mark.position.set(...point);
         mark.renderOrder = 21;
         mark.userData["contact"] = index;
         this.marks.add(mark);
       }
+      if (is_contact || points === undefined) return;
+      const geometry = new BufferGeometry().setFromPoints(points.map((point) => new Vector3(...point)));
+      const line = new Line(geometry, new LineBasicMaterial({ color: colour, depthTest: false, transparent: true, opacity: 0.6 }));
+      line.renderOrder = 21;
+      line.userData["contact"] = index;
+      this.marks.add(line);
     });
   }
 
@@ -316,7 +328,7 @@ export class Stage {
       for (const part of scene.parts) {
         const centre = compose(frames[part.link] ?? frames[0]!, fromRotationVector(part.pose));
         const size = part.kind === "box" ? part.size.map((side) => side / 2) : [part.size[0]!, part.size[0]!, part.size.at(-1)! / 2];
-        if (Math.max(...size) > scene.limits.reach) continue; // a floor or a wall
+        if (Math.max(...size) > WIDE_SHARE * scene.limits.reach) continue; // a table, a floor or a wall
         for (const side of [-1, 1]) for (const axis of [0, 1, 2]) points.push(apply(centre, [0, 1, 2].map((k) => (k === axis ? side * size[k]! : 0)) as unknown as Point));
       }
     }
@@ -335,6 +347,7 @@ export class Stage {
     if (picture === null) return { path: null, contact: null, joint: null };
     // The camera may have moved since the last frame.
     this.camera.updateMatrixWorld();
+    this.ray.params.Line.threshold = 0.006;
     this.ray.setFromCamera(new Vector2((2 * x) / this.width - 1, 1 - (2 * y) / this.height), this.camera);
     const mark = this.ray.intersectObject(this.marks)[0];
     const contact = mark === undefined ? null : (picture.contacts[Number(mark.object.userData["contact"])] ?? null);
@@ -363,8 +376,12 @@ function position(t: Transform): Point {
   return [t[9], t[10], t[11]];
 }
 
-function contactLabels({ contacts, contactText }: Picture): Label[] {
-  return contacts.slice(0, LABELLED_CONTACTS_MAX).map((contact) => ({ text: contactText(contact), point: contact.points![0], kind: "contact" }));
+/** Labels of contacts, the first ones; of a closest distance while it is pointed at. */
+function contactLabels({ contacts, contact, contactText }: Picture): Label[] {
+  const touching = contacts.filter((other) => other.is_contact && other !== contact).slice(0, LABELLED_CONTACTS_MAX);
+  return [...(contact === null ? [] : [contact]), ...touching].map((shown) => ({
+    text: contactText(shown), point: shown.points![0], kind: shown.is_contact ? "contact" : "distance",
+  }));
 }
 
 function thingLabels({ scene }: Picture): Label[] {

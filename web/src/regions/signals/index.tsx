@@ -6,6 +6,7 @@ import { Icon } from "../../app/icons.tsx";
 import { Rows } from "../../app/rows.tsx";
 import { TypedField } from "../../app/typed.tsx";
 import { familyOf, hasSlider, inputNames, readValue, shownNames, valueAt, type Family } from "../../model/points.ts";
+import { lastAtOrBefore, type Run } from "../../model/run.ts";
 import type { Studio } from "../../model/studio.ts";
 import { seconds } from "../../model/units.ts";
 import type { Value } from "../../source/messages.ts";
@@ -67,7 +68,7 @@ export function Signals({ studio }: { studio: Studio }) {
             const value = valueAt(name, studio.cursor.value, run, exact, families.value);
             return (
               <>
-                <th scope="row" title={family?.summary ?? name}>{name}</th>
+                <th scope="row" title={family?.summary ?? name}><Name studio={studio} name={name} run={run} /></th>
                 <td class="value">
                   {canSet && family?.is_input === true ? <Control studio={studio} name={name} family={family} value={value} /> : <Shown value={value} family={family} />}
                 </td>
@@ -79,6 +80,18 @@ export function Signals({ studio }: { studio: Studio }) {
       )}
     </div>
   );
+}
+
+/** The name of a signal; a click goes to its next change, after the last to its first. */
+function Name({ studio, name, run }: { studio: Studio; name: string; run: Run | null }) {
+  const changes = run?.signals.get(name);
+  if (changes === undefined) return <>{name}</>;
+  const next = () => {
+    const after = lastAtOrBefore(changes.t, studio.cursor.value) + 1;
+    const index = after < changes.t.length ? after : 0;
+    studio.jump(changes.t[index]!, { line: changes.line[index]!, column: 1 });
+  };
+  return <button type="button" class="place" title={text("next_change", { name })} onClick={next}>{name}</button>;
 }
 
 function Shown({ value, family }: { value: Value | undefined; family: Family | null }) {

@@ -347,7 +347,9 @@ export class Board {
     const place = (t: number) => ((t - from) / (to - from)) * width.peek();
     const cursor = studio.cursor.peek();
     const hover = studio.hover.peek()?.t ?? null;
-    put(this.cursorLine, cursor >= from && cursor <= to ? place(cursor) : null);
+    // Rows of a source whose time goes on by itself come a little after its moments.
+    const shown = studio.isFollowing.peek() && studio.can("live") ? Math.min(cursor, to) : cursor;
+    put(this.cursorLine, shown >= from && shown <= to ? place(shown) : null);
     put(this.hoverLine, hover !== null && hover >= from && hover <= to ? place(hover) : null);
     if (this.hoverTime !== null && hover !== null) this.hoverTime.textContent = seconds(hover);
     const selected = view.selected.peek();
@@ -493,7 +495,7 @@ export class Board {
     const run = studio.runAt(t);
     studio.point({ t, line: line > 0 ? line : (run?.lineAt(t) ?? 0), region: "timeline" });
     const lane = row === null ? undefined : laneAt(row, studio.run.peek(), t);
-    const words = lane === undefined ? "" : tooltip(lane, t, this.reach_s(), (number) => this.linesOf(run)[number - 1]?.trim() ?? "");
+    const words = lane === undefined ? "" : tooltip(lane, t, this.reach_s(), (number) => this.linesOf(run)[number - 1]?.trim() ?? "", this.state.families.peek());
     if (this.tip === null || this.root === null) return;
     this.tip.hidden = words === "";
     if (words === "") return;

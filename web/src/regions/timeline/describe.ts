@@ -1,6 +1,7 @@
 /** The time line in words: values, what is under the pointer, what a canvas shows. */
 
 import { indexAt, eventText, markKind, marksNear, type Group, type Lane, type LevelLane } from "../../model/lanes.ts";
+import { familyOf, type Family } from "../../model/points.ts";
 import { format, seconds, unitOf, type Display } from "../../model/units.ts";
 import type { RunEvent } from "../../source/messages.ts";
 import { text } from "../../text/text.ts";
@@ -52,7 +53,7 @@ export function rowName(row: Row, sourceLine: (line: number) => string): string 
 }
 
 /** Returns what is in a lane at a time, in lines; empty if there is nothing. */
-export function tooltip(lane: Lane, t: number, reach_s: number, sourceLine: (line: number) => string): string {
+export function tooltip(lane: Lane, t: number, reach_s: number, sourceLine: (line: number) => string, families: readonly Family[]): string {
   const withLine = (line: number) => (line > 0 ? `${text("timeline_line", { line })}  ${sourceLine(line)}` : "");
   if (lane.shape === "marks") {
     const near = marksNear(lane, t, reach_s);
@@ -62,7 +63,7 @@ export function tooltip(lane: Lane, t: number, reach_s: number, sourceLine: (lin
   }
   const index = indexAt(lane, t);
   if (index < 0) return "";
-  if (lane.shape === "levels") return levelWords(lane, index, withLine);
+  if (lane.shape === "levels") return levelWords(lane, index, withLine, familyOf(families, lane.name)?.unit ?? "");
   const [start, end] = [lane.start[index]!, lane.end(index)];
   const line = lane.line(index);
   if (lane.shape === "lines" && line === 0) return "";
@@ -70,10 +71,10 @@ export function tooltip(lane: Lane, t: number, reach_s: number, sourceLine: (lin
   return [lane.what(index), withLine(line), when].filter(Boolean).join("\n");
 }
 
-function levelWords(lane: LevelLane, index: number, withLine: (line: number) => string): string {
+function levelWords(lane: LevelLane, index: number, withLine: (line: number) => string, unit: string): string {
   const cause = withLine(lane.line[index]!) || (SUPPLIED.includes(lane.by[index]!) ? text(`timeline_by_${lane.by[index]}` as "timeline_by_client") : "");
   const since = index === 0 ? text("timeline_since_start") : text("timeline_since", { t: seconds(lane.start[index]!) });
-  return [`${lane.name} = ${levelText(lane, index)}`, [since, cause].filter(Boolean).join(", "), text("timeline_changes", { count: lane.stops.length })].join("\n");
+  return [`${lane.name} = ${levelText(lane, index)} ${unit}`.trim(), [since, cause].filter(Boolean).join(", "), text("timeline_changes", { count: lane.stops.length })].join("\n");
 }
 
 function markLine(event: RunEvent): string {

@@ -3,6 +3,7 @@
 import { useComputed } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Frames } from "../../model/playback.ts";
+import type { Family } from "../../model/points.ts";
 import type { Studio } from "../../model/studio.ts";
 import { parse, seconds } from "../../model/units.ts";
 import { TICK_S } from "../../source/rows.ts";
@@ -42,10 +43,15 @@ export function Timeline({ studio }: { studio: Studio }) {
     board.start(root.current!);
     return () => ends.forEach((end) => end());
   }, [board]);
+  const canAsk = studio.can("services");
+  useEffect(() => {
+    // A source that does not answer says so in Signals; units are left out then.
+    if (canAsk) studio.ask("signals").then((found) => Array.isArray(found) && (state.families.value = found as unknown as readonly Family[]), () => undefined);
+  }, [canAsk]);
   return (
     <div class="timeline-region" ref={root} onKeyDown={(event) => onKey(event, state)}>
       <div class="timeline-head">
-        <TimeField studio={studio} />
+        <TimeField state={state} />
         <Slider state={state} board={board} />
       </div>
       <LanesAndCurves state={state} board={board} />
@@ -70,12 +76,6 @@ function onKey(event: KeyboardEvent, state: TimelineState): void {
     case "0":
       view.fit();
       break;
-    case "[":
-      state.jump(-1);
-      break;
-    case "]":
-      state.jump(1);
-      break;
     case "Escape":
       state.select(null);
       state.chosen.value = null;
@@ -98,8 +98,8 @@ export function TimelineTools({ studio }: { studio: Studio }) {
   return (
     <div class="timeline-tools" role="toolbar" aria-label={text("timeline_tools")} onKeyDown={(event) => onKey(event, state)}>
       <span class="tool-group">
-        <Tool label={text("timeline_event_before")} sign="⇤" onClick={() => state.jump(-1)} />
-        <Tool label={text("timeline_event_after")} sign="⇥" onClick={() => state.jump(1)} />
+        <Tool label={text("timeline_event_before")} sign="⇤" onClick={() => studio.jumpToEvent(-1)} />
+        <Tool label={text("timeline_event_after")} sign="⇥" onClick={() => studio.jumpToEvent(1)} />
       </span>
       <span class="tool-group">
         <Tool label={text("timeline_zoom_out")} sign="−" onClick={() => view.zoom(studio.cursor.value, 2)} disabled={view.isWhole.value} />
@@ -151,7 +151,8 @@ function Tool({ sign, label, pressed, disabled = false, onClick }: ToolProps) {
 }
 
 /** The time as a field: `12.5`, `12.5 s`, `750 ms`. */
-function TimeField({ studio }: { studio: Studio }) {
+function TimeField({ state }: { state: TimelineState }) {
+  const { studio, playback } = state;
   const [typed, setTyped] = useState<string | null>(null);
   const [isWrong, setWrong] = useState(false);
   const leave = () => {
@@ -182,7 +183,7 @@ function TimeField({ studio }: { studio: Studio }) {
         }}
         onBlur={() => (isWrong ? leave() : take())}
       />
-      <span class="time-end">/ {seconds(studio.end.value)}</span>
+      <span class="time-end">{playback.isHeld.value ? text("timeline_held") : `/ ${seconds(studio.end.value)}`}</span>
     </div>
   );
 }
@@ -196,7 +197,7 @@ function Slider({ state, board }: { state: TimelineState; board: Board }) {
     const line = studio.isExact.value ? studio.moment.value!.line : (run?.lineAt(cursor) ?? 0);
     return line > 0 ? `${seconds(cursor)}, ${text("timeline_line", { line })}` : seconds(cursor);
   });
-  const end = studio.end.value;
+  const [begin, end] = state.view.whole.value;
   const cursor = studio.cursor.value;
   const move = (t: number) => {
     studio.pause();
@@ -206,8 +207,8 @@ function Slider({ state, board }: { state: TimelineState; board: Board }) {
     const by = { ArrowLeft: -TICK_S, ArrowDown: -TICK_S, ArrowRight: TICK_S, ArrowUp: TICK_S, PageUp: PAGE_S, PageDown: -PAGE_S }[event.key];
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     if (by !== undefined) move(studio.cursor.value + by);
-    else if (event.key === "Home") move(0);
-    else if (event.key === "End") move(studio.end.value);
+    else if (event.key === "Home") move(begin);
+    else if (event.key === "End") move(end);
     else return;
     event.preventDefault();
   };
@@ -215,8 +216,8 @@ function Slider({ state, board }: { state: TimelineState; board: Board }) {
     <div class="slider" data-zooms ref={board.sliderRef}>
       <canvas class="overview" aria-hidden="true" ref={board.canvas("overview")} />
       <input
-        type="range" min={0} max={end} step="any" aria-label={text("timeline_time")} value={cursor}
-        aria-valuemin={0} aria-valuemax={end} aria-valuenow={Number(cursor.toFixed(6))} aria-valuetext={words.value}
+        type="range" min={begin} max={end} step="any" aria-label={text("timeline_time")} value={cursor}
+        aria-valuemin={begin} aria-valuemax={end} aria-valuenow={Number(cursor.toFixed(6))} aria-valuetext={words.value}
         onInput={(event) => move(event.currentTarget.valueAsNumber)} onKeyDown={onKeyDown}
       />
     </div>
@@ -229,7 +230,7 @@ function LanesAndCurves({ state, board }: { state: TimelineState; board: Board }
   const { studio } = state;
   const run = studio.run.value;
   if (run === null) return <p class="empty">{text("timeline_no_run")}</p>;
-  const isEmpty = run.ended !== null && run.revision.value >= 0 && run.known_s <= 0;
+  const isEmpty = run.revision.value >= 0 && run.ended !== null && run.known_s <= 0;
   const stale = studio.staleFrom.value;
   return (
     <>

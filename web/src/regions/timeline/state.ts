@@ -2,7 +2,8 @@
 
 import { computed, signal } from "@preact/signals-core";
 import { Details } from "../../model/detail.ts";
-import { GROUPS, inOrder, Lanes, lanesByLine, nextStop, type Group, type Lane } from "../../model/lanes.ts";
+import { GROUPS, inOrder, Lanes, lanesByLine, type Group, type Lane } from "../../model/lanes.ts";
+import type { Family } from "../../model/points.ts";
 import { Playback, type Frames, type Stretch } from "../../model/playback.ts";
 import type { Run } from "../../model/run.ts";
 import type { Studio } from "../../model/studio.ts";
@@ -48,6 +49,8 @@ export class TimelineState {
   readonly chosen = signal<string | null>(null);
   /** Groups with all of their rows, and threads with a lane for each line. */
   readonly expanded = signal<ReadonlySet<string>>(new Set());
+  /** Families of signals, for their units. */
+  readonly families = signal<readonly Family[]>([]);
   /** Whether the curves are scaled to their limits. */
   readonly showsLimits = signal(false);
   /** Width of the stretch in view, px. */
@@ -57,6 +60,7 @@ export class TimelineState {
   constructor(studio: Studio, frames: Frames) {
     this.studio = studio;
     this.playback = new Playback(studio, frames);
+    studio.laneStops = () => this.rows.value.find(({ id }) => id === this.chosen.value)?.lane?.stops ?? null;
     this.details = new Details((from_s, to_s, step_s) => studio.detail(from_s, to_s, step_s));
   }
 
@@ -130,14 +134,6 @@ export class TimelineState {
     const open = this.studio.settings.open;
     const isShown = CURVES.find((curve) => curve.key === key)!.isShown;
     open.value = { ...open.value, [`curve_${key}`]: !(open.value[`curve_${key}`] ?? isShown) };
-  }
-
-  /** Goes to the next (1) or previous (-1) event of the chosen row, or of all. */
-  jump(by: 1 | -1): void {
-    const row = this.rows.value.find(({ id }) => id === this.chosen.value);
-    const lanes = this.lanesOf(this.studio.run.value);
-    const t = nextStop(row?.lane?.stops ?? lanes?.stops ?? [], this.studio.cursor.value, by);
-    if (t !== null) this.studio.jump(t);
   }
 
   /** Repeats the selected stretch, or ends that. */

@@ -1,0 +1,116 @@
+"""`studio --connect` and `serve --studio`, as processes."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from elitescript import page
+from elitescript.cli.main import main
+from elitescript.errors import UsageError
+from elitescript.studio.connected.target import find_target
+from tests.studio.page_client import ROOT, WAIT_S, Page
+
+needs_page = pytest.mark.skipif(not page.is_built(), reason="the page is not built: make studio")
+
+
+class TestTarget:
+    def test_the_ports_of_a_controller(self, monkeypatch, tmp_path: Path) -> None:
+        monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+        target = find_target("192.168.1.20")
+        assert [target.ports[name] for name in ("primary", "rtsi", "dashboard")] == [30001, 30004, 29999]
+        assert (target.may_control, target.control_socket) == (False, None)
+        assert find_target("localhost", instance=2).ports["rtsi"] == 30204
+
+    @pytest.mark.parametrize(
+        ("host", "options", "text"),
+        [
+            ("", {}, "a name or an address is needed"),
+            ("http://robot/", {}, "a name or an address is needed"),
+            ("robot", {"instance": -1}, "an instance is a number"),
+            ("robot", {"jog_register": 43}, "from 0 to 42"),
+            ("127.0.0.1", {"socket": Path("/no/serve.sock")}, "no controller is served here"),
+        ],
+    )
+    def test_what_makes_no_sense(self, monkeypatch, tmp_path: Path, host: str, options, text: str) -> None:
+        monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+        with pytest.raises(UsageError, match=text):
+            find_target(host, **options)
+
+    def test_options_that_need_a_controller(self, capsys, monkeypatch, tmp_path: Path) -> None:
+        monkeypatch.setattr(page, "is_built", lambda: True)
+        for options in (["--control"], ["--instance", "1"], ["--socket", "x"], ["--jog-register", "3"]):
+            assert main(["studio", "--no-browser", str(tmp_path), *options]) == 2
+            assert f"{options[0]} goes with --connect" in capsys.readouterr().err
+
+
+class TestServeStudio:
+    def test_without_the_built_page_it_says_what_to_do(self, capsys, monkeypatch, tmp_path: Path) -> None:
+        monkeypatch.setattr(page, "_BUILT", tmp_path)
+        assert main(["serve", "--port", "all=0", "--studio"]) == 2
+        assert "run `make studio`" in capsys.readouterr().err
+
+    @needs_page
+    def test_both_are_ready_and_end_together(self, tmp_path: Path) -> None:
+        environment = {
+            "PYTHONPATH": str(ROOT / "src"),
+            "XDG_RUNTIME_DIR": str(tmp_path),
+            "XDG_STATE_HOME": str(tmp_path),
+        }
+        served = subprocess.Popen(
+            [sys.executable, "-m", "elitescript", "serve", "--port", "all=0", "--power-on", "--json", "--studio"],
+            env={**os.environ, **environment},
+            cwd=tmp_path,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        try:
+            assert served.stdout is not None
+            records = (json.loads(line) for line in served.stdout)
+            robots = next(record for record in records if record["type"] == "ready")["robots"]
+            studio = next(record for record in records if record["type"] == "studio")
+            assert studio["robot"] == "CS66"
+            with Page(studio["address"]) as shown:
+                hello = shown.wait("hello")
+                assert hello["mode"] == "connected"
+                assert f"127.0.0.1:{robots[0]['ports']['primary']}" in hello["title"]
+                assert {"live", "control", "signals", "faults", "edit"} <= set(hello["abilities"])
+                moment = shown.wait("moment", lambda message: message["controller"]["link"] == "connected")
+                assert moment["controller"]["address"] == f"127.0.0.1:{robots[0]['ports']['primary']}"
+                kinds = [message["type"] for message in shown.messages if isinstance(message, dict)]
+                assert "scene" in kinds or shown.wait("scene")
+            served.send_signal(signal.SIGTERM)
+            assert served.wait(WAIT_S) == 0
+            assert json.loads(served.stdout.read().splitlines()[-1]) == {"type": "stopped"}
+        finally:
+            served.kill()
+            served.wait()
+            assert served.stdout is not None
+            served.stdout.close()
+        with pytest.raises(OSError), Page(studio["address"]):
+            pass
+
+    @needs_page
+    def test_a_studio_ends_with_its_input(self, tmp_path: Path) -> None:
+        environment = {
+            "PYTHONPATH": str(ROOT / "src"),
+            "XDG_RUNTIME_DIR": str(tmp_path),
+            "XDG_STATE_HOME": str(tmp_path),
+        }
+        words = ["studio", str(tmp_path), "--no-browser", "--connect", "127.0.0.1", "--ends-with-input"]
+        ended = subprocess.run(
+            [sys.executable, "-m", "elitescript", *words],
+            env={**os.environ, **environment},
+            input="",
+            capture_output=True,
+            text=True,
+            timeout=WAIT_S,
+            check=False,
+        )
+        assert (ended.returncode, ended.stderr) == (0, "")
