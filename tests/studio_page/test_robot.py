@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from typing import Any
 
 import pytest
 from playwright.sync_api import Page, expect
 
-from elitescript.models.model import load_model
-from elitescript.solids.scene import scene
 from tests.studio_page.conftest import Open
 from tests.studio_page.fake_source import FakeSource, Play, joints
 
-ON_THE_PATH = """() => {
+ON_THE_PATH = """async () => {
+  for (const _ of [1, 2]) await new Promise(requestAnimationFrame);
   const canvas = document.querySelector("section[aria-label=Robot] canvas");
   const box = canvas.getBoundingClientRect();
   for (let y = box.bottom - 1; y > box.top; y -= 3)
@@ -24,7 +22,7 @@ ON_THE_PATH = """() => {
     }
 }"""
 
-"""The lowest place on the path, seen from the top: the begin of the run."""
+"""The lowest place on the path in the view that was asked for last; seen from the top, the begin of the run."""
 
 NO_WEBGL = """
 const context = HTMLCanvasElement.prototype.getContext;
@@ -35,13 +33,6 @@ HTMLCanvasElement.prototype.getContext = function (kind, ...given) {
 """As a browser whose driver is blocked."""
 
 CANVAS = "document.querySelector('section[aria-label=Robot] canvas')"
-
-
-class Drawn(Play):
-    """The program of the lists, with the solids of a CS66."""
-
-    def first(self) -> list[Any]:
-        return [scene(load_model("cs66")) if said["type"] == "scene" else said for said in super().first()]
 
 
 def robot(page: Page):
@@ -60,7 +51,7 @@ def wait_drawn(page: Page, t: float) -> None:
 
 
 def test_the_path_is_a_place_in_time(open_page: Open) -> None:
-    page, source = open_page(Drawn())
+    page, source = open_page()
     expect(page.locator(".state")).to_contain_text("finished")
     page.get_by_role("slider", name="Time").focus()
     page.keyboard.press("End")
@@ -84,7 +75,7 @@ def test_the_path_is_a_place_in_time(open_page: Open) -> None:
 
 @pytest.mark.parametrize("lose", [False, True], ids=["refused", "lost"])
 def test_without_webgl_the_robot_is_drawn_flat(context: Callable[..., Page], lose: bool) -> None:
-    with FakeSource(Drawn()) as source:
+    with FakeSource(Play()) as source:
         page = context()
         if not lose:
             page.add_init_script(NO_WEBGL)

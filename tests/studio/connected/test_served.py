@@ -59,6 +59,7 @@ class TestJogging:
                 await page.say(type="jog_end")
                 assert 0.05 < await stands(page, controller) - first < 0.5
                 assert page.of("refused") == page.of("notice") == []
+                assert {message["moment"]["line"] for message in page.of("moment")} == {0}
 
         run(test())
 

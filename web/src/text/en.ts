@@ -360,6 +360,7 @@ export const en = {
   robot_mode: "robot",
   safety_mode: "safety",
   task_state: "program",
+  speed_short: "speed",
   speed_slider: "Speed of programs",
   program_loaded: "Loaded program: type another one to load it",
   program_none: "none loaded",

@@ -362,6 +362,7 @@ export const zh: Texts = {
   robot_mode: "机器人",
   safety_mode: "安全",
   task_state: "程序",
+  speed_short: "速度",
   speed_slider: "程序速度",
   program_loaded: "已加载的程序：输入另一个名称即可加载",
   program_none: "未加载",

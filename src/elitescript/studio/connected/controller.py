@@ -269,6 +269,7 @@ class ConnectedController:
         picture = self.picture
         if picture.link != "connected":
             picture.link = "connected"
+        picture.is_jogging = self.jogger is not None and self.jogger.is_active
         run = self._trail.run
         for message in self._trail.take(picture):
             self._tell(message)

@@ -300,7 +300,10 @@ class Jogger:
                 await client.negotiate()
                 layout = await client.set_up_inputs(input_names(self._register))
                 await client.start()
-                await self._drive(client, layout, program)
+                try:
+                    await self._drive(client, layout, program)
+                finally:
+                    client.write(layout, dict.fromkeys(layout.names, 0))
         except (LinkError, PeerError, UsageError) as error:
             what = "Hand guiding" if program is guide_program else "Jogging"
             self._ended(owner, f"{what} has ended: {error}")
@@ -311,6 +314,9 @@ class Jogger:
     async def _drive(self, client: RtsiClient, layout: InputLayout, program: Callable[[int, int], str]) -> None:
         loop = asyncio.get_running_loop()
         session = (1 + secrets.randbelow(_SESSIONS)) * SESSION_STEP
+        if self._is_stopping:
+            # A touch that was over before the connection was there.
+            return
         start = loop.time()
         self._beat(client, layout, session)
         await self._send(program(self._register, session))
@@ -341,7 +347,6 @@ class Jogger:
                     # Whatever runs there now is not ours: that ends without a heartbeat.
                     return
             self._beat(client, layout, session)
-        client.write(layout, dict.fromkeys(layout.names, 0))
 
     def _check_end(self, has_lapsed: bool) -> None:
         """Refuse to begin again by itself, unless heartbeats came too late for a button that is still held.

@@ -59,6 +59,7 @@ class Picture:
         "address",
         "firmware",
         "globals",
+        "is_jogging",
         "is_remote",
         "line_offset",
         "link",
@@ -83,6 +84,8 @@ class Picture:
         self.is_remote = True
         self.line_offset = 0
         """Lines that the controller counts in front of the text of the page."""
+        self.is_jogging = False
+        """Whether the program that runs is the studio's own, whose lines nobody has."""
         self.popup: dict[str, Any] | None = None
         self.globals: dict[str, str] = {}
 
@@ -209,7 +212,7 @@ class Picture:
         joints = self.joints or (0.0,) * 6
         line = self.values.get("script_control_line", 0)
         line = max(int(line) - self.line_offset, 0) if isinstance(line, int) else 0
-        is_running = self.task_state in (TaskState.PLAYING, TaskState.PAUSED)
+        is_running = self.task_state in (TaskState.PLAYING, TaskState.PAUSED) and not self.is_jogging
         moment: dict[str, Any] = {
             "t": self.time_s,
             "line": line if is_running else 0,

@@ -110,16 +110,16 @@ function Buttons({ studio, pendant, state }: { studio: Studio; pendant: PendantM
       <div class="pendant-row">
         <Group>{button("power_on")}{button("release_brakes")}{button("power_off")}</Group>
         <Group>{button("play")}{button("unlock")}</Group>
-      </div>
-      <div class="pendant-row">
         <label class="pendant-slider">
-          <span class="faint">{text("speed_slider")}</span>
+          <span class="faint" aria-hidden="true">{text("speed_short")}</span>
           <input
             type="range" min="0" max="100" step="1" value={String(percent)} aria-label={text("speed_slider")} aria-valuetext={`${percent} %`}
             onChange={(event) => void pendant.setSpeed(Number(event.currentTarget.value) / 100)}
           />
           <output>{percent} %</output>
         </label>
+      </div>
+      <div class="pendant-row">
         <Group>
           <TypedField label={text("program_loaded")} value={state.program} placeholder={text("program_none")} take={load} list="controller-programs" />
           <datalist id="controller-programs">{(studio.hello.value?.programs ?? []).map((name) => <option key={name} value={name} />)}</datalist>

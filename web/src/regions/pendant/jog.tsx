@@ -39,13 +39,6 @@ export function Jog({ studio, pendant }: { studio: Studio; pendant: PendantModel
           />
           <output>{percent} %</output>
         </label>
-        <button
-          type="button" class={pendant.isGuiding.value ? "on" : ""} aria-pressed={pendant.isGuiding.value} title={text("freedrive_hint")}
-          onClick={() => void pendant.guide(!pendant.isGuiding.value)}
-        >
-          {text("freedrive")}
-        </button>
-        {studio.can("edit") && <button type="button" title={text("teach_hint")} onClick={() => pendant.teach()}>{text("teach")}</button>}
       </div>
       <div class="jog-axes">
         {AXES.map((axis) => {
@@ -60,6 +53,15 @@ export function Jog({ studio, pendant }: { studio: Studio; pendant: PendantModel
             </div>
           );
         })}
+      </div>
+      <div class="pendant-row jog-more">
+        <button
+          type="button" class={pendant.isGuiding.value ? "on" : ""} aria-pressed={pendant.isGuiding.value} title={text("freedrive_hint")}
+          onClick={() => void pendant.guide(!pendant.isGuiding.value)}
+        >
+          {text("freedrive")}
+        </button>
+        {studio.can("edit") && <button type="button" title={text("teach_hint")} onClick={() => pendant.teach()}>{text("teach")}</button>}
       </div>
     </div>
   );

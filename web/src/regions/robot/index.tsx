@@ -186,8 +186,7 @@ function show(drawing: Drawing, canvas: HTMLCanvasElement, labels: HTMLElement, 
       effect(() => {
         const wanted = studio.view.value?.to;
         if (wanted === undefined) return;
-        if (wanted === "fit") made.fit();
-        else made.view(wanted);
+        made.want(wanted);
         request();
       }),
       listen(canvas, "keydown", (event) => {

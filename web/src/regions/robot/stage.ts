@@ -90,6 +90,7 @@ export class Stage {
   private lines: Lines | null = null;
   private screen: { of: Path; xy: Float32Array } | null = null;
   private frameLabels: Label[] = [];
+  private wanted: View | "fit" | null = null;
   private isFitted = false;
   private isTouched = false;
   private isRefined = false;
@@ -126,7 +127,7 @@ export class Stage {
     this.controls.dispose();
     this.renderer.dispose();
     // A browser keeps few contexts: those that it drops by itself may be the ones in use.
-    this.renderer.forceContextLoss();
+    this.renderer.getContext().getExtension("WEBGL_lose_context")?.loseContext();
   }
 
   resize(width: number, height: number): void {
@@ -170,6 +171,9 @@ export class Stage {
     if (isNewLook || last.path !== picture.path) this.screen = null;
     this.frameLabels = lines.frames(picture, frames);
     if (isNewLook || last.contacts !== picture.contacts) this.placeContacts(picture);
+    if (this.wanted === "fit") this.fit();
+    else if (this.wanted !== null) this.look(new Vector3(...DIRECTIONS[this.wanted]).normalize(), this.points());
+    this.wanted = null;
     if (!this.isFitted || (!this.isTouched && last?.path == null && picture.path !== null)) this.fit();
     this.renderer.render(this.root, this.camera);
     const labels = [...this.frameLabels, ...this.ghostLabels(picture), ...contactLabels(picture), ...thingLabels(picture)];
@@ -257,8 +261,14 @@ export class Stage {
 
   // ---------------------------------------------------------------- camera
 
+  /** Looks from a side, or fits what is there into the picture, in the next frame: what is drawn then counts. */
+  want(view: View | "fit"): void {
+    this.wanted = view;
+    if (view !== "fit") this.isTouched = true;
+  }
+
   /** Puts the arm, the path and the things into the picture. */
-  fit(): void {
+  private fit(): void {
     const points = this.points();
     if (points.length === 0) return;
     this.isFitted = true;
@@ -266,11 +276,6 @@ export class Stage {
     const direction = this.camera.position.clone().sub(this.controls.target);
     if (direction.lengthSq() < 1e-9) direction.set(...DIRECTIONS.iso);
     this.look(direction.normalize(), points);
-  }
-
-  view(view: View): void {
-    this.isTouched = true;
-    this.look(new Vector3(...DIRECTIONS[view]).normalize(), this.points());
   }
 
   /** Turns, moves or zooms by a step of the keyboard. */
@@ -323,6 +328,7 @@ export class Stage {
     if (picture === null) return [];
     const { scene, joints, path, ghosts } = picture;
     const points: Point[] = [[0.15, 0.15, 0], [-0.15, -0.15, 0]];
+    if (picture.hasReach) for (const axis of AXES) for (const side of [-1, 1]) points.push(scaled(axis, side * scene.limits.reach, scene.dh[0]?.d ?? 0));
     for (const shown of [joints, ...ghosts.map((ghost) => ghost.joints ?? joints)]) {
       const frames = linkFrames(scene.dh, shown);
       for (const part of scene.parts) {
