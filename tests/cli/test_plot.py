@@ -9,6 +9,7 @@ import pytest
 from elitescript.cli import plot
 from elitescript.cli.main import main
 from elitescript.plotting.sampling import Sampling
+from tests.plotting.front_end import pretend_not_built
 
 PROGRAM = "def job():\n  global n\n  sleep(0.1)\n  textmsg(n)\n  movej([0.2, -1.5, -1.5, -1.6, 1.5, 0])\nend\n"
 
@@ -16,7 +17,7 @@ PROGRAM = "def job():\n  global n\n  sleep(0.1)\n  textmsg(n)\n  movej([0.2, -1.
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("elitescript.page._BUILT", tmp_path / "not built")
+    pretend_not_built(tmp_path, monkeypatch)
     (tmp_path / "job.script").write_text(PROGRAM)
     return tmp_path
 

@@ -1,37 +1,26 @@
 """`elitescript plot` with the built front end: the recording in its page, and two runs in one."""
 
 import re
-from base64 import b64decode
 from functools import partial
 from itertools import pairwise
 
 import pytest
 
-from elitescript import page as built
 from elitescript.cli import plot
 from elitescript.cli.main import main
 from elitescript.plotting import page as pages
 from elitescript.plotting.sampling import Sampling
-from tests.conversation.test_recording import read
+from tests.plotting.front_end import pretend_built, recordings_of
 
 PROGRAM = "def job():\n  global n\n  sleep(0.1)\n  textmsg(n)\n  movej([0.2, -1.5, -1.5, -1.6, 1.5, 0])\nend\n"
-TEMPLATE = '<title>@@title@@</title><script type="text/plain" id="recording">@@recording@@</script><p>end</p>'
 
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    front = tmp_path / "built"
-    front.mkdir()
-    (front / built.STUDIO).write_text("<p>")
-    (front / built.RECORDED).write_text(TEMPLATE)
-    monkeypatch.setattr("elitescript.page._BUILT", front)
+    pretend_built(tmp_path, monkeypatch)
     (tmp_path / "job.script").write_text(PROGRAM)
     return tmp_path
-
-
-def runs_of(path):
-    return read(b64decode(re.search(r'id="recording">(.*?)</script>', path.read_text(encoding="utf-8"))[1]))
 
 
 def said(run, kind):
@@ -43,7 +32,7 @@ def test_a_program_is_recorded(folder, capsys):
     captured = capsys.readouterr()
     assert re.fullmatch(r"job\.plot\.html: \d\.\d{3} s of CS620, finished \(\d+ kB\)\n", captured.out)
     assert "page" not in captured.err
-    (run,) = runs_of(folder / "job.plot.html")
+    (run,) = recordings_of(folder / "job.plot.html")
     (hello,), (scene,), (file,) = said(run, "hello"), said(run, "scene"), said(run, "file")
     assert (hello["mode"], hello["title"], hello["abilities"]) == ("recorded", "job.script", ["seek", "step"])
     assert (scene["robot"], file["text"]) == ("CS620", PROGRAM)
@@ -58,7 +47,7 @@ def test_it_equals_the_trace(folder, capsys):
     assert main(["run", "job.script", "--set", "n=7", "--trace", "out.csv"]) == 0
     assert main(["plot", "job.script", "--set", "n=7"]) == 0
     assert main(["plot", "out.csv"]) == 0
-    (run,), (trace,) = runs_of(folder / "job.plot.html"), runs_of(folder / "out.plot.html")
+    (run,), (trace,) = recordings_of(folder / "job.plot.html"), recordings_of(folder / "out.plot.html")
     head, *rows = (folder / "out.csv").read_text().splitlines()
     for name, column in run["columns"].items():
         if name != "tick":
@@ -73,7 +62,7 @@ def test_signals_of_a_trace_are_events(folder, capsys):
     (folder / "job.script").write_text("sleep(0.1)\nset_standard_digital_out(2, True)\nsleep(0.1)\n")
     assert main(["run", "job.script", "--trace", "out.jsonl", "--trace-signals", "standard_digital_out"]) == 0
     assert main(["plot", "out.jsonl"]) == 0
-    (run,) = runs_of(folder / "out.plot.html")
+    (run,) = recordings_of(folder / "out.plot.html")
     (events,) = said(run, "events")
     (event,) = events["list"]
     assert (event["name"], event["value"]) == ("standard_digital_out[2]", True)
@@ -83,7 +72,7 @@ def test_signals_of_a_trace_are_events(folder, capsys):
 def test_an_alarm_has_its_line_and_pose(folder, capsys):
     (folder / "job.script").write_text("movel([3, 0, 0.3, 3.14, 0, 0])\n")
     assert main(["plot", "job.script"]) == 1
-    (ended,) = said(runs_of(folder / "job.plot.html")[0], "run_ended")
+    (ended,) = said(recordings_of(folder / "job.plot.html")[0], "run_ended")
     assert (ended["state"], ended["alarm"]["line"], ended["alarm"]["asked_pose"][0]) == ("alarm", 1, 3)
 
 
@@ -94,9 +83,9 @@ def test_two_arms_and_two_versions(folder, capsys):
     words = capsys.readouterr().out
     assert "of CS66, finished; compared with" in words
     assert "of CS612, finished" in words
-    first, second = runs_of(folder / "arms.html")
+    first, second = recordings_of(folder / "arms.html")
     assert [said(run, "scene")[0]["robot"] for run in (first, second)] == ["CS66", "CS612"]
-    first, second = runs_of(folder / "versions.html")
+    first, second = recordings_of(folder / "versions.html")
     times = [said(run, "run_ended")[0]["moment"]["t"] for run in (first, second)]
     assert times[1] - times[0] == pytest.approx(0.2)
 
@@ -104,7 +93,7 @@ def test_two_arms_and_two_versions(folder, capsys):
 def test_a_program_and_a_trace_of_it(folder, capsys):
     assert main(["run", "job.script", "--set", "n=7", "--trace", "out.csv"]) == 0
     assert main(["plot", "job.script", "--set", "n=7", "--compare", "out.csv"]) == 0
-    first, second = runs_of(folder / "job.plot.html")
+    first, second = recordings_of(folder / "job.plot.html")
     assert first["columns"]["q1"] == second["columns"]["q1"]
 
 
@@ -116,7 +105,7 @@ def test_a_page_that_would_be_too_large_has_fewer_rows_and_says_so(folder, capsy
     assert main(["plot", "job.script"]) == 0
     step = re.search(r", a row every (\d+) ms", capsys.readouterr().out)
     assert int(step[1]) in (8, 16, 32)
-    ticks = runs_of(folder / "job.plot.html")[0]["columns"]["tick"]
+    ticks = recordings_of(folder / "job.plot.html")[0]["columns"]["tick"]
     assert max(later - t for t, later in pairwise(ticks)) * 4 <= int(step[1]) + 4
 
 
@@ -134,5 +123,5 @@ def test_no_text_leaves_its_place(folder, capsys):
     page = (folder / "x.html").read_text(encoding="utf-8")
     assert page.startswith("<title>a&lt;b&gt;&amp;.script</title>")
     assert (page.count("</script>"), page.count("<!--"), page.endswith("<p>end</p>")) == (1, 0, True)
-    (event,) = said(runs_of(folder / "x.html")[0], "events")[0]["list"]
+    (event,) = said(recordings_of(folder / "x.html")[0], "events")[0]["list"]
     assert event["text"] == "</script><!-- \u2028 @@recording@@ \ud800"

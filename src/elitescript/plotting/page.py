@@ -13,8 +13,6 @@ from elitescript.plotting.plain_page import plain_page
 from elitescript.plotting.recording import Recording
 from elitescript.records import NamedTuple
 
-__all__ = ["Page", "Recording", "page", "page_of"]
-
 BYTES_MAX: Final = 1_000_000
 """Largest page of two minutes of robot time; those of longer runs grow with them."""
 BYTES_OF_S: Final = 120.0
