@@ -54,7 +54,7 @@ def joints(page: Page) -> list[float]:
 
 
 def test_it_shows_what_the_trace_has(show: Callable[..., Page]) -> None:
-    from playwright.sync_api import expect  # noqa: PLC0415
+    from playwright.sync_api import expect
 
     page = show()
     slider = page.get_by_role("slider", name="Time")
