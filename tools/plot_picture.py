@@ -1,8 +1,8 @@
 """Write `docs/images/plot.png`, the picture of a plot page in the README: `make picture`.
 
 The page is the one that `elitescript plot` writes of an example, shown by a headless Chromium (any recent `chromium` or
-`google-chrome`; `CHROMIUM=...` names it) with the cursor in the middle of the run. Its colours are rounded to 5 bits per
-channel, which halves the size of the file.
+`google-chrome`; `CHROMIUM=...` names it) with the cursor in the middle of the run. Its colours are rounded to 5 bits
+per channel, which halves the size of the file.
 """
 
 from __future__ import annotations
