@@ -16,6 +16,7 @@ import { Timeline, TimelineTools } from "../regions/timeline/index.tsx";
 import { Variables } from "../regions/variables/index.tsx";
 import { text } from "../text/text.ts";
 import { Announcer } from "./announcer.tsx";
+import { ComparePanel } from "./compare.tsx";
 import { ConflictView } from "./conflict.tsx";
 import { Divider, sizeOf, type Size } from "./divider.tsx";
 import { Help } from "./help.tsx";
@@ -70,6 +71,7 @@ export function Page({ studio }: { studio: Studio }) {
     <div class={`page ${layout.value}`}>
       <Toolbar studio={studio} isNarrow={layout.value === "narrow"} />
       <OptionsPanel studio={studio} />
+      <ComparePanel studio={studio} />
       <Notices studio={studio} />
       <ConflictView studio={studio} />
       <Panes studio={studio} layout={layout.value} />
