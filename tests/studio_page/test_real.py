@@ -53,11 +53,20 @@ def test_a_program_from_text_to_file(context: Callable[..., Page], tmp_path: Pat
         assert shown == pytest.approx(ran.joints, abs=1e-6)
         expect(page.get_by_role("region", name="Variables")).to_contain_text("count")
 
+        # A comment costs no new run: its lines move, and what it wrote is there once.
+        text.focus()
+        page.keyboard.press("Control+Home")
+        page.keyboard.type("# once\n")
+        typed = f"# once\n{typed}"
+        rows = page.get_by_role("region", name="Messages").get_by_role("listitem")
+        expect(rows).to_have_count(1)
+        expect(rows).to_contain_text("line 7")
+
         page.get_by_role("button", name="Stop", exact=True).click()
         expect(robot).to_have_attribute("data-time", "0")
         for _ in range(2):
             page.get_by_role("button", name="Step", exact=True).click()
-        expect(page.get_by_role("region", name="Threads")).to_contain_text(re.compile(r"main\s*[234]"))
+        expect(page.get_by_role("region", name="Threads")).to_contain_text(re.compile(r"main\s*[345]"))
 
         page.get_by_role("button", name="Save").click()
         expect(page).to_have_title(re.compile("^move.script"))

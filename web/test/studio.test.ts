@@ -80,29 +80,35 @@ test("the run before stays while the newest is not that far, and one that was re
   assert.equal(studio.runAt(1.5)?.number, 3);
 });
 
-test("up to the first change a run takes over rows, lines, moves and events", () => {
+test("up to the first change a run takes over rows; all else comes again, with the lines of its text", () => {
   const { source, studio } = opened();
   source.say(began(1, 1));
   source.rows(rows(1, [0, 250, 500]));
   source.say(
-    { type: "lines", run: 1, thread: "main", t: [0, 1, 1.5], line: [1, 2, 3] },
-    { type: "moves", run: 1, list: [{ start_s: 0, end_s: 1, kind: "movej", line: 1 }, { start_s: 1, end_s: 2, kind: "movel", line: 2 }] },
-    { type: "events", run: 1, list: [{ type: "print", t: 0.5, text: "a" }, { type: "print", t: 1.7, text: "b" }] },
+    { type: "lines", run: 1, thread: "main", t: [0, 1], line: [1, 2] },
+    { type: "events", run: 1, list: [{ type: "print", t: 0.5, text: "a", line: 1 }] },
     ended(1, 2),
     began(2, 2, 1.2),
   );
+  assert.equal(studio.run.value!.known_s, 1.2);
   source.rows(rows(2, [300, 400], 1000));
   source.say(
-    { type: "lines", run: 2, thread: "main", t: [1.5], line: [4] },
+    { type: "lines", run: 2, thread: "main", t: [0, 1.5], line: [2, 4] },
     { type: "moves", run: 2, list: [{ start_s: 1, end_s: 1.6, kind: "movel", line: 2 }] },
-    { type: "events", run: 2, list: [{ type: "print", t: 1.7, text: "c" }] },
+    { type: "events", run: 2, list: [{ type: "print", t: 0.5, text: "a", line: 2 }] },
   );
   const run = studio.run.value!;
   assert.deepEqual([...run.samples.t], [0, 1, 1.2, 1.6]);
   assert.deepEqual([...run.samples.column("q1")], [0, 250, 1300, 1400]);
-  assert.deepEqual([0.5, 1.1, 1.55].map((t) => run.lineAt(t)), [1, 2, 4]);
-  assert.deepEqual(run.moves.map((move) => [move.start_s, move.end_s]), [[0, 1], [1, 1.6]]);
-  assert.deepEqual(run.messages.map((event) => event["text"]), ["a", "c"]);
+  assert.deepEqual([0.5, 1.55].map((t) => run.lineAt(t)), [2, 4]);
+  assert.deepEqual(run.messages.map((event) => event.line), [2]);
+});
+
+test("what comes again for a time counts instead of what was known", () => {
+  const { source, studio } = opened();
+  source.say(began(1, 1), { type: "lines", run: 1, thread: "main", t: [0, 1, 1.5], line: [1, 2, 3] }, { type: "lines", run: 1, thread: "main", t: [1, 2], line: [7, 8] });
+  const run = studio.run.value!;
+  assert.deepEqual([0.5, 1.2, 1.7, 2.5].map((t) => run.lineAt(t)), [1, 7, 7, 8]);
 });
 
 test("a text that does not compile leaves the last good run, which is stale from the edited line on", () => {

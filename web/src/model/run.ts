@@ -1,7 +1,7 @@
 /** One run of a program as the page knows it: grows while it is computed. */
 
 import { signal } from "@preact/signals-core";
-import type { AlarmReport, Contact, CycleRow, FromSource, Moment, Move, RunEvent, RunOptions, Value } from "../source/messages.ts";
+import type { AlarmReport, Contact, CycleRow, FromSource, Moment, Move, RunEvent, RunOptions, Scene, Value } from "../source/messages.ts";
 import { TICK_S, type Rows } from "../source/rows.ts";
 import { SampleTable } from "./samples.ts";
 
@@ -38,6 +38,8 @@ export class Run {
   readonly signals = new Map<string, { readonly t: number[]; readonly value: Value[]; readonly line: number[] }>();
   cycle: readonly CycleRow[] = [];
   contacts: readonly Contact[] = [];
+  /** The robot that ran; null: that of the page. */
+  scene: Scene | null = null;
   /** Up to where it is computed, s. */
   known_s = 0;
   ended: RunEnded | null = null;
@@ -102,16 +104,10 @@ export class Run {
     this.revision.value++;
   }
 
-  /** Takes over what another run did before a time, as this one does the same up to there. */
+  /** Takes over the rows of another run up to a time; all else comes again, as its lines may be others in this text. */
   continueFrom(other: Run, until_s: number): void {
     if (until_s <= 0) return;
     this.samples.begin(other.samples, until_s);
-    for (const [thread, { t, line }] of other.lines) {
-      const count = t.findIndex((time) => time >= until_s);
-      if (count !== 0) this.lines.set(thread, { t: t.slice(0, count < 0 ? undefined : count), line: line.slice(0, count < 0 ? undefined : count) });
-    }
-    for (const move of other.moves) if (move.end_s <= until_s) this.moves.push(move);
-    for (const event of other.events) if (event.t < until_s) this.happen(event);
     this.known_s = Math.max(this.known_s, Math.min(until_s, other.known_s));
     this.revision.value++;
   }
