@@ -118,7 +118,7 @@ def main(words: list[str] | None = None) -> int:
                 for theme in given.theme or THEMES:
                     width, height = SIZES[size]
                     look = {"viewport": {"width": width, "height": height}, "color_scheme": theme, "locale": "en-US"}
-                    with _studio(given.file) as address:
+                    with studio(given.file) as address:
                         context = chromium.new_context(**look, reduced_motion="reduce")
                         page = context.new_page()
                         page.set_default_timeout(WAIT_MS)
@@ -140,11 +140,11 @@ def _type(page: Page, text: str) -> None:
 
 
 @contextmanager
-def _studio(file: Path) -> Iterator[str]:
+def studio(file: Path, *words: str) -> Iterator[str]:
     """Start the studio with nothing remembered; yield its address."""
     with tempfile.TemporaryDirectory() as state:
         started = subprocess.Popen(
-            [sys.executable, "-m", "elitescript", "studio", str(file), "--no-browser"],
+            [sys.executable, "-m", "elitescript", "studio", str(file), "--no-browser", *words],
             env={**os.environ, "XDG_STATE_HOME": state},
             stdout=subprocess.PIPE,
             text=True,
