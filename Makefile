@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint types coverage flips invariants peers bench quoted figures picture reference docs golden studio studio-test vscode vscode-test dap-test dist lock clean
+.PHONY: help demo test lint types coverage flips invariants peers bench quoted figures picture studio-pictures reference docs golden studio studio-test vscode vscode-test dap-test dist lock clean
 
 help:
 	@echo "make demo        install, then run an example program"
@@ -23,6 +23,7 @@ help:
 	@echo "make quoted      every measured figure that README and docs quote, beside what is measured now"
 	@echo "make figures     write the figures and measured tables of docs/explanation"
 	@echo "make picture     take the picture of a plot page in the README again (needs Chromium)"
+	@echo "make studio-pictures  take the pictures of the studio's tutorial again (needs Chromium)"
 	@echo "make reference   write docs/reference from the code"
 	@echo "make docs        build the site from docs and examples: build/site/html"
 	@echo "make golden      record the event traces of the examples again"
@@ -85,10 +86,17 @@ $(VENV)/.browser-ready: $(READY) requirements-browser.lock
 	$(BIN)/python -m pip install -qq --disable-pip-version-check --require-hashes -r requirements-browser.lock
 	@touch $@
 
+# Without a network for Node's packages, everything but the studio is there.
 demo: $(READY)
 	$(BIN)/elitescript run examples/pick_and_place.script
+	@mkdir -p build
+	@echo
+	@echo "Building the page of the studio; that takes about 15 s more, and downloads 61 MB for Node ..."
+	@$(MAKE) --no-print-directory studio >build/studio.log 2>&1 || \
+	    echo "It was not built (build/studio.log says why); all other commands work. Try again with: make studio"
 	@echo
 	@echo "What to try next:"
+	@echo "  $(BIN)/elitescript studio examples/pick_and_place.script      the program and the arm in a page: edit it, drag time"
 	@echo "  $(BIN)/elitescript plot examples/pick_and_place.script        a page that shows this run"
 	@echo "  $(BIN)/elitescript run examples/camera_picking.script --world examples/camera_picking.toml --log channels"
 	@echo "  $(BIN)/elitescript check examples/*.script                    what is wrong in programs, without running them"
@@ -152,6 +160,9 @@ figures: $(READY)
 picture: $(PAGE) $(BROWSER_READY)
 	$(BIN)/python -m tools.plot_picture
 
+studio-pictures: $(PAGE) $(BROWSER_READY)
+	$(BIN)/python -m tools.studio_tutorial
+
 bench: $(READY)
 	$(BIN)/python -m benchmarks
 
@@ -201,7 +212,7 @@ vscode-test: $(EXTENSION_READY)
 	$(WITH_NODE) ELITESCRIPT=$(CURDIR)/$(BIN)/elitescript npm run --silent test
 
 # The tools have an environment of their own; the wheel is built from the sdist.
-dist: $(READY)
+dist: $(READY) $(PAGE)
 	rm -rf dist build/dist
 	$(BIN)/python -m venv build/dist/tools
 	build/dist/tools/bin/python -m pip install -qq --disable-pip-version-check --require-hashes -r requirements-dist.lock

@@ -14,9 +14,12 @@ import subprocess
 import sys
 import tarfile
 import venv
+import zipfile
 from pathlib import Path
 from typing import Final
 
+PAGE_FOLDER: Final = "elitescript/page/built/"
+PAGE_FILES: Final = {"studio.html", "studio.js", "studio.css", "recorded.html", "THIRD_PARTY.txt"}
 WHEEL_MAX: Final = 5_000_000
 """Size limit of the wheel, bytes."""
 SERVE: Final = ("serve", "--port", "all=0")
@@ -35,6 +38,13 @@ def main(dist: Path, folder: Path) -> int:
         print(f"{file}: {file.stat().st_size // 1000} kB")
     if wheel.stat().st_size > WHEEL_MAX:
         print(f"the wheel has more than {WHEEL_MAX // 1_000_000} MB", file=sys.stderr)
+        return 1
+    with zipfile.ZipFile(wheel) as archive:
+        missing = PAGE_FILES - {name.removeprefix(PAGE_FOLDER) for name in archive.namelist()}
+    if missing:
+        print(
+            f"the wheel lacks the page of the studio: {', '.join(sorted(missing))}; run `make studio`", file=sys.stderr
+        )
         return 1
     with tarfile.open(sdist) as archive:
         archive.extractall(folder, filter="data")

@@ -230,6 +230,7 @@ function pictureOf(drawing: Drawing): Picture | null {
     compared: drawing.compared.value,
     speedEnd: drawing.speedEnd.value,
     line: drawing.line.value,
+    t: drawing.studio.cursor.value,
     contacts: drawing.contacts.value,
     contact: drawing.contact.value,
     jointTexts: joint === null ? ["", "", ""] : [angle(scene.limits.position_min[joint]!), `J${joint + 1} ${angle(joints[joint]!)}`, angle(scene.limits.position_max[joint]!)],

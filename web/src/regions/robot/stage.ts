@@ -28,6 +28,8 @@ export interface Picture {
   readonly compared: Path | null;
   readonly speedEnd: number;
   readonly line: number;
+  /** Time that is shown, s. */
+  readonly t: number;
   readonly contacts: readonly Contact[];
   /** The one that is pointed at. */
   readonly contact: Contact | null;
@@ -396,8 +398,9 @@ function position(t: Transform): Point {
 }
 
 /** Labels of contacts, the first ones; of a closest distance while it is pointed at. */
-function contactLabels({ contacts, contact, contactText }: Picture): Label[] {
-  const touching = contacts.filter((other) => other.is_contact && other !== contact).slice(0, LABELLED_CONTACTS_MAX);
+/** Returns the labels of what is pointed at and of what touches at the time that is shown. */
+function contactLabels({ contacts, contact, contactText, t }: Picture): Label[] {
+  const touching = contacts.filter((other) => other.is_contact && other !== contact && other.start_s <= t && t <= other.end_s).slice(0, LABELLED_CONTACTS_MAX);
   return [...(contact === null ? [] : [contact]), ...touching].map((shown) => ({
     text: contactText(shown), point: shown.points![0], kind: shown.is_contact ? "contact" : "distance",
   }));
