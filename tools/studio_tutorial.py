@@ -1,7 +1,7 @@
 """Take the pictures of docs/tutorials/studio.md and of the README again: `make studio-pictures`.
 
-The texts are those of the page, typed key by key into `elitescript studio` in a headless Chromium, as the page tells its
-reader to do it. So a step that does not work any more ends the tool.
+The texts are those of the page, typed key by key into `elitescript studio` in a headless Chromium, as the page tells
+its reader to do it. So a step that does not work any more ends the tool.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 TUTORIAL: Final = ROOT / "docs" / "tutorials" / "studio.md"
 IMAGES: Final = ROOT / "docs" / "images"
-SIZE: Final = {"width": 1180, "height": 720}
+SIZE: Final = {"width": 1280, "height": 800}
 PICTURE_MAX: Final = 120_000
 """Size of a picture, bytes."""
 BLOCK: Final = re.compile(r'^```\w+ title="([^"]+)"[^\n]*\n(.*?)^```$', re.MULTILINE | re.DOTALL)
