@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 TUTORIAL: Final = ROOT / "docs" / "tutorials" / "studio.md"
 IMAGES: Final = ROOT / "docs" / "images"
-SIZE: Final = {"width": 1280, "height": 800}
+SIZE: Final = {"width": 1280, "height": 730}
 PICTURE_MAX: Final = 120_000
 """Size of a picture, bytes."""
 BLOCK: Final = re.compile(r'^```\w+ title="([^"]+)"[^\n]*\n(.*?)^```$', re.MULTILINE | re.DOTALL)
