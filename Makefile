@@ -92,7 +92,7 @@ demo: $(READY)
 	@mkdir -p build
 	@echo
 	@echo "Building the page of the studio; that takes about 15 s more, and downloads 61 MB for Node ..."
-	@$(MAKE) --no-print-directory studio >build/studio.log 2>&1 || \
+	@npm_config_fetch_retries=0 $(MAKE) --no-print-directory studio >build/studio.log 2>&1 || \
 	    echo "It was not built (build/studio.log says why); all other commands work. Try again with: make studio"
 	@echo
 	@echo "What to try next:"
