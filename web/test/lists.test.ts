@@ -84,6 +84,8 @@ test("a value is that of the exact state, else of the last change, else the defa
   const exact = { t: 1.5, line: 1, joints: [0, 0, 0, 0, 0, 0], tcp_pose: [0, 0, 0, 0, 0, 0], globals: [], signals: {}, threads: [] } as const;
   assert.equal(valueAt("standard_digital_out[0]", 1.5, made, exact, FAMILIES), false);
   assert.equal(valueAt("unknown", 1, made, null, FAMILIES), undefined);
+  // A recording has no families: off before the first change.
+  assert.equal(valueAt("standard_digital_out[0]", 0, made, null, []), false);
 });
 
 test("shown are changed, given and chosen signals, inputs first, by their number", () => {

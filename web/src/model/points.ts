@@ -45,11 +45,16 @@ export function readValue(family: Family, typed: string): Value | null {
 
 /** The value of a signal at a time: of the exact state if it is given, else as the run's changes say; undefined: not known. */
 export function valueAt(name: string, t: number, run: Run | null, exact: Moment | null, families: readonly Family[]): Value | undefined {
-  const initial = familyOf(families, name)?.default;
-  if (exact !== null) return exact.signals[name] ?? initial;
   const changes = run?.signals.get(name);
+  // A recording has no list of families; all defaults are off and 0.
+  const initial = familyOf(families, name)?.default ?? (changes === undefined ? undefined : zeroOf(changes.value[0]));
+  if (exact !== null) return exact.signals[name] ?? initial;
   const index = changes === undefined ? -1 : lastAtOrBefore(changes.t, t);
   return index >= 0 ? changes!.value[index] : initial;
+}
+
+function zeroOf(value: Value | undefined): Value | undefined {
+  return typeof value === "boolean" ? false : typeof value === "number" ? 0 : undefined;
 }
 
 /** Names to show: what changed in the run, is not at its default now, or is given from outside; inputs first, then as in the list of families. */
