@@ -8,6 +8,7 @@ itself. `MotionControl` holds one at a time. A source in closed form is due rare
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections.abc import Hashable
 from math import inf, isinf
 from typing import Final, Protocol
 
@@ -187,6 +188,17 @@ class Move:
         """
         found = self.segment.tool_way(self.path_time_s(begin), self.path_time_s(end))
         return None if found is None else (*found, position_of(self.T_flange_tcp))
+
+    def course(self, begin: int, end: int) -> Hashable | None:
+        """Return what the target joints at the ticks between two ticks follow from, but for rounding.
+
+        None if that is not known, or not likely to come again: in a ramp of the speed percentage and after it.
+        """
+        scale, course = self.scale, self.segment.course
+        start = self.start_tick
+        if course is None or scale.ramp_s or scale.s_start_s or scale.t_start_s != start * PERIOD_S:
+            return None
+        return course, scale.rate_target, begin - start, end - start, position_of(self.T_flange_tcp)
 
     def is_awaited(self, number: int) -> bool:
         """Return whether the call of that number is not over."""

@@ -14,7 +14,7 @@ the measure of how much the interval hides. A jump to another turn or branch sho
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from math import ceil
 from typing import Final, TypeAlias
 
@@ -170,6 +170,10 @@ class JointTrack:
         share = min(max((s - start) / (end - start), 0.0), 1.0)
         q1, q2, q3, q4, q5, q6 = [a + share * (b - a) for a, b in zip(turns[index], turns[index + 1], strict=True)]
         return q1, q2, q3, q4, q5, q6
+
+    @property
+    def course(self) -> Hashable:
+        return self.kind, self.grid_s, self.grid_q, self.grid_slope
 
     def tool_rates(self, s: float) -> tuple[float, float]:
         return self.path.tool_rates

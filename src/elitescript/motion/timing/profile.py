@@ -9,7 +9,7 @@ to be slowed down in places has more.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from math import inf, sqrt
 from typing import Final
 
@@ -60,6 +60,11 @@ class TimeLaw:
         self._position = tuple(position)
         self._speed = tuple(speed)
         self._acceleration = tuple(acceleration)
+
+    @property
+    def course(self) -> Hashable:
+        """What positions and speeds follow from."""
+        return self.length, self.duration_s, self._start_s, self._position, self._speed, self._acceleration
 
     def at(self, t_s: float) -> tuple[float, float]:
         """Return (position, speed) at a time; before the start those of the start, after the end those at rest."""
