@@ -9,6 +9,7 @@ from typing import Final, Protocol
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX
+from elitescript.motion.course import rounded
 from elitescript.motion.timing.profile import TimeLaw
 from elitescript.records import NamedTuple
 
@@ -67,7 +68,7 @@ class JointPath(AnyPath, Protocol):
 
     @property
     def course(self) -> Hashable | None:
-        """What the joints follow from; None if that is not kept. Paths that have the same one are the same."""
+        """What the joints follow from, but for rounding; None if that is not kept."""
 
     def tool_rates(self, s: float) -> tuple[float, float]:
         """Return the way (m) and rotation (rad) of the tool per unit of path position."""
@@ -168,7 +169,7 @@ class Segment:
 
     @property
     def course(self) -> Hashable | None:
-        """What the joints at any time follow from; None if that is not kept. Segments of one course are the same."""
+        """What the joints at any time follow from, but for rounding; None if that is not kept."""
         course = self.path.course
         return None if course is None else (course, self.profile.course)
 
@@ -258,7 +259,8 @@ class BlendedSegment(Segment):
     def course(self) -> Hashable | None:
         courses = (self.before.course, self.corner.course, self.path.course)
         profiles = (self.before_profile.course, self.profile.course)
-        return None if None in courses else (courses, profiles, self.before_s, self.approach_s, self.entered_s)
+        times_s = (self.before_s, self.approach_s, self.entered_s)
+        return None if None in courses else (courses, profiles, rounded(times_s))
 
     def _stretches(self, begin_s: float, end_s: float) -> Iterator[tuple[JointPath, float, float]]:
         approach_s, entered_s = self.approach_s, self.entered_s

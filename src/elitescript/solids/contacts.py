@@ -51,8 +51,8 @@ base at the side, and the wrists turn within their lengths. The solids of forear
 _AMPLE_M: Final = 0.05
 """A lower bound that exceeds what matters by so much is taken instead of the distance."""
 
-_TOUCH_M: Final = 1e-9
-"""Distances up to this are not certain to be apart."""
+_TOUCH_M: Final = 1e-7
+"""Distances up to this are not certain to be apart: moves of one course differ by rounding."""
 
 _DEEPER_M: Final = 0.001
 """A contact that gets deeper by so much than was reported for its line is reported once more."""

@@ -17,6 +17,7 @@ from elitescript.kinematics.transforms import Transform, position_of
 from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import PERIOD_S, ticks_for
+from elitescript.motion.course import rounded
 from elitescript.motion.limits import MotionLimits
 from elitescript.motion.paths.polyline import ChainLine, begun, extended
 from elitescript.motion.paths.track import JointTrack
@@ -198,7 +199,8 @@ class Move:
         start = self.start_tick
         if course is None or scale.ramp_s or scale.s_start_s or scale.t_start_s != start * PERIOD_S:
             return None
-        return course, scale.rate_target, begin - start, end - start, position_of(self.T_flange_tcp)
+        tcp = rounded(position_of(self.T_flange_tcp))
+        return course, scale.rate_target, begin - start, end - start, tcp
 
     def is_awaited(self, number: int) -> bool:
         """Return whether the call of that number is not over."""

@@ -28,6 +28,7 @@ from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.rotations import Rotation, Vector3, multiply, rotate, transpose
 from elitescript.kinematics.transforms import Transform, apply, compose, rotation_of
 from elitescript.messages.motion import Six
+from elitescript.motion.course import rounded
 from elitescript.motion.paths.cartesian import CartesianPath
 from elitescript.motion.segment import JointPath, added
 
@@ -249,7 +250,7 @@ class JointCorner:
     @property
     def course(self) -> Hashable | None:
         courses = (self._first.course, self._second.course)
-        return None if None in courses else (courses, self._d1, self._d2, self.length)
+        return None if None in courses else (courses, rounded((self._d1, self._d2, self.length)))
 
     def tool_rates(self, s: float) -> tuple[float, float]:
         q, qd = self.q_and_slope(s)

@@ -9,6 +9,7 @@ from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.motion import Six
+from elitescript.motion.course import rounded
 
 
 class JointLine:
@@ -59,7 +60,7 @@ class JointLine:
 
     @property
     def course(self) -> Hashable:
-        return self.kind, self.q_start, self.q_end
+        return self.kind, rounded((*self.q_start, *self.q_end))
 
     def tool_rates(self, s: float) -> tuple[float, float]:
         vx, vy, vz, wx, wy, wz = tcp_twist(self._arm, self.q(s), self.slope, self._T_flange_tcp)

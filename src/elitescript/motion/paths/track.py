@@ -25,6 +25,7 @@ from elitescript.kinematics.jacobian import joint_speeds, singularity
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX
+from elitescript.motion.course import rounded
 from elitescript.motion.limits import (
     RANGE_TOLERANCE_RAD,
     MotionLimits,
@@ -173,7 +174,11 @@ class JointTrack:
 
     @property
     def course(self) -> Hashable:
-        return self.kind, self.grid_s, self.grid_q, self.grid_slope
+        # A line, an arc and a corner follow from both ends and the middle.
+        q, slope = self.grid_q, self.grid_slope
+        middle = len(q) // 2
+        places = (*q[0], *q[middle], *q[-1], *slope[0], *slope[middle], *slope[-1])
+        return self.kind, len(q), rounded((self.length, self.grid_s[middle], *places))
 
     def tool_rates(self, s: float) -> tuple[float, float]:
         return self.path.tool_rates

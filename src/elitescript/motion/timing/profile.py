@@ -14,6 +14,7 @@ from math import inf, sqrt
 from typing import Final
 
 from elitescript.errors import InternalError
+from elitescript.motion.course import rounded
 from elitescript.records import NamedTuple
 
 RAMP_SHARE: Final = 1.0 / 3.0
@@ -63,8 +64,9 @@ class TimeLaw:
 
     @property
     def course(self) -> Hashable:
-        """What positions and speeds follow from."""
-        return self.length, self.duration_s, self._start_s, self._position, self._speed, self._acceleration
+        """What positions and speeds follow from, but for rounding."""
+        pieces = (*self._start_s, *self._position, *self._speed, *self._acceleration)
+        return rounded((self.length, self.duration_s, *pieces))
 
     def at(self, t_s: float) -> tuple[float, float]:
         """Return (position, speed) at a time; before the start those of the start, after the end those at rest."""
