@@ -33,7 +33,7 @@ from elitescript.records import NamedTuple
 from elitescript.solids.arm import arm_parts
 from elitescript.solids.bodies import Body, body_of
 from elitescript.solids.cell import LINKS, Cell
-from elitescript.solids.distance import Closest, closest, least_distance
+from elitescript.solids.distance import Closest, ball_distance, closest, least_distance
 from elitescript.solids.frames import Frames, frames_of, lever_arms
 from elitescript.solids.shapes import BASE, FLANGE, Part
 
@@ -778,8 +778,9 @@ def _measured(pair: _Pair, span: _Span, tick: int, ample: float) -> tuple[_Gap, 
         others = other.solids()
     least = inf
     near = []
+    T_ball, radius = placed.T_ball, pair.first.ball.margin
     for body, T in others:
-        bound = least_distance(pair.first.ball, placed.T_ball, body, T)
+        bound = ball_distance(T_ball, radius, body, T)
         if bound < ample:
             near.append((body, T))
         elif bound < least:
@@ -788,7 +789,9 @@ def _measured(pair: _Pair, span: _Span, tick: int, ample: float) -> tuple[_Gap, 
     if near:
         for own, T_own in placed.solids():
             for body, T in near:
-                bound = least_distance(own, T_own, body, T)
+                bound = ball_distance(T_own, own.bound, body, T)
+                if bound < ample:
+                    bound = max(bound, least_distance(own, T_own, body, T))
                 if bound < ample:
                     candidates.append((bound, own, T_own, body, T))
                 elif bound < least:

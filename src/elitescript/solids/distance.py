@@ -58,6 +58,26 @@ def least_distance(a: Body, T_a: Transform, b: Body, T_b: Transform) -> float:
     return least
 
 
+def ball_distance(T_ball: Transform, radius: float, body: Body, T: Transform) -> float:
+    """Return the distance of a ball from a box, or from the cylinder or capsule that encloses another body, m.
+
+    That is a lower bound of the distance of what is in the ball; it means nothing where it is negative.
+    """
+    r11, r12, r13, r21, r22, r23, r31, r32, r33, x, y, z = T
+    dx, dy, dz = T_ball[9] - x, T_ball[10] - y, T_ball[11] - z
+    w = r13 * dx + r23 * dy + r33 * dz
+    if body.is_box:
+        a, b, c = body.half
+        u = abs(r11 * dx + r21 * dy + r31 * dz) - a
+        v = abs(r12 * dx + r22 * dy + r32 * dz) - b
+        w = abs(w) - c
+        return hypot(u if u > 0.0 else 0.0, v if v > 0.0 else 0.0, w if w > 0.0 else 0.0) - radius
+    square = dx * dx + dy * dy + dz * dz - w * w
+    side = (sqrt(square) if square > 0.0 else 0.0) - body.across
+    w = abs(w) - body.along
+    return hypot(side if side > 0.0 else 0.0, w if w > 0.0 else 0.0) - body.margin - radius
+
+
 def closest(a: Body, T_a: Transform, b: Body, T_b: Transform) -> Closest:
     """Return the distance of two bodies at T_a and T_b, and where it is."""
     margin = a.margin + b.margin
