@@ -246,3 +246,19 @@ def test_sums_that_begin_anew_change_nothing(tmp_path, monkeypatch):
     monkeypatch.setattr("elitescript.solids.contacts._FARTHEST_RAD", 0.0)
     runs.append(run_in(tmp_path, TABLE + GRIPPER, AGAIN))
     assert runs[0].contacts == runs[1].contacts
+
+
+def test_a_run_that_is_cut_off_is_watched_to_its_last_row(tmp_path):
+    home = VirtualRobot("CS66").state
+    x, y, z = home.tcp_pose_target[:3]
+    path = _written(
+        tmp_path, f'[[box]]\nname = "plate"\nsize = [0.4, 0.4, 0.02]\npose = [{x}, {y}, {z - 0.12}]\n' + GRIPPER
+    )
+    program = "p = get_target_tcp_pose()\np[2] = p[2] - 0.25\nmovel(p, a=1, v=0.5)\n"
+    run = VirtualRobot("CS66", world=path).run(program, until_s=0.3, trace=True)
+    expected, _ = contacts_of_every_tick(run, home.q_target, path)
+    assert run.state == "time_limit"
+    (deepest,) = [its[4] for its in expected if its[0] == "gripper"]
+    (contact,) = [its for its in run.contacts if its.first == "gripper"]
+    assert contact.distance_m == pytest.approx(deepest, abs=1e-9)
+    assert contact.t == run.trace[-1].t

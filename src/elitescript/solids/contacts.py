@@ -560,8 +560,8 @@ class ContactWatch:
 
     def finish(self, arm: MovingArm) -> None:
         """End the watch: the run is over."""
-        if self._begin_tick is None:
-            self._begin(arm)
+        # The last row of a trace shows the arm after the motion of the last tick.
+        self.record(arm, arm.tick + 1)
         for pair in self._pairs:
             if pair.contact is not None:
                 self._end(pair, arm.tick + 1)
