@@ -150,6 +150,23 @@ def closed_world(path: str | Path | None, *, is_trusted: bool = False, may_conne
     return world
 
 
+def folders_read(path: str | Path) -> list[Path]:
+    """Return the folders of a world file, of the arm and of the Python files that it names.
+
+    Raises:
+        UsageError: an invalid world file.
+    """
+    from elitescript.devices.scenario import python_files
+    from elitescript.models.model import is_model_file
+
+    file = load_world_file(path, with_world=False)
+    folder = Path(path).parent
+    names = python_files(file.beside)
+    if is_model_file(model := file.options.get("model", "")):
+        names.append(model)
+    return [folder, *((folder / name).parent for name in names)]
+
+
 def _huge(value: object, path: TomlPath) -> TomlPath | None:
     """Return the path of a whole number that no float and no TOML of other readers has; None if there is none."""
     if isinstance(value, int):

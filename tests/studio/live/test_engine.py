@@ -402,6 +402,37 @@ class TestSettings:
         finally:
             made.close()
 
+    def test_moments_are_found_with_files_of_other_folders(self, tmp_path):
+        """A world file may name them, and they may import what is not there any more when a moment is looked for."""
+        cell, shared = tmp_path / "cell", tmp_path / "shared"
+        cell.mkdir()
+        shared.mkdir()
+        (cell / "cell.toml").write_text(
+            '[robot]\nmodel = "../shared/arm.toml"\n[[tcp]]\nport = 3000\nclass = "../shared/dev.py:Dev"\n'
+        )
+        (shared / "arm.toml").write_text((EXAMPLES / "my_arm.toml").read_text())
+        (shared / "dev.py").write_text("import websockets\nfrom elitescript.testing.world import TcpServer as Dev\n")
+        made = Page(Setting(world=cell / "cell.toml"))
+        try:
+            ended = made.ran(SHORT)
+            assert made.asked(Seek, ended["run"], t=0.1)["type"] == "state"
+        finally:
+            made.close()
+
+    def test_a_world_of_the_page_lets_connect_what_the_user_lets(self, page, tmp_path):
+        (tmp_path / "cell.toml").write_text("[[tcp]]\nport = 3000\n")
+        page.engine.folder = tmp_path
+        try:
+            text = 'def job():\n  textmsg(socket_open("127.0.0.1", 9))\nend\n'
+            assert page.ran(text, world="cell.toml", may_connect=True)["state"] == "finished"
+            page.program(text, world="cell.toml")
+            assert page.until("run_ended")["refused_connections"]
+            (tmp_path / "cell.toml").write_text('[world]\nnetwork = "real"\n')
+            page.program(text, world="cell.toml")
+            assert page.until("notice")["text"].endswith("[world] network: 'real' is not allowed here")
+        finally:
+            page.engine.folder = None
+
     def test_a_run_that_may_connect_is_not_repeated(self, page):
         ended = page.ran('def job():\n  textmsg(socket_open("127.0.0.1", 9))\nend\n', may_connect=True)
         assert "refused_connections" in ended or ended["state"] == "finished"
