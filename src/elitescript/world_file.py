@@ -150,8 +150,8 @@ def closed_world(path: str | Path | None, *, is_trusted: bool = False, may_conne
     return world
 
 
-def folders_read(path: str | Path) -> list[Path]:
-    """Return the folders of a world file, of the arm and of the Python files that it names.
+def files_read(path: str | Path) -> list[Path]:
+    """Return a world file, and the files of its arm and of Python that it names.
 
     Raises:
         UsageError: an invalid world file.
@@ -160,11 +160,10 @@ def folders_read(path: str | Path) -> list[Path]:
     from elitescript.models.model import is_model_file
 
     file = load_world_file(path, with_world=False)
-    folder = Path(path).parent
     names = python_files(file.beside)
     if is_model_file(model := file.options.get("model", "")):
         names.append(model)
-    return [folder, *((folder / name).parent for name in names)]
+    return [Path(path), *(Path(path).parent / name for name in names)]
 
 
 def _huge(value: object, path: TomlPath) -> TomlPath | None:

@@ -210,6 +210,31 @@ class TestRuns:
         assert page.ran(SHORT.replace("0.1", "0.13"))
         assert page.until("run_began")["same_until_s"] == 0.0
 
+    def test_a_changed_file_runs_it_again(self, tmp_path):
+        """One of the world, and one that the program reads."""
+        world, count = tmp_path / "cell.toml", tmp_path / "count.txt"
+        text = 'def job():\n  f = open("count.txt")\n  textmsg(get_standard_digital_in(0), f.read())\nend\n'
+        made = Page(Setting(world=world))
+        made.engine.folder = tmp_path
+        try:
+            said = []
+            for level, number in (("true", 1), ("true", 1), ("false", 1), ("false", 2)):
+                world.write_text(f'[signals]\n"standard_digital_in[0]" = {level}\n')
+                count.write_text(str(number))
+                made.ran(text)
+                (record,) = [item for item in made.until("events")["list"] if item["type"] == "log"]
+                said.append(record["text"])
+            assert said == ["True1", "True1", "False1", "False2"]
+        finally:
+            made.close()
+
+    def test_a_run_that_may_connect_is_run_again(self, page):
+        text = 'def job():\n  textmsg(socket_open("127.0.0.1", 9))\n  sleep(0.1)\nend\n'
+        page.ran(text, may_connect=True)
+        page.ran(text, may_connect=True)
+        assert page.until("run_began")["same_until_s"] == 0.0
+        assert page.rows
+
     def test_a_new_page_gets_everything(self, page):
         page.ran(SHORT)
         page.engine.forget()

@@ -8,17 +8,15 @@ from __future__ import annotations
 
 import os
 import sys
-from pathlib import Path
 from typing import Any, Final
 
 from elitescript.environment.process import end_with_parent, limit_memory
-from elitescript.models.model import is_model_file
 from elitescript.services.child.jail import enter_jail, own_modules
 from elitescript.studio.live.detail import sample
+from elitescript.studio.live.jobs import files_of, job_of
 from elitescript.studio.live.link import Link
 from elitescript.studio.live.looking import look
 from elitescript.studio.live.running import run_program
-from elitescript.world_file import folders_read
 
 MEMORY_BYTES: Final = 1 << 30
 
@@ -41,16 +39,10 @@ def _lock_in(request: dict[str, Any]) -> None:
         limit_memory(MEMORY_BYTES)
     elif request["do"] == "look":
         # It makes robots again and again, and copies of itself.
-        enter_jail([*own_modules(), *_folders_read(job)], MEMORY_BYTES, may_copy=True)
+        folders = [str(path.parent) for path in files_of(job_of(job))]
+        enter_jail([*own_modules(), *folders], MEMORY_BYTES, may_copy=True)
     else:
         enter_jail(memory_max=MEMORY_BYTES)
-
-
-def _folders_read(job: dict[str, Any]) -> list[str]:
-    """Return the folders of the files that a robot is made of."""
-    model = str(job["robot"].get("model", ""))
-    folders = [Path(model).parent] if is_model_file(model) else []
-    return [*map(str, folders), *map(str, folders_read(job["world"]) if job["world"] else ())]
 
 
 def main() -> None:
