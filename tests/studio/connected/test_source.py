@@ -230,6 +230,7 @@ class TestWithControl:
             ({"type": "send_program", "text": "x = 1"}, {"robot_mode": 5}, "release the brakes first"),
             ({"type": "signal", "name": "standard_digital_in[1]", "value": True}, {}, "is an input"),
             ({"type": "control", "action": "freedrive_on"}, {}, "has no freedrive_mode; 2.14 brought it"),
+            ({"type": "seek", "run": 1, "t": 0.5}, {}, "it does not go back to a moment"),
         ],
     )
     def test_refusals_say_why(self, message, state, text):

@@ -16,6 +16,8 @@ from elitescript.studio.connected.controller import ConnectedController
 WAITING_MAX: Final = 20
 """Messages of a page that may wait for the controller's answers at a time."""
 
+NOTHING_REPEATED: Final = "a controller shows what is now: it does not go back to a moment"
+
 Send = Callable[[Mapping[str, Any] | bytes], None]
 
 
@@ -101,6 +103,8 @@ class ConnectedSource:
                 if not message.words or message.words[0] not in FAULTS:
                     raise UsageError(f"a fault is one of {', '.join(sorted(FAULTS))}")
                 return await controller.order(message.words[0], message.words[1:])
+            case asked.Detail() | asked.Seek() | asked.Step():
+                raise UsageError(NOTHING_REPEATED)
             case _:
                 pass
         return None
