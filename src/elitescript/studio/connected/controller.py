@@ -71,6 +71,8 @@ class ConnectedController:
         self._has_rtsi = False
         self._rtsi_ended_s = 0.0
         """Time of the loop."""
+        self._pictured_s = 0.0
+        """Time of the loop at which the last picture came."""
         self._takes_registers = True
         self._firmware: tuple[int, ...] = ()
         self._globals: tuple[str, ...] = ()
@@ -86,9 +88,11 @@ class ConnectedController:
                 target.ports["rtsi"],
                 target.jog_register,
                 send=self.send_script,
+                halt=self._halt,
                 task_state=lambda: self.picture.task_state,
                 joint_at_end=self._joint_at_end,
-                lapsed=lambda: self.picture.values.get(f"output_int_register{target.jog_register}"),
+                picture_age_s=lambda: asyncio.get_running_loop().time() - self._pictured_s,
+                answer=lambda: self.picture.values.get(f"output_int_register{target.jog_register}"),
                 ended=self._jog_ended,
             )
 
@@ -154,8 +158,8 @@ class ConnectedController:
         target = self.target
         async with rtsi_client(target.host, target.ports["rtsi"]) as client:
             self._firmware = await client.negotiate()
-            lapsed = (f"output_int_register{target.jog_register}",) if target.may_control else ()
-            pictures = await client.set_up_outputs((*VARIABLES, *lapsed), PICTURE_HZ)
+            answers = (f"output_int_register{target.jog_register}",) if target.may_control else ()
+            pictures = await client.set_up_outputs((*VARIABLES, *answers), PICTURE_HZ)
             if self._takes_registers:
                 # A controller that ends the connection because of so many names is not asked again.
                 self._takes_registers = False
@@ -267,8 +271,8 @@ class ConnectedController:
     def _publish(self) -> None:
         """Tell the pages the present picture."""
         picture = self.picture
-        if picture.link != "connected":
-            picture.link = "connected"
+        picture.link = "connected"
+        self._pictured_s = asyncio.get_running_loop().time()
         picture.is_jogging = self.jogger is not None and self.jogger.is_active
         run = self._trail.run
         for message in self._trail.take(picture):
@@ -362,6 +366,19 @@ class ConnectedController:
             await self.send_script("stop task\npower off")
             return f"stop and power off were sent to the primary port; the dashboard did not answer: {error}"
         return ", ".join(results)
+
+    async def _halt(self) -> None:
+        """End the program of the controller, by the port that answers.
+
+        Raises:
+            LinkError: none does.
+        """
+        try:
+            if self._dashboard is None:
+                raise LinkError("the dashboard port is not connected")
+            await self._dashboard.ask("stop")
+        except LinkError:
+            await self.send_script("stop task")
 
     async def order(self, verb: str, words: Sequence[str], values: dict[str, Value] | None = None) -> str:
         """Ask a robot on this computer by `ctl`; return its words.
@@ -501,7 +518,7 @@ class ConnectedController:
 
     def _jog_ended(self, owner: object, text: str) -> None:
         self.held_back.add(owner)
-        self._tell({"type": "notice", "severity": "warning", "text": text})
+        self._tell({"type": "notice", "severity": "warning", "text": f"{self.title}: {text}"})
 
     def _joint_at_end(self, speeds: Sequence[float]) -> int:
         joints, scene = self.picture.joints, self._scene
