@@ -35,6 +35,8 @@ GRACE_S: Final = 0.5
 """After which the primary port's states are shown where RTSI is not there."""
 PROGRAM_S: Final = 3.0
 """Longest time for a program that was sent to be seen running."""
+STOP_S: Final = 1.0
+"""Longest time for the dashboard to take a stop; then the primary port gets it."""
 REPORTS_KEPT: Final = 500
 GUIDING_SINCE: Final = (2, 14)
 """Firmware that brought `freedrive_mode`."""
@@ -333,7 +335,7 @@ class ConnectedController:
             verb, *words = commands.CTL[action]
             return await self.order(verb, words)
         if action == "emergency_stop":
-            return await self._stop_over_the_network()
+            return await self._stop_over_the_network(*commands.STOPS)
         if action not in commands.DASHBOARD:
             raise UsageError(f"only a robot that is served on this computer has {action.replace('_', ' ')}")
         line, successes = commands.DASHBOARD[action]
@@ -345,8 +347,11 @@ class ConnectedController:
         return reply
 
     async def _command(self, line: str, successes: Sequence[str]) -> str:
-        if why := commands.refusal(line, self.picture):
+        is_stop = line in commands.STOPS
+        if not is_stop and (why := commands.refusal(line, self.picture)):
             raise UsageError(why)
+        if is_stop and (self._dashboard is None or self._dashboard.is_busy):
+            return await self._stop_over_the_network(line)
         if self._dashboard is None:
             raise LinkError("the dashboard port is not connected")
         reply = await self._dashboard.ask(line)
@@ -354,31 +359,29 @@ class ConnectedController:
             raise UsageError(f"the controller refuses: {reply}")
         return reply
 
-    async def _stop_over_the_network(self) -> str:
-        """Stop the program and power off, over connections that nothing else uses or holds up."""
+    async def _stop_over_the_network(self, *lines: str) -> str:
+        """Send commands of `STOPS` over connections that nothing else uses or holds up."""
         target = self.target
-        results = []
         try:
-            async with dashboard_client(target.host, target.ports["dashboard"], may_command=True) as client:
-                results = [await client.ask(line) for line in ("stop", "robotControl -off")]
-        except ElitescriptError as error:
+            async with (
+                asyncio.timeout(STOP_S),
+                dashboard_client(target.host, target.ports["dashboard"], may_command=True) as client,
+            ):
+                return ", ".join([await client.ask(line) for line in lines])
+        except (ElitescriptError, TimeoutError) as error:
             # The primary port takes the same as plain commands.
-            await self.send_script("stop task\npower off")
-            return f"stop and power off were sent to the primary port; the dashboard did not answer: {error}"
-        return ", ".join(results)
+            words = [commands.STOPS[line] for line in lines]
+            await self.send_script("\n".join(words))
+            why = str(error) or f"nothing came within {STOP_S:g} s"
+            return f"{', '.join(words)}: sent to the primary port; the dashboard did not answer: {why}"
 
     async def _halt(self) -> None:
-        """End the program of the controller, by the port that answers.
+        """End the program of the controller.
 
         Raises:
-            LinkError: none does.
+            LinkError: no port takes it.
         """
-        try:
-            if self._dashboard is None:
-                raise LinkError("the dashboard port is not connected")
-            await self._dashboard.ask("stop")
-        except LinkError:
-            await self.send_script("stop task")
+        await self._stop_over_the_network("stop")
 
     async def order(self, verb: str, words: Sequence[str], values: dict[str, Value] | None = None) -> str:
         """Ask a robot on this computer by `ctl`; return its words.
