@@ -137,7 +137,6 @@ def _program(register: int, session: int, body: str, after: str, quiet_s: float)
         task_register=register + 1,
         session=session,
         quiet=quiet_s,
-        step=STEP_S,
         speeds=", ".join(f"read_input_float_register({register + axis})" for axis in range(6)),
         after=after,
         body=body.format(
