@@ -459,4 +459,7 @@ test("with a controller the cursor goes with its time, until it is held", () => 
   source.say({ type: "moment", moment: moment(12), controller });
   assert.equal(studio.cursor.value, 12);
   assert.equal(studio.isPlaying.value, false);
+  assert.equal(studio.robot.value, "CS66 · 10.0.0.2");
+  studio.linked("lost");
+  assert.equal(studio.controller.value?.link, "lost");
 });

@@ -194,6 +194,13 @@ export class Studio implements Listener {
     return this.lastAligned!.run;
   });
 
+  /** Which controller this is about, by model and address; "" if about none. */
+  readonly robot = computed(() => {
+    if (this.hello.value?.mode !== "connected") return "";
+    const controller = this.controller.value;
+    return controller === null ? this.hello.value.title : [controller.model, controller.address].filter(Boolean).join(" · ");
+  });
+
   /** Last time of the slider, s: of the newest run, or of the one before while that was longer and the newest grows. */
   readonly end = computed(() => {
     const run = this.run.value;
@@ -618,6 +625,8 @@ export class Studio implements Listener {
   linked(link: Link): void {
     this.link.value = link;
     if (link !== "lost") return;
+    // What was known of a controller may be wrong by now.
+    if (this.controller.value !== null) this.controller.value = { ...this.controller.value, link: "lost" };
     this.steps = 0;
     this.requests.drop(words("link_lost"));
   }
