@@ -31,6 +31,7 @@ export class ProgramEditor {
   private readonly asked: Services;
   private readonly versions = new Versions();
   private readonly editable = new Compartment();
+  private readonly undoable = new Compartment();
   private options = { times: false, hints: true };
   private timer: ReturnType<typeof setTimeout> | undefined;
   private hovered = 0;
@@ -50,7 +51,7 @@ export class ProgramEditor {
           foldGutter(),
           codeFolding(),
           lintGutter(),
-          history(),
+          this.undoable.of(history()),
           drawSelection(),
           dropCursor(),
           rectangularSelection(),
@@ -133,22 +134,22 @@ export class ProgramEditor {
     });
   }
 
-  /** Takes a text that did not come from this editor. */
+  /** Takes a text that did not come from this editor: that of a file that was opened, behind which undo never goes back. */
   take(whole: string): void {
     const known = this.view.state.doc;
     if (known.length === whole.length && known.toString() === whole) return;
-    const isFirst = known.length === 0;
     this.isTaking = true;
     try {
       this.view.dispatch({
         changes: { from: 0, to: known.length, insert: whole },
-        // Undo never goes back behind the file that was opened.
-        annotations: isFirst ? [Transaction.addToHistory.of(false)] : [],
+        selection: { anchor: 0 },
+        effects: this.undoable.reconfigure([]),
+        annotations: Transaction.addToHistory.of(false),
       });
+      this.view.dispatch({ effects: this.undoable.reconfigure(history()) });
     } finally {
       this.isTaking = false;
     }
-    this.versions.begin(untracked(() => this.studio.version.value), this.view.state.doc);
   }
 
   allow(canEdit: boolean): void {
