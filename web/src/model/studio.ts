@@ -23,7 +23,9 @@ export type FileInfo = Extract<FromSource, { type: "file" }>;
 /** What the pointer or the caret is at: nothing scrolls because of it. */
 export interface Hover {
   readonly t?: number;
+  /** In the text that ran, or in that of `version`. */
   readonly line?: number;
+  readonly version?: number;
   /** Region in which it is, which does not mark it itself. */
   readonly region: string;
 }
@@ -38,6 +40,8 @@ export interface Shown {
 export interface Place {
   readonly line: number;
   readonly column: number;
+  /** Of the text in which that is, which may have changed since; the present one where there is none. */
+  readonly version?: number;
 }
 
 /** What other regions do with the editor; each is one step of its undo. */
@@ -74,6 +78,9 @@ export const STALE_MS = 400;
 
 /** Notices that are kept. */
 const NOTICES_MAX = 20;
+
+/** Texts that were told and wait for their runs. */
+const TOLD_MAX = 100;
 
 /** End of a run where the options have none. */
 export const LIMIT_S = 120;
@@ -133,7 +140,12 @@ export class Studio implements Listener {
   readonly isSaving = signal(false);
   private readonly isOverdue = signal(false);
 
-  private readonly requests = new Requests((message) => this.transmit(message));
+  private readonly requests = new Requests(
+    (message) => this.transmit(message),
+    () => (this.link.value === "lost" ? words("link_lost") : null),
+  );
+  /** Texts by version, of which a run may begin. */
+  private readonly told = new Map<number, string>();
   private readonly watching: () => void;
   private nextNotice = 1;
   /** The time that people chose: the cursor is there as soon as the run is that long; Infinity: at its end. */
@@ -216,9 +228,9 @@ export class Studio implements Listener {
     this.changed();
   }
 
-  /** Changes the text as one step of the editor's undo. */
-  apply(edits: readonly TextEdit[]): void {
-    this.editor?.apply(edits);
+  /** Makes the edits of a finding as one step of the editor's undo; of a text that has changed since, none. */
+  fix(version: number, edits: readonly TextEdit[]): void {
+    if (version === this.version.value) this.editor?.apply(edits);
   }
 
   /** Replaces the text, as one step of the editor's undo where there is an editor. */
@@ -418,7 +430,13 @@ export class Studio implements Listener {
   jump(t: number, place: Place | null = null): void {
     this.pause();
     this.setCursor(t);
-    if (place !== null && place.line > 0) this.goto.value = { ...place };
+    if (place !== null) this.goToRun(place);
+  }
+
+  /** Sends the editor to a place of the text that ran. */
+  goToRun({ line, column }: Place): void {
+    const run = this.run.value;
+    if (line > 0) this.goto.value = { line, column, ...(run === null ? {} : { version: run.version }) };
   }
 
   /** What a click on a line does: the cursor goes to its next visit, after the last to its first. */
@@ -510,11 +528,12 @@ export class Studio implements Listener {
       case "detail_ended":
         this.requests.settle(message);
         return;
-      default:
-        if (message.run === this.run.value?.number) {
-          this.run.value.take(message);
-          this.grow();
-        }
+      default: {
+        const run = this.run.value;
+        if (run === null || message.run !== run.number) return;
+        run.take(message);
+        this.grow();
+      }
     }
   }
 
@@ -567,7 +586,10 @@ export class Studio implements Listener {
 
   private tellNow(): void {
     this.isUntold = false;
-    if (this.can("edit")) this.transmit({ type: "program", version: this.version.value, text: this.text.value, options: this.options.value });
+    if (!this.can("edit")) return;
+    this.told.set(this.version.value, this.text.value);
+    if (this.told.size > TOLD_MAX) this.told.delete(this.told.keys().next().value!);
+    this.transmit({ type: "program", version: this.version.value, text: this.text.value, options: this.options.value });
   }
 
   private takeFile(file: FileInfo): void {
@@ -630,16 +652,19 @@ export class Studio implements Listener {
 
   private begin(message: Extract<FromSource, { type: "run_began" }>): void {
     const last = this.run.value;
-    const text = message.version === this.version.value ? this.text.value : (last?.text ?? "");
+    // By the time that it begins the text may be another one.
+    const text = this.told.get(message.version) ?? (message.version === this.version.value ? this.text.value : (last?.text ?? ""));
+    for (const version of this.told.keys()) if (version < message.version) this.told.delete(version);
     const run = new Run(message.run, message.version, message.options, text);
     const before = this.before.value;
     // A run that was replaced early shows less than the one before it.
     const fuller = last !== null && (last.ended !== null || before === null || last.known_s >= before.known_s) ? last : before;
     const base = last !== null && last.known_s >= message.same_until_s ? last : fuller;
     if (base !== null) run.continueFrom(base, message.same_until_s);
-    this.before.value = fuller;
+    // The time of a controller that begins anew has nothing to do with that before.
+    this.before.value = this.can("live") ? null : fuller;
     this.run.value = run;
-    this.isOverdue.value = false;
+    if (message.version === this.version.value) this.isOverdue.value = false;
     this.grow();
   }
 
