@@ -5,6 +5,7 @@ import type {
   Ability, ControlAction, ControllerState, FromSource, Json, Moment, Problem, RunOptions, Scene, Service, Six, TextEdit, ToSource, Value,
 } from "../source/messages.ts";
 import { TICK_S, type Rows } from "../source/rows.ts";
+import type { Results } from "../source/services.ts";
 import type { Link, Listener, Source } from "../source/source.ts";
 import { text as words } from "../text/text.ts";
 import { firstChange } from "./difference.ts";
@@ -460,10 +461,10 @@ export class Studio implements Listener {
   // ---------------------------------------------------------------- requests and notices
 
   /** Asks the source about the present text; rejects with its reason where it refuses. */
-  ask(service: Service, given: { readonly [name: string]: Json } = {}): Promise<Json> {
+  ask<S extends Service>(service: S, given: { readonly [name: string]: Json } = {}): Promise<Results[S] | null> {
     this.flush();
     const asked = this.request({ type: "service", ask: 0, service, version: this.version.value, ...given });
-    return asked.then((message) => (message.type === "answer" ? message.result : null));
+    return asked.then((message) => (message.type === "answer" ? (message.result as unknown as Results[S]) : null));
   }
 
   /** Sends a message that is answered with the same `ask`; rejects where it is refused or not answered. */

@@ -5,22 +5,21 @@ import { useEffect } from "preact/hooks";
 import { Icon } from "../../app/icons.tsx";
 import { Rows } from "../../app/rows.tsx";
 import { TypedField } from "../../app/typed.tsx";
-import { familyOf, hasSlider, inputNames, readValue, shownNames, valueAt, type Family } from "../../model/points.ts";
+import { familyOf, hasSlider, inputNames, readValue, shownNames, valueAt } from "../../model/points.ts";
 import { lastAtOrBefore, type Run } from "../../model/run.ts";
 import type { Studio } from "../../model/studio.ts";
 import { seconds } from "../../model/units.ts";
 import type { Value } from "../../source/messages.ts";
+import type { SignalFamily } from "../../source/services.ts";
 import { text } from "../../text/text.ts";
 
 export function Signals({ studio }: { studio: Studio }) {
-  const families = useSignal<readonly Family[]>([]);
+  const families = useSignal<readonly SignalFamily[]>([]);
   const pinned = useSignal<readonly string[]>([]);
   const canAsk = studio.can("services");
   useEffect(() => {
     if (!canAsk) return;
-    studio.ask("signals").then((found) => {
-      if (Array.isArray(found)) families.value = found as unknown as readonly Family[];
-    }, (error: unknown) => studio.notice("warning", text("no_signals", { why: String(error) })));
+    studio.ask("signals").then((found) => (families.value = found ?? []), (error: unknown) => studio.notice("warning", text("no_signals", { why: String(error) })));
   }, [canAsk]);
 
   const isLive = studio.can("live");
@@ -94,12 +93,12 @@ function Name({ studio, name, run }: { studio: Studio; name: string; run: Run | 
   return <button type="button" class="place" title={text("next_change", { name })} onClick={next}>{name}</button>;
 }
 
-function Shown({ value, family }: { value: Value | undefined; family: Family | null }) {
+function Shown({ value, family }: { value: Value | undefined; family: SignalFamily | null }) {
   if (typeof value === "boolean") return <span class={value ? "level high" : "level"}>{value ? "1" : "0"}<span class="unseen"> {String(value)}</span></span>;
   return <span>{inWords(value, family)}</span>;
 }
 
-function Control({ studio, name, family, value }: { studio: Studio; name: string; family: Family; value: Value | undefined }) {
+function Control({ studio, name, family, value }: { studio: Studio; name: string; family: SignalFamily; value: Value | undefined }) {
   const set = (to: Value) => studio.setInput(name, to);
   if (family.kind === "bool") {
     return (
@@ -152,7 +151,7 @@ function Schedule({ studio }: { studio: Studio }) {
   );
 }
 
-function inWords(value: Value | undefined, family: Family | null): string {
+function inWords(value: Value | undefined, family: SignalFamily | null): string {
   if (value === undefined) return "";
   const shown = typeof value === "number" && !Number.isInteger(value) ? String(Number(value.toPrecision(6))) : String(value);
   // Families of several units, such as "V or A", do not say which one this signal has.
