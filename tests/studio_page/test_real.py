@@ -42,7 +42,7 @@ def test_a_program_from_text_to_file(context: Callable[..., Page], tmp_path: Pat
         for _ in range(5):
             page.keyboard.press("Backspace")
         page.keyboard.type("(0.25")
-        expect(problems).to_contain_text("No problems.")
+        expect(problems).to_contain_text(re.compile(r"No problems\. \d\d+ rules were checked\."))
         expect(state).to_contain_text("finished")
         typed = f"{PROGRAM}sleep(0.25)"
         assert file.read_text() == PROGRAM

@@ -2,7 +2,7 @@
 
 import { computed, signal } from "@preact/signals-core";
 import type {
-  Ability, ControlAction, ControllerState, FromSource, Json, Moment, Problem, RunOptions, Scene, Service, Six, TextEdit, ToSource, Value,
+  Ability, ControlAction, ControllerState, FromSource, Json, Moment, RunOptions, Scene, Service, Six, TextEdit, ToSource, Value,
 } from "../source/messages.ts";
 import { TICK_S, type Rows } from "../source/rows.ts";
 import type { Results } from "../source/services.ts";
@@ -96,7 +96,7 @@ export class Studio implements Listener {
   readonly text = signal("");
   readonly version = signal(0);
   /** Of the newest text that was checked. */
-  readonly problems = signal<{ readonly version: number; readonly list: readonly Problem[]; readonly compiles: boolean } | null>(null);
+  readonly problems = signal<Extract<FromSource, { type: "problems" }> | null>(null);
   private readonly chosen = new History<RunOptions>({});
   /** What was chosen here; the rest is as the command line gave it. */
   readonly options = this.chosen.value;

@@ -25,7 +25,13 @@ export function Problems({ studio }: { studio: Studio }) {
   const met = run === null || isStale ? [] : runProblems(studio, run);
   const rows = [...met, ...list.map((problem, index) => <Finding key={`check ${index}`} studio={studio} problem={problem} version={version} />)];
   if (rows.length === 0) {
-    return <p class="empty">{text(studio.problems.value === null && run === null ? "problems_unknown" : "problems_none")}</p>;
+    const rules = studio.problems.value?.rules;
+    return (
+      <p class="empty">
+        {text(studio.problems.value === null && run === null ? "problems_unknown" : "problems_none")}
+        {rules !== undefined && ` ${text("problems_rules", { count: rules })}`}
+      </p>
+    );
   }
   return (
     <div class="rows problems-list" tabIndex={0} role="group" aria-label={text("rows_of_problems")}>

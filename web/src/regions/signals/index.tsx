@@ -13,6 +13,8 @@ import type { Value } from "../../source/messages.ts";
 import type { SignalFamily } from "../../source/services.ts";
 import { text } from "../../text/text.ts";
 
+const REGION = "signals";
+
 export function Signals({ studio }: { studio: Studio }) {
   const families = useSignal<readonly SignalFamily[]>([]);
   const pinned = useSignal<readonly string[]>([]);
@@ -29,7 +31,9 @@ export function Signals({ studio }: { studio: Studio }) {
   const moment = studio.moment.value;
   const exact = isLive || studio.isExact.value ? moment : null;
   const names = shownNames(run, moment, studio.options.value, pinned.value, families.value);
-  const hoverTime = studio.hover.value?.t;
+  const hover = studio.hover.value;
+  // A row of this list points at a time itself: a further column would move what is under the pointer.
+  const hoverTime = hover === null || hover.region === REGION ? undefined : hover.t;
   const inputs = families.value.length > 0 ? inputNames(families.value) : [];
 
   return (
@@ -61,6 +65,10 @@ export function Signals({ studio }: { studio: Studio }) {
               {hoverTime !== undefined && <th scope="col" class="number">{seconds(hoverTime)}</th>}
             </tr>
           }
+          attributes={(index) => ({
+            onPointerEnter: () => point(studio, run, names[index]!),
+            onPointerLeave: () => studio.point(null),
+          })}
           row={(index) => {
             const name = names[index]!;
             const family = familyOf(families.value, name);
@@ -81,6 +89,15 @@ export function Signals({ studio }: { studio: Studio }) {
   );
 }
 
+/** Points at the change that has given a signal its value, or at its first one. */
+function point(studio: Studio, run: Run | null, name: string): void {
+  const changes = run?.signals.get(name);
+  if (changes === undefined) return;
+  const index = Math.max(lastAtOrBefore(changes.t, studio.cursor.value), 0);
+  const line = changes.line[index]!;
+  studio.point({ region: REGION, t: changes.t[index]!, ...(line > 0 ? { line } : {}) });
+}
+
 /** The name of a signal; a click goes to its next change, after the last to its first. */
 function Name({ studio, name, run }: { studio: Studio; name: string; run: Run | null }) {
   const changes = run?.signals.get(name);
@@ -90,7 +107,7 @@ function Name({ studio, name, run }: { studio: Studio; name: string; run: Run | 
     const index = after < changes.t.length ? after : 0;
     studio.jump(changes.t[index]!, { line: changes.line[index]!, column: 1 });
   };
-  return <button type="button" class="place" title={text("next_change", { name })} onClick={next}>{name}</button>;
+  return <button type="button" class="place" title={text("next_change", { name })} onClick={next} onFocus={() => point(studio, run, name)} onBlur={() => studio.point(null)}>{name}</button>;
 }
 
 function Shown({ value, family }: { value: Value | undefined; family: SignalFamily | null }) {
