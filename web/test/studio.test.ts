@@ -536,3 +536,15 @@ test("a place in the run is sent with the version of its text", () => {
   studio.jump(1, { line: 2, column: 1 });
   assert.deepEqual(studio.goto.value, { line: 2, column: 1, version: value });
 });
+
+test("Run computes again what Stop has ended, once", () => {
+  const { source, studio } = ran();
+  source.say(began(2, studio.version.value));
+  studio.stopAll();
+  source.say({ ...ended(2, 1), state: "stopped" } as never);
+  mock.timers.tick(EDIT_MS);
+  const told = source.all("program").length;
+  studio.play();
+  studio.play();
+  assert.equal(source.all("program").length, told + 1);
+});

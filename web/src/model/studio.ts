@@ -157,6 +157,8 @@ export class Studio implements Listener {
   private quiet: ReturnType<typeof setTimeout> | undefined;
   private overdue: ReturnType<typeof setTimeout> | undefined;
   private isOpening = false;
+  /** The run whose computation Stop has ended. */
+  private halted: Run | null = null;
   private steps = 0;
 
   constructor(source: Source) {
@@ -357,11 +359,15 @@ export class Studio implements Listener {
     if (asks) this.seek();
   }
 
-  /** Plays from the cursor, from 0 at the end; goes with the controller's time where time goes on by itself. */
+  /** Plays from the cursor, from 0 at the end, and computes again what Stop has ended; goes with the controller's time where time goes on by itself. */
   play(): void {
     if (this.can("live")) {
       this.isFollowing.value = true;
       return;
+    }
+    if (this.run.value !== null && this.run.value === this.halted) {
+      this.halted = null;
+      this.changed();
     }
     if (this.run.value?.ended != null && this.cursor.value >= this.end.value) this.setCursor(0);
     this.isPlaying.value = true;
@@ -396,6 +402,7 @@ export class Studio implements Listener {
       return;
     }
     this.pause();
+    if (this.run.value?.ended === null) this.halted = this.run.value;
     this.transmit({ type: "stop" });
     this.setCursor(0);
   }
