@@ -2,7 +2,7 @@
 
 import { autocompletion, snippet, type Completion, type CompletionContext, type CompletionResult } from "@codemirror/autocomplete";
 import { ChangeSet, StateEffect, StateField, type ChangeSpec, type Extension, type Text, type TransactionSpec } from "@codemirror/state";
-import { EditorView, hoverTooltip, showPanel, showTooltip, type Command, type KeyBinding, type Panel, type Tooltip } from "@codemirror/view";
+import { EditorView, hoverTooltip, keymap, showPanel, showTooltip, type Command, type KeyBinding, type Panel, type Tooltip } from "@codemirror/view";
 import type { TextEdit } from "../../source/messages.ts";
 import type { Completion as Offer, Results } from "../../source/services.ts";
 import { text as shown } from "../../text/text.ts";
@@ -199,7 +199,12 @@ function lines(services: Services): Extension {
     },
     provide: (own) => showPanel.from(own, (line) => (line === null ? null : (view) => linePanel(services, view, line))),
   });
-  return field;
+  const close: Command = (view) => {
+    if (view.state.field(field) === null) return false;
+    view.dispatch({ effects: setLine.of(null) });
+    return true;
+  };
+  return [field, keymap.of([{ key: "Escape", run: close }])];
 }
 
 function linePanel(services: Services, view: EditorView, line: Line): Panel {
