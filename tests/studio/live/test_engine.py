@@ -285,6 +285,17 @@ class TestMoments:
         assert page.ran(SHORT.replace("0.1", "0.14"))["run"] == run + 1
 
 
+def kill(page, worker):
+    """Kill the process of a worker, once its number has come: 0 would stand for this group of processes."""
+
+    async def begun():
+        while not worker.pid:
+            await asyncio.sleep(0.001)
+
+    page.do(begun())
+    os.kill(worker.pid, signal.SIGKILL)
+
+
 class TestFailures:
     def test_what_does_not_return_is_ended_with_its_line(self, page):
         ended = page.ran(HANGS)
@@ -305,7 +316,7 @@ class TestFailures:
     def test_a_killed_worker_is_said_and_replaced(self, page):
         page.program(ENDLESS, until_s=3000.0)
         page.until("progress")
-        os.kill(page.engine._worker.pid, signal.SIGKILL)
+        kill(page, page.engine._worker)
         ended = page.until("run_ended")
         assert ended["state"] == "killed"
         assert "SIGKILL" in ended["killed"]
@@ -314,7 +325,7 @@ class TestFailures:
     def test_a_killed_looker_is_replaced(self, page):
         run = page.ran(SHORT)["run"]
         page.asked(Seek, run, t=0.1)
-        os.kill(page.engine._looker.pid, signal.SIGKILL)
+        kill(page, page.engine._looker)
         answers = [page.asked(Seek, run, t=0.1)["type"] for _ in range(2)]
         assert answers[1] == "state"
 
