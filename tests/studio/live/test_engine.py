@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ import pytest
 from elitescript.conversation.messages import Detail, GoOn, Program, RunOptions, Seek, Step
 from elitescript.devices.world import World
 from elitescript.robot import VirtualRobot
+from elitescript.studio.live import engine as module
 from elitescript.studio.live import processes
 from elitescript.studio.live.engine import LiveEngine, Setting
 from tests.conversation.frames import joints_by_tick
@@ -208,6 +210,31 @@ class TestRuns:
         assert page.ran(SHORT.replace("0.1", "0.13"))
         assert page.until("run_began")["same_until_s"] == 0.0
 
+    def test_a_changed_file_runs_it_again(self, tmp_path):
+        """One of the world, and one that the program reads."""
+        world, count = tmp_path / "cell.toml", tmp_path / "count.txt"
+        text = 'def job():\n  f = open("count.txt")\n  textmsg(get_standard_digital_in(0), f.read())\nend\n'
+        made = Page(Setting(world=world))
+        made.engine.folder = tmp_path
+        try:
+            said = []
+            for level, number in (("true", 1), ("true", 1), ("false", 1), ("false", 2)):
+                world.write_text(f'[signals]\n"standard_digital_in[0]" = {level}\n')
+                count.write_text(str(number))
+                made.ran(text)
+                (record,) = [item for item in made.until("events")["list"] if item["type"] == "log"]
+                said.append(record["text"])
+            assert said == ["True1", "True1", "False1", "False2"]
+        finally:
+            made.close()
+
+    def test_a_run_that_may_connect_is_run_again(self, page):
+        text = 'def job():\n  textmsg(socket_open("127.0.0.1", 9))\n  sleep(0.1)\nend\n'
+        page.ran(text, may_connect=True)
+        page.ran(text, may_connect=True)
+        assert page.until("run_began")["same_until_s"] == 0.0
+        assert page.rows
+
     def test_a_new_page_gets_everything(self, page):
         page.ran(SHORT)
         page.engine.forget()
@@ -258,6 +285,17 @@ class TestMoments:
         assert page.ran(SHORT.replace("0.1", "0.14"))["run"] == run + 1
 
 
+def kill(page, worker):
+    """Kill the process of a worker, once its number has come: 0 would stand for this group of processes."""
+
+    async def begun():
+        while not worker.pid:
+            await asyncio.sleep(0.001)
+
+    page.do(begun())
+    os.kill(worker.pid, signal.SIGKILL)
+
+
 class TestFailures:
     def test_what_does_not_return_is_ended_with_its_line(self, page):
         ended = page.ran(HANGS)
@@ -278,7 +316,7 @@ class TestFailures:
     def test_a_killed_worker_is_said_and_replaced(self, page):
         page.program(ENDLESS, until_s=3000.0)
         page.until("progress")
-        os.kill(page.engine._worker.pid, signal.SIGKILL)
+        kill(page, page.engine._worker)
         ended = page.until("run_ended")
         assert ended["state"] == "killed"
         assert "SIGKILL" in ended["killed"]
@@ -287,7 +325,7 @@ class TestFailures:
     def test_a_killed_looker_is_replaced(self, page):
         run = page.ran(SHORT)["run"]
         page.asked(Seek, run, t=0.1)
-        os.kill(page.engine._looker.pid, signal.SIGKILL)
+        kill(page, page.engine._looker)
         answers = [page.asked(Seek, run, t=0.1)["type"] for _ in range(2)]
         assert answers[1] == "state"
 
@@ -400,11 +438,77 @@ class TestSettings:
         finally:
             made.close()
 
+    def test_moments_are_found_with_files_of_other_folders(self, tmp_path):
+        """A world file may name them, and they may import what is not there any more when a moment is looked for."""
+        cell, shared = tmp_path / "cell", tmp_path / "shared"
+        cell.mkdir()
+        shared.mkdir()
+        (cell / "cell.toml").write_text(
+            '[robot]\nmodel = "../shared/arm.toml"\n[[tcp]]\nport = 3000\nclass = "../shared/dev.py:Dev"\n'
+        )
+        (shared / "arm.toml").write_text((EXAMPLES / "my_arm.toml").read_text())
+        (shared / "dev.py").write_text("import websockets\nfrom elitescript.testing.world import TcpServer as Dev\n")
+        made = Page(Setting(world=cell / "cell.toml"))
+        try:
+            ended = made.ran(SHORT)
+            assert made.asked(Seek, ended["run"], t=0.1)["type"] == "state"
+        finally:
+            made.close()
+
+    def test_a_world_of_the_page_lets_connect_what_the_user_lets(self, page, tmp_path):
+        (tmp_path / "cell.toml").write_text("[[tcp]]\nport = 3000\n")
+        page.engine.folder = tmp_path
+        try:
+            text = 'def job():\n  textmsg(socket_open("127.0.0.1", 9))\nend\n'
+            assert page.ran(text, world="cell.toml", may_connect=True)["state"] == "finished"
+            page.program(text, world="cell.toml")
+            assert page.until("run_ended")["refused_connections"]
+            (tmp_path / "cell.toml").write_text('[world]\nnetwork = "real"\n')
+            page.program(text, world="cell.toml")
+            assert page.until("notice")["text"].endswith("[world] network: 'real' is not allowed here")
+        finally:
+            page.engine.folder = None
+
     def test_a_run_that_may_connect_is_not_repeated(self, page):
         ended = page.ran('def job():\n  textmsg(socket_open("127.0.0.1", 9))\nend\n', may_connect=True)
         assert "refused_connections" in ended or ended["state"] == "finished"
         answer = page.asked(Seek, ended["run"], t=0.0)
         assert (answer["type"], "real connections" in answer["text"]) == ("refused", True)
+
+
+class TestStarts:
+    """Processes that are begun for a text while the next one comes, or not at all."""
+
+    @pytest.mark.skipif(sys.platform != "linux", reason="there is no list of open descriptors")
+    def test_texts_that_come_while_a_worker_begins_leave_nothing_open(self, page):
+        async def typed(count):
+            for number in range(count):
+                await page.engine.program(Program(400 + number, SHORT))
+                for _ in range(number % 4):
+                    await asyncio.sleep(0)
+
+        page.ran(SHORT)
+        before = len(list(Path("/proc/self/fd").iterdir()))
+        page.do(typed(40))
+        page.program(SHORT.replace("0.1", "0.15"))
+        assert page.until("run_ended")["moment"]["joints"][0] == pytest.approx(0.15)
+        assert len(list(Path("/proc/self/fd").iterdir())) <= before + 4
+
+    def test_a_computer_that_starts_no_process_is_said_and_tried_again(self, monkeypatch):
+        async def fails():
+            raise OSError(11, "Resource temporarily unavailable")
+
+        with monkeypatch.context() as patch:
+            patch.setattr(module, "start_workers", fails)
+            patch.setattr(LiveEngine, "start", lambda engine: asyncio.sleep(0))
+            made = Page()
+            made.program(SHORT)
+            text = "no process can be started: Resource temporarily unavailable"
+            assert made.until("notice")["text"] == text
+        try:
+            assert made.ran(SHORT)["state"] == "finished"
+        finally:
+            made.close()
 
 
 class TestSpares:
@@ -420,3 +524,43 @@ class TestSpares:
             assert made.ran(HANGS)["killed"].startswith("line ")
         finally:
             made.close()
+
+    def test_texts_that_come_while_one_starts_are_run(self, monkeypatch):
+        monkeypatch.setattr(processes, "CAN_COPY", False)
+        made = Page()
+        try:
+            for number in range(3):
+                made.do(made.engine.program(Program(number, SHORT)))
+            assert made.ran(SHORT)["state"] == "finished"
+        finally:
+            made.close()
+
+    def test_each_request_has_its_own_worker(self):
+        async def begun():
+            spares = await processes.Spares.start()
+            try:
+                first, second = await asyncio.gather(spares.begin(), spares.begin())
+                return first is not second
+            finally:
+                await spares.close()
+
+        assert asyncio.run(begun())
+
+    def test_one_that_never_starts_keeps_nothing_from_ending(self, monkeypatch):
+        may_end = asyncio.Event()
+
+        async def never():
+            while not may_end.is_set():
+                with suppress(asyncio.CancelledError):
+                    await may_end.wait()
+            raise OSError
+
+        async def closed():
+            spares = await processes.Spares.start()
+            await asyncio.sleep(0)
+            await spares.close()
+            may_end.set()
+
+        monkeypatch.setattr(processes, "END_S", 0.01)
+        monkeypatch.setattr(processes, "_started", never)
+        asyncio.run(asyncio.wait_for(closed(), WAIT_S))
