@@ -141,6 +141,19 @@ def test_files_are_saved_and_opened(tmp_path: Path) -> None:
     assert (tmp_path / "cell" / "a.script").read_text() == "new"
 
 
+def test_a_text_is_saved_into_the_file_that_was_open(tmp_path: Path) -> None:
+    """Also when the next file is opened, or the page is closed, before it is written."""
+
+    async def steps(page: Page) -> None:
+        await page.take("save", ask=1, text="new a", seen="", force=True)
+        await page.take("open", ask=2, name="b.script")
+        await page.take("save", ask=3, text="new b", seen="", force=True)
+
+    run(tmp_path, steps)
+    assert (tmp_path / "cell" / "a.script").read_text() == "new a"
+    assert (tmp_path / "cell" / "b.script").read_text() == "new b"
+
+
 def test_settings_are_kept(tmp_path: Path) -> None:
     async def steps(page: Page) -> None:
         await page.take("settings", values={"sizes": [1, 2]})

@@ -89,6 +89,8 @@ class Session:
         """Whether the source does not check texts."""
         self._beside: set[asyncio.Task[None]] = set()
         """What goes on beside the next messages."""
+        self._saving: asyncio.Task[None] | None = None
+        """The last save."""
         self._asked = 0
 
     async def begin(self) -> None:
@@ -112,6 +114,7 @@ class Session:
 
     async def close(self) -> None:
         """End everything that goes on for the page; its unsaved text is kept."""
+        await self._saved()
         for task in self._beside:
             task.cancel()
         await asyncio.gather(*self._beside, return_exceptions=True)
@@ -145,8 +148,9 @@ class Session:
                 self._asked += 1
                 self._let(message.ask, self._answer, message)
             case Save():
-                self._let(message.ask, self._opened.save, message)
+                self._saving = self._let(message.ask, self._opened.save, message)
             case Open():
+                await self._saved()
                 # Texts that come next are of this file.
                 await self._opened.open(message.name)
                 self._send({"type": "done", "ask": message.ask})
@@ -154,6 +158,11 @@ class Session:
                 self._let(None, self._keep_settings, message.values)
             case _:
                 await self._source.take(message)
+
+    async def _saved(self) -> None:
+        """Wait until every text that is to be saved has been: it is of the file that is open now."""
+        if self._saving is not None:
+            await asyncio.wait({self._saving})
 
     async def _program(self, message: Program) -> None:
         given = message.options
@@ -229,11 +238,12 @@ class Session:
 
     # ---------------------------------------------------------------- failures
 
-    def _let(self, ask: int | None, work: Callable[..., Awaitable[None]], *given: Any) -> None:
-        """Let something go on beside the next messages."""
+    def _let(self, ask: int | None, work: Callable[..., Awaitable[None]], *given: Any) -> asyncio.Task[None]:
+        """Let something go on beside the next messages; return its task."""
         task = asyncio.create_task(self._do(ask, work, *given))
         self._beside.add(task)
         task.add_done_callback(self._beside.discard)
+        return task
 
     async def _do(self, ask: int | None, work: Callable[..., Awaitable[None]], *given: Any) -> None:
         """Do something; the page reads what is wrong, and an error of ours is printed with its place."""

@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ import pytest
 from elitescript.conversation.messages import Detail, GoOn, Program, RunOptions, Seek, Step
 from elitescript.devices.world import World
 from elitescript.robot import VirtualRobot
+from elitescript.studio.live import engine as module
 from elitescript.studio.live import processes
 from elitescript.studio.live.engine import LiveEngine, Setting
 from tests.conversation.frames import joints_by_tick
@@ -407,6 +409,41 @@ class TestSettings:
         assert (answer["type"], "real connections" in answer["text"]) == ("refused", True)
 
 
+class TestStarts:
+    """Processes that are begun for a text while the next one comes, or not at all."""
+
+    @pytest.mark.skipif(sys.platform != "linux", reason="there is no list of open descriptors")
+    def test_texts_that_come_while_a_worker_begins_leave_nothing_open(self, page):
+        async def typed(count):
+            for number in range(count):
+                await page.engine.program(Program(400 + number, SHORT))
+                for _ in range(number % 4):
+                    await asyncio.sleep(0)
+
+        page.ran(SHORT)
+        before = len(list(Path("/proc/self/fd").iterdir()))
+        page.do(typed(40))
+        page.program(SHORT.replace("0.1", "0.15"))
+        assert page.until("run_ended")["moment"]["joints"][0] == pytest.approx(0.15)
+        assert len(list(Path("/proc/self/fd").iterdir())) <= before + 4
+
+    def test_a_computer_that_starts_no_process_is_said_and_tried_again(self, monkeypatch):
+        async def fails():
+            raise OSError(11, "Resource temporarily unavailable")
+
+        with monkeypatch.context() as patch:
+            patch.setattr(module, "start_workers", fails)
+            patch.setattr(LiveEngine, "start", lambda engine: asyncio.sleep(0))
+            made = Page()
+            made.program(SHORT)
+            text = "no process can be started: Resource temporarily unavailable"
+            assert made.until("notice")["text"] == text
+        try:
+            assert made.ran(SHORT)["state"] == "finished"
+        finally:
+            made.close()
+
+
 class TestSpares:
     """Where processes cannot be copied one is started ahead."""
 
@@ -420,3 +457,43 @@ class TestSpares:
             assert made.ran(HANGS)["killed"].startswith("line ")
         finally:
             made.close()
+
+    def test_texts_that_come_while_one_starts_are_run(self, monkeypatch):
+        monkeypatch.setattr(processes, "CAN_COPY", False)
+        made = Page()
+        try:
+            for number in range(3):
+                made.do(made.engine.program(Program(number, SHORT)))
+            assert made.ran(SHORT)["state"] == "finished"
+        finally:
+            made.close()
+
+    def test_each_request_has_its_own_worker(self):
+        async def begun():
+            spares = await processes.Spares.start()
+            try:
+                first, second = await asyncio.gather(spares.begin(), spares.begin())
+                return first is not second
+            finally:
+                await spares.close()
+
+        assert asyncio.run(begun())
+
+    def test_one_that_never_starts_keeps_nothing_from_ending(self, monkeypatch):
+        may_end = asyncio.Event()
+
+        async def never():
+            while not may_end.is_set():
+                with suppress(asyncio.CancelledError):
+                    await may_end.wait()
+            raise OSError
+
+        async def closed():
+            spares = await processes.Spares.start()
+            await asyncio.sleep(0)
+            await spares.close()
+            may_end.set()
+
+        monkeypatch.setattr(processes, "END_S", 0.01)
+        monkeypatch.setattr(processes, "_started", never)
+        asyncio.run(asyncio.wait_for(closed(), WAIT_S))

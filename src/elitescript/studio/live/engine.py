@@ -54,6 +54,7 @@ DOES_NOT_RETURN: Final = "line {line} does not return: the run was ended after {
 HAS_ENDED: Final = "the process of the run has ended ({how}); the next text is run again"
 CHECK_HAS_ENDED: Final = "the process that checks the text has ended ({how}); the next text is checked again"
 KEEPER_AGAIN: Final = "the process that starts runs had ended and was started again"
+NO_PROCESS: Final = "no process can be started: {why}"
 NO_RUN: Final = "this run is not shown any more"
 NO_REPETITION: Final = "a run with real connections cannot be repeated: its moments and details are not known"
 TAKES_TOO_LONG: Final = "this moment is not found within {limit:g} s"
@@ -154,8 +155,9 @@ class LiveEngine:
         await self._end_looking()
         await self._end_run()
         if self._starting is not None:
-            workers, self._starting = await self._starting, None
-            await workers.close()
+            with suppress(OSError):
+                await (await self._starting).close()
+            self._starting = None
 
     def forget(self) -> None:
         """Send everything from its begin again from now on: a new page has nothing yet."""
@@ -163,25 +165,48 @@ class LiveEngine:
         self._scene = None
 
     async def _workers(self) -> Keeper | Spares:
-        if self._starting is not None:
-            workers = await asyncio.shield(self._starting)
+        """Return what starts workers; a new one in place of one that has ended.
+
+        Raises:
+            OSError: it cannot be started.
+        """
+        while True:
+            if self._starting is None:
+                self._starting = asyncio.get_running_loop().create_task(start_workers())
+            starting = self._starting
+            try:
+                workers = await asyncio.shield(starting)
+            except OSError:
+                self._forget_start(starting)
+                raise
             if workers.is_alive:
                 return workers
+            if self._forget_start(starting):
+                await workers.close()
+                await self._send(describe.notice("warning", KEEPER_AGAIN))
+
+    def _forget_start(self, starting: asyncio.Task[Keeper | Spares]) -> bool:
+        """Let the next worker be started by a new keeper; return whether that is still to be done."""
+        is_present = self._starting is starting
+        if is_present:
             self._starting = None
-            await workers.close()
-            await self._send(describe.notice("warning", KEEPER_AGAIN))
-        if self._starting is None:
-            self._starting = asyncio.get_running_loop().create_task(start_workers())
-        return await asyncio.shield(self._starting)
+        return is_present
 
     async def _begin(self, request: dict[str, Any]) -> Worker:
-        """Return a worker that carries out a request."""
+        """Return a worker that carries out a request.
+
+        Raises:
+            UsageError: this computer starts no process.
+        """
         try:
-            worker: Worker = await (await self._workers()).begin()
-        except OSError:
-            # The keeper has ended just now.
-            await asyncio.sleep(0)
-            worker = await (await self._workers()).begin()
+            try:
+                worker: Worker = await (await self._workers()).begin()
+            except OSError:
+                # The keeper has ended just now.
+                await asyncio.sleep(0)
+                worker = await (await self._workers()).begin()
+        except OSError as error:
+            raise UsageError(NO_PROCESS.format(why=error.strerror or error)) from None
         worker.ask(request)
         return worker
 
@@ -333,6 +358,8 @@ class LiveEngine:
                     await self._pass_on(message, new, compiled)
             if not new.is_over:
                 await self._ended_by_itself(worker, new, has_begun=has_begun)
+        except UsageError as error:
+            await self._send(describe.notice("error", str(error)))
         finally:
             if worker is not None:
                 worker.kill()
@@ -481,7 +508,11 @@ class LiveEngine:
         """Answer what is asked for, one after the other."""
         while self._asked and (shown := self._shown) is not None:
             asked = self._asked.pop(0)
-            looker = await self._looker_of(shown)
+            try:
+                looker = await self._looker_of(shown)
+            except UsageError as error:
+                await self._send(describe.refused(str(error), asked.ask))
+                continue
             looker.ask(_look_request(asked, shown.t))
             try:
                 _, data = await asyncio.wait_for(looker.frame(), LOOK_S)
@@ -501,6 +532,7 @@ class LiveEngine:
             return self._looker
         if self._looker is not None:
             self._looker.kill()
+            self._looker = None
         request = {"do": "look", "job": job_data(shown.job), "run": shown.number, "until_s": shown.until_s}
         self._looker = await self._begin(request)
         self._looked_at = shown.number, shown.until_s
@@ -547,7 +579,11 @@ class LiveEngine:
             if asked.from_s > shown.t:
                 await self._send({"type": "detail_ended", "ask": asked.ask, "run": shown.number})
                 return
-            worker = await self._begin(request)
+            try:
+                worker = await self._begin(request)
+            except UsageError as error:
+                await self._send(describe.refused(str(error), asked.ask))
+                return
             try:
                 while True:
                     kind, data = await asyncio.wait_for(worker.frame(), LOOK_S)

@@ -21,6 +21,8 @@ CAN_COPY: Final = hasattr(os, "fork")
 TRACE_S: Final = 0.05
 """How long the trace of a worker that is about to be killed is waited for, s."""
 TRACE_BYTES: Final = 1 << 16
+END_S: Final = 2.0
+"""How long the end of a killed process is waited for, s."""
 
 _BEFORE_ROWS: Final = 1 << 18
 """Bytes of a worker that are read ahead."""
@@ -121,27 +123,27 @@ class Keeper:
             OSError: the keeper has ended.
         """
         ours, theirs = socket.socketpair()
-        trace, trace_end = os.pipe()
-        os.set_blocking(trace, False)
-        life = Life()
-        number = next(self._numbers)
-        with _memory() as file:
-            file.truncate(Board.SIZE)
-            board = Board(file.fileno())
-            try:
+        with theirs:
+            reader, writer = await asyncio.open_connection(sock=ours, limit=_BEFORE_ROWS)
+            # Nothing waits from here on: whoever has begun it may end it, and no event comes before it is known.
+            trace, trace_end = os.pipe()
+            os.set_blocking(trace, False)
+            life = Life()
+            number = next(self._numbers)
+            with _memory() as file:
+                file.truncate(Board.SIZE)
+                board = Board(file.fileno())
+                worker = CopiedWorker(reader, writer, self, number, trace, life, board)
                 given = [theirs.fileno(), trace_end, life.descriptor, file.fileno()]
-                socket.send_fds(self._commands, [COMMAND.pack(b"n", number)], given)
-            except OSError:
-                ours.close()
-                os.close(trace)
-                life.close()
-                raise
-            finally:
-                theirs.close()
-                os.close(trace_end)
+                try:
+                    socket.send_fds(self._commands, [COMMAND.pack(b"n", number)], given)
+                except OSError:
+                    worker.kill()
+                    raise
+                finally:
+                    os.close(trace_end)
         life.started()
-        reader, writer = await asyncio.open_connection(sock=ours, limit=_BEFORE_ROWS)
-        worker = self._workers[number] = CopiedWorker(reader, writer, self, number, trace, life, board)
+        self._workers[number] = worker
         if not self.is_alive:
             self._over(number, -signal.SIGKILL)
         return worker
@@ -285,48 +287,67 @@ class Spares:
     is_alive = True
 
     def __init__(self) -> None:
-        self._next: asyncio.Task[SpareWorker] | None = None
+        self._next = _ahead()
+        self._one = asyncio.Lock()
+        """Held while a worker is waited for: it is for one request only."""
         self._workers: set[SpareWorker] = set()
         """Those that have not ended."""
 
     @classmethod
     async def start(cls) -> Spares:
         """Start the first one."""
-        spares = cls()
-        spares._ahead()
-        return spares
-
-    def _ahead(self) -> asyncio.Task[SpareWorker]:
-        self._next = asyncio.get_running_loop().create_task(_started())
-        return self._next
+        return cls()
 
     async def begin(self) -> SpareWorker:
-        """Return the worker that was started ahead, and start another one."""
-        worker = await (self._next or self._ahead())
+        """Return the worker that was started ahead, and start another one.
+
+        Raises:
+            OSError: it cannot be started.
+        """
+        async with self._one:
+            worker = await self._started_ahead()
+            if worker.ended.done():
+                worker = await self._started_ahead()
         self._workers = {other for other in self._workers if not other.ended.done()} | {worker}
-        self._ahead()
         return worker
 
+    async def _started_ahead(self) -> SpareWorker:
+        # It stays for the next request if this one is not waited for any more.
+        await asyncio.wait({self._next})
+        started, self._next = self._next, _ahead()
+        return started.result()
+
     async def close(self) -> None:
-        """End all of them."""
-        if self._next is not None:
-            self._workers.add(await self._next)
+        """End all of them; none is waited for longer than `END_S`."""
+        self._next.cancel()
+        await asyncio.wait({self._next}, timeout=END_S)
+        if self._next.done() and not self._next.cancelled() and self._next.exception() is None:
+            self._workers.add(self._next.result())
         for worker in self._workers:
             worker.kill()
-            await worker.ended
+        if self._workers:
+            await asyncio.wait({worker.ended for worker in self._workers}, timeout=END_S)
+
+
+def _ahead() -> asyncio.Task[SpareWorker]:
+    return asyncio.get_running_loop().create_task(_started())
 
 
 async def _started() -> SpareWorker:
     life = Life()
-    process = await asyncio.create_subprocess_exec(
-        *module_command("elitescript.studio.live.worker", [life.descriptor]),
-        stdin=asyncio.subprocess.PIPE,
-        stdout=asyncio.subprocess.PIPE,
-        stderr=asyncio.subprocess.DEVNULL,
-        limit=_BEFORE_ROWS,
-        env=module_environment(),
-        **life.options,
-    )
+    try:
+        process = await asyncio.create_subprocess_exec(
+            *module_command("elitescript.studio.live.worker", [life.descriptor]),
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.DEVNULL,
+            limit=_BEFORE_ROWS,
+            env=module_environment(),
+            **life.options,
+        )
+    except BaseException:
+        life.close()
+        raise
     life.started()
     return SpareWorker(process, life)
 
