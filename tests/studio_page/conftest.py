@@ -5,12 +5,13 @@ Without Chromium, Playwright or the built page these tests are skipped, or fail 
 
 from __future__ import annotations
 
+import asyncio
 import os
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 import pytest
 
@@ -52,20 +53,46 @@ def _missing() -> str:
     return "" if built.is_built() else built.NOT_BUILT
 
 
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
-    """Start a browser; it ends with the last test."""
-    if missing := _missing():
+class _Unavailable(pytest.Module):
+    """A module of these tests where they cannot run; it imports what is missing."""
+
+    def collect(self) -> NoReturn:
         if os.environ.get("ELITESCRIPT_BROWSER") == "required":
-            pytest.fail(missing)
-        pytest.skip(missing)
+            pytest.fail(_missing(), pytrace=False)
+        pytest.skip(_missing(), allow_module_level=True)
+
+
+def pytest_pycollect_makemodule(module_path: Path, parent: pytest.Collector) -> pytest.Module | None:
+    """Collect nothing of these tests where they cannot run."""
+    return _Unavailable.from_parent(parent, path=module_path) if _missing() else None
+
+
+@pytest.fixture(scope="session")
+def _started() -> Iterator[tuple[Browser, asyncio.AbstractEventLoop]]:
+    """Start a browser; it ends with the last test."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as driver:
         found = next(path for name in NAMES if (path := shutil.which(name)))
         browser = driver.chromium.launch(executable_path=found, args=list(ARGUMENTS))
-        yield browser
+        loop = asyncio.get_running_loop()
+        asyncio._set_running_loop(None)
+        yield browser, loop
+        asyncio._set_running_loop(loop)
         browser.close()
+
+
+@pytest.fixture
+def browser(_started: tuple[Browser, asyncio.AbstractEventLoop]) -> Iterator[Browser]:
+    """Lend the browser of all tests.
+
+    Its loop counts as running between the calls of Playwright. Other tests run loops of their own in this thread, so
+    that is so during a test of the page alone.
+    """
+    browser, loop = _started
+    asyncio._set_running_loop(loop)
+    yield browser
+    asyncio._set_running_loop(None)
 
 
 @pytest.fixture
