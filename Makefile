@@ -149,7 +149,7 @@ dap-test: $(READY)
 figures: $(READY)
 	$(BIN)/python -m tools.draw_motion
 
-picture: $(READY)
+picture: $(PAGE) $(BROWSER_READY)
 	$(BIN)/python -m tools.plot_picture
 
 bench: $(READY)

@@ -28,6 +28,7 @@ MODULES = (
     "editor",
     "debugger",
     "studio",
+    "plot",
 )
 LONG = ("growth",)
 """Measured only by name: it takes ten minutes."""

@@ -1,8 +1,10 @@
 // Builds the pages into src/elitescript/page/built/: `studio.html` with its code and style beside it, `recorded.html` with
 // everything inside, and THIRD_PARTY.txt. With --watch, again at each change, and not minified.
 
+import { createHash } from "node:crypto";
 import { mkdir, readFile, rm, writeFile } from "node:fs/promises";
 import * as path from "node:path";
+import { gzipSync } from "node:zlib";
 import { build, context } from "esbuild";
 import { licences } from "../tools/third_party.mjs";
 
@@ -39,9 +41,11 @@ if (IS_WATCHING) {
 async function pages(result) {
   const file = (name) => result.outputFiles.find((output) => path.basename(output.path) === name)?.text ?? "";
   const html = (name) => readFile(path.join(HERE, "src", name), "utf8");
-  const recorded = (await html("recorded.html"))
-    .replace("@@style@@", () => file("recorded.css"))
-    .replace("@@code@@", () => file("recorded.js").replaceAll("</script", "<\\/script"));
+  // The code of a recorded page is a script of its own, so that none of its names is a property of the window.
+  const code = `{${file("recorded.js")}}`;
+  const loader = await html("loader.js");
+  const parts = { scripts: [loader, code].map(hash).join(" "), style: packed(file("recorded.css")), code: packed(code), loader };
+  const recorded = (await html("recorded.html")).replace(/@@(\w+)@@/g, (place, name) => parts[name] ?? place);
   const written = {
     "studio.html": await html("studio.html"),
     "studio.js": file("studio.js"),
@@ -54,4 +58,13 @@ async function pages(result) {
   for (const [name, text] of Object.entries(written)) {
     await writeFile(path.join(TARGET, name), text);
   }
+}
+
+/** The only scripts that the policy of a recorded page lets run are those with these hashes. */
+function hash(text) {
+  return `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
+}
+
+function packed(text) {
+  return gzipSync(text, { level: 9 }).toString("base64");
 }

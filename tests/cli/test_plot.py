@@ -1,4 +1,4 @@
-"""`elitescript plot` as its contract says: what it writes, what it says, exit codes."""
+"""`elitescript plot` as its contract says: what it writes, what it says, exit codes; its pages are the plain ones."""
 
 import json
 import re
@@ -9,6 +9,7 @@ import pytest
 from elitescript.cli import plot
 from elitescript.cli.main import main
 from elitescript.plotting.sampling import Sampling
+from tests.plotting.front_end import pretend_not_built
 
 PROGRAM = "def job():\n  global n\n  sleep(0.1)\n  textmsg(n)\n  movej([0.2, -1.5, -1.5, -1.6, 1.5, 0])\nend\n"
 
@@ -16,6 +17,7 @@ PROGRAM = "def job():\n  global n\n  sleep(0.1)\n  textmsg(n)\n  movej([0.2, -1.
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    pretend_not_built(tmp_path, monkeypatch)
     (tmp_path / "job.script").write_text(PROGRAM)
     return tmp_path
 
@@ -33,6 +35,19 @@ def test_a_program_is_run_and_plotted(folder, capsys):
     captured = capsys.readouterr()
     assert re.fullmatch(r"job\.plot\.html: \d\.\d{3} s of CS620, finished \(\d+ kB\)\n", captured.out)
     assert "7" in captured.err
+
+
+def test_without_the_front_end_one_line_says_what_to_do(folder, capsys):
+    assert main(["plot", "job.script", "--set", "n=7"]) == 0
+    (line,) = [line for line in capsys.readouterr().err.splitlines() if "page" in line]
+    assert line.startswith("a plain page is written: ")
+    assert "run `make studio`" in line
+
+
+def test_the_plain_page_compares_nothing(folder, capsys):
+    assert main(["plot", "job.script", "--set", "n=7", "--compare-robot", "CS612"]) == 2
+    assert "--compare" in capsys.readouterr().err
+    assert not (folder / "job.plot.html").exists()
 
 
 def test_the_page_goes_where_it_is_wanted(folder):

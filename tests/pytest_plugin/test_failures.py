@@ -6,6 +6,8 @@ import textwrap
 
 import pytest
 
+from tests.plotting.front_end import pretend_built, pretend_not_built, recordings_of
+
 FAILING = """
 import pytest
 
@@ -146,7 +148,8 @@ class TestSection:
 
 
 class TestPages:
-    def test_a_failing_test_leaves_a_page(self, pytester):
+    def test_a_failing_test_leaves_a_page(self, pytester, monkeypatch):
+        pretend_not_built(pytester.path, monkeypatch)
         result = run(pytester, FAILING + "\ndef test_well(robot): robot.run(CELL)\n", "--script-record=pages")
         (page,) = (pytester.path / "pages").iterdir()
         assert page.name == "test_cell.py-test_it.html"
@@ -154,6 +157,16 @@ class TestPages:
         text = page.read_text(encoding="utf-8")
         assert 'textmsg(\\"at the part\\")' in text
         assert "R111" in text
+
+    def test_the_page_holds_the_recording_where_it_is_built(self, pytester, monkeypatch, tmp_path):
+        pretend_built(tmp_path, monkeypatch)
+        run(pytester, FAILING, "--script-record=pages")
+        (page,) = (pytester.path / "pages").iterdir()
+        (recorded,) = recordings_of(page)
+        said = {message["type"]: message for message in recorded["said"]}
+        assert 'textmsg("at the part")' in said["file"]["text"]
+        assert said["run_ended"]["state"] == "alarm"
+        assert said["run_ended"]["alarm"]["line"] == 6
 
     def test_each_run_has_one(self, pytester):
         text = "def test_it(robot):\n    robot.run('sleep(1)\\n')\n    robot.run('sleep(2)\\n')\n    assert 0\n"

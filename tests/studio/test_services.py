@@ -270,13 +270,21 @@ class TestLastRuns:
         for message in (
             {"type": "problems", "version": 4, "list": []},
             {"type": "run_began", "run": 9, "version": 4},
+            {
+                "type": "moves",
+                "run": 9,
+                "list": [
+                    {"start_s": 0.0, "end_s": 0.5, "kind": "movej", "line": 7},
+                    {"start_s": 0.5, "end_s": 1.5, "kind": "movej", "line": 7},
+                ],
+            },
             {"type": "cycle", "run": 8, "table": [{"line": 1, "moving_s": 1.0, "standing_s": 0.0, "visits": 1}]},
             {
                 "type": "cycle",
                 "run": 9,
                 "table": [
                     {"line": 7, "moving_s": 1.5, "standing_s": 0.25, "visits": 2},
-                    {"line": 2, "moving_s": 0.0, "standing_s": 0.5, "visits": 1},
+                    {"line": 2, "moving_s": 0.1, "standing_s": 0.4, "visits": 1},
                 ],
             },
             {"type": "run_ended", "run": 8, "state": "finished", "moment": self.MOMENT},
@@ -292,7 +300,7 @@ class TestLastRuns:
         (last,) = ran
         assert (last.text, last.duration_s) == (TEXT, 2.0)
         assert last.moves == {7: LineTime(2, 1.5)}
-        assert last.lines == {7: LineTime(2, 1.75), 2: LineTime(1, 0.5)}
+        assert last.lines == {7: LineTime(2, 1.75), 2: LineTime(1, 0.5)}, "the tail of a blend is no move of its line"
         assert last.values == {"": {"count": "3"}}
         assert last.alarms == ((7, "R201", "too far"),)
 

@@ -153,7 +153,7 @@ test("the run that is compared is a second arm at the same time", () => {
   page.end(1, 4);
   page.run(2, 4, 0.5);
   page.end(2, 4);
-  page.studio.compared.value = page.studio.before.value;
+  page.studio.compareBefore();
   page.drawing.refresh();
   page.studio.setCursor(2);
   const [ghost] = page.drawing.ghosts.value;

@@ -125,6 +125,13 @@ def add_plot(parser: Parser) -> None:
     parser.add_argument("--task-dir", metavar="DIR", help=FOLDER_OF_FILE)
     _add_set(parser, "signal or global at the start; may be repeated")
     _add_world(parser, "what is around the robot, as for run")
+    parser.add_argument(
+        "--compare", metavar="OTHER", help="lay a second run over the first: another program, or a trace"
+    )
+    parser.add_argument(
+        "--compare-robot", metavar="MODEL", help="arm of the second run; without --compare: of the same program"
+    )
+    parser.add_argument("--compare-world", metavar="WORLD.toml", help="world of the second run, in the same way")
     _add_color(parser)
 
 

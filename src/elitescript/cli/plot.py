@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
 from pathlib import Path
 from typing import Final
@@ -15,19 +16,19 @@ from elitescript.environment.program_file import source_of
 from elitescript.environment.start_values import parse_settings
 from elitescript.errors import ProgramError, UsageError
 from elitescript.kernel.options import DEFAULTS, OPTIONS
+from elitescript.language.options import Options
 from elitescript.language.text.source import SourceFile
+from elitescript.lint.engine import compile_checked
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
-from elitescript.plotting.line_times import ThreadLines
-from elitescript.plotting.page import Recording, page
+from elitescript.page import NOT_BUILT, is_built
+from elitescript.plotting.page import page_of
+from elitescript.plotting.recorder import RunRecorder
+from elitescript.plotting.recording import Recording
 from elitescript.plotting.sampling import Sampling
 from elitescript.plotting.trace_reader import SUFFIXES, read_trace
 from elitescript.robot import VirtualRobot
 from elitescript.run import EXIT_CODES
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    import argparse
 
 UNTIL_S: Final = 300.0
 """Default limit of robot time."""
@@ -43,29 +44,59 @@ def plot(options: argparse.Namespace) -> int:
     target = Path(options.output) if options.output else Path(f"{path.stem}.plot.html")
     if target.exists() and path.exists() and target.samefile(path):
         raise UsageError(f"-o {target}: this is the file that is to be plotted")
-    if path.suffix in SUFFIXES:
-        recording, code = _recorded(path, options), 0
-    else:
-        try:
-            recording, code = _played(path, options)
-        except ProgramError as error:
-            _print_problems(path, error)
-            return DOES_NOT_COMPILE
-    text = page(recording)
+    comparing = options.compare is not None or options.compare_robot is not None or options.compare_world is not None
+    compared: Recording | None = None
+    try:
+        recording, code = _recording(path, options)
+        if comparing:
+            path = path if options.compare is None else Path(options.compare)
+            compared, _ = _recording(path, _options_of_compared(path, options))
+    except ProgramError as error:
+        _print_problems(path, error)
+        return DOES_NOT_COMPILE
+    if not is_built():
+        if comparing:
+            raise UsageError(f"--compare: {NOT_BUILT}")
+        print(f"a plain page is written: {NOT_BUILT}", file=sys.stderr)
+    found = page_of(recording, compared)
     try:
         # A text of a program may hold half a surrogate pair; its escape is valid JSON.
-        target.write_text(text, encoding="utf-8", errors="backslashreplace", newline="\n")
+        target.write_text(found.text, encoding="utf-8", errors="backslashreplace", newline="\n")
     except OSError as error:
         raise UsageError(f"-o {target}: {error.strerror or error}") from error
+    step_s = max(recording.step_s, found.step_s)
+    step = "" if step_s <= PERIOD_S else f", a row every {1000.0 * step_s:g} ms"
+    other = "" if compared is None else f"; compared with {_in_words(compared)}"
+    print(f"{target}: {_in_words(recording)}{step}{other} ({target.stat().st_size / 1000:.0f} kB)")
+    return code
+
+
+def _in_words(recording: Recording) -> str:
+    """Return duration, arm and end of a run."""
     duration_s = recording.rows[-1].t - recording.rows[0].t
     ending = {"time_limit": f", cut off at {duration_s:g} s (--until)", "": ""}.get(
         recording.state, f", {recording.state}"
     )
-    step = "" if recording.step_s <= PERIOD_S else f", a row every {1000.0 * recording.step_s:g} ms"
-    print(
-        f"{target}: {duration_s:.3f} s of {recording.model.name}{ending}{step} ({target.stat().st_size / 1000:.0f} kB)"
-    )
-    return code
+    return f"{duration_s:.3f} s of {recording.model.name}{ending}"
+
+
+def _options_of_compared(path: Path, options: argparse.Namespace) -> argparse.Namespace:
+    """Return the options of the other run: those of the first but for robot and world; of a trace the robot alone."""
+    given = vars(options)
+    if path.suffix in SUFFIXES:
+        given = {name: value for name, value in given.items() if name == "model" or name not in OPTIONS}
+        given |= {"until": None, "task_dir": None, "set": [], "world": None}
+    changed = argparse.Namespace(**given)
+    if options.compare_robot is not None:
+        changed.model = options.compare_robot
+    if options.compare_world is not None:
+        changed.world = options.compare_world
+    return changed
+
+
+def _recording(path: Path, options: argparse.Namespace) -> tuple[Recording, int]:
+    """Return what a page shows of a program or a trace, and the exit code."""
+    return (_recorded(path, options), 0) if path.suffix in SUFFIXES else _played(path, options)
 
 
 def _recorded(path: Path, options: argparse.Namespace) -> Recording:
@@ -93,27 +124,19 @@ def _played(path: Path, options: argparse.Namespace) -> tuple[Recording, int]:
     robot.reports_signals = False
     robot.set_start(signals)
     source = source_of(path)
-    sampling, threads = Sampling(), ThreadLines()
-
+    recorder = RunRecorder(robot, Sampling())
+    checked = compile_checked(
+        source, robot.profile, Options(strict=robot.options.strict), presets=presets, arm=robot.model
+    )
     progress = progress_on(sys.stderr, robot.time_s)
 
     def watch(robot: VirtualRobot) -> None:
         if progress is not None:
             progress.update(robot.time_s, robot.controller.line)
-        threads.record(robot.time_s, [(thread.name, thread.line) for thread in robot.threads()[1:]])
+        recorder.watch(robot)
 
-    run = robot.run(robot.compile(source), until_s=until_s, presets=presets, trace=sampling, watch=watch)
-    recording = Recording(
-        path.name,
-        robot.model,
-        sampling.rows,
-        source,
-        run.events,
-        run.state,
-        sampling.step_s,
-        threads.stretches(sampling.rows[-1].t),
-    )
-    return recording, EXIT_CODES[run.state]
+    run = robot.run(robot.compile(source), until_s=until_s, presets=presets, trace=recorder.sampling, watch=watch)
+    return recorder.recording(path.name, robot, source, run, checked.problems), EXIT_CODES[run.state]
 
 
 def _print_problems(path: Path, error: ProgramError) -> None:

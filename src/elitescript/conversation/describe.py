@@ -24,7 +24,7 @@ from elitescript.solids.contacts import Contact
 
 Message = dict[str, Any]
 
-LIVE_ABILITIES: Final = ("edit", "save", "services", "seek", "step", "inputs", "connect")
+LIVE_ABILITIES: Final = ("edit", "save", "services", "seek", "step", "record", "inputs", "connect")
 """What a live engine can do."""
 
 # ---------------------------------------------------------------- the conversation
@@ -72,6 +72,11 @@ def refused(text: str, ask: int | None = None, conflict: Mapping[str, str] | Non
     if conflict is not None:
         found["conflict"] = dict(conflict)
     return found
+
+
+def recorded(ask: int, content: str) -> Message:
+    """Return the answer to `record`: a recording in base 64, or the text of a page."""
+    return {"type": "recorded", "ask": ask, "content": content}
 
 
 def notice(severity: str, text: str) -> Message:

@@ -150,6 +150,17 @@ class Service:
 
 
 @record
+class Record:
+    """Run a text from begin to end with the options of the last program, or read a trace; for comparisons and pages."""
+
+    ask: int
+    name: str
+    text: str
+    form: str
+    """`recording`: bytes in base 64; `page`: the text of a page."""
+
+
+@record
 class Save:
     """Write the file."""
 
@@ -251,6 +262,7 @@ ToSource = (
     | Seek
     | Step
     | Service
+    | Record
     | Save
     | Open
     | Settings
@@ -356,6 +368,12 @@ _DETAIL: Final[dict[str, Reader]] = {
     "to_s": _TIME,
     "step_s": number(PERIOD_S, 3600.0, "s"),
 }
+_RECORD: Final[dict[str, Reader]] = {
+    "ask": _ASK,
+    "name": _NAME,
+    "text": _TEXT,
+    "form": choice("recording", "page"),
+}
 _STEP: Final[dict[str, Reader]] = {
     "run": whole(),
     "ask": _ASK,
@@ -383,6 +401,7 @@ MESSAGES: Final[dict[str, Reader]] = {
     "seek": table(Seek, {"run": whole(), "ask": _ASK, "t": _TIME}),
     "step": table(Step, _STEP, ("position",)),
     "service": _service,
+    "record": table(Record, _RECORD),
     "save": table(Save, {"ask": _ASK, "text": _TEXT, "seen": text(200), "force": switch}, ("force",)),
     "open": table(Open, {"ask": _ASK, "name": _NAME}),
     "settings": table(Settings, {"values": plain_table}),

@@ -23,7 +23,8 @@ from elitescript.lsp.last_run import last_run_of
 from elitescript.lsp.recorder import CallRecorder
 from elitescript.lsp.run_data import encoded
 from elitescript.plotting.line_times import ThreadLines
-from elitescript.plotting.page import Recording, page
+from elitescript.plotting.page import page
+from elitescript.plotting.recorder import RunRecorder
 from elitescript.plotting.sampling import Sampling
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
@@ -61,7 +62,7 @@ def outcome_of(request: Mapping[str, Any], *, is_jailed: bool = True) -> dict[st
     except ElitescriptError as error:
         return {"report": {"state": "does_not_run", "problems": [str(error)]}}
     threads = ThreadLines()
-    sampling = Sampling() if request.get("with_page") else None
+    recorder = RunRecorder(robot, Sampling()) if request.get("with_page") else None
 
     limit_s = perf_counter() + float(request.get("wall_s", WALL_S))
 
@@ -69,18 +70,16 @@ def outcome_of(request: Mapping[str, Any], *, is_jailed: bool = True) -> dict[st
         if perf_counter() > limit_s:
             robot.interrupt("time_limit")
         threads.record(robot.time_s, [(thread.name, thread.line) for thread in robot.threads()])
+        if recorder is not None:
+            recorder.watch(robot)
 
     with CallRecorder(unit) as calls:
-        run = robot.run(unit, until_s=UNTIL_S, trace=sampling or False, watch=watch)
-    main, *others = threads.stretches(run.time_s).items() or [("", [])]
-    last = last_run_of(run, request["text"], stretches=main[1], counts=calls.counts, values=calls.values())
+        run = robot.run(unit, until_s=UNTIL_S, trace=False if recorder is None else recorder.sampling, watch=watch)
+    main = next(iter(threads.stretches(run.time_s).values()), [])
+    last = last_run_of(run, request["text"], stretches=main, counts=calls.counts, values=calls.values())
     found: dict[str, Any] = {"report": _report(run), "last": encoded(last)}
-    if sampling is not None:
-        title = Path(request["name"]).name
-        recording = Recording(
-            title, robot.model, sampling.rows, unit.source, run.events, run.state, sampling.step_s, dict(others)
-        )
-        found["page"] = page(recording)
+    if recorder is not None:
+        found["page"] = page(recorder.recording(Path(request["name"]).name, robot, unit.source, run))
     return found
 
 

@@ -39,6 +39,11 @@ def read_trace(path: Path) -> TraceRows:
     except UnicodeDecodeError as error:
         number = error.object.count(b"\n", 0, error.start) + 1
         raise UsageError(f"{path}:{number}: byte 0x{error.object[error.start]:02X} is not UTF-8 text") from None
+    return trace_of(path, text)
+
+
+def trace_of(path: Path, text: str) -> TraceRows:
+    """Return the rows in the text of a trace file; see `read_trace`."""
     lines = text.split("\n")
     records = _csv_records(path, lines) if path.suffix == ".csv" else _json_records(path, lines)
     rows = TraceRows()

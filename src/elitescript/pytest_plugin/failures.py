@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
+from elitescript.conversation.describe import alarm_report, asked_motion
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import (
     Alarm,
@@ -20,7 +21,8 @@ from elitescript.messages.events import (
 )
 from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.plotting.line_times import stretches
-from elitescript.plotting.page import Recording, page
+from elitescript.plotting.page import page
+from elitescript.plotting.recording import Recording
 from elitescript.pytest_plugin.watching import WatchedRun
 
 LINES_SHOWN: Final = 12
@@ -141,15 +143,17 @@ def write_pages(folder: Path, test: str, watched: Iterable[WatchedRun]) -> list[
     paths = []
     for number, watch in enumerate(found, 1):
         assert watch.rows is not None
-        run = watch.run()
+        run, events = watch.run(), watch.record.read()
+        alarm = watch.alarms[-1] if watch.alarms else None
         recording = Recording(
             f"{test}: {Path(watch.unit.source.name).name}",
             watch.model,
             watch.rows.rows,
             watch.unit.source,
-            watch.record.read(),
+            events,
             "" if run is None else run.state,
             watch.rows.step_s,
+            alarm=None if alarm is None else alarm_report(alarm, asked_motion(alarm, None, events)),
         )
         path = folder / (f"{stem}.html" if len(found) == 1 else f"{stem}.{number}.html")
         folder.mkdir(parents=True, exist_ok=True)

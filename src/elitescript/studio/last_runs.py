@@ -16,7 +16,7 @@ class LastRuns:
         ran: takes what is known of each run that has ended.
     """
 
-    __slots__ = ("_blends", "_cycle", "_ran", "_run", "_text", "_version", "_waiting")
+    __slots__ = ("_blends", "_cycle", "_moves", "_ran", "_run", "_text", "_version", "_waiting")
 
     def __init__(self, ran: Callable[[LastRun], None]) -> None:
         self._ran = ran
@@ -26,6 +26,7 @@ class LastRuns:
         self._text: str | None = None
         """Text of the run; None if it is not known any more."""
         self._cycle: list[Mapping[str, Any]] = []
+        self._moves: dict[int, LineTime] = {}
         self._blends: dict[int, ShortenedBlend] = {}
 
     def program(self, version: int, text: str) -> None:
@@ -38,9 +39,13 @@ class LastRuns:
             case "run_began":
                 self._run = message["run"]
                 self._text = self._waiting if message["version"] == self._version else None
-                self._cycle, self._blends = [], {}
+                self._cycle, self._moves, self._blends = [], {}, {}
             case "cycle" if message["run"] == self._run:
                 self._cycle = message["table"]
+            case "moves" if message["run"] == self._run:
+                for move in message["list"]:
+                    times, total_s = self._moves.get(move["line"], (0, 0.0))
+                    self._moves[move["line"]] = LineTime(times + 1, total_s + move["end_s"] - move["start_s"])
             case "events" if message["run"] == self._run:
                 for event in message["list"]:
                     if event["type"] == "warning" and (radii := shortened_radius(event.get("text", ""))):
@@ -54,7 +59,7 @@ class LastRuns:
         return LastRun(
             text=text,
             duration_s=moment["t"],
-            moves={row["line"]: LineTime(row["visits"], row["moving_s"]) for row in rows if row["moving_s"] > 0.0},
+            moves=self._moves,
             lines={row["line"]: LineTime(row["visits"], row["moving_s"] + row["standing_s"]) for row in rows},
             values={"": {row["name"]: row["value"] for row in moment["globals"]}},
             blends=self._blends,

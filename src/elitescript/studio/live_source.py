@@ -8,7 +8,7 @@ from typing import Any
 
 from elitescript import __version__
 from elitescript.conversation.describe import LIVE_ABILITIES, Message, hello
-from elitescript.conversation.messages import Detail, GoOn, Program, Seek, Step, Stop, ToSource
+from elitescript.conversation.messages import Detail, GoOn, Program, Record, Seek, Step, Stop, ToSource
 from elitescript.errors import UsageError
 from elitescript.records import NamedTuple
 from elitescript.studio.live.engine import LiveEngine, Setting
@@ -90,6 +90,8 @@ class LiveSource:
                 await engine.seek(message)
             case Step():
                 await engine.step(message)
+            case Record():
+                await engine.record(message)
             case _:
                 raise UsageError("a live run has no controller: start the studio with --connect")
 

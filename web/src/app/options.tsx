@@ -117,30 +117,16 @@ export function OptionsPanel({ studio }: { studio: Studio }) {
           </span>
         </>
       )}
-      <Look studio={studio} />
+      <Look />
       <button type="button" class="tool plain" aria-label={text("close")} title={text("close")} onClick={() => (areOptionsOpen.value = false)}><Icon name="close" /></button>
     </aside>
   );
 }
 
-/** Colours, language, and the run that is compared. */
-function Look({ studio }: { studio: Studio }) {
-  const compared = studio.compared.value;
+/** Colours and language. */
+function Look() {
   return (
     <>
-      {studio.can("edit") && (
-        <Field label={text("compare")}>
-          <select
-            aria-label={text("compare")} value={compared === null ? "" : "kept"}
-            onChange={(event) => (studio.compared.value = event.currentTarget.value === "before" ? studio.before.value : event.currentTarget.value === "now" ? studio.run.value : null)}
-          >
-            <option value="">{text("compare_nothing")}</option>
-            {compared !== null && <option value="kept">{text("compare_kept", { run: compared.number })}</option>}
-            {studio.before.value !== null && <option value="before">{text("compare_before")}</option>}
-            {studio.run.value !== null && <option value="now">{text("compare_now")}</option>}
-          </select>
-        </Field>
-      )}
       <Field label={text("theme")}>
         <select aria-label={text("theme")} value={theme.value} onChange={(event) => (theme.value = event.currentTarget.value as Theme)}>
           <option value="system">{text("theme_system")}</option>

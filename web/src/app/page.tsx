@@ -16,6 +16,7 @@ import { Timeline, TimelineTools } from "../regions/timeline/index.tsx";
 import { Variables } from "../regions/variables/index.tsx";
 import { text } from "../text/text.ts";
 import { Announcer } from "./announcer.tsx";
+import { ComparePanel } from "./compare.tsx";
 import { ConflictView } from "./conflict.tsx";
 import { Divider, sizeOf, type Size } from "./divider.tsx";
 import { Help } from "./help.tsx";
@@ -40,9 +41,9 @@ export function layoutFor(width_px: number): Layout {
 const SIZES = {
   left: { name: "left", first: 0.34, least: 0.15, most: 0.6, title: "region_program" },
   right: { name: "right", first: 0.23, least: 0.12, most: 0.4, title: "region_signals" },
-  problems: { name: "problems", first: 0.26, least: 0.1, most: 0.8, title: "region_problems" },
-  time: { name: "time", first: 0.36, least: 0.1, most: 0.7, title: "region_timeline" },
-  lists: { name: "lists", first: 0.15, least: 0.08, most: 0.5, title: "region_messages" },
+  problems: { name: "problems", first: 0.22, least: 0.1, most: 0.8, title: "region_problems" },
+  time: { name: "time", first: 0.33, least: 0.1, most: 0.7, title: "region_timeline" },
+  lists: { name: "lists", first: 0.13, least: 0.08, most: 0.5, title: "region_messages" },
   cycle: { name: "cycle", first: 0.45, least: 0.15, most: 0.85, title: "region_cycle" },
 } as const satisfies { readonly [name: string]: Size };
 
@@ -70,6 +71,7 @@ export function Page({ studio }: { studio: Studio }) {
     <div class={`page ${layout.value}`}>
       <Toolbar studio={studio} isNarrow={layout.value === "narrow"} />
       <OptionsPanel studio={studio} />
+      <ComparePanel studio={studio} />
       <Notices studio={studio} />
       <ConflictView studio={studio} />
       <Panes studio={studio} layout={layout.value} />

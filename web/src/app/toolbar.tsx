@@ -6,6 +6,7 @@ import type { Studio } from "../model/studio.ts";
 import type { ControllerState } from "../source/messages.ts";
 import type { Texts } from "../text/en.ts";
 import { text } from "../text/text.ts";
+import { isCompareOpen, saveAsPage } from "./compare.tsx";
 import { Icon, type IconName } from "./icons.tsx";
 import { isHelpOpen } from "./keys.ts";
 import { areOptionsOpen, chosenInWords } from "./options.tsx";
@@ -27,6 +28,7 @@ export function Toolbar({ studio, isNarrow }: { studio: Studio; isNarrow: boolea
         {!isNarrow && save}
         {!isNarrow && buttons}
         <State studio={studio} />
+        <Share studio={studio} />
         <span class="spring" />
         <Connections studio={studio} />
         <Target studio={studio} />
@@ -119,6 +121,27 @@ function State({ studio }: { studio: Studio }) {
       <span class={`words ${state.kind}`} title={state.text}>{state.text}</span>
       {studio.run.value?.ended?.state === "time_limit" && studio.can("edit") && !state.isStale && (
         <button type="button" onClick={() => studio.goOn()}>{text("go_on")}</button>
+      )}
+    </div>
+  );
+}
+
+/** Another run over this one, and this one as a file. */
+function Share({ studio }: { studio: Studio }) {
+  if (studio.can("live") || studio.run.value === null) return null;
+  const isOpen = isCompareOpen.value || studio.comparing.value !== null;
+  return (
+    <div class="tools" role="group" aria-label={text("group_share")}>
+      <button
+        type="button" class={isOpen ? "tool on" : "tool"} aria-expanded={isCompareOpen.value} title={text("compare_hint")}
+        onClick={() => (isCompareOpen.value = !isCompareOpen.value)}
+      >
+        {text("compare_button")}
+      </button>
+      {studio.can("record") && (
+        <button type="button" class="tool" title={text("save_page_hint")} disabled={studio.isRecording.value} onClick={() => void saveAsPage(studio)}>
+          {text("save_page")}
+        </button>
       )}
     </div>
   );

@@ -1,7 +1,7 @@
 /** One run of a program as the page knows it: grows while it is computed. */
 
 import { signal } from "@preact/signals-core";
-import type { AlarmReport, Contact, CycleRow, FromSource, Moment, Move, RunEvent, RunOptions, Value } from "../source/messages.ts";
+import type { AlarmReport, Contact, CycleRow, FromSource, Moment, Move, RunEvent, RunOptions, Scene, Value } from "../source/messages.ts";
 import { TICK_S, type Rows } from "../source/rows.ts";
 import { SampleTable } from "./samples.ts";
 
@@ -38,6 +38,8 @@ export class Run {
   readonly signals = new Map<string, { readonly t: number[]; readonly value: Value[]; readonly line: number[] }>();
   cycle: readonly CycleRow[] = [];
   contacts: readonly Contact[] = [];
+  /** The robot that ran; null: that of the page. */
+  scene: Scene | null = null;
   /** Up to where it is computed, s. */
   known_s = 0;
   ended: RunEnded | null = null;

@@ -87,6 +87,22 @@ export class SampleTable {
     this.size = rows;
   }
 
+  /** Returns all rows at other times, which ascend; of several that come to one tick the last. */
+  shifted(run: number, tickOf: (t: number) => number): Rows {
+    const rows: number[] = [];
+    const ticks: number[] = [];
+    for (let row = 0; row < this.size; row++) {
+      const tick = tickOf(this.times[row]!);
+      if (ticks.at(-1) === tick) rows[rows.length - 1] = row;
+      else {
+        rows.push(row);
+        ticks.push(tick);
+      }
+    }
+    const columns = new Map([...this.data].map(([name, values]) => [name, Float64Array.from(rows, (row) => values[row]!)]));
+    return { run, ticks: Int32Array.from(ticks), columns };
+  }
+
   /** Drops the rows before a time, once they are at least half of all: memory stays bounded, and copies are few. */
   forget(before_s: number): void {
     const rows = this.index(before_s);

@@ -5,13 +5,15 @@ import type {
   Ability, ControlAction, ControllerState, FromSource, Json, Moment, Problem, RunOptions, Scene, Service, Six, TextEdit, ToSource, Value,
 } from "../source/messages.ts";
 import { TICK_S, type Rows } from "../source/rows.ts";
+import { fromBase64, readRecording } from "../source/recording.ts";
 import type { Link, Listener, Source } from "../source/source.ts";
 import { text as words } from "../text/text.ts";
+import { type Alignment, aligned, recordingIn, runOf } from "./compare.ts";
 import { firstChange } from "./difference.ts";
 import { History } from "./history.ts";
 import { nextStop } from "./lanes.ts";
 import { Refused, Requests, type Request } from "./requests.ts";
-import { Run } from "./run.ts";
+import { Run, type RunEnded } from "./run.ts";
 import { Settings } from "./settings.ts";
 import { WINDOW_S } from "./view.ts";
 
@@ -33,6 +35,12 @@ export interface Shown {
   readonly t: number;
   readonly joints: Six;
   readonly exact: boolean;
+}
+
+/** A run that another is compared with. */
+export interface Compared {
+  readonly title: string;
+  readonly run: Run;
 }
 
 export interface Place {
@@ -97,8 +105,12 @@ export class Studio implements Listener {
   /** The newest run, and the one before it, whose rest is stale while the newest is not that far. */
   readonly run = signal<Run | null>(null);
   readonly before = signal<Run | null>(null);
-  /** The run with which the newest is compared, if it is. */
-  readonly compared = signal<Run | null>(null);
+  /** The run with which the newest is compared, and what it is; null if none is. */
+  readonly comparing = signal<Compared | null>(null);
+  /** How the times of both are laid over each other. */
+  readonly alignment = signal<Alignment>("time");
+  /** Whether a run is being recorded for a page or a comparison. */
+  readonly isRecording = signal(false);
   /** Time that is shown, s: a whole number of ticks, or the end. */
   readonly cursor = signal(0);
   readonly hover = signal<Hover | null>(null);
@@ -138,6 +150,7 @@ export class Studio implements Listener {
   private nextNotice = 1;
   /** The time that people chose: the cursor is there as soon as the run is that long; Infinity: at its end. */
   private wanted_s = 0;
+  private lastAligned: { readonly other: Run; readonly ended: RunEnded; readonly run: Run } | null = null;
   private isSeeking = false;
   private seeksAgain = false;
   private isUntold = false;
@@ -169,6 +182,17 @@ export class Studio implements Listener {
   }
 
   // ---------------------------------------------------------------- what follows from it
+
+  /** The run with which the newest is compared, in its times; null if none is. */
+  readonly compared = computed((): Run | null => {
+    const other = this.comparing.value?.run ?? null;
+    const run = this.run.value;
+    void run?.revision.value;
+    if (other === null || run === null || run.ended === null || this.alignment.value === "time") return other;
+    const last = this.lastAligned;
+    if (last?.other !== other || last.ended !== run.ended) this.lastAligned = { other, ended: run.ended, run: aligned(other, run) };
+    return this.lastAligned!.run;
+  });
 
   /** Last time of the slider, s: of the newest run, or of the one before while that was longer and the newest grows. */
   readonly end = computed(() => {
@@ -325,6 +349,71 @@ export class Studio implements Listener {
     run.ended = null;
     run.revision.value++;
     this.transmit({ type: "go_on", run: run.number, until_s });
+  }
+
+  // ---------------------------------------------------------------- compare and share
+
+  /** Lays a run over the newest; null: none. */
+  compareWith(run: Run | null, title = ""): void {
+    this.comparing.value = run === null ? null : { run, title };
+  }
+
+  /** Compares with the run before the last edit. */
+  compareBefore(): void {
+    this.compareWith(this.before.value, words("compare_before"));
+  }
+
+  /** Compares with a run of the text that the file holds. */
+  async compareSaved(): Promise<void> {
+    const file = this.file.value;
+    if (file !== null) await this.compareText(file.name, file.text, words("compare_saved"));
+  }
+
+  /** Compares with a recorded page, or with a run of a program, or a trace, which the source reads. */
+  async compareFile(file: { readonly name: string; text(): Promise<string> }): Promise<void> {
+    const text = await file.text();
+    const found = recordingIn(text);
+    if (found === null && this.can("record")) return this.compareText(file.name, text, file.name);
+    try {
+      if (found === null) throw new Error(words("compare_no_recording"));
+      this.compareRecorded(await readRecording(fromBase64(found)), file.name);
+    } catch (error) {
+      this.notice("error", words("not_compared", { name: file.name, why: reason(error) }));
+    }
+  }
+
+  private async compareText(name: string, text: string, title: string): Promise<void> {
+    try {
+      const content = await this.record({ type: "record", ask: 0, name, text, form: "recording" });
+      this.compareRecorded(await readRecording(fromBase64(content)), title);
+    } catch (error) {
+      this.notice("error", words("not_compared", { name, why: reason(error) }));
+    }
+  }
+
+  private compareRecorded([first]: Awaited<ReturnType<typeof readRecording>>, title: string): void {
+    if (first !== undefined) this.compareWith(runOf(first), title);
+  }
+
+  /** Returns the text of a page of the run as the text of the editor does it now; null, with a notice, if it cannot be had. */
+  async page(): Promise<string | null> {
+    try {
+      return await this.record({ type: "record", ask: 0, name: this.file.value?.name ?? "program.script", text: this.text.value, form: "page" });
+    } catch (error) {
+      this.notice("error", words("no_page", { why: reason(error) }));
+      return null;
+    }
+  }
+
+  private async record(message: Extract<ToSource, { type: "record" }>): Promise<string> {
+    this.isRecording.value = true;
+    try {
+      const answer = await this.requests.send(message);
+      if (answer.type !== "recorded") throw new Error(answer.type);
+      return answer.content;
+    } finally {
+      this.isRecording.value = false;
+    }
   }
 
   // ---------------------------------------------------------------- time
@@ -510,6 +599,7 @@ export class Studio implements Listener {
       case "done":
       case "saved":
       case "detail_ended":
+      case "recorded":
         this.requests.settle(message);
         return;
       default:
@@ -599,7 +689,7 @@ export class Studio implements Listener {
   private restart(): void {
     this.run.value = null;
     this.before.value = null;
-    this.compared.value = null;
+    this.comparing.value = null;
     this.problems.value = null;
     this.moment.value = null;
     this.wanted_s = 0;

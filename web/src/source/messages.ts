@@ -25,6 +25,7 @@ export type Ability =
   | "services" // answers `service`: completion, hover, ...
   | "seek" // exact moments at any time of the run
   | "step"
+  | "record" // records runs for comparisons and pages: `record`
   | "inputs" // schedules of inputs in the options of a program
   | "connect" // can allow real connections
   | "live" // time goes on by itself: `moment` messages
@@ -73,6 +74,8 @@ export type ToSource =
   | { readonly type: "service"; readonly ask: number; readonly service: Service; readonly version: number; readonly line?: number; readonly column?: number; readonly [argument: string]: Json | undefined }
   /** Writes the file. `seen`: digest of the file as the page knows it; `force`: although it has changed since. */
   | { readonly type: "save"; readonly ask: number; readonly text: string; readonly seen: string; readonly force?: boolean }
+  /** Runs a text from begin to end, with the options of the last program, or reads a trace; answered by `recorded`. */
+  | { readonly type: "record"; readonly ask: number; readonly name: string; readonly text: string; readonly form: "recording" | "page" }
   /** Opens a file of the folder (a relative path), or a new one. */
   | { readonly type: "open"; readonly ask: number; readonly name: string }
   /** What the page remembers from one start to the next (sizes, language, theme); opaque to the source. */
@@ -212,6 +215,8 @@ export type FromSource =
   | { readonly type: "detail_ended"; readonly ask: number; readonly run: number }
   | { readonly type: "answer"; readonly ask: number; readonly result: Json }
   | { readonly type: "done"; readonly ask: number; readonly text?: string }
+  /** `content`: a recording in base 64, or the text of a page. */
+  | { readonly type: "recorded"; readonly ask: number; readonly content: string }
   | { readonly type: "refused"; readonly ask?: number; readonly text: string; readonly conflict?: { readonly text: string; readonly digest: string } }
   | { readonly type: "notice"; readonly severity: "information" | "warning" | "error"; readonly text: string }
   // with "live"

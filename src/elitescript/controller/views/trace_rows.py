@@ -142,6 +142,16 @@ class TraceRows(Sequence[TraceRow]):
 
     def thin(self) -> None:
         """Drop every second row, but the first of those in one line, and the last row of all."""
+        kept = self.thinned()
+        self._times, self._numbers, self._stretches, self._begins = (
+            kept._times,
+            kept._numbers,
+            kept._stretches,
+            kept._begins,
+        )
+
+    def thinned(self) -> TraceRows:
+        """Return the rows that `thin` keeps."""
         kept = TraceRows()
         view = memoryview(self._numbers).cast("B")
         line, is_even = -1, False
@@ -160,12 +170,7 @@ class TraceRows(Sequence[TraceRow]):
                 kept._put(numbers, stretch.width, stretch.is_at_rest, line, stretch.state, stretch.signals)
                 kept._times.extend([self._times[index] for index in indices])
         view.release()
-        self._times, self._numbers, self._stretches, self._begins = (
-            kept._times,
-            kept._numbers,
-            kept._stretches,
-            kept._begins,
-        )
+        return kept
 
     # ---------------------------------------------------------------- reading
 

@@ -23,6 +23,7 @@ from elitescript.conversation.messages import (
     Detail,
     GoOn,
     Program,
+    Record,
     RunOptions,
     Seek,
     Step,
@@ -31,7 +32,7 @@ from elitescript.conversation.messages import (
 from elitescript.errors import UsageError
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import seconds
-from elitescript.records import field, record
+from elitescript.records import field, record, replace
 from elitescript.studio.live.jobs import Job, job_data
 from elitescript.studio.live.link import ROWS
 from elitescript.studio.live.processes import Keeper, Spares, Worker, start_workers
@@ -131,6 +132,8 @@ class LiveEngine:
         self.folder: Path | None = None
         self._starting: asyncio.Task[Keeper | Spares] | None = None
         self._number = 0
+        self._options = RunOptions()
+        """Of the newest text."""
         self._worker: Worker | None = None
         """Of the newest text."""
         self._task: asyncio.Task[None] | None = None
@@ -218,6 +221,7 @@ class LiveEngine:
     async def program(self, asked: Program) -> None:
         """Check a text, and run it if it compiles; what was computed for an older one ends."""
         await self._end_run()
+        self._options = asked.options
         try:
             job = self._job(asked.text, asked.options)
         except UsageError as error:
@@ -582,6 +586,25 @@ class LiveEngine:
         if await self._may_look(asked):
             assert self._shown is not None
             self._spawn(self._sample(asked, self._shown))
+
+    async def record(self, asked: Record) -> None:
+        """Send a recording of a text, or a page of one, with the options of the last program."""
+        job = replace(self._job(asked.text, self._options), name=asked.name)
+        until_s = self._options.until_s or UNTIL_S_DEFAULT
+        request = {"do": "record", "job": job_data(job), "ask": asked.ask, "form": asked.form, "until_s": until_s}
+        self._spawn(self._record(request, asked.ask))
+
+    async def _record(self, request: dict[str, Any], ask: int) -> None:
+        worker = await self._begin(request)
+        try:
+            _, data = await asyncio.wait_for(worker.frame(), LOOK_S)
+            await self._send(json.loads(data))
+        except TimeoutError:
+            await self._send(describe.refused(TAKES_TOO_LONG.format(limit=LOOK_S), ask))
+        except EOFError:
+            await self._send(describe.refused(HAS_ENDED.format(how="while it recorded a run"), ask))
+        finally:
+            worker.kill()
 
     def _spawn(self, work: Coroutine[Any, Any, None]) -> None:
         task = asyncio.get_running_loop().create_task(work)

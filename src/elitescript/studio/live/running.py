@@ -14,10 +14,9 @@ from typing import Any, Final
 from elitescript.controller.controller import Controller
 from elitescript.controller.views.trace import TraceSpan
 from elitescript.conversation import describe
-from elitescript.conversation.describe import Moment, Thread, Variable
+from elitescript.conversation.describe import Moment
 from elitescript.conversation.messages import RunOptions
 from elitescript.conversation.rows import RowWriter
-from elitescript.debugger.values import shown, type_name
 from elitescript.errors import ElitescriptError
 from elitescript.language.compiler import CompiledUnit
 from elitescript.language.options import Options
@@ -28,10 +27,10 @@ from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
 from elitescript.messages.timing import seconds, ticks_for
 from elitescript.plotting.events import timed_moves
 from elitescript.plotting.line_times import ThreadLines, line_times
+from elitescript.plotting.moments import alarm_of, contacts_of, moment_now, moment_of_run, scene_of
 from elitescript.plotting.sampling import Sampling
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
-from elitescript.solids.scene import scene
 from elitescript.studio.live.code import digest_of, lines_of, moved_lines
 from elitescript.studio.live.jobs import Job, PreparedJob, code_name, job_data, job_of
 from elitescript.studio.live.link import Board, Link
@@ -74,18 +73,7 @@ def run_program(link: Link, request: Mapping[str, Any], jail: Callable[[], None]
         link.send(describe.notice("error", str(error)))
         return
     jail()
-    setup = robot.controller.setup
-    payload, cell = setup.payload, robot.cell
-    link.send(
-        scene(
-            robot.model,
-            tcp=setup.tcp_offset,
-            payload_kg=payload.mass_kg,
-            center_of_gravity=payload.cog,
-            gravity=setup.gravity,
-            parts=() if cell is None else cell.parts,
-        )
-    )
+    link.send(scene_of(robot))
     checked = compile_checked(
         source, robot.profile, Options(strict=robot.options.strict), presets=job.presets, arm=robot.model
     )
@@ -265,53 +253,12 @@ class RunReport:
     def _end(self, run: Run, state: str, last: Moment) -> None:
         if self._open is not None and state != "time_limit":
             self._link.send(describe.moves(self._number, timed_moves([self._open], last.t)))
-        if run.watch is not None:
-            closest = [contact for contact in run.clearances if not contact.is_contact]
-            self._link.send(describe.contacts(self._number, [*run.contacts, *closest]))
-        alarm = None
-        if run.alarms:
-            refused = self._robot.controller.motion.refused
-            alarm = describe.alarm_report(run.alarms[-1], describe.asked_motion(run.alarms[-1], refused, run.events))
+        if (found := contacts_of(run)) is not None:
+            self._link.send(describe.contacts(self._number, found))
+        alarm = alarm_of(self._robot, run)
         ended = describe.run_ended(self._number, state, last, alarm=alarm, refused_connections=[*self._refused])
         is_repeatable = state != "time_limit" and not any(map(_names_a_line, run.events))
         self._link.send(ended | {"is_repeatable": is_repeatable})
-
-
-def moment_now(robot: VirtualRobot) -> Moment:
-    """Return the state behind the present tick, as the row of a trace has it."""
-    controller = robot.controller
-    q = controller.joints_at(controller.tick + 1).q_target
-    states = robot.threads()
-    return Moment(
-        t=robot.time_s,
-        line=controller.line,
-        joints=q,
-        tcp_pose=controller.tcp_pose(q),
-        globals=variables_of(robot.host.monitor()),
-        signals=controller.non_default_signals(),
-        threads=tuple(Thread(state.name, state.line, state.waits_for, "") for state in states),
-    )
-
-
-def moment_of_run(run: Run) -> Moment:
-    """Return the state at the end of a run."""
-    joints, pose = run.joints, run.tcp_pose
-    assert joints
-    assert pose
-    return Moment(
-        t=run.time_s,
-        line=0,
-        joints=joints,
-        tcp_pose=pose,
-        globals=variables_of(run.globals),
-        signals=dict(run.signals),
-        threads=tuple(Thread(state.name, state.line, state.waits_for, "") for state in run.threads),
-    )
-
-
-def variables_of(values: Mapping[str, Any]) -> tuple[Variable, ...]:
-    """Return program globals as a page shows them."""
-    return tuple(Variable(name, shown(value), type_name(value)) for name, value in values.items())
 
 
 def _names_a_line(event: Event) -> bool:

@@ -16,11 +16,12 @@ from elitescript.services.child.jail import enter_jail, own_modules
 from elitescript.studio.live.detail import sample
 from elitescript.studio.live.link import Link
 from elitescript.studio.live.looking import look
+from elitescript.studio.live.recording import record_run
 from elitescript.studio.live.running import run_program
 
 MEMORY_BYTES: Final = 1 << 30
 
-_REQUESTS: Final = {"run": run_program, "detail": sample, "look": look}
+_REQUESTS: Final = {"run": run_program, "detail": sample, "look": look, "record": record_run}
 
 
 def serve(link: Link) -> None:

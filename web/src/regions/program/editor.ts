@@ -86,7 +86,6 @@ export class ProgramEditor {
             if (!update.docChanged) return;
             for (const transaction of update.transactions) this.versions.changed(transaction.changes);
             if (!this.isTaking) this.studio.edit(update.state.doc.toString());
-            this.versions.begin(this.studio.version.peek(), update.state.doc);
           }),
           EditorView.domEventHandlers({
             mousemove: (event) => this.pointAt(event),
@@ -148,7 +147,12 @@ export class ProgramEditor {
     } finally {
       this.isTaking = false;
     }
-    this.versions.begin(untracked(() => this.studio.version.value), this.view.state.doc);
+  }
+
+  /** Takes note of the text that a version stands for: from now on its lines are followed. */
+  begin(version: number): void {
+    this.take(this.studio.text.peek());
+    this.versions.begin(version, this.view.state.doc);
   }
 
   allow(canEdit: boolean): void {

@@ -21,6 +21,10 @@ export function Program({ studio }: { studio: Studio }) {
       }),
       effect(() => editor.show({ times: showsTimes.value, hints: showsHints.value })),
       effect(() => editor.take(studio.text.value)),
+      effect(() => {
+        const version = studio.version.value;
+        untracked(() => editor.begin(version));
+      }),
       effect(() => editor.allow(studio.can("edit"))),
       effect(() => editor.problems(studio.problems.value)),
       effect(() => editor.services(studio.version.value, studio.can("services"))),

@@ -13,6 +13,8 @@ export interface Ghost {
   readonly kind: "hovered" | "asked" | "target" | "compared";
   readonly joints?: Six;
   readonly frame?: Transform;
+  /** The robot that it is, if that is another one. */
+  readonly scene?: Scene;
   readonly text: string;
 }
 
@@ -115,7 +117,9 @@ export class Drawing {
     const compared = studio.compared.value;
     void compared?.revision.value;
     const other = compared?.samples.joints(drawn.t);
-    if (other != null) ghosts.push({ kind: "compared", joints: other, text: "" });
+    const scene = compared?.scene ?? null;
+    const isOther = scene !== null && scene.robot !== studio.scene.value?.robot;
+    if (other != null) ghosts.push({ kind: "compared", joints: other, text: "", ...(isOther ? { scene } : {}) });
     const target = studio.controller.value?.target_joints;
     if (target !== undefined && differs(target, drawn.joints)) ghosts.push({ kind: "target", joints: target, text: "" });
     const alarm = studio.run.value?.alarm;

@@ -61,7 +61,7 @@ export class Flat {
       grid(g, plane, SIDES[index]!, reach, colours.grid);
       paths(g, plane, picture, colours.stale, colours.compared);
       for (const ghost of picture.ghosts) {
-        if (ghost.joints !== undefined) arm(g, plane, picture.scene, ghost.joints, colours[ghost.kind], ghost.text);
+        if (ghost.joints !== undefined) arm(g, plane, ghost.scene ?? picture.scene, ghost.joints, colours[ghost.kind], ghost.text);
       }
       arm(g, plane, picture.scene, picture.joints, colours.ink, "", colours.parts.cap);
     });

@@ -84,7 +84,8 @@ export class Stage {
   private owned: readonly Piece[] = [];
   private arm: ArmObject | null = null;
   private shadow: ArmObject | null = null;
-  private readonly ghostArms = new Map<Ghost["kind"], ArmObject>();
+  /** By what they show, and the robot if it is another one. */
+  private readonly ghostArms = new Map<string, ArmObject>();
   private readonly fixed = new Group();
   private readonly marks = new Group();
   private lines: Lines | null = null;
@@ -216,18 +217,30 @@ export class Stage {
 
   private placeGhosts({ ghosts, scene }: Picture): void {
     for (const arm of this.ghostArms.values()) arm.group.visible = false;
-    for (const { kind, joints } of ghosts) {
+    for (const { kind, joints, scene: own } of ghosts) {
       if (joints === undefined) continue;
-      let arm = this.ghostArms.get(kind);
+      const name = `${kind} ${own?.robot ?? ""}`;
+      let arm = this.ghostArms.get(name);
       if (arm === undefined) {
-        arm = new ArmObject(this.pieces.filter(({ link }) => link > 0), ghostLook(this.colours[kind], kind === "hovered" ? 0.4 : 0.5, kind === "asked" || kind === "compared"));
+        arm = new ArmObject((own === undefined ? this.pieces : this.piecesOfOther(own)).filter(({ link }) => link > 0), ghostLook(this.colours[kind], kind === "hovered" ? 0.4 : 0.5, kind === "asked" || kind === "compared"));
         this.base.add(arm.group);
-        this.ghostArms.set(kind, arm);
+        this.ghostArms.set(name, arm);
       }
       arm.group.visible = true;
-      arm.pose(linkFrames(scene.dh, joints));
+      arm.pose(linkFrames((own ?? scene).dh, joints));
     }
   }
+
+  /** Pieces of the arm of another robot, made once. */
+  private piecesOfOther(scene: Scene): readonly Piece[] {
+    if (this.other?.parts !== scene.parts) {
+      for (const piece of this.other?.pieces ?? []) piece.geometry.dispose();
+      this.other = { parts: scene.parts, pieces: piecesOf(scene.parts) };
+    }
+    return this.other!.pieces;
+  }
+
+  private other: { readonly parts: Scene["parts"]; readonly pieces: readonly Piece[] } | null = null;
 
   private ghostLabels({ ghosts, scene }: Picture): Label[] {
     return ghosts.flatMap(({ kind, joints, frame, text }) => {
@@ -329,9 +342,9 @@ export class Stage {
     const { scene, joints, path, ghosts } = picture;
     const points: Point[] = [[0.15, 0.15, 0], [-0.15, -0.15, 0]];
     if (picture.hasReach) for (const axis of AXES) for (const side of [-1, 1]) points.push(scaled(axis, side * scene.limits.reach, scene.dh[0]?.d ?? 0));
-    for (const shown of [joints, ...ghosts.map((ghost) => ghost.joints ?? joints)]) {
-      const frames = linkFrames(scene.dh, shown);
-      for (const part of scene.parts) {
+    for (const shown of [{ joints, scene }, ...ghosts.map((ghost) => ({ joints: ghost.joints ?? joints, scene: ghost.scene ?? scene }))]) {
+      const frames = linkFrames(shown.scene.dh, shown.joints);
+      for (const part of shown.scene.parts) {
         const centre = compose(frames[part.link] ?? frames[0]!, fromRotationVector(part.pose));
         const size = part.kind === "box" ? part.size.map((side) => side / 2) : [part.size[0]!, part.size[0]!, part.size.at(-1)! / 2];
         if (Math.max(...size) > WIDE_SHARE * scene.limits.reach) continue; // a table, a floor or a wall

@@ -10,7 +10,8 @@ from elitescript import PlantConfig
 from elitescript.messages.events import ChannelActivity, SignalChanged
 from elitescript.plotting.line_times import LineStretch
 from elitescript.plotting.packing import undo_deltas
-from elitescript.plotting.page import SOURCE_MAX, page, page_data
+from elitescript.plotting.plain_page import SOURCE_MAX, page_data
+from elitescript.plotting.plain_page import plain_page as page
 from tests.plotting.recordings import PROGRAM, of_rows, recorded, restless, row
 
 
