@@ -9,7 +9,7 @@ import asyncio
 import os
 import shutil
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 
@@ -67,32 +67,47 @@ def pytest_pycollect_makemodule(module_path: Path, parent: pytest.Collector) -> 
     return _Unavailable.from_parent(parent, path=module_path) if _missing() else None
 
 
+class Loan:
+    """The browser of all tests, for a while.
+
+    Its loop counts as running between the calls of Playwright. Other tests run loops of their own in this thread, so
+    that is so for the while alone.
+    """
+
+    def __init__(self, browser: Browser) -> None:
+        self._browser = browser
+        self._loop = asyncio.get_running_loop()
+
+    @contextmanager
+    def of_browser(self) -> Iterator[Browser]:
+        """Lend it."""
+        asyncio._set_running_loop(self._loop)
+        try:
+            yield self._browser
+        finally:
+            asyncio._set_running_loop(None)
+
+
 @pytest.fixture(scope="session")
-def _started() -> Iterator[tuple[Browser, asyncio.AbstractEventLoop]]:
+def loan() -> Iterator[Loan]:
     """Start a browser; it ends with the last test."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as driver:
         found = next(path for name in NAMES if (path := shutil.which(name)))
         browser = driver.chromium.launch(executable_path=found, args=list(ARGUMENTS))
-        loop = asyncio.get_running_loop()
+        loan = Loan(browser)
         asyncio._set_running_loop(None)
-        yield browser, loop
-        asyncio._set_running_loop(loop)
-        browser.close()
+        yield loan
+        with loan.of_browser():
+            browser.close()
 
 
 @pytest.fixture
-def browser(_started: tuple[Browser, asyncio.AbstractEventLoop]) -> Iterator[Browser]:
-    """Lend the browser of all tests.
-
-    Its loop counts as running between the calls of Playwright. Other tests run loops of their own in this thread, so
-    that is so during a test of the page alone.
-    """
-    browser, loop = _started
-    asyncio._set_running_loop(loop)
-    yield browser
-    asyncio._set_running_loop(None)
+def browser(loan: Loan) -> Iterator[Browser]:
+    """Lend the browser to one test."""
+    with loan.of_browser() as browser:
+        yield browser
 
 
 @pytest.fixture
