@@ -93,14 +93,17 @@ def loan() -> Iterator[Loan]:
     """Start a browser; it ends with the last test."""
     from playwright.sync_api import sync_playwright
 
-    with sync_playwright() as driver:
+    with ExitStack() as stack:
+        driver = stack.enter_context(sync_playwright())
         found = next(path for name in NAMES if (path := shutil.which(name)))
         browser = driver.chromium.launch(executable_path=found, args=list(ARGUMENTS))
         loan = Loan(browser)
         asyncio._set_running_loop(None)
         yield loan
+        # Its end belongs to the loop too.
         with loan.of_browser():
             browser.close()
+            stack.close()
 
 
 @pytest.fixture

@@ -32,7 +32,7 @@ def test_versions_files_and_the_page_of_a_run(context: Callable[..., Page], tmp_
         panel.get_by_role("combobox", name="Align by").select_option("visit")
 
         with page.expect_download() as saved:
-            page.get_by_role("button", name="Save as page").click()
+            page.get_by_role("button", name="Export page").click()
         file = tmp_path / saved.value.suggested_filename
         assert file.name == "move.plot.html"
         saved.value.save_as(file)

@@ -1,4 +1,4 @@
-"""What goes wrong around a page of `elitescript studio`: one studio and one page take it all, one failure after another.
+"""What goes wrong around a page of `elitescript studio`; one studio and one page take all of it.
 
 Each test begins and ends with a program that runs, so that the page has to come out of every failure.
 """

@@ -333,6 +333,13 @@ class TestFailures:
         assert page.ran(SHORT)["state"] == "finished"
         assert "started again" in page.until("notice")["text"]
 
+    def test_a_text_that_comes_as_the_keeper_ends_is_run(self, page):
+        page.ran(SHORT)
+        keeper = page.do(page.engine._workers())
+        os.kill(keeper.pid, signal.SIGKILL)
+        assert page.ran(SHORT.replace("0.1", "0.17"))["state"] == "finished"
+        assert [message["severity"] for message in page.messages if message["type"] == "notice"] == ["warning"]
+
     def test_a_page_that_does_not_read_holds_the_run_back(self, page):
         text = 'def job():\n  while True:\n    textmsg("x" * 2000)\n    sync()\n  end\nend\n'
         taken, reads = page.engine._send_rows, asyncio.Event()

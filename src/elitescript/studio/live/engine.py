@@ -198,6 +198,12 @@ class LiveEngine:
             self._starting = None
         return is_present
 
+    @property
+    def _has_lost_workers(self) -> bool:
+        """Whether what starts workers has ended by itself."""
+        starting = self._starting
+        return starting is not None and starting.done() and not (starting.exception() or starting.result().is_alive)
+
     async def _begin(self, request: dict[str, Any]) -> Worker:
         """Return a worker that carries out a request.
 
@@ -363,7 +369,10 @@ class LiveEngine:
                 else:
                     has_begun = has_begun or what == "run_began"
                     await self._pass_on(message, new, compiled)
-            if not new.is_over:
+            if not (has_begun or new.is_over) and self._has_lost_workers:
+                # The text came just as the keeper ended.
+                await self._follow(request, new, stands_in)
+            elif not new.is_over:
                 await self._ended_by_itself(worker, new, has_begun=has_begun)
         except UsageError as error:
             await self._send(describe.notice("error", str(error)))
