@@ -1,4 +1,4 @@
-"""Planning and sampling one move, one period of a drive, and whole paths of short lines; against other packages.
+"""Planning and sampling one move, one period of a drive, whole paths and looking for contacts; against other packages.
 
 Ruckig finds time laws only: it knows no path in Cartesian space, no inverse kinematics and no
 singularities; compare it with `movej`. The Robotics Toolbox interpolates poses and solves each
@@ -15,7 +15,7 @@ from math import inf, pi, sin
 from typing import Any
 
 from benchmarks.kinematics import Calls, compared
-from benchmarks.measure import best_in_turn, best_of_calls, least, time_of
+from benchmarks.measure import ROOT, best_in_turn, best_of_calls, least, time_of
 from benchmarks.table import Row, not_installed, print_rows, timed_row
 from elitescript import VirtualRobot
 from elitescript.commands.micro_file import read_points
@@ -51,7 +51,7 @@ def rows() -> list[Row]:
     """Moves and drives, whole paths, point files; beside every package that has the same."""
     model = load_model("CS66")
     peers = {name: build(model) for name, build in PEERS.items() if find_spec(name)}
-    table = compared(_our_calls(model), peers) + _path_rows() + _point_file_rows(model)
+    table = compared(_our_calls(model), peers) + _path_rows() + _point_file_rows(model) + _contact_rows()
     return table + [not_installed(name) for name in PEERS if name not in peers]
 
 
@@ -123,6 +123,42 @@ def _path_rows() -> list[Row]:
         best = least([time_of(lambda robot=robot: robot.run(text).check()) for robot in robots])  # type: ignore[misc]  # noqa: B023
         simulated_s = robots[0].time_s
         rows.append(timed_row(f"{LINES} lines of {LINE_M * 1e3:g} mm, {what}", best, simulated_s=simulated_s))
+    return rows
+
+
+CELL = ROOT / "examples/pick_and_place.toml"
+SERVO_PROGRAM = """def servo():
+  import math
+  movej([0, -1.5708, -1.5708, -1.5708, 1.5708, 0], a=2, v=1)
+  q = get_target_joint_positions()
+  for i in range(30000):
+    a = 0.004 * i
+    servoj([0.4 * math.sin(a), q[1] + 0.1 * math.sin(1.5 * a), q[2], q[3], q[4], q[5]], t=0.004)
+  end
+  stopj(2)
+end
+"""
+
+
+def _contact_rows() -> list[Row]:
+    """Runs in a world with things, whose contacts are looked for, in turn with the same ones without things."""
+    programs = {
+        "pick and place": ((ROOT / "examples/pick_and_place.script").read_text(), RUNS),
+        "servoj for two minutes": (SERVO_PROGRAM, 2),
+    }
+    rows = []
+    for what, (text, rounds) in programs.items():
+        simulated_s = [0.0, 0.0]
+
+        def run(number: int, text: str = text, simulated_s: list[float] = simulated_s) -> None:
+            robot = VirtualRobot("CS66", world=(None, CELL)[number])
+            robot.run(text).check()
+            simulated_s[number] = robot.time_s
+
+        names = (f"{what}, no things", f"{what}, three things and a tool")
+        times = best_in_turn([partial(run, 0), partial(run, 1)], rounds)
+        for name, time, robot_s in zip(names, times, simulated_s, strict=True):
+            rows.append(timed_row(name, time, simulated_s=robot_s))
     return rows
 
 

@@ -150,6 +150,22 @@ def closed_world(path: str | Path | None, *, is_trusted: bool = False, may_conne
     return world
 
 
+def files_read(path: str | Path) -> list[Path]:
+    """Return a world file, and the files of its arm and of Python that it names.
+
+    Raises:
+        UsageError: an invalid world file.
+    """
+    from elitescript.devices.scenario import python_files
+    from elitescript.models.model import is_model_file
+
+    file = load_world_file(path, with_world=False)
+    names = python_files(file.beside)
+    if is_model_file(model := file.options.get("model", "")):
+        names.append(model)
+    return [Path(path), *(Path(path).parent / name for name in names)]
+
+
 def _huge(value: object, path: TomlPath) -> TomlPath | None:
     """Return the path of a whole number that no float and no TOML of other readers has; None if there is none."""
     if isinstance(value, int):

@@ -32,8 +32,20 @@ end
 TEXT = "gripper touches table: 12.0 mm deep at 4.196 s, from 4.028 s on"
 
 
+IN_A_PROCESS = contact_findings._answered
+
+
 @pytest.fixture
-def files(tmp_path):
+def in_a_process(files, monkeypatch):
+    """Runs are in processes of their own, as they are outside of tests."""
+    monkeypatch.setattr(contact_findings, "_answered", IN_A_PROCESS)
+
+
+@pytest.fixture
+def files(tmp_path, monkeypatch):
+    """Writes program and world; runs of `check` are in this process."""
+    monkeypatch.setattr(contact_findings, "_answered", contact_findings.answer_to)
+
     def write(program=DOWN, world=WORLD):
         (tmp_path / "cell.toml").write_text(world)
         (tmp_path / "down.script").write_text(program)
@@ -59,6 +71,23 @@ def test_check_has_the_same_as_a_finding_on_the_line(files, capsys):
     record = json.loads(line)
     assert (record["code"], record["severity"], record["line"], record["column"]) == ("W273", "warning", 6, 3)
     assert record["text"] == TEXT
+
+
+@pytest.mark.usefixtures("in_a_process")
+def test_the_run_of_check_has_a_process_of_its_own(files, capsys):
+    program, world = files(DOWN.replace("set_tcp", "print(3)\n  set_tcp"))
+    assert main(["check", program, "--world", world]) == 0
+    assert "warning W273: gripper touches table: 12.0 mm deep" in capsys.readouterr().out
+
+
+@pytest.mark.usefixtures("in_a_process")
+def test_a_step_that_does_not_end_is_killed(files, capsys, monkeypatch):
+    monkeypatch.setattr(contact_findings, "WALL_S", 0.1)
+    monkeypatch.setattr(contact_findings, "GRACE_S", 0.4)
+    program, world = files(program="n = 9 ** 9 ** 9\n")
+    assert main(["check", program, "--world", world]) == 0
+    expected = f"{program}: not run for contacts: a step of the program did not end within 0.5 s"
+    assert expected in capsys.readouterr().err
 
 
 def test_check_without_solids_runs_nothing(files, capsys, monkeypatch):

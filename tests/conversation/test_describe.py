@@ -15,6 +15,7 @@ from elitescript.json_records.events import record_of
 from elitescript.language.diagnostics import Edit, Fix, diagnostic
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
+from elitescript.lint.registry import all_rules
 from elitescript.messages.events import Alarm
 from elitescript.messages.motion import MoveJ, MoveL
 from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
@@ -134,6 +135,7 @@ class TestProblems:
         ]
         assert ["fix" in item for item in made["list"]] == [item.fix is not None and item.fix.safe for item in found]
         assert found
+        assert made["rules"] == len(all_rules())
 
 
 class TestRun:

@@ -161,7 +161,7 @@ class TestReadMessage:
         assert len(str(caught.value)) < 1000
 
     def test_refuses_a_message_that_is_too_long(self):
-        with pytest.raises(UsageError, match="a message of 4194305 characters"):
+        with pytest.raises(UsageError, match="a message of 16777217 characters"):
             read_message(" " * (messages.MESSAGE_BYTES_MAX + 1))
 
     def test_refuses_deep_nesting(self):

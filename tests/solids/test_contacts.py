@@ -10,7 +10,7 @@ from elitescript.kinematics.transforms import compose
 from elitescript.models.model import load_model
 from elitescript.robot import VirtualRobot
 from elitescript.solids.arm import arm_parts
-from elitescript.solids.contacts import LINKS, NOT_WATCHED, _Group
+from elitescript.solids.contacts import LINKS, NOT_WATCHED, _Group, _measured
 from elitescript.solids.distance import closest
 from elitescript.solids.frames import frames_of
 from tests.solids.every_tick import compare, contacts_of_every_tick
@@ -181,3 +181,84 @@ def _written(folder, text):
     path = folder / "world.toml"
     path.write_text(text)
     return path
+
+
+AGAIN = """def again():
+  set_tcp([0, 0, 0.1, 0, 0, 0])
+  movej([0, -1.5708, -1.5708, -1.5708, 1.5708, 0], a=4, v=2)
+  start = get_target_tcp_pose()
+  for n in range(4):
+    p = start.copy()
+    p[1] += 0.1
+    movel(p, a=4, v=0.8, r=0.03)
+    p[2] = -0.012
+    movel(p, a=2, v=0.5)
+    movel(start, a=4, v=0.8)
+  end
+end
+"""
+
+
+def test_a_move_that_comes_again_is_not_watched_again_but_for_what_touched(tmp_path, monkeypatch):
+    with monkeypatch.context() as patch:
+        patch.setattr("elitescript.solids.contacts._WORTHWHILE_TICKS", 1_000_000)
+        expected = run_in(tmp_path, TABLE + GRIPPER, AGAIN).contacts
+    measured = []
+
+    def counted(pair, span, tick, ample):
+        measured.append((tick, pair.first.name, pair.second.name))
+        return _measured(pair, span, tick, ample)
+
+    monkeypatch.setattr("elitescript.solids.contacts._measured", counted)
+    found = run_in(tmp_path, TABLE + GRIPPER, AGAIN).contacts
+    assert [(its.first, its.second) for its in found] == [("gripper", "table")] * 4
+    assert [its[:5] for its in found] == [its[:5] for its in expected]
+    # The first move of the first cycle begins elsewhere; the second cycle is watched, the others are known.
+    assert {its[1:] for its in measured if its[0] > round(found[2].end_s / 0.004)} == {("gripper", "table")}
+
+
+SERVO = """def servo():
+  import math
+  q = get_target_joint_positions()
+  for i in range(250):
+    servoj([q[0], q[1] + 0.25 * math.sin(0.03 * i), q[2], q[3], q[4], q[5]], t=0.004, lookahead_time=0.1, gain=300)
+  end
+  stopj(4)
+end
+"""
+
+
+def test_contacts_in_motions_that_are_known_for_one_period_only(tmp_path):
+    home = VirtualRobot("CS66").state
+    x, y, z = home.tcp_pose_target[:3]
+    world = f'[[box]]\nname = "plate"\nsize = [0.4, 0.4, 0.02]\npose = [{x}, {y}, {z - 0.16}]\n' + GRIPPER
+    path = _written(tmp_path, world)
+    run = VirtualRobot("CS66", world=path).run(SERVO, trace=True).check()
+    expected, near = contacts_of_every_tick(run, home.q_target, path)
+    found = [(its.first, its.second, its.start_s, its.end_s) for its in run.contacts]
+    assert sorted(found) == sorted(its[:4] for its in expected)
+    assert ("gripper", "plate") in {its[:2] for its in found}
+    assert run.clearances[0].distance_m == pytest.approx(near["plate"], abs=1e-9)
+
+
+def test_sums_that_begin_anew_change_nothing(tmp_path, monkeypatch):
+    runs = [run_in(tmp_path, TABLE + GRIPPER, AGAIN)]
+    monkeypatch.setattr("elitescript.solids.contacts._FARTHEST_RAD", 0.0)
+    runs.append(run_in(tmp_path, TABLE + GRIPPER, AGAIN))
+    assert runs[0].contacts == runs[1].contacts
+
+
+def test_a_run_that_is_cut_off_is_watched_to_its_last_row(tmp_path):
+    home = VirtualRobot("CS66").state
+    x, y, z = home.tcp_pose_target[:3]
+    path = _written(
+        tmp_path, f'[[box]]\nname = "plate"\nsize = [0.4, 0.4, 0.02]\npose = [{x}, {y}, {z - 0.12}]\n' + GRIPPER
+    )
+    program = "p = get_target_tcp_pose()\np[2] = p[2] - 0.25\nmovel(p, a=1, v=0.5)\n"
+    run = VirtualRobot("CS66", world=path).run(program, until_s=0.3, trace=True)
+    expected, _ = contacts_of_every_tick(run, home.q_target, path)
+    assert run.state == "time_limit"
+    (deepest,) = [its[4] for its in expected if its[0] == "gripper"]
+    (contact,) = [its for its in run.contacts if its.first == "gripper"]
+    assert contact.distance_m == pytest.approx(deepest, abs=1e-9)
+    assert contact.t == run.trace[-1].t

@@ -9,7 +9,7 @@ import pytest
 
 from elitescript.kinematics.rotations import rotation_from_rotvec
 from elitescript.solids.bodies import ROUND_EXCESS, SIDES, Body
-from elitescript.solids.distance import closest, least_distance
+from elitescript.solids.distance import ball_distance, closest, least_distance
 
 KINDS = ("box", "cylinder", "cone", "sphere", "capsule")
 
@@ -58,6 +58,8 @@ def test_distances_apart_are_certain():
         T_a, T_b = random_place(draw, 1.0), random_place(draw, 1.0)
         d, p, q = closest(a, T_a, b, T_b)
         assert least_distance(a, T_a, b, T_b) <= d + 1e-9
+        if d > 0.0:
+            assert ball_distance(T_a, a.bound, b, T_b) <= d + 1e-9
         assert closest(b, T_b, a, T_a)[0] == pytest.approx(d, abs=2e-8)
         if d <= 1e-6:
             continue
@@ -125,3 +127,18 @@ def test_round_bodies_stand_out_by_less_than_a_hundredth_of_their_radius():
     for step in range(360):
         n = (cos(step * pi / 180), sin(step * pi / 180), 0.0)
         assert 0.1 - 1e-12 <= farthest(body, upright, n) <= 0.1 * (1 + ROUND_EXCESS) + 1e-12
+
+
+@pytest.mark.parametrize(
+    ("body", "at", "expected"),
+    [
+        (Body("box", (0.2, 0.4, 0.6)), (0.4, 0.0, 0.0), 0.2),
+        (Body("box", (0.2, 0.4, 0.6)), (0.4, 0.6, 0.0), 0.4),
+        (Body("sphere", (0.1,)), (0.0, 0.0, 0.5), 0.3),
+        (Body("capsule", (0.1, 0.4)), (0.0, 0.0, 0.5), 0.1),
+        (Body("cylinder", (0.1 / (1.0 + ROUND_EXCESS), 0.4)), (0.5, 0.0, 0.6), 0.3 * sqrt(2) - 0.1 + 0.1 * sqrt(2)),
+    ],
+)  # fmt: skip
+def test_distances_of_a_ball(body, at, expected):
+    upright = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+    assert ball_distance((*upright, *at), 0.1, body, (*upright, 0.0, 0.0, 0.0)) == pytest.approx(expected, abs=1e-9)

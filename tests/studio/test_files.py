@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
 import stat
 import sys
@@ -11,9 +12,10 @@ from pathlib import Path
 
 import pytest
 
+from elitescript.conversation.messages import read_message
 from elitescript.errors import UsageError
 from elitescript.studio import files
-from elitescript.studio.files import NONE, Conflict, Programs, read, save
+from elitescript.studio.files import FILE_BYTES_MAX, NONE, Conflict, Programs, read, save
 
 TEXT = "def p():\n  sleep(1)\nend\n"
 
@@ -35,6 +37,18 @@ class TestSave:
         os.umask(mask)
         assert stat.S_IMODE(path.stat().st_mode) == 0o666 & ~mask
         assert leftovers(tmp_path) == []
+
+    def test_a_name_may_be_as_long_as_the_system_lets_it(self, tmp_path: Path) -> None:
+        path = tmp_path / ("a" * 248 + ".script")
+        path.write_text("old")
+        save(path, "new", read(path).digest)
+        assert path.read_text() == "new"
+
+    def test_what_can_be_opened_can_be_saved(self, tmp_path: Path) -> None:
+        path = tmp_path / "a.script"
+        path.write_text("\n" * FILE_BYTES_MAX)
+        message = {"type": "save", "ask": 1, "text": read(path).text, "seen": ""}
+        assert len(read_message(json.dumps(message)).text) == FILE_BYTES_MAX
 
     @pytest.mark.parametrize(
         ("before", "text", "after"),

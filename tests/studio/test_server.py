@@ -262,7 +262,9 @@ class TestPages:
 
         assert all(echo.is_closed for echo in run(steps).pages)
 
-    def test_a_message_that_is_too_long_ends_its_page_alone(self) -> None:
+    def test_a_message_that_is_too_long_ends_its_page_alone(self, monkeypatch) -> None:
+        monkeypatch.setattr(server, "MESSAGE_BYTES_MAX", 10_000)
+
         async def steps(port: Port) -> None:
             async with port.page() as one, port.page() as two:
                 fits = "x" * (server.MESSAGE_BYTES_MAX - 2)

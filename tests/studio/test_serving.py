@@ -109,6 +109,13 @@ class TestProcess:
                 started.send_signal(signal.SIGINT if sys.platform != "win32" else signal.SIGTERM)
                 assert started.wait(WAIT_S) == 0
 
+    @pytest.mark.skipif(sys.platform == "win32", reason="there are no terminals that hang up")
+    def test_a_terminal_that_is_closed_ends_it_like_any_other_end(self, tmp_path: Path) -> None:
+        (tmp_path / "cell.script").write_text("old")
+        with process(tmp_path / "cell.script", state=tmp_path / "state") as (started, _):
+            started.send_signal(signal.SIGHUP)
+            assert started.wait(WAIT_S) == 0
+
     def test_a_text_outlives_the_process(self, tmp_path: Path) -> None:
         path = tmp_path / "cell.script"
         path.write_text("old\n")

@@ -80,6 +80,7 @@ def test_without_control_it_only_shows(open_page: Open) -> None:
     expect(pendant).to_contain_text("running")
     expect(pendant).to_contain_text("Start it with --control")
     expect(page.locator(".target")).to_contain_text("CS66 · 10.0.0.7:30001")
+    expect(page).to_have_title(re.compile("^pick.script . CS66 · 10.0.0.7:30001 "))
     source.say(state(link="lost"))
     expect(pendant).to_contain_text("No connection to 10.0.0.7:30001")
     expect(page.locator(".target")).to_contain_text("lost")
@@ -148,6 +149,13 @@ def test_holding(open_page: Open) -> None:
     expected = {"type": "jog", "frame": "joint", "axis": 2, "direction": 1, "speed": 0.3}
     assert all(jog == expected for jog in released(page, source))
     expect(plus).to_have_attribute("aria-pressed", "false")
+    plus.hover()
+    page.mouse.down()
+    held(source)
+    page.mouse.down(button="right")
+    page.mouse.up()
+    released(page, source)
+    page.mouse.up(button="right")
     page.get_by_role("radio", name="tool").check()
     for key in ("Space", "Enter"):
         button(page, "Jog Z minus").focus()

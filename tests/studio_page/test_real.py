@@ -32,6 +32,7 @@ def test_a_program_from_text_to_file(context: Callable[..., Page], tmp_path: Pat
         problems = page.get_by_role("region", name="Problems")
         text = page.get_by_role("textbox", name="Program text")
         expect(state).to_contain_text("finished")
+        expect(page.locator(".cm-bar.ran")).not_to_have_count(0)
 
         text.click()
         page.keyboard.press("Control+End")
@@ -41,7 +42,7 @@ def test_a_program_from_text_to_file(context: Callable[..., Page], tmp_path: Pat
         for _ in range(5):
             page.keyboard.press("Backspace")
         page.keyboard.type("(0.25")
-        expect(problems).to_contain_text("No problems.")
+        expect(problems).to_contain_text(re.compile(r"No problems\. \d\d+ rules were checked\."))
         expect(state).to_contain_text("finished")
         typed = f"{PROGRAM}sleep(0.25)"
         assert file.read_text() == PROGRAM
@@ -71,3 +72,22 @@ def test_a_program_from_text_to_file(context: Callable[..., Page], tmp_path: Pat
         page.get_by_role("button", name="Save").click()
         expect(page).to_have_title(re.compile("^move.script"))
         assert file.read_text().rstrip("\n") == typed
+
+
+def test_undo_stays_in_the_file_that_was_opened(context: Callable[..., Page], tmp_path: Path) -> None:
+    for name in ("first", "second"):
+        (tmp_path / f"{name}.script").write_text(f"textmsg('{name}')\n")
+    with studio(tmp_path, state=tmp_path / "state") as address:
+        page = context()
+        page.goto(address)
+        text = page.get_by_role("textbox", name="Program text")
+        expect(text).to_contain_text("first")
+        page.get_by_label("File name").fill("second.script")
+        page.keyboard.press("Enter")
+        expect(text).to_contain_text("second")
+        text.click()
+        page.keyboard.press("ControlOrMeta+z")
+        page.keyboard.press("Control+Home")
+        page.keyboard.type("# ")
+        expect(text).to_contain_text("# textmsg('second')")
+        expect(page).to_have_title(re.compile("second.script"))

@@ -101,6 +101,17 @@ def test_an_alarm_says_where_and_the_limit(open_page: Open) -> None:
     assert source.wait("seek", lambda message: message["t"] == 3.2)
 
 
+def test_a_signal_points_at_the_change_behind_its_value(open_page: Open) -> None:
+    page, _ = open_page()
+    signals = region(page, "Signals")
+    signals.get_by_role("button", name="standard_digital_out").first.hover()
+    expect(page.locator(".cm-outlined")).to_have_count(1)
+    expect(page.locator(".hover-line")).to_be_visible()
+    expect(signals.get_by_role("columnheader")).to_have_count(2)
+    page.mouse.move(0, 0)
+    expect(page.locator(".cm-outlined")).to_have_count(0)
+
+
 def test_inputs_are_a_schedule_with_undo(open_page: Open) -> None:
     page, source = open_page()
     signals = region(page, "Signals")

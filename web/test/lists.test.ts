@@ -3,8 +3,9 @@ import { test } from "node:test";
 import { cycleRows } from "../src/model/cycle.ts";
 import { firstChange, lineMap, pairLines } from "../src/model/difference.ts";
 import { History } from "../src/model/history.ts";
-import { familyOf, hasSlider, inputNames, readValue, shownNames, valueAt, type Family } from "../src/model/points.ts";
+import { familyOf, hasSlider, inputNames, readValue, shownNames, valueAt } from "../src/model/points.ts";
 import { Run } from "../src/model/run.ts";
+import type { SignalFamily } from "../src/source/services.ts";
 
 // ---------------------------------------------------------------- differences
 
@@ -56,22 +57,23 @@ test("lines are compared with the same lines of the other text, wherever they ar
 
 // ---------------------------------------------------------------- signals
 
-const FAMILIES: readonly Family[] = [
-  { name: "standard_digital_in", kind: "bool", size: 2, is_input: true, low: null, high: null, unit: "", default: false, summary: "" },
-  { name: "tool_analog_in", kind: "float", size: 1, is_input: true, low: 0, high: 10, unit: "V or A", default: 0, summary: "" },
-  { name: "standard_digital_out", kind: "bool", size: 2, is_input: false, low: null, high: null, unit: "", default: false, summary: "" },
-  { name: "input_int_register", kind: "int", size: 1, is_input: true, low: -(2 ** 31), high: 2 ** 31 - 1, unit: "", default: 0, summary: "" },
+const FAMILIES: readonly SignalFamily[] = [
+  { name: "standard_digital_in", kind: "bool", size: 2, is_input: true, low: null, high: null, unit: "", default: false, summary: "", is_kept: false },
+  { name: "tool_analog_in", kind: "float", size: 1, is_input: true, low: 0, high: 10, unit: "V or A", default: 0, summary: "", is_kept: false },
+  { name: "standard_digital_out", kind: "bool", size: 2, is_input: false, low: null, high: null, unit: "", default: false, summary: "", is_kept: false },
+  { name: "input_int_register", kind: "int", size: 1, is_input: true, low: -(2 ** 31), high: 2 ** 31 - 1, unit: "", default: 0, summary: "", is_kept: false },
+  { name: "encoder_speed", kind: "float", size: 1, is_input: true, low: null, high: null, unit: "1/s", default: 0, summary: "", is_kept: false },
 ];
 
 test("families, their inputs and sliders", () => {
   assert.equal(familyOf(FAMILIES, "standard_digital_out[1]")?.is_input, false);
   assert.equal(familyOf(FAMILIES, "nothing[1]"), null);
-  assert.deepEqual(inputNames(FAMILIES), ["standard_digital_in[0]", "standard_digital_in[1]", "tool_analog_in", "input_int_register"]);
-  assert.deepEqual(FAMILIES.map(hasSlider), [false, true, false, false]);
+  assert.deepEqual(inputNames(FAMILIES), ["standard_digital_in[0]", "standard_digital_in[1]", "tool_analog_in", "input_int_register", "encoder_speed"]);
+  assert.deepEqual(FAMILIES.map(hasSlider), [false, true, false, false, false]);
 });
 
 for (const [index, typed, value] of [
-  [0, "on", true], [0, "0", false], [0, "2", null], [1, "4.2 V", 4.2], [1, "11", null], [1, "", null], [3, "7", 7], [3, "7.5", null], [3, "-8", -8],
+  [0, "on", true], [0, "0", false], [0, "2", null], [1, "4.2 V", 4.2], [1, "11", null], [1, "", null], [1, "12 mA", 0.012], [1, "abc", null], [1, "V", null], [1, "4 N", null], [4, "-5 1/s", -5], [3, "0x10", null], [3, "7", 7], [3, "7.5", null], [3, "-8", -8],
 ] as const) {
   test(`${FAMILIES[index]!.name} takes "${typed}" as ${value}`, () => assert.equal(readValue(FAMILIES[index]!, typed), value));
 }
@@ -84,6 +86,8 @@ test("a value is that of the exact state, else of the last change, else the defa
   const exact = { t: 1.5, line: 1, joints: [0, 0, 0, 0, 0, 0], tcp_pose: [0, 0, 0, 0, 0, 0], globals: [], signals: {}, threads: [] } as const;
   assert.equal(valueAt("standard_digital_out[0]", 1.5, made, exact, FAMILIES), false);
   assert.equal(valueAt("unknown", 1, made, null, FAMILIES), undefined);
+  // A recording has no families: off before the first change.
+  assert.equal(valueAt("standard_digital_out[0]", 0, made, null, []), false);
 });
 
 test("shown are changed, given and chosen signals, inputs first, by their number", () => {

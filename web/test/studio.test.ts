@@ -474,4 +474,95 @@ test("with a controller the cursor goes with its time, until it is held", () => 
   source.say({ type: "moment", moment: moment(12), controller });
   assert.equal(studio.cursor.value, 12);
   assert.equal(studio.isPlaying.value, false);
+  assert.equal(studio.robot.value, "CS66 · 10.0.0.2");
+  studio.linked("lost");
+  assert.equal(studio.controller.value?.link, "lost");
+});
+
+// ---------------------------------------------------------------- messages that cross
+
+test("a run that begins after a further edit has the text that was told for it", () => {
+  const { source, studio } = ran();
+  mock.timers.tick(EDIT_MS);
+  studio.edit("first\ntwo\nthree");
+  const { version } = studio;
+  const told = version.value;
+  studio.edit("first\ntwo\nthree\nfour");
+  source.say(began(2, told));
+  assert.equal(studio.run.value?.text, "first\ntwo\nthree");
+  mock.timers.tick(STALE_MS);
+  assert.equal(studio.staleFrom.value, 4);
+  source.say(began(3, version.value));
+  assert.equal(studio.staleFrom.value, 0);
+});
+
+test("a run of an older text that begins late does not hide that the newest has none", () => {
+  const { source, studio } = ran();
+  mock.timers.tick(EDIT_MS);
+  studio.edit("a");
+  const told = studio.version.value;
+  studio.edit("ab");
+  mock.timers.tick(STALE_MS);
+  source.say(began(2, told));
+  assert.equal(studio.staleFrom.value, 1);
+});
+
+test("what is asked while the link is lost fails at once, and Save is free again", async () => {
+  const { source, studio } = opened();
+  source.link("lost");
+  studio.edit("new");
+  assert.equal(await studio.save(), false);
+  assert.equal(studio.isSaving.value, false);
+  assert.equal(source.all("save").length, 0);
+  source.link("open");
+  void studio.save();
+  assert.equal(source.all("save").length, 1);
+});
+
+test("a message of a kind or a run that is not known changes nothing", () => {
+  const { source, studio } = opened();
+  source.say({ type: "progress", run: 7, t: 1 }, { type: "unheard_of" } as never);
+  assert.equal(studio.run.value, null);
+});
+
+test("the time of a controller that begins anew is its own", () => {
+  const { source, studio } = opened();
+  source.say({ ...HELLO, mode: "connected", abilities: ["live"] }, began(1, 0));
+  source.rows(rows(1, [900_000]));
+  source.say(began(2, 0));
+  source.rows(rows(2, [250]));
+  assert.equal(studio.end.value, 1);
+  assert.equal(studio.runAt(2)?.number, 2);
+});
+
+test("the fix of a finding is made in the text that was checked, or not at all", () => {
+  const { studio } = opened();
+  const made: unknown[] = [];
+  studio.editor = { apply: (edits) => made.push(edits), replace() {}, insert() {}, focus() {} };
+  const edits = [{ line: 1, column: 1, end_line: 1, end_column: 2, text: "x" }];
+  const { value } = studio.version;
+  studio.fix(value, edits);
+  studio.edit("new");
+  studio.fix(value, edits);
+  assert.deepEqual(made, [edits]);
+});
+
+test("a place in the run is sent with the version of its text", () => {
+  const { studio } = ran();
+  const { value } = studio.version;
+  studio.edit("zero\none\ntwo\nthree");
+  studio.jump(1, { line: 2, column: 1 });
+  assert.deepEqual(studio.goto.value, { line: 2, column: 1, version: value });
+});
+
+test("Run computes again what Stop has ended, once", () => {
+  const { source, studio } = ran();
+  source.say(began(2, studio.version.value));
+  studio.stopAll();
+  source.say({ ...ended(2, 1), state: "stopped" } as never);
+  mock.timers.tick(EDIT_MS);
+  const told = source.all("program").length;
+  studio.play();
+  studio.play();
+  assert.equal(source.all("program").length, told + 1);
 });

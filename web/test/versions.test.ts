@@ -35,7 +35,23 @@ test("typing inside a line keeps it", () => {
 
 test("versions and lines that are not known are nowhere", () => {
   const { versions, text } = edited();
-  assert.equal(versions.now(2, 1, text), 0);
+  assert.equal(versions.now(0, 1, text), 0);
   assert.equal(versions.now(1, 9, text), 0);
   assert.equal(versions.then(1, 0, text), 0);
+});
+
+test("a version that options have raised has the text in front of it", () => {
+  const { versions, text } = edited({ from: 4, insert: "new\n" });
+  versions.begin(5, text);
+  assert.deepEqual([2, 3, 4].map((version) => versions.now(version, 2, text)), [3, 3, 3]);
+  assert.equal(versions.now(6, 2, text), 2);
+});
+
+test("the text of a run is known however many follow that do not run", () => {
+  const { versions, text } = edited({ from: 4, insert: "new\n" });
+  for (let version = 2; version < 400; version++) versions.begin(version, text);
+  assert.equal(versions.now(1, 2, text), 3);
+  versions.forget(300);
+  assert.equal(versions.now(299, 2, text), 0);
+  assert.equal(versions.now(300, 2, text), 2);
 });

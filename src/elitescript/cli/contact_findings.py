@@ -1,17 +1,24 @@
 """What `check --world` finds by running a program in a world with solids: contacts, as findings on their lines.
 
 The run is in virtual time and reaches nothing of this computer: a connection that no device of the world takes fails,
-and files are written to a copy in memory. Its length is bounded by robot time and by wall time.
+and files are written to a copy in memory. Its length is bounded by robot time and by wall time. It has a process of its
+own, which is killed if a single step of the program does not end.
 """
 
 from __future__ import annotations
 
+import json
+import os
+import subprocess
+import sys
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
 from elitescript.devices.surroundings import REAL, VIRTUAL
 from elitescript.devices.world import World
+from elitescript.environment.process import Life, end_with_parent, module_command, module_environment
 from elitescript.errors import ElitescriptError
 from elitescript.language.diagnostics import Diagnostic, diagnostic, in_order
 from elitescript.language.text.source import SourceFile
@@ -25,6 +32,8 @@ UNTIL_S: Final = 600.0
 """Robot time after which a run is cut off."""
 WALL_S: Final = 5.0
 """Wall time after which it is, looked at in every tick."""
+GRACE_S: Final = 5.0
+"""Wall time that its process has beyond that: to start, and to come to the next tick."""
 FILE_BYTES: Final = 1_000_000
 """Larger files beside a program are not in its copy of the task folder."""
 FILES: Final = 100
@@ -32,7 +41,7 @@ FILES: Final = 100
 
 
 def contact_findings(
-    source: SourceFile, folder: Path | None, world: str, options: dict[str, Any]
+    source: SourceFile, folder: Path | None, world: str, options: Mapping[str, Any]
 ) -> tuple[tuple[Diagnostic, ...], str]:
     """Run a program in its world; return a finding for each contact and line, and why the run says less than all.
 
@@ -42,31 +51,84 @@ def contact_findings(
         world: path of a world file with solids.
         options: of the robot, as the command line gives them.
     """
-    file = load_world_file(world, network=VIRTUAL)
+    request = {
+        "name": source.name,
+        "text": source.text,
+        "folder": None if folder is None else str(folder),
+        "world": world,
+        "options": dict(options),
+        "until_s": UNTIL_S,
+        "wall_s": WALL_S,
+    }
+    answer = _answered(request)
+    problems = [_finding(line, text, source) for line, text in answer["contacts"]]
+    return in_order(without_suppressed(problems, source)), answer["why_less"]
+
+
+def _answered(request: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a process of its own says to a request; see `answer_to`."""
+    life = Life()
+    limit_s = WALL_S + GRACE_S
+    try:
+        with subprocess.Popen(
+            module_command(__name__, [life.descriptor]),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env=module_environment(),
+            **life.options,
+        ) as process:
+            life.started()
+            try:
+                data, _ = process.communicate(json.dumps(request).encode(), timeout=limit_s)
+            except BaseException as error:
+                process.kill()
+                if not isinstance(error, subprocess.TimeoutExpired):
+                    raise
+                return _nothing(f"a step of the program did not end within {limit_s:g} s")
+    finally:
+        life.close()
+    if process.returncode != 0:
+        return _nothing("the process of the run has ended: it may have needed too much memory")
+    found: dict[str, Any] = json.loads(data)
+    return found
+
+
+def _nothing(why: str) -> dict[str, Any]:
+    return {"contacts": [], "why_less": f"not run for contacts: {why}"}
+
+
+def answer_to(request: Mapping[str, Any]) -> dict[str, Any]:
+    """Run a program; return its `contacts`, line and text of the deepest of each line and names, and `why_less`."""
+    file = load_world_file(request["world"], network=VIRTUAL)
     if file.beside.get("world", {}).get("network") == REAL:
-        return (), "not run for contacts: its world leads to the network of this computer"
+        return _nothing("its world leads to the network of this computer")
     if file.world is None:
         file.world = World()
         file.world.settings = file
-    end_s = time.monotonic() + WALL_S
+    folder = request["folder"]
+    end_s = time.monotonic() + request["wall_s"]
 
     def watch(robot: VirtualRobot) -> None:
         if time.monotonic() >= end_s:
             robot.interrupt("time_limit")
 
     try:
-        robot = VirtualRobot(world=file.world, task_dir=_copy(folder), **options)
-        run = robot.run(robot.compile(source), until_s=UNTIL_S, watch=watch)
+        files = _copy(None if folder is None else Path(folder))
+        robot = VirtualRobot(world=file.world, task_dir=files, **request["options"])
+        unit = robot.compile(SourceFile(request["name"], request["text"]))
+        run = robot.run(unit, until_s=request["until_s"], watch=watch)
     except ElitescriptError as error:
-        return (), f"not run for contacts: {error}"
+        return _nothing(str(error))
     found: dict[tuple[int, str, str], Contact] = {}
     for contact in run.contacts:
         line = max(contact.line, 1)
         deepest = found.get((line, contact.first, contact.second))
         if deepest is None or contact.distance_m < deepest.distance_m:
             found[line, contact.first, contact.second] = contact
-    problems = [_finding(line, contact.text, source) for (line, _, _), contact in found.items()]
-    return in_order(without_suppressed(problems, source)), _why_less(run)
+    return {
+        "contacts": [(line, contact.text) for (line, _, _), contact in found.items()],
+        "why_less": _why_less(run),
+    }
 
 
 def _finding(line: int, text: str, source: SourceFile) -> Diagnostic:
@@ -96,3 +158,18 @@ def _copy(folder: Path | None) -> dict[str, bytes]:
         except OSError:
             continue  # as if it were not there: the program says if it misses it
     return found
+
+
+def _main() -> None:
+    end_with_parent(int(sys.argv[1]))
+    answers = os.fdopen(os.dup(1), "wb")
+    # What a program prints is not the answer.
+    os.dup2(2, 1)
+    answers.write(json.dumps(answer_to(json.loads(sys.stdin.buffer.read()))).encode())
+    answers.flush()
+    # No destructor of a program's object is to run now.
+    os._exit(0)
+
+
+if __name__ == "__main__":
+    _main()

@@ -502,7 +502,8 @@ class ServeLog:
             _, _, address = line.partition(" ")
             self._record({"type": "studio", "robot": robot, "address": address})
         else:
-            stream.write(f"{line or f'the studio of {robot} has ended; the robot goes on'}\n")
+            said = f"{line} {robot}" if line and self._are_several else line
+            stream.write(f"{said or f'the studio of {robot} has ended; the robot goes on'}\n")
             stream.flush()
 
     def end(self) -> None:

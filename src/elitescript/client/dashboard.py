@@ -72,6 +72,11 @@ class DashboardClient:
         self._lock = asyncio.Lock()
         self._is_broken = False
 
+    @property
+    def is_busy(self) -> bool:
+        """Whether a command waits for its reply: the next one would have to wait too."""
+        return self._lock.locked()
+
     async def greet(self) -> None:
         """Read past the greeting, of whatever length, up to the reply of a first command.
 

@@ -6,7 +6,7 @@ getters and traces sample it, and a leap gives the same as the ticks that it lea
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.controller.arm.cartesian_state import CartesianStateFinder
@@ -373,6 +373,10 @@ class Controller:
     def tool_way(self, begin: int, end: int) -> tuple[float, float, Vector3] | None:
         """Return how far TCP goes, m, and tool turns, rad, between two ticks, and the TCP; see `Move.tool_way`."""
         return self.arm_state.tool_way(begin, end)
+
+    def course(self, begin: int, end: int) -> Hashable | None:
+        """Return what the target joints between two ticks follow from, None if not known; see `Move.course`."""
+        return self.arm_state.course(begin, end)
 
     def targets_at(self, ticks: range) -> list[tuple[Six, Six]]:
         """Return the target joints, rad, and their speeds, rad/s, from the present tick to the next that is due."""

@@ -15,6 +15,7 @@ from elitescript.conversation.messages import PROTOCOL, RunOptions, options_data
 from elitescript.json_records.events import record_of
 from elitescript.json_records.jsonlines import plain
 from elitescript.language.diagnostics import Diagnostic
+from elitescript.lint.registry import all_rules
 from elitescript.messages.events import Alarm, Event, MotionEnded, MotionStarted
 from elitescript.messages.motion import MotionRequest, MoveC, MoveJ, MoveL, MoveP, ServoJ, Six
 from elitescript.messages.signals import Value
@@ -88,14 +89,20 @@ def notice(severity: str, text: str) -> Message:
 
 
 def problems(version: int, found: Iterable[Diagnostic], *, compiles: bool) -> Message:
-    """Return the findings of a text.
+    """Return the findings of a text, and how many rules were checked.
 
     Args:
         version: of the text.
         found: what `check` finds, in the order of the text.
         compiles: whether the program starts.
     """
-    return {"type": "problems", "version": version, "list": [problem(item) for item in found], "compiles": compiles}
+    return {
+        "type": "problems",
+        "version": version,
+        "list": [problem(item) for item in found],
+        "compiles": compiles,
+        "rules": len(all_rules()),
+    }
 
 
 def problem(found: Diagnostic) -> Message:

@@ -33,10 +33,10 @@ from elitescript.records import NamedTuple, field, fields_of, record
 PROTOCOL: Final = 1
 """Version of the conversation."""
 
-MESSAGE_BYTES_MAX: Final = 4 << 20
-"""Longest message of a page."""
 TEXT_MAX: Final = 2_000_000
 """Characters of a program."""
+MESSAGE_BYTES_MAX: Final = 16 << 20
+"""Longest message of a page; a character of a program takes up to 6 bytes. A longer one ends the connection."""
 UNTIL_S_DEFAULT: Final = 120.0
 """Robot time after which a live run waits for `go_on`, s."""
 UNTIL_S_MAX: Final = 3600.0 * 24

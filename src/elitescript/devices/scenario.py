@@ -60,7 +60,8 @@ def build_world(tables: Mapping[str, Any], folder: Path, *, network: str = "", i
         tables: its sections, as far as they are about a world.
         folder: where the file is.
         network: default of `network` in `[world]`: `virtual` if there is something to connect to, else `real`.
-        is_trusted: whether it may name Python files, which are run, and the network of this computer.
+        is_trusted: whether it may name Python files, which are run, and, if that is not its default, the network of
+            this computer.
 
     Raises:
         UsageError: something makes no sense. The text begins with its place, such as `[[tcp]] 2: port:`.
@@ -68,7 +69,7 @@ def build_world(tables: Mapping[str, Any], folder: Path, *, network: str = "", i
     options = tables.get("world", {})
     try:
         world = _empty_world(options, tables, network)
-        if world.network.outside is not None and not is_trusted:
+        if world.network.outside is not None and not is_trusted and network != REAL:
             raise UsageError(f"network: {REAL!r} is not allowed here")
     except UsageError as error:
         raise UsageError(f"[world] {error}") from None
@@ -156,6 +157,13 @@ def _made(section: str, number: int, row: Mapping[str, Any], folder: Path, files
         where = f" ({place})" if place else ""
         text = f"{named} cannot be made: {type(error).__name__}: {error}{where}"
         raise UsageError(f"{CLASS_KEY}: {text}") from error
+
+
+def python_files(tables: Mapping[str, Any]) -> list[str]:
+    """Return the Python files that the rows of all sections name, relative to the file that declares them."""
+    rows = [row for table in tables.values() if isinstance(table, list) for row in table if isinstance(row, Mapping)]
+    named = [row.get(CLASS_KEY) for row in rows]
+    return [name.rpartition(":")[0] for name in named if isinstance(name, str)]
 
 
 def _loaded(name: str) -> Any:

@@ -89,6 +89,11 @@ class PointPath:
     def turned(self, begin: float, end: float) -> Six | None:
         return None
 
+    @property
+    def course(self) -> None:
+        """Not kept: a file has many points."""
+        return
+
     def tool_rates(self, s: float) -> tuple[float, float]:
         vx, vy, vz, wx, wy, wz = tcp_twist(self._arm, *self.q_and_slope(s), self._T_flange_tcp)
         return dist((vx, vy, vz), (0.0, 0.0, 0.0)), dist((wx, wy, wz), (0.0, 0.0, 0.0))

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from typing import Final, Protocol
 
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX
+from elitescript.motion.course import rounded
 from elitescript.motion.timing.profile import TimeLaw
 from elitescript.records import NamedTuple
 
@@ -64,6 +65,10 @@ class JointPath(AnyPath, Protocol):
 
         None if that is not known without solving every point.
         """
+
+    @property
+    def course(self) -> Hashable | None:
+        """What the joints follow from, but for rounding; None if that is not kept."""
 
     def tool_rates(self, s: float) -> tuple[float, float]:
         """Return the way (m) and rotation (rad) of the tool per unit of path position."""
@@ -162,6 +167,12 @@ class Segment:
             total_way, total_turn = total_way + way * (end - begin), total_turn + turn * (end - begin)
         return total_way, total_turn
 
+    @property
+    def course(self) -> Hashable | None:
+        """What the joints at any time follow from, but for rounding; None if that is not kept."""
+        course = self.path.course
+        return None if course is None else (course, self.profile.course)
+
     def _stretches(self, begin_s: float, end_s: float) -> Iterator[tuple[JointPath, float, float]]:
         """Yield the paths that are followed between two times, and begin and end on each."""
         yield self.path, self.profile.at(begin_s)[0], self.profile.at(end_s)[0]
@@ -243,6 +254,13 @@ class BlendedSegment(Segment):
             *_states(self.path, self.profile.at_times(rest_times)),
             *[(self.path.q_end, ZERO_SIX)] * (len(times_s) - end),
         ]
+
+    @property
+    def course(self) -> Hashable | None:
+        courses = (self.before.course, self.corner.course, self.path.course)
+        profiles = (self.before_profile.course, self.profile.course)
+        times_s = (self.before_s, self.approach_s, self.entered_s)
+        return None if None in courses else (courses, profiles, rounded(times_s))
 
     def _stretches(self, begin_s: float, end_s: float) -> Iterator[tuple[JointPath, float, float]]:
         approach_s, entered_s = self.approach_s, self.entered_s

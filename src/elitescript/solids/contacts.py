@@ -6,13 +6,20 @@ moves against the other: the sum over the joints between them of lever arm times
 time exceeds what matters by more than the travel since, it need not be computed; if that does not say enough, it is
 computed at the end of the stretch, and, where the distances at both ends and the travel between them leave room for a
 nearer place, in the middle, down to single control periods (Piyavskii's method; Shubert 1972). What matters is contact
-and, for things, the closest distance so far. So the result is that of computing every pair in every control period, to
-the tolerances below; begin and end of contacts are exact.
+and, for things, the closest distance so far.
+
+Most pairs need not be looked at for long: the way of the arm bounds the travel of every pair, so that each is due when
+the arm has gone so far, and only what is due is looked at. A move that was watched before, over the same joints in the
+same periods, is not watched again but for the pairs that touched in it: a program repeats its moves.
+
+So the result is that of computing every pair in every control period, to the tolerances below; begin and end of
+contacts are exact.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
+from heapq import heapify, heappop, heappush
 from math import hypot, inf
 from typing import Final, Protocol
 
@@ -26,7 +33,7 @@ from elitescript.records import NamedTuple
 from elitescript.solids.arm import arm_parts
 from elitescript.solids.bodies import Body, body_of
 from elitescript.solids.cell import LINKS, Cell
-from elitescript.solids.distance import Closest, closest, least_distance
+from elitescript.solids.distance import Closest, ball_distance, closest, least_distance
 from elitescript.solids.frames import Frames, frames_of, lever_arms
 from elitescript.solids.shapes import BASE, FLANGE, Part
 
@@ -44,11 +51,19 @@ base at the side, and the wrists turn within their lengths. The solids of forear
 _AMPLE_M: Final = 0.05
 """A lower bound that exceeds what matters by so much is taken instead of the distance."""
 
-_TOUCH_M: Final = 1e-9
-"""Distances up to this are not certain to be apart."""
+_TOUCH_M: Final = 1e-7
+"""Distances up to this are not certain to be apart: moves of one course differ by rounding."""
 
 _DEEPER_M: Final = 0.001
 """A contact that gets deeper by so much than was reported for its line is reported once more."""
+
+_MOVES: Final = 1000
+"""Moves that are remembered."""
+_WORTHWHILE_TICKS: Final = 8
+"""Shorter stretches of a move are not."""
+
+_FARTHEST_RAD: Final = 1000.0
+"""From then on sums begin anew, so that rounding stays below `_TOUCH_M`."""
 
 
 class Contact(NamedTuple):
@@ -106,6 +121,12 @@ class MovingArm(Protocol):
         That is a point of the flange frame. None if it is not known.
         """
 
+    def course(self, begin: int, end: int) -> Hashable | None:
+        """Return what the target joints at all ticks between two such ticks follow from, but for rounding.
+
+        None if that is not known, or hardly comes again.
+        """
+
     def targets_at(self, ticks: range) -> list[tuple[Six, Six]]:
         """Return the target joints, rad, and their speeds at ticks from the present one to the next that is due."""
 
@@ -160,11 +181,8 @@ class _Pair:
         "is_carried",
         "is_thing",
         "levers",
-        "limit",
-        "rise",
-        "rise_limit",
         "second",
-        "way",
+        "turned",
     )
 
     def __init__(self, first: _Group, second: _Group, levers: tuple[float, ...], is_thing: bool) -> None:
@@ -174,15 +192,23 @@ class _Pair:
         self.levers = levers
         self.is_carried = is_thing and first.link == FLANGE - 1
         """Whether it is what the flange carries against a thing."""
-        self.way = 0.0
-        """Travel since the start of the run."""
-        self.rise = 0.0
-        """Vertical travel since then; the base joint turns about the vertical and adds nothing."""
         self.gap = _Gap(inf, inf)
-        """As it was computed last, less the travel since."""
-        self.limit = self.rise_limit = -1.0
-        """Up to this `way`, or this `rise`, nothing that matters can have happened."""
+        """As it was when the joints had turned by `turned`, or a lower bound."""
+        self.turned = ZERO_SIX
         self.contact: _Open | None = None
+
+    def travel(self, turned: Six) -> tuple[float, float]:
+        """Return how far its groups move against each other, and how far in the vertical, m, at most.
+
+        The base joint turns about the vertical and adds nothing to the latter.
+
+        Args:
+            turned: how far each joint turns, rad.
+        """
+        a, b, c, d, e, f = turned
+        i, j, k, m, n, o = self.levers
+        rise = j * b + k * c + m * d + n * e + o * f
+        return i * a + rise, rise
 
 
 class _Gap(NamedTuple):
@@ -203,6 +229,15 @@ class _Open:
         self.start_tick = self.tick = tick
         self.line = line
         self.deepest = deepest
+
+
+class _Move(NamedTuple):
+    """A move that was watched."""
+
+    turned: Six
+    """How far each joint turns, rad, at most."""
+    touched: tuple[int, ...]
+    """Numbers of the pairs that touch on it, or nearly."""
 
 
 class _Placed:
@@ -254,7 +289,14 @@ class _Span:
         "end",
     )
 
-    def __init__(self, arm: MovingArm, end: int, frames: Callable[[Sequence[float]], Frames]) -> None:
+    def __init__(
+        self,
+        arm: MovingArm,
+        end: int,
+        frames: Callable[[Sequence[float]], Frames],
+        targets: Sequence[Six] = (),
+    ) -> None:
+        """Take the arm at the present tick, the last tick, and the targets at all ticks where they had to be read."""
         self._arm = arm
         self.begin, self.end = arm.tick, end
         self._frames = frames
@@ -268,13 +310,12 @@ class _Span:
         """The TCP, if it is known how far it goes."""
         self._tool_at: dict[int, tuple[float, float]] = {self.begin: (0.0, 0.0)}
         """How far the TCP has gone since the begin, m, and how far the tool has turned, rad."""
-        if end > self.begin and (tool := arm.tool_way(self.begin, end)) is not None:
-            self._tool = tool[2]
-        if end > self.begin and arm.turned(self.begin, end) is None:
+        if targets:
             ticks = range(self.begin, end + 1)
-            targets = [q for q, _ in arm.targets_at(ticks)]
             self._joints_at.update(zip(ticks, targets, strict=True))
             self._turned_at.update(zip(ticks, _turned(targets), strict=True))
+        elif end > self.begin and (tool := arm.tool_way(self.begin, end)) is not None:
+            self._tool = tool[2]
 
     def joints(self, tick: int) -> Six:
         """Return the target joints at a tick, rad."""
@@ -293,20 +334,13 @@ class _Span:
             found = self._placed_at[tick, group] = _Placed(group, frames[group.link])
         return found
 
-    @property
-    def is_moving(self) -> bool:
-        """Whether any joint turns."""
-        return any(self._turned_to(self.end))
-
     def travel(self, pair: _Pair, begin: int, end: int) -> tuple[float, float]:
         """Return travel and vertical travel of a pair between two ticks, m, at most."""
         between = self._between.get((begin, end))
         if between is None:
             between = self._between[begin, end] = self._turned(begin, end)
-        (a, b, c, d, e, f), way, turn = between
-        i, j, k, m, n, o = pair.levers
-        rise = j * b + k * c + m * d + n * e + o * f
-        travel = i * a + rise
+        turned, way, turn = between
+        travel, rise = pair.travel(turned)
         if self._tool is not None and pair.is_carried:
             carried = way + turn * pair.first.farthest_from(self._tool)
             return min(travel, carried), min(rise, carried)
@@ -314,9 +348,7 @@ class _Span:
 
     def _turned(self, begin: int, end: int) -> tuple[Six, float, float]:
         """Return how far each joint turns, and how far the TCP goes and the tool turns where that is known."""
-        a, b, c, d, e, f = self._turned_to(begin)
-        g, h, i, j, k, m = self._turned_to(end)
-        turned = (g - a, h - b, i - c, j - d, k - e, m - f)
+        turned = _less(self._turned_to(end), self._turned_to(begin))
         if self._tool is None:
             return turned, 0.0, 0.0
         way_a, turn_a = self._tool_to(begin)
@@ -353,6 +385,55 @@ def _turned(targets: Sequence[Six]) -> list[Six]:
     return sums
 
 
+def _less(turned: Six, begin: Six) -> Six:
+    """Return how far each joint has turned since it had turned by another sum, rad."""
+    a, b, c, d, e, f = begin
+    g, h, i, j, k, m = turned
+    return g - a, h - b, i - c, j - d, k - e, m - f
+
+
+class _Queue:
+    """Pairs in the order in which they are due, by the way of the arm, of which a pair travels a share at most."""
+
+    __slots__ = ("_heap", "_levers", "_shares", "_way")
+
+    def __init__(self, levers: Sequence[Sequence[float]]) -> None:
+        """Take the lever arms of the pairs, m."""
+        self._levers = [max([its[joint] for its in levers], default=0.0) for joint in range(6)]
+        self._shares = [
+            max([a / b for a, b in zip(its, self._levers, strict=True) if b > 0.0], default=0.0) for its in levers
+        ]
+        self._way = 0.0
+        """Sum of the longest lever arm times angle turned, m."""
+        self._heap: list[tuple[float, int]] = []
+
+    def turn(self, turned: Six) -> bool:
+        """Add angles that the joints turn, rad; return whether a pair is due."""
+        i, j, k, m, n, o = self._levers
+        a, b, c, d, e, f = turned
+        self._way += i * a + j * b + k * c + m * d + n * e + o * f
+        return bool(self._heap) and self._heap[0][0] <= self._way
+
+    def put(self, number: int, slack: float) -> None:
+        """Have a pair due when it has travelled so far, m."""
+        share = self._shares[number]
+        way = self._way + slack / share if share > 0.0 else inf if slack > 0.0 else self._way
+        heappush(self._heap, (way, number))
+
+    def take(self) -> list[int]:
+        """Take out the numbers of the pairs that are due."""
+        numbers = []
+        while self._heap and self._heap[0][0] <= self._way:
+            numbers.append(heappop(self._heap)[1])
+        return numbers
+
+    def begin(self) -> None:
+        """Begin the way anew."""
+        self._heap = [(due - self._way, number) for due, number in self._heap]
+        heapify(self._heap)
+        self._way = 0.0
+
+
 class ContactWatch:
     """Watches one run for contacts.
 
@@ -366,12 +447,41 @@ class ContactWatch:
         contacts: those that are over, in the order of their ends.
     """
 
-    __slots__ = ("_begin_tick", "_best", "_frames", "_line", "_news", "_pairs", "_report", "_said", "contacts")
+    __slots__ = (
+        "_begin_tick",
+        "_best",
+        "_by_climb",
+        "_by_way",
+        "_frames",
+        "_joints",
+        "_line",
+        "_moves",
+        "_news",
+        "_pairs",
+        "_report",
+        "_said",
+        "_touched",
+        "_turned",
+        "contacts",
+    )
 
     def __init__(self, cell: Cell, model: RobotModel, report: Callable[[Contact, int], None]) -> None:
         self._frames = frames_of(model.arm)
         self._report = report
         self._pairs = list(_pairs(cell, model))
+        levers = [pair.levers for pair in self._pairs]
+        self._by_way = _Queue(levers)
+        """Pairs that are due by their travel."""
+        self._by_climb = _Queue([(0.0, b, c, d, e, f) for _, b, c, d, e, f in levers])
+        """Pairs that are due by their vertical travel."""
+        self._turned = ZERO_SIX
+        """How far each joint has turned, back and forth added up, at most, rad."""
+        self._joints: tuple[int, Six] = (-1, ZERO_SIX)
+        """The latest tick whose target was read, and the target."""
+        self._touched: set[int] = set()
+        """Numbers of the pairs that touch anywhere in the present span, or nearly."""
+        self._moves: dict[Hashable, _Move] = {}
+        """What is known of moves that were watched, by their courses."""
         self._best: dict[str, tuple[Closest, int, int, str]] = {}
         """Closest distance by thing: where, tick, line and what came so close."""
         self._begin_tick: int | None = None
@@ -391,24 +501,67 @@ class ContactWatch:
             self._begin(arm)
         if arm.is_resting:
             return
-        span = _Span(arm, until_tick, self._frames)
-        if not span.is_moving:
+        begin = arm.tick
+        course = arm.course(begin, until_tick) if until_tick - begin >= _WORTHWHILE_TICKS else None
+        known = None if course is None else self._moves.get(course)
+        targets: Sequence[Six] = ()
+        turned = arm.turned(begin, until_tick) if known is None else known.turned
+        if turned is None:
+            targets = self._targets(arm, until_tick)
+            turned = _turned(targets)[-1]
+        if not any(turned):
             return
-        for pair in self._pairs:
-            travel, rise = span.travel(pair, span.begin, span.end)
-            if pair.way + travel > pair.limit and pair.rise + rise > pair.rise_limit:
-                self._resolve(pair, span, travel, rise)
-            else:
-                pair.gap = _Gap(pair.gap.distance - travel, pair.gap.height - rise)
-            pair.way += travel
-            pair.rise += rise
+        before = self._turned
+        a, b, c, d, e, f = before
+        g, h, i, j, k, m = turned
+        self._turned = (a + g, b + h, c + i, d + j, e + k, f + m)
+        is_due = self._by_way.turn(turned)
+        is_due = self._by_climb.turn(turned) or is_due
+        if known is not None:
+            # The others did not touch, and came no nearer than is known; what is due stays due.
+            if known.touched:
+                span = _Span(arm, until_tick, self._frames)
+                for number in known.touched:
+                    self._watch(number, span, before)
+        elif is_due or course is not None:
+            self._touched.clear()
+            if is_due:
+                span = _Span(arm, until_tick, self._frames, targets)
+                for number in sorted([*self._by_way.take(), *self._by_climb.take()]):
+                    self._watch(number, span, before)
+                    self._put(number)
+            if course is not None and len(self._moves) < _MOVES:
+                self._moves[course] = _Move(turned, tuple(sorted(self._touched)))
         if self._news:
             self._tell_news()
+        if sum(self._turned) > _FARTHEST_RAD:
+            self._begin_sums()
+
+    def _targets(self, arm: MovingArm, until_tick: int) -> list[Six]:
+        """Return the target joints at every tick from the present one on."""
+        begin = arm.tick
+        tick, q = self._joints
+        if tick == begin:
+            targets = [q, *[q for q, _ in arm.targets_at(range(begin + 1, until_tick + 1))]]
+        else:
+            targets = [q for q, _ in arm.targets_at(range(begin, until_tick + 1))]
+        self._joints = until_tick, targets[-1]
+        return targets
+
+    def _begin_sums(self) -> None:
+        """Begin the sums of turns and ways anew."""
+        for pair in self._pairs:
+            travel, rise = pair.travel(_less(self._turned, pair.turned))
+            pair.gap = _Gap(pair.gap.distance - travel, pair.gap.height - rise) if pair.contact is None else pair.gap
+            pair.turned = ZERO_SIX
+        self._by_way.begin()
+        self._by_climb.begin()
+        self._turned = ZERO_SIX
 
     def finish(self, arm: MovingArm) -> None:
         """End the watch: the run is over."""
-        if self._begin_tick is None:
-            self._begin(arm)
+        # The last row of a trace shows the arm after the motion of the last tick.
+        self.record(arm, arm.tick + 1)
         for pair in self._pairs:
             if pair.contact is not None:
                 self._end(pair, arm.tick + 1)
@@ -431,30 +584,53 @@ class ContactWatch:
         self._begin_tick = arm.tick
         span = _Span(arm, arm.tick, self._frames)
         # Things in their own order, whatever comes closest.
-        for pair in self._pairs:
+        for number, pair in enumerate(self._pairs):
             pair.gap = self._gap(pair, span, arm.tick)
             self._visit(pair, span, arm.tick, pair.gap.distance)
-            self._set_limits(pair, 0.0, 0.0)
+            self._put(number)
         if self._news:
             self._tell_news()
 
-    def _resolve(self, pair: _Pair, span: _Span, travel: float, rise: float) -> None:
-        """Find what happens to a pair in a span."""
-        before = pair.gap
-        if pair.contact is None and max(before) <= self._matters(pair):
-            before = self._gap(pair, span, span.begin)
-        after = self._gap(pair, span, span.end)
-        self._refine(pair, span, span.begin, before, span.end, after, travel, rise)
-        pair.gap = after
-        self._set_limits(pair, pair.way + travel, pair.rise + rise)
+    def _watch(self, number: int, span: _Span, turned: Six) -> None:
+        """Watch a pair in a span.
 
-    def _set_limits(self, pair: _Pair, way: float, rise: float) -> None:
-        """Set how far a pair may travel before its gap has to be computed anew."""
+        Args:
+            number: of the pair.
+            span: the joints.
+            turned: how far each joint had turned at its begin, as in `_turned`.
+        """
+        pair = self._pairs[number]
+        travel, rise = span.travel(pair, span.begin, span.end)
+        before = pair.gap
+        if pair.turned != turned and pair.contact is None:
+            way, climb = pair.travel(_less(turned, pair.turned))
+            before = _Gap(before.distance - way, before.height - climb)
+        pair.turned = self._turned
         if pair.contact is None:
             matters = self._matters(pair)
-            pair.limit, pair.rise_limit = way + pair.gap.distance - matters, rise + pair.gap.height - matters
+            if before.distance - travel >= matters or before.height - rise >= matters:
+                pair.gap = _Gap(before.distance - travel, before.height - rise)
+                return
+            if before.distance <= matters and before.height <= matters:
+                before = self._gap(pair, span, span.begin)
         else:
-            pair.limit, pair.rise_limit = way, rise
+            self._touched.add(number)
+        pair.gap = self._gap(pair, span, span.end)
+        if self._refine(pair, span, span.begin, before, span.end, pair.gap, travel, rise) <= _TOUCH_M:
+            self._touched.add(number)
+
+    def _put(self, number: int) -> None:
+        """Have a pair due when something that matters can have happened to it."""
+        pair = self._pairs[number]
+        if pair.contact is not None:
+            self._by_way.put(number, 0.0)
+            return
+        matters = self._matters(pair)
+        slack, climb = pair.gap.distance - matters, pair.gap.height - matters
+        if slack > climb:
+            self._by_way.put(number, slack)
+        else:
+            self._by_climb.put(number, climb)
 
     def _matters(self, pair: _Pair) -> float:
         """Return the distance above which nothing matters, for a pair that does not touch."""
@@ -474,8 +650,10 @@ class ContactWatch:
         after: _Gap,
         travel: float,
         rise: float,
-    ) -> None:
+    ) -> float:
         """Find what happens from one tick, which was visited, to another, and visit that.
+
+        Returns the least distance that was visited.
 
         Args:
             pair: the pair.
@@ -487,6 +665,7 @@ class ContactWatch:
             travel: of the pair in between, m.
             rise: its vertical travel in between, m.
         """
+        least = after.distance
         while end - begin > 1:
             first, last = before.distance, after.distance
             nearest = 0.5 * max(first + last - travel, before.height + after.height - rise)
@@ -501,10 +680,11 @@ class ContactWatch:
                 break
             middle = (begin + end) // 2
             gap = self._gap(pair, span, middle)
-            self._refine(pair, span, begin, before, middle, gap, *span.travel(pair, begin, middle))
+            least = min(least, self._refine(pair, span, begin, before, middle, gap, *span.travel(pair, begin, middle)))
             begin, before = middle, gap
             travel, rise = span.travel(pair, middle, end)
         self._visit(pair, span, end, after.distance)
+        return least
 
     def _visit(self, pair: _Pair, span: _Span, tick: int, value: float) -> None:
         """Note a contact that begins, goes on or ends at a tick."""
@@ -598,8 +778,9 @@ def _measured(pair: _Pair, span: _Span, tick: int, ample: float) -> tuple[_Gap, 
         others = other.solids()
     least = inf
     near = []
+    T_ball, radius = placed.T_ball, pair.first.ball.margin
     for body, T in others:
-        bound = least_distance(pair.first.ball, placed.T_ball, body, T)
+        bound = ball_distance(T_ball, radius, body, T)
         if bound < ample:
             near.append((body, T))
         elif bound < least:
@@ -608,7 +789,9 @@ def _measured(pair: _Pair, span: _Span, tick: int, ample: float) -> tuple[_Gap, 
     if near:
         for own, T_own in placed.solids():
             for body, T in near:
-                bound = least_distance(own, T_own, body, T)
+                bound = ball_distance(T_own, own.bound, body, T)
+                if bound < ample:
+                    bound = max(bound, least_distance(own, T_own, body, T))
                 if bound < ample:
                     candidates.append((bound, own, T_own, body, T))
                 elif bound < least:

@@ -1,9 +1,10 @@
 """Computes the distance of two convex bodies, or how deep they are in each other, with the points where it is.
 
 Two capsules or spheres: closed form of the distance of two segments (Ericson, Real-Time Collision Detection, 5.1.9).
-Otherwise the distance of the cores by the algorithm of Gilbert, Johnson and Keerthi (1988), which ends at the exact
-closest features of polytopes. Cores that overlap: the shortest way out along the normals of their faces and the
-products of their edges, one of which it is for polytopes (separating axes; Gottschalk 1996).
+A corner above a face of a box: its height. Otherwise the distance of the cores by the algorithm of Gilbert, Johnson and
+Keerthi (1988), which ends at the exact closest features of polytopes. Cores that overlap: the shortest way out along
+the normals of their faces and the products of their edges, one of which it is for polytopes (separating axes;
+Gottschalk 1996).
 """
 
 from __future__ import annotations
@@ -58,11 +59,35 @@ def least_distance(a: Body, T_a: Transform, b: Body, T_b: Transform) -> float:
     return least
 
 
+def ball_distance(T_ball: Transform, radius: float, body: Body, T: Transform) -> float:
+    """Return the distance of a ball from a box, or from the cylinder or capsule that encloses another body, m.
+
+    That is a lower bound of the distance of what is in the ball; it means nothing where it is negative.
+    """
+    r11, r12, r13, r21, r22, r23, r31, r32, r33, x, y, z = T
+    dx, dy, dz = T_ball[9] - x, T_ball[10] - y, T_ball[11] - z
+    w = r13 * dx + r23 * dy + r33 * dz
+    if body.is_box:
+        a, b, c = body.half
+        u = abs(r11 * dx + r21 * dy + r31 * dz) - a
+        v = abs(r12 * dx + r22 * dy + r32 * dz) - b
+        w = abs(w) - c
+        return hypot(u if u > 0.0 else 0.0, v if v > 0.0 else 0.0, w if w > 0.0 else 0.0) - radius
+    square = dx * dx + dy * dy + dz * dz - w * w
+    side = (sqrt(square) if square > 0.0 else 0.0) - body.across
+    w = abs(w) - body.along
+    return hypot(side if side > 0.0 else 0.0, w if w > 0.0 else 0.0) - body.margin - radius
+
+
 def closest(a: Body, T_a: Transform, b: Body, T_b: Transform) -> Closest:
     """Return the distance of two bodies at T_a and T_b, and where it is."""
     margin = a.margin + b.margin
     if a.is_slim and b.is_slim:
         core, p, q = _axes(a, T_a, b, T_b)
+    elif b.is_box and (found := _above_face(b, T_b, a, T_a)) is not None:
+        core, q, p = found
+    elif a.is_box and (found := _above_face(a, T_a, b, T_b)) is not None:
+        core, p, q = found
     else:
         core, p, q = _cores(a, T_a, b, T_b)
     if core > _TOUCHING_M:
@@ -111,6 +136,31 @@ def _across(T_a: Transform, T_b: Transform) -> Vector3:
 
 
 # ---------------------------------------------------------------- cores apart
+
+
+def _above_face(box: Body, T_box: Transform, b: Body, T_b: Transform) -> tuple[float, Vector3, Vector3] | None:
+    """Return the distance of a box and a core whose lowest corner is above a face of it, and its points; else None."""
+    dx, dy, dz = T_b[9] - T_box[9], T_b[10] - T_box[10], T_b[11] - T_box[11]
+    face, most, is_below = 0, -inf, False
+    for i in (0, 1, 2):
+        nx, ny, nz = T_box[i], T_box[3 + i], T_box[6 + i]
+        height = nx * dx + ny * dy + nz * dz
+        gap = abs(height) - box.half[i] - b.reach(T_b, nx, ny, nz)
+        if gap > most:
+            face, most, is_below = i, gap, height < 0.0
+    nx, ny, nz = T_box[face], T_box[3 + face], T_box[6 + face]
+    if is_below:
+        nx, ny, nz = -nx, -ny, -nz
+    q = b.support(T_b, -nx, -ny, -nz)
+    dx, dy, dz = q[0] - T_box[9], q[1] - T_box[10], q[2] - T_box[11]
+    gap = nx * dx + ny * dy + nz * dz - box.half[face]
+    if gap <= _TOUCHING_M:
+        return None
+    for i in (face - 1, face - 2):
+        if abs(T_box[i % 3] * dx + T_box[3 + i % 3] * dy + T_box[6 + i % 3] * dz) > box.half[i]:
+            return None
+    return gap, (q[0] - gap * nx, q[1] - gap * ny, q[2] - gap * nz), q
+
 
 _Corner = tuple[float, float, float, Vector3, Vector3]
 """A corner of the difference of both cores, and the points that it is the difference of."""

@@ -14,14 +14,15 @@ from pathlib import Path
 from secrets import token_hex
 from typing import Final
 
+from elitescript.conversation.messages import TEXT_MAX
 from elitescript.environment.program_file import SUFFIX
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.text.source import BOM, SourceFile
 from elitescript.paths import why_no_file
 from elitescript.records import NamedTuple
 
-FILE_BYTES_MAX: Final = 2 << 20
-"""Largest program that is opened; a message of a page has room for it."""
+FILE_BYTES_MAX: Final = TEXT_MAX
+"""Largest program that is opened; a message of a page has room for its text."""
 
 PROGRAMS_MAX: Final = 1000
 """Programs of a folder that are listed."""
@@ -256,7 +257,8 @@ def _line_ends(rows: list[str], old_rows: list[str], old_ends: list[str]) -> lis
 
 
 def _replace(path: Path, data: bytes, *, is_new: bool) -> None:
-    temporary = path.with_name(f".{path.name}.{token_hex(4)}")
+    # Its length does not depend on that of the name, which may be as long as the system lets it.
+    temporary = path.with_name(f".{token_hex(8)}.tmp")
     try:
         if not is_new and not os.access(path, os.W_OK):
             # Replacing it would succeed: that depends on the permissions of the folder alone.

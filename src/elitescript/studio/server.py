@@ -23,13 +23,11 @@ from websockets.http11 import Request as HttpRequest
 from websockets.http11 import Response
 
 from elitescript import page
+from elitescript.conversation.messages import MESSAGE_BYTES_MAX
 from elitescript.studio.admission import PAGE, SOCKET, Request, is_same, new_token, refusal
 from elitescript.studio.outbox import BUFFERED_BYTES, Outbox
 
 HOST: Final = "127.0.0.1"
-
-MESSAGE_BYTES_MAX: Final = 4 << 20
-"""Largest message of a page; a longer one ends its connection."""
 
 CONNECTIONS_MAX: Final = 64
 """Open connections; one more aborts the oldest that is not the conversation of a page."""

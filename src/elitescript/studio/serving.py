@@ -69,7 +69,7 @@ def serve_studio(
     opens_browser: bool,
     ends_with_input: bool = False,
 ) -> int:
-    """Serve until SIGINT or SIGTERM; return the exit code.
+    """Serve until SIGINT, SIGTERM or SIGHUP; return the exit code.
 
     Args:
         place: what all pages share.
@@ -171,7 +171,11 @@ def _on_signals(stop: asyncio.Event) -> None:
             # The loop is closed: it has stopped already.
             loop.call_soon_threadsafe(stop.set)
 
-    for number in (signal.SIGINT, signal.SIGTERM):
+    numbers = [signal.SIGINT, signal.SIGTERM]
+    if sys.platform != "win32" and signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
+        # The terminal is closed; with `nohup` that is ignored.
+        numbers.append(signal.SIGHUP)
+    for number in numbers:
         try:
             loop.add_signal_handler(number, stop.set)
         except NotImplementedError:

@@ -71,6 +71,8 @@ class FakeController:
         }
         self.serve: dict[str, Serve] = {"rtsi": self.rtsi, "primary": self.primary, "dashboard": self.dashboard}
         self.state = pack_state(SUB_MESSAGES, snapshot(), description())
+        self.replies: dict[str, str | None] = dict(REPLIES)
+        """Of the dashboard; it does not answer to what has None."""
         self.ports: dict[str, int] = {}
         self.letters: list[str] = []
         """Commands on the RTSI port."""
@@ -165,7 +167,9 @@ class FakeController:
         while line := await reader.readline():
             self.sent["dashboard"] += line
             text = line.decode().strip()
-            writer.write(REPLIES.get(text, f"Unknown command: {text}").encode() + b"\r\n")
+            reply = self.replies.get(text, f"Unknown command: {text}")
+            if reply is not None:
+                writer.write(reply.encode() + b"\r\n")
 
 
 class Page:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import signal
@@ -13,6 +14,7 @@ import pytest
 
 from elitescript import page
 from elitescript.cli.main import main
+from elitescript.cli.serve import ServeLog
 from elitescript.errors import UsageError
 from elitescript.studio.connected.target import find_target
 from tests.studio.page_client import ROOT, WAIT_S, Page
@@ -95,6 +97,12 @@ class TestServeStudio:
             served.stdout.close()
         with pytest.raises(OSError), Page(studio["address"]):
             pass
+
+    @pytest.mark.parametrize(("names", "end"), [(["CS66"], ""), (["CS66-1", "CS66-2"], " CS66-2")])
+    def test_of_several_robots_the_page_has_a_name(self, names: list[str], end: str) -> None:
+        out = io.StringIO()
+        ServeLog(out, out, names, is_json=False).studio(names[-1], "ready http://127.0.0.1:8080/?token=t")
+        assert out.getvalue() == f"ready http://127.0.0.1:8080/?token=t{end}\n"
 
     @needs_page
     def test_a_studio_ends_with_its_input(self, tmp_path: Path) -> None:

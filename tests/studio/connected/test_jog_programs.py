@@ -53,7 +53,7 @@ class TestJog:
         assert max(qd[2] for _, qd, _ in rows) == pytest.approx(0.4)
         assert all(qd[axis] == 0.0 for _, qd, _ in rows for axis in (0, 1, 3, 4, 5))
         assert max(t for t, qd, _ in rows if any(qd)) < 1.0 + 0.1
-        assert f"output_int_register[{REGISTER}]" not in run.signals
+        assert -53 <= run.signals[f"output_int_register[{REGISTER}]"] < -48, "the last number that was read"
 
     def test_it_stands_soon_after_the_last_beat(self):
         robot = robot_with(1.0, {0.1: (JOINT, (0.5, 0.0, 0.0, 0.0, 0.0, 0.0))})
@@ -88,6 +88,21 @@ class TestJog:
         run, rows = speeds_over_time(robot, jog_program(REGISTER, SESSION), 3.0)
         assert run.state == "finished"
         assert not any(any(qd) for _, qd, _ in rows)
+
+    @pytest.mark.parametrize(
+        ("task", "speeds"), [(JOINT, speeds_of("joint", 0, 1, 1.0)), (TOOL, speeds_of("tool", 0, 1, 1.0))]
+    )
+    @pytest.mark.parametrize("beats_until_s", [0.6, 5.0])
+    def test_an_open_safeguard_is_its_end(self, task, speeds, beats_until_s):
+        """What was held then is not to move the arm when the safeguard is closed."""
+        robot = robot_with(beats_until_s, {0.1: (task, speeds)})
+        robot.at(0.6, "safeguard_stop", value=True)
+        robot.at(3.0, "safeguard_stop", value=False)
+        run, rows = speeds_over_time(robot, jog_program(REGISTER, SESSION), 5.0)
+        assert run.state == "finished"
+        assert max(abs(part) for t, qd, _ in rows for part in qd if t < 0.6) > 0.2
+        assert max(abs(part) for t, qd, _ in rows for part in qd if t > 2.9) < 0.1
+        assert max(t for t, qd, _ in rows if any(qd)) < 3.05
 
     def test_without_any_beat_it_ends_at_once(self):
         robot = robot_with(0.0, {0.0: (JOINT, (0.5, 0.0, 0.0, 0.0, 0.0, 0.0))})

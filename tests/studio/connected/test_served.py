@@ -9,11 +9,13 @@ from math import dist
 
 from elitescript.kernel import Kernel, RobotOptions
 from elitescript.services.control.channel import ControlChannel
+from elitescript.studio.connected import jogging, source
 from elitescript.studio.connected.controller import ConnectedController
 from elitescript.studio.connected.target import Target
 from tests.services.served import Scene, serving
 from tests.studio.connected.fake_controller import Page, run, shown
 
+JOG = {"type": "jog", "frame": "joint", "axis": 0, "direction": 1, "speed": 1.0}
 COUNTING = "global n\nn = 0\nwhile True:\n    n = n + 1\n    sleep(0.01)\n"
 
 
@@ -39,7 +41,7 @@ async def hold(page: Page, seconds: float, **jog) -> None:
     """Hold a button: the page repeats its message."""
     end = asyncio.get_running_loop().time() + seconds
     while asyncio.get_running_loop().time() < end:
-        await page.say(**{"type": "jog", "frame": "joint", "axis": 0, "direction": 1, "speed": 1.0, **jog})
+        await page.say(**{**JOG, **jog})
         await asyncio.sleep(0.05)
 
 
@@ -116,6 +118,68 @@ class TestJogging:
 
         run(test())
 
+    def test_a_page_that_was_away_has_to_release_the_button(self, monkeypatch, tmp_path):
+        async def test():
+            monkeypatch.setattr(source, "GAP_S", 0.06)
+            async with driven(monkeypatch, tmp_path) as (_, controller, (page,)):
+                await page.say(**JOG)
+                await asyncio.sleep(0.07)
+                await page.say(**JOG)
+                await page.say(**JOG)
+                texts = [message["text"] for message in page.of("refused")]
+                assert texts == ["nothing was heard of the page for 0.06 s; release the button first"]
+                await stands(page, controller)
+                await page.say(type="jog_end")
+                await page.say(**JOG)
+                assert controller.jogger.is_active
+                await page.say(type="jog_end")
+
+        run(test())
+
+    def test_without_pictures_the_arm_stands(self, monkeypatch, tmp_path):
+        async def test():
+            async with driven(monkeypatch, tmp_path) as (_, controller, (page,)):
+                jogger = controller.jogger
+                holding = asyncio.create_task(hold(page, 20.0))
+                await page.until(lambda: controller.picture.values["actual_joint_speeds"][0] > 0.1)
+                jogger._picture_age_s = lambda: jogging.BLIND_S
+                await page.until(lambda: not any(controller.picture.values["actual_joint_speeds"]))
+                assert jogger.is_active
+                jogger._picture_age_s = lambda: jogging.GAP_S + 0.1
+                await page.until(lambda: not jogger.is_active)
+                assert page.of("notice")[-1]["text"].endswith("nothing was heard of the controller for 0.5 s")
+                holding.cancel()
+
+        run(test())
+
+    def test_a_safeguard_ends_it_for_good(self, monkeypatch, tmp_path):
+        async def test():
+            async with driven(monkeypatch, tmp_path) as (_, controller, (page,)):
+                await hold(page, 0.3)
+                assert (await page.ask(type="control", action="safeguard_open"))["type"] == "done"
+                await page.until(lambda: page.controller()["task_state"] == "STOPPED")
+                last = await stands(page, controller)
+                assert (await page.ask(type="control", action="safeguard_close"))["type"] == "done"
+                await page.until(lambda: controller.picture.may_move)
+                await hold(page, 0.2)
+                assert controller.picture.joints[0] == last
+
+        run(test())
+
+    def test_another_program_takes_its_place(self, monkeypatch, tmp_path):
+        async def test():
+            async with driven(monkeypatch, tmp_path) as (scene, controller, (page,)):
+                holding = asyncio.create_task(hold(page, 20.0))
+                await page.until(lambda: (controller.picture.values["output_int_register40"]) < 0)
+                _, writer = await asyncio.open_connection("127.0.0.1", scene.server.ports["primary"])
+                writer.write(b"def other():\n  sleep(100)\nend\n")
+                await page.until(lambda: not controller.jogger.is_active)
+                assert "does not answer" in page.of("notice")[-1]["text"]
+                holding.cancel()
+                writer.close()
+
+        run(test())
+
 
 class TestPrograms:
     def test_a_text_is_sent_and_runs(self, monkeypatch, tmp_path):
@@ -172,6 +236,18 @@ class TestOwnRobot:
                 await page.until(lambda: dist(first, controller.picture.joints) > 0.01)
                 assert (await page.ask(type="control", action="freedrive_off"))["type"] == "done"
                 await stands(page, controller)
+
+        run(test())
+
+    def test_a_page_that_leaves_at_once_is_not_guided(self, monkeypatch, tmp_path):
+        async def test():
+            async with driven(monkeypatch, tmp_path, pages=2) as (_, controller, (watching, page)):
+                await page.say(type="control", action="freedrive_on", ask=1)
+                await page.source.close()
+                for _ in range(3):
+                    await asyncio.sleep(0)
+                await watching.until(lambda: not controller.jogger.is_active, 2.0)
+                assert controller.picture.task_state.name == "STOPPED"
 
         run(test())
 

@@ -8,6 +8,7 @@ import pytest
 
 from elitescript.client.dashboard import is_reading
 from elitescript.conversation.messages import ACTIONS
+from elitescript.studio.connected import controller
 from elitescript.studio.connected.target import Target
 from tests.client.test_primary_messages import ERROR, EXCEPTION, message
 from tests.protocol.snapshots import snapshot
@@ -200,6 +201,7 @@ class TestWithControl:
             ({"type": "control", "action": "resume"}, "play", {"runtime_state": 2}),
             ({"type": "control", "action": "pause"}, "pause", {"runtime_state": 1}),
             ({"type": "control", "action": "stop"}, "stop", {"runtime_state": 1}),
+            ({"type": "control", "action": "stop"}, "stop", {"runtime_state": 3}),
             ({"type": "control", "action": "unlock"}, "unlockProtectiveStop", {"safety_status": 3}),
             ({"type": "control", "action": "close_popup"}, "popup -c", {}),
         ],
@@ -230,6 +232,7 @@ class TestWithControl:
             ({"type": "send_program", "text": "x = 1"}, {"robot_mode": 5}, "release the brakes first"),
             ({"type": "signal", "name": "standard_digital_in[1]", "value": True}, {}, "is an input"),
             ({"type": "control", "action": "freedrive_on"}, {}, "has no freedrive_mode; 2.14 brought it"),
+            ({"type": "seek", "run": 1, "t": 0.5}, {}, "it does not go back to a moment"),
         ],
     )
     def test_refusals_say_why(self, message, state, text):
@@ -293,6 +296,28 @@ class TestWithControl:
                 await page.say(type="send_program", ask=1, text="while True:\n    sleep(1)\n")
                 await page.say(type="control", ask=2, action="pause")
                 assert (await page.ask(type="control", action="emergency_stop"))["type"] == "done"
+
+        run(test())
+
+    @pytest.mark.parametrize("answers_to_others", [True, False])
+    def test_a_stop_does_not_wait_behind_a_command_that_hangs(self, monkeypatch, answers_to_others):
+        monkeypatch.setattr(controller, "STOP_S", 0.05)
+
+        async def test():
+            async with faked(may_control=True) as (fake, page):
+                await settled(page)
+                sound = fake.serve["dashboard"]
+                fake.replies["popup -c"] = None
+                await page.say(type="control", ask=1, action="close_popup")
+                await page.until(lambda: b"popup -c" in fake.sent["dashboard"])
+                if not answers_to_others:
+                    fake.serve["dashboard"] = lambda reader, writer: reader.read()
+                assert (await page.ask(type="control", action="stop"))["type"] == "done"
+                if answers_to_others:
+                    assert fake.sent["dashboard"].endswith(b"stop\n")
+                else:
+                    await page.until(lambda: fake.sent["primary"] == b"stop task\n")
+                fake.serve["dashboard"] = sound
 
         run(test())
 

@@ -210,6 +210,31 @@ class TestRuns:
         assert page.ran(SHORT.replace("0.1", "0.13"))
         assert page.until("run_began")["same_until_s"] == 0.0
 
+    def test_a_changed_file_runs_it_again(self, tmp_path):
+        """One of the world, and one that the program reads."""
+        world, count = tmp_path / "cell.toml", tmp_path / "count.txt"
+        text = 'def job():\n  f = open("count.txt")\n  textmsg(get_standard_digital_in(0), f.read())\nend\n'
+        made = Page(Setting(world=world))
+        made.engine.folder = tmp_path
+        try:
+            said = []
+            for level, number in (("true", 1), ("true", 1), ("false", 1), ("false", 2)):
+                world.write_text(f'[signals]\n"standard_digital_in[0]" = {level}\n')
+                count.write_text(str(number))
+                made.ran(text)
+                (record,) = [item for item in made.until("events")["list"] if item["type"] == "log"]
+                said.append(record["text"])
+            assert said == ["True1", "True1", "False1", "False2"]
+        finally:
+            made.close()
+
+    def test_a_run_that_may_connect_is_run_again(self, page):
+        text = 'def job():\n  textmsg(socket_open("127.0.0.1", 9))\n  sleep(0.1)\nend\n'
+        page.ran(text, may_connect=True)
+        page.ran(text, may_connect=True)
+        assert page.until("run_began")["same_until_s"] == 0.0
+        assert page.rows
+
     def test_a_new_page_gets_everything(self, page):
         page.ran(SHORT)
         page.engine.forget()
@@ -292,6 +317,17 @@ class TestMoments:
         assert page.kinds().count("refused") >= 4
 
 
+def kill(page, worker):
+    """Kill the process of a worker, once its number has come: 0 would stand for this group of processes."""
+
+    async def begun():
+        while not worker.pid:
+            await asyncio.sleep(0.001)
+
+    page.do(begun())
+    os.kill(worker.pid, signal.SIGKILL)
+
+
 class TestFailures:
     def test_what_does_not_return_is_ended_with_its_line(self, page):
         ended = page.ran(HANGS)
@@ -312,7 +348,7 @@ class TestFailures:
     def test_a_killed_worker_is_said_and_replaced(self, page):
         page.program(ENDLESS, until_s=3000.0)
         page.until("progress")
-        os.kill(page.engine._worker.pid, signal.SIGKILL)
+        kill(page, page.engine._worker)
         ended = page.until("run_ended")
         assert ended["state"] == "killed"
         assert "SIGKILL" in ended["killed"]
@@ -321,7 +357,7 @@ class TestFailures:
     def test_a_killed_looker_is_replaced(self, page):
         run = page.ran(SHORT)["run"]
         page.asked(Seek, run, t=0.1)
-        os.kill(page.engine._looker.pid, signal.SIGKILL)
+        kill(page, page.engine._looker)
         answers = [page.asked(Seek, run, t=0.1)["type"] for _ in range(2)]
         assert answers[1] == "state"
 
@@ -440,6 +476,37 @@ class TestSettings:
             assert made.until("run_ended")
         finally:
             made.close()
+
+    def test_moments_are_found_with_files_of_other_folders(self, tmp_path):
+        """A world file may name them, and they may import what is not there any more when a moment is looked for."""
+        cell, shared = tmp_path / "cell", tmp_path / "shared"
+        cell.mkdir()
+        shared.mkdir()
+        (cell / "cell.toml").write_text(
+            '[robot]\nmodel = "../shared/arm.toml"\n[[tcp]]\nport = 3000\nclass = "../shared/dev.py:Dev"\n'
+        )
+        (shared / "arm.toml").write_text((EXAMPLES / "my_arm.toml").read_text())
+        (shared / "dev.py").write_text("import websockets\nfrom elitescript.testing.world import TcpServer as Dev\n")
+        made = Page(Setting(world=cell / "cell.toml"))
+        try:
+            ended = made.ran(SHORT)
+            assert made.asked(Seek, ended["run"], t=0.1)["type"] == "state"
+        finally:
+            made.close()
+
+    def test_a_world_of_the_page_lets_connect_what_the_user_lets(self, page, tmp_path):
+        (tmp_path / "cell.toml").write_text("[[tcp]]\nport = 3000\n")
+        page.engine.folder = tmp_path
+        try:
+            text = 'def job():\n  textmsg(socket_open("127.0.0.1", 9))\nend\n'
+            assert page.ran(text, world="cell.toml", may_connect=True)["state"] == "finished"
+            page.program(text, world="cell.toml")
+            assert page.until("run_ended")["refused_connections"]
+            (tmp_path / "cell.toml").write_text('[world]\nnetwork = "real"\n')
+            page.program(text, world="cell.toml")
+            assert page.until("notice")["text"].endswith("[world] network: 'real' is not allowed here")
+        finally:
+            page.engine.folder = None
 
     def test_a_run_that_may_connect_is_not_repeated(self, page):
         ended = page.ran('def job():\n  textmsg(socket_open("127.0.0.1", 9))\nend\n', may_connect=True)

@@ -6,6 +6,7 @@ import { useEffect } from "preact/hooks";
 import { LIMIT_S, type Studio } from "../model/studio.ts";
 import { format, parse, parseList, UnitError, type Quantity } from "../model/units.ts";
 import type { Six } from "../source/messages.ts";
+import type { Results } from "../source/services.ts";
 import { theme, type Theme } from "../style/palette.ts";
 import { language, text, type Language } from "../text/text.ts";
 import { Icon } from "./icons.tsx";
@@ -13,13 +14,7 @@ import { TypedField } from "./typed.tsx";
 
 export const areOptionsOpen = signal(false);
 
-interface Known {
-  readonly robots: readonly { readonly name: string }[];
-  readonly firmwares: readonly string[];
-  readonly defaults: { readonly robot: string; readonly firmware: string };
-}
-
-const NOTHING_KNOWN: Known = { robots: [], firmwares: [], defaults: { robot: "", firmware: "" } };
+const NOTHING_KNOWN: Results["robots"] = { robots: [], firmwares: [], defaults: { robot: "", firmware: "" } };
 
 /** What the run is of: the arm, its firmware, its world. */
 export function chosenInWords(studio: Studio): string {
@@ -30,13 +25,13 @@ export function chosenInWords(studio: Studio): string {
 }
 
 export function OptionsPanel({ studio }: { studio: Studio }) {
-  const known = useSignal<Known>(NOTHING_KNOWN);
+  const known = useSignal(NOTHING_KNOWN);
   const isShown = areOptionsOpen.value;
   const canAsk = studio.can("services");
   useEffect(() => {
     if (!isShown || !canAsk) return;
     studio.ask("robots").then((found) => {
-      if (found !== null) known.value = { ...NOTHING_KNOWN, ...(found as unknown as Partial<Known>) };
+      if (found !== null) known.value = { ...NOTHING_KNOWN, ...found };
     }, (error: unknown) => studio.notice("warning", String(error)));
   }, [isShown, canAsk]);
   if (!isShown) return null;

@@ -87,7 +87,7 @@ export function Rows({ count, row, keyOf = (index) => index, attributes = () => 
   return (
     <div
       class={`rows ${kind}`} ref={area} tabIndex={0} role="group" aria-label={label} onKeyDown={press}
-      onScroll={() => (scrolled.value = area.current!.scrollTop)}
+      onScroll={(event) => (scrolled.value = event.currentTarget.scrollTop)}
     >
       {head === undefined ? (
         <ol style={{ paddingTop: `${above}px`, paddingBottom: `${below}px` }}>

@@ -28,8 +28,11 @@ export function dress(studio: Studio): () => void {
     }),
     effect(() => void (root.lang = language.value)),
     effect(() => {
-      const name = studio.file.value?.name ?? studio.hello.value?.title ?? "";
-      document.title = `${studio.isModified.value ? "● " : ""}${name === "" ? "" : `${name} – `}${text("product")}`;
+      // Of several windows, the robot tells which is which.
+      const robot = studio.robot.value;
+      const name = studio.file.value?.name ?? (robot === "" ? studio.hello.value?.title ?? "" : "");
+      const words = [name, robot, text("product")].filter(Boolean).join(" – ");
+      document.title = `${studio.isModified.value ? "● " : ""}${words}`;
     }),
   ];
   return () => {

@@ -168,12 +168,11 @@ function Target({ studio }: { studio: Studio }) {
   const controller = studio.controller.value;
   if (hello === null) return <span class="target faint">{text("state_connecting")}</span>;
   if (hello.mode === "connected") {
-    const words = controller === null ? hello.title : [controller.model, controller.address].filter(Boolean).join(" · ");
     const link = controller?.link ?? "connecting";
     return (
       <span class={`target connected ${link}`}>
         <span class={`dot ${link === "connected" ? "good" : "warning"}`} aria-hidden="true" />
-        {text("mode_connected", { what: words })} – {text(LINKS[link])}
+        {text("mode_connected", { what: studio.robot.value })} – {text(LINKS[link])}
       </span>
     );
   }

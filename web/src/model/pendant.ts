@@ -5,8 +5,8 @@ import type { ControlAction, ControllerState, Six, ToSource } from "../source/me
 import { Refused, type Request } from "./requests.ts";
 import type { Studio } from "./studio.ts";
 
-/** How often a jog is repeated while its button is held; the controller stops 300 ms after the last. */
-export const REPEAT_MS = 80;
+/** How often a jog is repeated while its button is held; the arm is stopped 200 ms after the last. */
+export const REPEAT_MS = 50;
 
 /** Digits of a taught point: 1e-5 rad are 0.02 mm at 1.8 m. */
 const DIGITS = 5;

@@ -23,13 +23,18 @@ export class Requests {
   private next = 1;
   private readonly waiting = new Map<number, { resolve: (answer: FromSource) => void; reject: (reason: Error) => void; timer: ReturnType<typeof setTimeout> }>();
   private readonly transmit: (message: ToSource) => void;
+  private readonly refusal: () => string | null;
 
-  constructor(transmit: (message: ToSource) => void) {
+  /** @param refusal why nothing can be asked now; null if it can. */
+  constructor(transmit: (message: ToSource) => void, refusal: () => string | null) {
     this.transmit = transmit;
+    this.refusal = refusal;
   }
 
   /** Sends a message with the next number. Rejects with `Refused`, or an Error where no answer comes. */
   send(message: Request): Promise<FromSource> {
+    const refusal = this.refusal();
+    if (refusal !== null) return Promise.reject(new Error(refusal));
     const ask = this.next++;
     return new Promise((resolve, reject) => {
       const timer = setTimeout(() => this.fail(ask, text("no_answer", { s: ANSWER_MS / 1000, what: message.type })), ANSWER_MS);

@@ -2,10 +2,11 @@
 
 import { computed, signal } from "@preact/signals-core";
 import type {
-  Ability, ControlAction, ControllerState, FromSource, Json, Moment, Problem, RunOptions, Scene, Service, Six, TextEdit, ToSource, Value,
+  Ability, ControlAction, ControllerState, FromSource, Json, Moment, RunOptions, Scene, Service, Six, TextEdit, ToSource, Value,
 } from "../source/messages.ts";
 import { TICK_S, type Rows } from "../source/rows.ts";
 import { fromBase64, readRecording } from "../source/recording.ts";
+import type { Results } from "../source/services.ts";
 import type { Link, Listener, Source } from "../source/source.ts";
 import { text as words } from "../text/text.ts";
 import { type Alignment, aligned, recordingIn, runOf } from "./compare.ts";
@@ -25,7 +26,9 @@ export type FileInfo = Extract<FromSource, { type: "file" }>;
 /** What the pointer or the caret is at: nothing scrolls because of it. */
 export interface Hover {
   readonly t?: number;
+  /** In the text that ran, or in that of `version`. */
   readonly line?: number;
+  readonly version?: number;
   /** Region in which it is, which does not mark it itself. */
   readonly region: string;
 }
@@ -46,6 +49,8 @@ export interface Compared {
 export interface Place {
   readonly line: number;
   readonly column: number;
+  /** Of the text in which that is, which may have changed since; the present one where there is none. */
+  readonly version?: number;
 }
 
 /** What other regions do with the editor; each is one step of its undo. */
@@ -83,6 +88,9 @@ export const STALE_MS = 400;
 /** Notices that are kept. */
 const NOTICES_MAX = 20;
 
+/** Texts that were told and wait for their runs. */
+const TOLD_MAX = 100;
+
 /** End of a run where the options have none. */
 export const LIMIT_S = 120;
 
@@ -96,7 +104,7 @@ export class Studio implements Listener {
   readonly text = signal("");
   readonly version = signal(0);
   /** Of the newest text that was checked. */
-  readonly problems = signal<{ readonly version: number; readonly list: readonly Problem[]; readonly compiles: boolean } | null>(null);
+  readonly problems = signal<Extract<FromSource, { type: "problems" }> | null>(null);
   private readonly chosen = new History<RunOptions>({});
   /** What was chosen here; the rest is as the command line gave it. */
   readonly options = this.chosen.value;
@@ -145,7 +153,12 @@ export class Studio implements Listener {
   readonly isSaving = signal(false);
   private readonly isOverdue = signal(false);
 
-  private readonly requests = new Requests((message) => this.transmit(message));
+  private readonly requests = new Requests(
+    (message) => this.transmit(message),
+    () => (this.link.value === "lost" ? words("link_lost") : null),
+  );
+  /** Texts by version, of which a run may begin. */
+  private readonly told = new Map<number, string>();
   private readonly watching: () => void;
   private nextNotice = 1;
   /** The time that people chose: the cursor is there as soon as the run is that long; Infinity: at its end. */
@@ -157,6 +170,8 @@ export class Studio implements Listener {
   private quiet: ReturnType<typeof setTimeout> | undefined;
   private overdue: ReturnType<typeof setTimeout> | undefined;
   private isOpening = false;
+  /** The run whose computation Stop has ended. */
+  private halted: Run | null = null;
   private steps = 0;
 
   constructor(source: Source) {
@@ -192,6 +207,13 @@ export class Studio implements Listener {
     const last = this.lastAligned;
     if (last?.other !== other || last.ended !== run.ended) this.lastAligned = { other, ended: run.ended, run: aligned(other, run) };
     return this.lastAligned!.run;
+  });
+
+  /** Which controller this is about, by model and address; "" if about none. */
+  readonly robot = computed(() => {
+    if (this.hello.value?.mode !== "connected") return "";
+    const controller = this.controller.value;
+    return controller === null ? this.hello.value.title : [controller.model, controller.address].filter(Boolean).join(" · ");
   });
 
   /** Last time of the slider, s: of the newest run, or of the one before while that was longer and the newest grows. */
@@ -240,9 +262,9 @@ export class Studio implements Listener {
     this.changed();
   }
 
-  /** Changes the text as one step of the editor's undo. */
-  apply(edits: readonly TextEdit[]): void {
-    this.editor?.apply(edits);
+  /** Makes the edits of a finding as one step of the editor's undo; of a text that has changed since, none. */
+  fix(version: number, edits: readonly TextEdit[]): void {
+    if (version === this.version.value) this.editor?.apply(edits);
   }
 
   /** Replaces the text, as one step of the editor's undo where there is an editor. */
@@ -433,11 +455,15 @@ export class Studio implements Listener {
     if (asks) this.seek();
   }
 
-  /** Plays from the cursor, from 0 at the end; goes with the controller's time where time goes on by itself. */
+  /** Plays from the cursor, from 0 at the end, and computes again what Stop has ended; goes with the controller's time where time goes on by itself. */
   play(): void {
     if (this.can("live")) {
       this.isFollowing.value = true;
       return;
+    }
+    if (this.run.value !== null && this.run.value === this.halted) {
+      this.halted = null;
+      this.changed();
     }
     if (this.run.value?.ended != null && this.cursor.value >= this.end.value) this.setCursor(0);
     this.isPlaying.value = true;
@@ -472,6 +498,7 @@ export class Studio implements Listener {
       return;
     }
     this.pause();
+    if (this.run.value?.ended === null) this.halted = this.run.value;
     this.transmit({ type: "stop" });
     this.setCursor(0);
   }
@@ -509,7 +536,13 @@ export class Studio implements Listener {
   jump(t: number, place: Place | null = null): void {
     this.pause();
     this.setCursor(t);
-    if (place !== null && place.line > 0) this.goto.value = { ...place };
+    if (place !== null) this.goToRun(place);
+  }
+
+  /** Sends the editor to a place of the text that ran. */
+  goToRun({ line, column }: Place): void {
+    const run = this.run.value;
+    if (line > 0) this.goto.value = { line, column, ...(run === null ? {} : { version: run.version }) };
   }
 
   /** What a click on a line does: the cursor goes to its next visit, after the last to its first. */
@@ -533,10 +566,10 @@ export class Studio implements Listener {
   // ---------------------------------------------------------------- requests and notices
 
   /** Asks the source about the present text; rejects with its reason where it refuses. */
-  ask(service: Service, given: { readonly [name: string]: Json } = {}): Promise<Json> {
+  ask<S extends Service>(service: S, given: { readonly [name: string]: Json } = {}): Promise<Results[S] | null> {
     this.flush();
     const asked = this.request({ type: "service", ask: 0, service, version: this.version.value, ...given });
-    return asked.then((message) => (message.type === "answer" ? message.result : null));
+    return asked.then((message) => (message.type === "answer" ? (message.result as unknown as Results[S]) : null));
   }
 
   /** Sends a message that is answered with the same `ask`; rejects where it is refused or not answered. */
@@ -602,11 +635,12 @@ export class Studio implements Listener {
       case "recorded":
         this.requests.settle(message);
         return;
-      default:
-        if (message.run === this.run.value?.number) {
-          this.run.value.take(message);
-          this.grow();
-        }
+      default: {
+        const run = this.run.value;
+        if (run === null || message.run !== run.number) return;
+        run.take(message);
+        this.grow();
+      }
     }
   }
 
@@ -620,6 +654,8 @@ export class Studio implements Listener {
   linked(link: Link): void {
     this.link.value = link;
     if (link !== "lost") return;
+    // What was known of a controller may be wrong by now.
+    if (this.controller.value !== null) this.controller.value = { ...this.controller.value, link: "lost" };
     this.steps = 0;
     this.requests.drop(words("link_lost"));
   }
@@ -659,7 +695,10 @@ export class Studio implements Listener {
 
   private tellNow(): void {
     this.isUntold = false;
-    if (this.can("edit")) this.transmit({ type: "program", version: this.version.value, text: this.text.value, options: this.options.value });
+    if (!this.can("edit")) return;
+    this.told.set(this.version.value, this.text.value);
+    if (this.told.size > TOLD_MAX) this.told.delete(this.told.keys().next().value!);
+    this.transmit({ type: "program", version: this.version.value, text: this.text.value, options: this.options.value });
   }
 
   private takeFile(file: FileInfo): void {
@@ -722,16 +761,19 @@ export class Studio implements Listener {
 
   private begin(message: Extract<FromSource, { type: "run_began" }>): void {
     const last = this.run.value;
-    const text = message.version === this.version.value ? this.text.value : (last?.text ?? "");
+    // By the time that it begins the text may be another one.
+    const text = this.told.get(message.version) ?? (message.version === this.version.value ? this.text.value : (last?.text ?? ""));
+    for (const version of this.told.keys()) if (version < message.version) this.told.delete(version);
     const run = new Run(message.run, message.version, message.options, text);
     const before = this.before.value;
     // A run that was replaced early shows less than the one before it.
     const fuller = last !== null && (last.ended !== null || before === null || last.known_s >= before.known_s) ? last : before;
     const base = last !== null && last.known_s >= message.same_until_s ? last : fuller;
     if (base !== null) run.continueFrom(base, message.same_until_s);
-    this.before.value = fuller;
+    // The time of a controller that begins anew has nothing to do with that before.
+    this.before.value = this.can("live") ? null : fuller;
     this.run.value = run;
-    this.isOverdue.value = false;
+    if (message.version === this.version.value) this.isOverdue.value = false;
     this.grow();
   }
 

@@ -40,7 +40,10 @@ export function parse(typed: string, quantity: Quantity, display?: Display): num
   const unit = found[2]! || unitOf(quantity, display);
   const factor = Object.entries(factors).find(([name]) => name === unit || name.toLowerCase() === unit.toLowerCase())?.[1];
   if (factor === undefined) throw new UnitError(text("unit_unknown", { unit, units: Object.keys(factors).filter(Boolean).join(", ") }));
-  return Number(found[1]) * factor;
+  const value = Number(found[1]) * factor;
+  // JSON has no infinity.
+  if (!Number.isFinite(value)) throw new UnitError(text("unit_no_number", { typed: typed.trim() }));
+  return value;
 }
 
 /** Returns the values of a list: `0, -90 deg, 90 deg, ...`; a unit counts for the values before it that have none. */

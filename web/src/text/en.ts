@@ -288,6 +288,7 @@ export const en = {
   severity_information: "information",
   severity_hint: "hint",
   problems_none: "No problems.",
+  problems_rules: "{count} rules were checked.",
   problems_unknown: "Nothing was checked yet.",
   fix: "Fix",
   refused_connections: "The run opened no connection to {where}.",

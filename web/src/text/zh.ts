@@ -290,6 +290,7 @@ export const zh: Texts = {
   severity_information: "信息",
   severity_hint: "提示",
   problems_none: "没有问题。",
+  problems_rules: "已检查 {count} 条规则。",
   problems_unknown: "尚未检查。",
   fix: "修复",
   refused_connections: "运行没有打开到 {where} 的连接。",

@@ -8,7 +8,7 @@ setpoint at any tick.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Hashable, Iterable
 from typing import Final, Protocol
 
 from elitescript.controller.arm.plant import LaggingJoints
@@ -124,6 +124,10 @@ class ArmState:
     def tool_way(self, begin: int, end: int) -> tuple[float, float, Vector3] | None:
         """Return how far the tool goes and turns between two ticks; see `MotionControl.tool_way`."""
         return None if self._is_stepped else self._motion.tool_way(begin, end)
+
+    def course(self, begin: int, end: int) -> Hashable | None:
+        """Return what the target joints between two ticks follow from; see `MotionControl.course`."""
+        return None if self._is_stepped else self._motion.course(begin, end)
 
     @property
     def next_tick(self) -> int | None:

@@ -12,7 +12,7 @@ in any state, and end the motion before.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Hashable, Iterable
 
 from elitescript.controller.motion.joint_drive import Drive, JointDrive
 from elitescript.controller.motion.move_sequencing import (
@@ -184,6 +184,11 @@ class MotionControl:
         if source is None:
             return ZERO_SIX
         return source.turned(begin, end) if isinstance(source, Move) and end <= source.end_tick else None
+
+    def course(self, begin: int, end: int) -> Hashable | None:
+        """Return what the target joints between two ticks follow from, as `turned`; see `Move.course`."""
+        source = self._source
+        return source.course(begin, end) if isinstance(source, Move) and end <= source.end_tick else None
 
     @property
     def is_stepped(self) -> bool:

@@ -8,6 +8,7 @@ itself. `MotionControl` holds one at a time. A source in closed form is due rare
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections.abc import Hashable
 from math import inf, isinf
 from typing import Final, Protocol
 
@@ -16,6 +17,7 @@ from elitescript.kinematics.transforms import Transform, position_of
 from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import PERIOD_S, ticks_for
+from elitescript.motion.course import rounded
 from elitescript.motion.limits import MotionLimits
 from elitescript.motion.paths.polyline import ChainLine, begun, extended
 from elitescript.motion.paths.track import JointTrack
@@ -187,6 +189,18 @@ class Move:
         """
         found = self.segment.tool_way(self.path_time_s(begin), self.path_time_s(end))
         return None if found is None else (*found, position_of(self.T_flange_tcp))
+
+    def course(self, begin: int, end: int) -> Hashable | None:
+        """Return what the target joints at the ticks between two ticks follow from, but for rounding.
+
+        None if that is not known, or not likely to come again: in a ramp of the speed percentage and after it.
+        """
+        scale, course = self.scale, self.segment.course
+        start = self.start_tick
+        if course is None or scale.ramp_s or scale.s_start_s or scale.t_start_s != start * PERIOD_S:
+            return None
+        tcp = rounded(position_of(self.T_flange_tcp))
+        return course, scale.rate_target, begin - start, end - start, tcp
 
     def is_awaited(self, number: int) -> bool:
         """Return whether the call of that number is not over."""

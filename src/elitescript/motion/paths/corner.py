@@ -20,6 +20,7 @@ controller does it this way is *assumed*.
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from math import hypot
 
 from elitescript.kinematics.arm import Arm
@@ -27,6 +28,7 @@ from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.rotations import Rotation, Vector3, multiply, rotate, transpose
 from elitescript.kinematics.transforms import Transform, apply, compose, rotation_of
 from elitescript.messages.motion import Six
+from elitescript.motion.course import rounded
 from elitescript.motion.paths.cartesian import CartesianPath
 from elitescript.motion.segment import JointPath, added
 
@@ -244,6 +246,11 @@ class JointCorner:
         left = first.turned(first.length - d1 * (1.0 - f) ** 2, first.length - d1 * (1.0 - g) ** 2)
         joined = self._second.turned(d2 * f * f, d2 * g * g)
         return None if left is None or joined is None else added(left, joined)
+
+    @property
+    def course(self) -> Hashable | None:
+        courses = (self._first.course, self._second.course)
+        return None if None in courses else (courses, rounded((self._d1, self._d2, self.length)))
 
     def tool_rates(self, s: float) -> tuple[float, float]:
         q, qd = self.q_and_slope(s)

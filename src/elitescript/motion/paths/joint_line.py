@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from math import hypot
 
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import tcp_twist
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.motion import Six
+from elitescript.motion.course import rounded
 
 
 class JointLine:
@@ -55,6 +57,10 @@ class JointLine:
         way = max(min(end, self.length) - max(begin, 0.0), 0.0)
         a, b, c, d, e, f = self.slope
         return abs(a) * way, abs(b) * way, abs(c) * way, abs(d) * way, abs(e) * way, abs(f) * way
+
+    @property
+    def course(self) -> Hashable:
+        return self.kind, rounded((*self.q_start, *self.q_end))
 
     def tool_rates(self, s: float) -> tuple[float, float]:
         vx, vy, vz, wx, wy, wz = tcp_twist(self._arm, self.q(s), self.slope, self._T_flange_tcp)

@@ -160,6 +160,11 @@ class ChainPath:
                 total = added(total, stretch.track.turned(first, last))
         return total
 
+    @property
+    def course(self) -> None:
+        """Not kept: the chain grows."""
+        return
+
     def tool_rates(self, s: float) -> tuple[float, float]:
         stretch = self._at(s)
         return stretch.track.tool_rates(s - stretch.start + stretch.offset)

@@ -14,7 +14,7 @@ the measure of how much the interval hides. A jump to another turn or branch sho
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from math import ceil
 from typing import Final, TypeAlias
 
@@ -25,6 +25,7 @@ from elitescript.kinematics.jacobian import joint_speeds, singularity
 from elitescript.kinematics.transforms import Transform
 from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX
+from elitescript.motion.course import rounded
 from elitescript.motion.limits import (
     RANGE_TOLERANCE_RAD,
     MotionLimits,
@@ -170,6 +171,14 @@ class JointTrack:
         share = min(max((s - start) / (end - start), 0.0), 1.0)
         q1, q2, q3, q4, q5, q6 = [a + share * (b - a) for a, b in zip(turns[index], turns[index + 1], strict=True)]
         return q1, q2, q3, q4, q5, q6
+
+    @property
+    def course(self) -> Hashable:
+        # A line, an arc and a corner follow from both ends and the middle.
+        q, slope = self.grid_q, self.grid_slope
+        middle = len(q) // 2
+        places = (*q[0], *q[middle], *q[-1], *slope[0], *slope[middle], *slope[-1])
+        return self.kind, len(q), rounded((self.length, self.grid_s[middle], *places))
 
     def tool_rates(self, s: float) -> tuple[float, float]:
         return self.path.tool_rates

@@ -9,11 +9,12 @@ to be slowed down in places has more.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from math import inf, sqrt
 from typing import Final
 
 from elitescript.errors import InternalError
+from elitescript.motion.course import rounded
 from elitescript.records import NamedTuple
 
 RAMP_SHARE: Final = 1.0 / 3.0
@@ -60,6 +61,12 @@ class TimeLaw:
         self._position = tuple(position)
         self._speed = tuple(speed)
         self._acceleration = tuple(acceleration)
+
+    @property
+    def course(self) -> Hashable:
+        """What positions and speeds follow from, but for rounding."""
+        pieces = (*self._start_s, *self._position, *self._speed, *self._acceleration)
+        return rounded((self.length, self.duration_s, *pieces))
 
     def at(self, t_s: float) -> tuple[float, float]:
         """Return (position, speed) at a time; before the start those of the start, after the end those at rest."""

@@ -23,6 +23,9 @@ DASHBOARD: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
 }
 """Dashboard command of each action, and how replies begin that are no refusal, older firmware included."""
 
+STOPS: Final[Mapping[str, str]] = {"stop": "stop task", "robotControl -off": "power off"}
+"""Dashboard commands that are always sent, whatever the state seems to be, and the same for the primary port."""
+
 CTL: Final[Mapping[str, tuple[str, ...]]] = {
     "emergency_stop": ("estop",),
     "emergency_stop_release": ("release",),

@@ -35,6 +35,8 @@ GRACE_S: Final = 0.5
 """After which the primary port's states are shown where RTSI is not there."""
 PROGRAM_S: Final = 3.0
 """Longest time for a program that was sent to be seen running."""
+STOP_S: Final = 1.0
+"""Longest time for the dashboard to take a stop; then the primary port gets it."""
 REPORTS_KEPT: Final = 500
 GUIDING_SINCE: Final = (2, 14)
 """Firmware that brought `freedrive_mode`."""
@@ -71,6 +73,8 @@ class ConnectedController:
         self._has_rtsi = False
         self._rtsi_ended_s = 0.0
         """Time of the loop."""
+        self._pictured_s = 0.0
+        """Time of the loop at which the last picture came."""
         self._takes_registers = True
         self._firmware: tuple[int, ...] = ()
         self._globals: tuple[str, ...] = ()
@@ -86,9 +90,11 @@ class ConnectedController:
                 target.ports["rtsi"],
                 target.jog_register,
                 send=self.send_script,
+                halt=self._halt,
                 task_state=lambda: self.picture.task_state,
                 joint_at_end=self._joint_at_end,
-                lapsed=lambda: self.picture.values.get(f"output_int_register{target.jog_register}"),
+                picture_age_s=lambda: asyncio.get_running_loop().time() - self._pictured_s,
+                answer=lambda: self.picture.values.get(f"output_int_register{target.jog_register}"),
                 ended=self._jog_ended,
             )
 
@@ -154,8 +160,8 @@ class ConnectedController:
         target = self.target
         async with rtsi_client(target.host, target.ports["rtsi"]) as client:
             self._firmware = await client.negotiate()
-            lapsed = (f"output_int_register{target.jog_register}",) if target.may_control else ()
-            pictures = await client.set_up_outputs((*VARIABLES, *lapsed), PICTURE_HZ)
+            answers = (f"output_int_register{target.jog_register}",) if target.may_control else ()
+            pictures = await client.set_up_outputs((*VARIABLES, *answers), PICTURE_HZ)
             if self._takes_registers:
                 # A controller that ends the connection because of so many names is not asked again.
                 self._takes_registers = False
@@ -267,8 +273,8 @@ class ConnectedController:
     def _publish(self) -> None:
         """Tell the pages the present picture."""
         picture = self.picture
-        if picture.link != "connected":
-            picture.link = "connected"
+        picture.link = "connected"
+        self._pictured_s = asyncio.get_running_loop().time()
         picture.is_jogging = self.jogger is not None and self.jogger.is_active
         run = self._trail.run
         for message in self._trail.take(picture):
@@ -329,7 +335,7 @@ class ConnectedController:
             verb, *words = commands.CTL[action]
             return await self.order(verb, words)
         if action == "emergency_stop":
-            return await self._stop_over_the_network()
+            return await self._stop_over_the_network(*commands.STOPS)
         if action not in commands.DASHBOARD:
             raise UsageError(f"only a robot that is served on this computer has {action.replace('_', ' ')}")
         line, successes = commands.DASHBOARD[action]
@@ -341,8 +347,11 @@ class ConnectedController:
         return reply
 
     async def _command(self, line: str, successes: Sequence[str]) -> str:
-        if why := commands.refusal(line, self.picture):
+        is_stop = line in commands.STOPS
+        if not is_stop and (why := commands.refusal(line, self.picture)):
             raise UsageError(why)
+        if is_stop and (self._dashboard is None or self._dashboard.is_busy):
+            return await self._stop_over_the_network(line)
         if self._dashboard is None:
             raise LinkError("the dashboard port is not connected")
         reply = await self._dashboard.ask(line)
@@ -350,18 +359,29 @@ class ConnectedController:
             raise UsageError(f"the controller refuses: {reply}")
         return reply
 
-    async def _stop_over_the_network(self) -> str:
-        """Stop the program and power off, over connections that nothing else uses or holds up."""
+    async def _stop_over_the_network(self, *lines: str) -> str:
+        """Send commands of `STOPS` over connections that nothing else uses or holds up."""
         target = self.target
-        results = []
         try:
-            async with dashboard_client(target.host, target.ports["dashboard"], may_command=True) as client:
-                results = [await client.ask(line) for line in ("stop", "robotControl -off")]
-        except ElitescriptError as error:
+            async with (
+                asyncio.timeout(STOP_S),
+                dashboard_client(target.host, target.ports["dashboard"], may_command=True) as client,
+            ):
+                return ", ".join([await client.ask(line) for line in lines])
+        except (ElitescriptError, TimeoutError) as error:
             # The primary port takes the same as plain commands.
-            await self.send_script("stop task\npower off")
-            return f"stop and power off were sent to the primary port; the dashboard did not answer: {error}"
-        return ", ".join(results)
+            words = [commands.STOPS[line] for line in lines]
+            await self.send_script("\n".join(words))
+            why = str(error) or f"nothing came within {STOP_S:g} s"
+            return f"{', '.join(words)}: sent to the primary port; the dashboard did not answer: {why}"
+
+    async def _halt(self) -> None:
+        """End the program of the controller.
+
+        Raises:
+            LinkError: no port takes it.
+        """
+        await self._stop_over_the_network("stop")
 
     async def order(self, verb: str, words: Sequence[str], values: dict[str, Value] | None = None) -> str:
         """Ask a robot on this computer by `ctl`; return its words.
@@ -501,7 +521,7 @@ class ConnectedController:
 
     def _jog_ended(self, owner: object, text: str) -> None:
         self.held_back.add(owner)
-        self._tell({"type": "notice", "severity": "warning", "text": text})
+        self._tell({"type": "notice", "severity": "warning", "text": f"{self.title}: {text}"})
 
     def _joint_at_end(self, speeds: Sequence[float]) -> int:
         joints, scene = self.picture.joints, self._scene

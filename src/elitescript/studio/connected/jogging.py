@@ -2,13 +2,14 @@
 
 The controller's own program moves the arm, with `speedj` and `speedl`. It reads from RTSI input registers what to do,
 and a number that the studio changes `BEATS_HZ` times a second. When that number has not changed for `QUIET_S`, for
-whatever reason - the studio has ended, the network is gone - the program brakes the arm and ends. Nothing has to arrive
-for the arm to stop.
+whatever reason - the studio has ended, the network is gone, the program was paused - the program brakes the arm and
+ends. Nothing has to arrive for the arm to stop.
 
     integer register N      the number that changes: the heartbeat
     integer register N + 1  what to do, with the number of the session, so that an old value moves nothing
     float registers N to N + 5  the speeds
-    output integer register N   the number of the session, once the program has ended for want of a heartbeat
+    output integer register N   minus the heartbeat that the program has read last; the number of the session, once it
+                                has ended for want of one
 """
 
 from __future__ import annotations
@@ -27,8 +28,12 @@ from elitescript.messages.enums import TaskState
 if TYPE_CHECKING:
     from elitescript.client.rtsi import RtsiClient
 
-HOLD_S: Final = 0.3
+HOLD_S: Final = 0.2
 """Without a message of the page for this long, the arm stops."""
+BLIND_S: Final = 0.15
+"""Without a picture of the controller for this long, the arm stops: nobody sees where it goes."""
+GAP_S: Final = 0.5
+"""Longest standstill, for want of messages or pictures, after which a button that is still held moves the arm again."""
 QUIET_S: Final = 0.14
 """Without a heartbeat for this long, the controller's program stops the arm by itself."""
 GUIDE_QUIET_S: Final = 1.0
@@ -63,24 +68,28 @@ STOP, JOINT, BASE, TOOL, HAND = range(5)
 MODES: Final = {"joint": JOINT, "base": BASE, "tool": TOOL}
 SESSION_STEP: Final = 8
 _SESSIONS: Final = 2**24
+_NUMBERS: Final = 2**31
+"""Of heartbeats."""
 
 PROGRAM_NAME: Final = "studio_jog"
 
 _LOOP: Final = """def {name}():
+    import time
     beat = read_input_integer_register({register})
-    quiet = 0.0
-    while quiet < {quiet:g}:
+    heard = time.monotonic()
+    late = 0.0
+    while late < {quiet:g}:
         task = read_input_integer_register({task_register}) - {session}
         speed = [{speeds}]
 {body}
         now = read_input_integer_register({register})
-        if now == beat:
-            quiet = quiet + {step:g}
-        else:
+        late = time.monotonic() - heard
+        if now != beat and late < {quiet:g}:
             beat = now
-            quiet = 0.0
+            heard = heard + late
+            write_output_integer_register({register}, -beat)
 {after}
-    if quiet >= {quiet:g}:
+    if late >= {quiet:g}:
         write_output_integer_register({register}, {session})
 end
 """
@@ -118,7 +127,7 @@ def jog_program(register: int, session: int) -> str:
 def guide_program(register: int, session: int) -> str:
     """Return the program that lets a person guide the arm by hand; arguments as of `jog_program`."""
     text = _program(register, session, _GUIDE, "    end_freedrive_mode()", GUIDE_QUIET_S)
-    return text.replace("    quiet = 0.0\n", "    quiet = 0.0\n    freedrive_mode()\n", 1)
+    return text.replace("    late = 0.0\n", "    late = 0.0\n    freedrive_mode()\n", 1)
 
 
 def _program(register: int, session: int, body: str, after: str, quiet_s: float) -> str:
@@ -128,7 +137,6 @@ def _program(register: int, session: int, body: str, after: str, quiet_s: float)
         task_register=register + 1,
         session=session,
         quiet=quiet_s,
-        step=STEP_S,
         speeds=", ".join(f"read_input_float_register({register + axis})" for axis in range(6)),
         after=after,
         body=body.format(
@@ -181,19 +189,23 @@ class Jogger:
         rtsi_port: its RTSI port.
         register: first of the registers.
         send: sends a program to the controller.
+        halt: ends the program of the controller.
         task_state: returns the present state of the task.
         joint_at_end: returns which joint is too near to the end of its range for these speeds of joints; 0 for none.
-        lapsed: returns the session in the controller's output register, the last that ended for want of a heartbeat.
+        picture_age_s: returns how long ago the last picture of the controller came, s.
+        answer: returns what is in the controller's output register.
         ended: takes that the arm was stopped for another reason than `release`, in words, with the page that moved it.
     """
 
     __slots__ = (
+        "_answer",
         "_ended",
+        "_halt",
         "_held_until",
         "_host",
         "_is_stopping",
         "_joint_at_end",
-        "_lapsed",
+        "_picture_age_s",
         "_port",
         "_register",
         "_running",
@@ -211,9 +223,11 @@ class Jogger:
         register: int,
         *,
         send: Callable[[str], Any],
+        halt: Callable[[], Any],
         task_state: Callable[[], TaskState],
         joint_at_end: Callable[[Sequence[float]], int],
-        lapsed: Callable[[], object],
+        picture_age_s: Callable[[], float],
+        answer: Callable[[], object],
         ended: Callable[[object, str], None],
     ) -> None:
         self._host = host
@@ -222,7 +236,9 @@ class Jogger:
         self._send = send
         self._task_state = task_state
         self._joint_at_end = joint_at_end
-        self._lapsed = lapsed
+        self._halt = halt
+        self._picture_age_s = picture_age_s
+        self._answer = answer
         self._ended = ended
         self._running: asyncio.Task[None] | None = None
         self._task = STOP
@@ -314,18 +330,26 @@ class Jogger:
     async def _drive(self, client: RtsiClient, layout: InputLayout, program: Callable[[int, int], str]) -> None:
         loop = asyncio.get_running_loop()
         session = (1 + secrets.randbelow(_SESSIONS)) * SESSION_STEP
-        if self._is_stopping:
+        start = loop.time()
+        if self._is_stopping or start > self._held_until:
             # A touch that was over before the connection was there.
             return
-        start = loop.time()
         self._beat(client, layout, session)
         await self._send(program(self._register, session))
-        has_run, stopped_at = False, 0.0
+        has_run, stopped_at, answered_at = False, 0.0, None
         while True:
             await asyncio.sleep(1.0 / BEATS_HZ)
             now = loop.time()
             is_running = self._task_state() is not TaskState.STOPPED
             has_run = has_run or is_running
+            if self._has_answered():
+                answered_at = now
+            if has_run and self._task_state() is TaskState.PAUSED:
+                # Whatever lets it go on later is not to move the arm.
+                await self._halt()
+                raise UsageError("the controller has paused the program that moves the arm; it is ended")
+            if not self._is_stopping:
+                self._check_hearing(now, answered_at)
             if has_run and not is_running:
                 if not self._is_stopping:
                     self._check_end(await self._has_lapsed(session))
@@ -362,12 +386,34 @@ class Jogger:
     async def _has_lapsed(self, session: int) -> bool:
         """Return whether heartbeats came too late: where the network or a computer is slow, the page may go on."""
         end = asyncio.get_running_loop().time() + LAPSE_S
-        while self._lapsed() != session and asyncio.get_running_loop().time() < end:
+        while self._answer() != session and asyncio.get_running_loop().time() < end:
             await asyncio.sleep(1.0 / BEATS_HZ)
-        return self._lapsed() == session
+        return self._answer() == session
+
+    def _has_answered(self) -> bool:
+        """Return whether the program has read one of the newest heartbeats."""
+        answer = self._answer()
+        return isinstance(answer, int) and answer < 0 and (_number() + answer) % _NUMBERS < GAP_S * 1000
+
+    def _check_hearing(self, now: float, answered_at: float | None) -> None:
+        """Refuse to go on without pictures, or without answers once there were some: an older controller has none.
+
+        Raises:
+            UsageError: says what is missing.
+        """
+        longest_s = GUIDE_QUIET_S if self._task == HAND else GAP_S
+        if self._picture_age_s() > longest_s:
+            raise UsageError(f"nothing was heard of the controller for {longest_s:g} s")
+        if answered_at is not None and now - answered_at > longest_s:
+            raise UsageError("its program at the controller does not answer; another may have taken its place")
 
     def _beat(self, client: RtsiClient, layout: InputLayout, session: int) -> None:
         beat, task, *speeds = layout.names
-        number = int(asyncio.get_running_loop().time() * 1000) % 2**31
-        values = dict(zip(speeds, self._speeds if self._task != STOP else (0.0,) * 6, strict=True))
-        client.write(layout, {beat: number, task: session + self._task, **values})
+        moves = self._task != STOP and self._picture_age_s() < BLIND_S
+        values = dict(zip(speeds, self._speeds if moves else (0.0,) * 6, strict=True))
+        client.write(layout, {beat: _number(), task: session + self._task, **values})
+
+
+def _number() -> int:
+    """Return the heartbeat of this moment."""
+    return int(asyncio.get_running_loop().time() * 1000) % _NUMBERS

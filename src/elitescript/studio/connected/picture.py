@@ -37,6 +37,9 @@ VARIABLES: Final = (
 LEAP_TICKS: Final = 60 * TICKS_PER_S
 """Longest gap in time that is shown as one."""
 
+TIME_MAX_S: Final = 1e11
+"""Times from here on are none of a controller."""
+
 Kind = TypeVar("Kind", bound=Mode)
 
 _MICROSECONDS_PER_S: Final = 1e6
@@ -96,7 +99,7 @@ class Picture:
         joints, time_s = values.get("actual_joint_positions"), values.get("timestamp")
         if joints is not None and _six(joints) is None:
             return
-        if isinstance(time_s, float) and not isfinite(time_s):
+        if isinstance(time_s, float) and not abs(time_s) < TIME_MAX_S:
             return
         self.values.update(values)
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import Any
 
 from elitescript.kernel.arm import named_model
 from elitescript.models.model import RobotModel, load_model, model_names
-from elitescript.protocol.binary import WireValue
+from elitescript.protocol.binary import Number, WireValue
 from elitescript.solids.scene import scene
 
 
@@ -34,17 +35,17 @@ def scene_of(
         if not robot and configuration is None:
             return None
         model = named_model(robot or "cs66")[0]
-    tcp = (0.0,) * 6 if tcp_offset is None else tcp_offset
+    tcp = _numbers(tcp_offset or ()) or (0.0,) * 6
     message = scene(model, tcp=tcp)  # type: ignore[arg-type]
     if configuration is None:
         return message
     if number != model.type_id:
         message["robot"] = robot or f"robot type {number}"
-    a, d, alpha = (configuration[f"DH {name}"] for name in ("a", "d", "alpha"))
-    if isinstance(a, tuple) and isinstance(d, tuple) and isinstance(alpha, tuple) and any((*a, *d)):
+    a, d, alpha = (_numbers(configuration[f"DH {name}"]) for name in ("a", "d", "alpha"))
+    if a and d and alpha and any((*a, *d)):
         message["dh"] = [{"a": a[i], "d": d[i], "alpha": alpha[i]} for i in range(6)]
-    ranges, highest = configuration["joint limits"], configuration["joint maxima"]
-    if isinstance(ranges, tuple) and isinstance(highest, tuple) and any(ranges) and any(highest):
+    ranges, highest = _numbers(configuration["joint limits"]), _numbers(configuration["joint maxima"])
+    if any(ranges) and any(highest):
         message["limits"] |= {
             "position_min": list(ranges[0::2]),
             "position_max": list(ranges[1::2]),
@@ -52,3 +53,8 @@ def scene_of(
             "acceleration": list(highest[1::2]),
         }
     return message
+
+
+def _numbers(vector: WireValue) -> tuple[Number, ...]:
+    """Return the numbers of a vector; none if one of them is not finite."""
+    return vector if isinstance(vector, tuple) and all(map(isfinite, vector)) else ()

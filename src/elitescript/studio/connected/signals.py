@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import isfinite
 from typing import Final
 
 from elitescript.messages.signals import SIGNALS, Value, signal_name
@@ -48,8 +49,9 @@ def signals_of(values: Mapping[str, WireValue]) -> dict[str, Value]:
     found: dict[str, dict[int, Value]] = {}
 
     def put(family: str, index: int, value: WireValue | None) -> None:
-        if value is not None and not isinstance(value, tuple):
-            found.setdefault(family, {})[index] = value
+        if value is not None and not isinstance(value, tuple) and isfinite(value):
+            is_whole = SIGNALS[family].kind == "int"
+            found.setdefault(family, {})[index] = round(value) if is_whole and isinstance(value, float) else value
 
     for direction, word in (("in", "actual_digital_input_bits"), ("out", "actual_digital_output_bits")):
         for place, first in _DIGITAL:
@@ -58,9 +60,7 @@ def signals_of(values: Mapping[str, WireValue]) -> dict[str, Value]:
                 put(family, index, _bit(values.get(word), first + index))
     for family, variable, size in _SCALARS:
         for index in range(size):
-            value = values.get(variable.replace("#", str(index)))
-            is_whole = SIGNALS[family].kind == "int"
-            put(family, index, round(value) if is_whole and isinstance(value, float) else value)
+            put(family, index, values.get(variable.replace("#", str(index))))
     for side in _SIDES:
         for first in (0, 32):
             for bit in range(32):

@@ -12,9 +12,12 @@ from elitescript.conversation.describe import hello, refused
 from elitescript.errors import ElitescriptError, UsageError
 from elitescript.studio.connected.commands import FAULTS
 from elitescript.studio.connected.controller import ConnectedController
+from elitescript.studio.connected.jogging import GAP_S
 
 WAITING_MAX: Final = 20
 """Messages of a page that may wait for the controller's answers at a time."""
+
+NOTHING_REPEATED: Final = "a controller shows what is now: it does not go back to a moment"
 
 Send = Callable[[Mapping[str, Any] | bytes], None]
 
@@ -30,6 +33,8 @@ class ConnectedSource:
         self._controller = controller
         self._send: Send = _nowhere
         self._waiting: set[asyncio.Task[None]] = set()
+        self._heard_s: float | None = None
+        """Time of the loop of the last message of a button that is held; None if none is."""
 
     async def start(self, send: Send) -> None:
         """Send `hello`, `scene` and what is known; then every change.
@@ -48,7 +53,8 @@ class ConnectedSource:
 
         Returns before the controller has answered: the end of a jog or an emergency stop must not wait for it.
         """
-        if isinstance(message, asked.Jog | asked.JogEnd | asked.Program):
+        if isinstance(message, asked.Jog | asked.JogEnd | asked.Program) or _is_guiding(message):
+            # These do not wait for the controller; and nothing is to move the arm for a page that has left meanwhile.
             await self._answer(message)
         elif len(self._waiting) < WAITING_MAX or _is_urgent(message):
             task = asyncio.create_task(self._answer(message))
@@ -76,7 +82,7 @@ class ConnectedSource:
             case asked.Jog():
                 self._jog(message)
             case asked.JogEnd():
-                controller.held_back.discard(self)
+                self._heard_s = None
                 if controller.jogger is not None:
                     controller.jogger.release(self)
             case asked.Control(action="freedrive_on"):
@@ -101,6 +107,8 @@ class ConnectedSource:
                 if not message.words or message.words[0] not in FAULTS:
                     raise UsageError(f"a fault is one of {', '.join(sorted(FAULTS))}")
                 return await controller.order(message.words[0], message.words[1:])
+            case asked.Detail() | asked.Seek() | asked.Step():
+                raise UsageError(NOTHING_REPEATED)
             case _:
                 pass
         return None
@@ -108,9 +116,15 @@ class ConnectedSource:
     def _jog(self, message: asked.Jog) -> None:
         """Move, or refuse it once: a button that is held must not move the arm later, when the reason is gone."""
         held_back = self._controller.held_back
-        if self in held_back:
+        now_s = asyncio.get_running_loop().time()
+        last_s, self._heard_s = self._heard_s, now_s
+        if last_s is None:
+            held_back.discard(self)
+        elif self in held_back:
             return
         try:
+            if last_s is not None and now_s - last_s > GAP_S:
+                raise UsageError(f"nothing was heard of the page for {GAP_S:g} s; release the button first")
             jogger = self._controller.check_moves()
             jogger.jog(self, message.frame, message.axis, message.direction, message.speed)
         except UsageError:
@@ -128,6 +142,10 @@ class ConnectedSource:
 
 def _is_urgent(message: asked.ToSource) -> bool:
     return isinstance(message, asked.Control) and message.action in ("emergency_stop", "stop", "power_off")
+
+
+def _is_guiding(message: asked.ToSource) -> bool:
+    return isinstance(message, asked.Control) and message.action in ("freedrive_on", "freedrive_off")
 
 
 def _ask_of(message: asked.ToSource) -> int | None:

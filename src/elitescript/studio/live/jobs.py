@@ -9,9 +9,10 @@ from typing import Any
 from elitescript.conversation.messages import SignalInput
 from elitescript.environment.memory import folder_contents
 from elitescript.messages.signals import Value
+from elitescript.models.model import is_model_file
 from elitescript.records import field, fields_of, record
 from elitescript.robot import VirtualRobot
-from elitescript.world_file import closed_world
+from elitescript.world_file import closed_world, files_read
 
 
 @record
@@ -51,6 +52,16 @@ def job_data(job: Job) -> dict[str, Any]:
 def job_of(data: Mapping[str, Any]) -> Job:
     """Return the job of such data."""
     return Job(**{**data, "inputs": tuple(SignalInput(*item) for item in data["inputs"])})
+
+
+def files_of(job: Job) -> list[Path]:
+    """Return the files that a robot of a job is made of, without those of its task folder.
+
+    Raises:
+        UsageError: an invalid world file.
+    """
+    model = str(job.robot.get("model", ""))
+    return [*([Path(model)] if is_model_file(model) else []), *(files_read(job.world) if job.world else [])]
 
 
 def code_name(name: str) -> str:

@@ -40,6 +40,8 @@ def look(link: Link, request: Mapping[str, Any], jail: Callable[[], None]) -> No
     run, job = request["run"], job_of(request["job"])
     try:
         prepared = PreparedJob(job)
+        # What the Python files of a world import cannot be read later on.
+        prepared.robot()
         jail()
         session = DebugSession(
             ProgramSource(

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
+from hashlib import blake2b
 from time import perf_counter
 from typing import Any, Final
 
@@ -32,7 +33,7 @@ from elitescript.plotting.sampling import Sampling
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
 from elitescript.studio.live.code import digest_of, lines_of, moved_lines
-from elitescript.studio.live.jobs import Job, PreparedJob, code_name, job_data, job_of
+from elitescript.studio.live.jobs import Job, PreparedJob, code_name, files_of, job_data, job_of
 from elitescript.studio.live.link import Board, Link
 
 STEP_S: Final = 0.04
@@ -65,7 +66,9 @@ def run_program(link: Link, request: Mapping[str, Any], jail: Callable[[], None]
     job = job_of(request["job"])
     source = SourceFile(code_name(job.name), job.text)
     try:
-        robot = PreparedJob(job).robot()
+        prepared = PreparedJob(job)
+        robot = prepared.robot()
+        contents = _contents(prepared)
     except ElitescriptError as error:
         jail()
         checked = compile_checked(source, PROFILES[DEFAULT_FIRMWARE], Options())
@@ -80,14 +83,28 @@ def run_program(link: Link, request: Mapping[str, Any], jail: Callable[[], None]
     link.send(describe.problems(version, checked.problems, compiles=not checked.is_refused))
     if checked.unit is None or checked.is_refused:
         return
-    if not _is_same(link, checked.unit, job, request):
+    if not _is_same(link, checked.unit, job, contents, request):
         RunReport(link, robot, checked.unit, request).run(job.presets)
 
 
-def _is_same(link: Link, unit: CompiledUnit, job: Job, request: Mapping[str, Any]) -> bool:
+def _contents(prepared: PreparedJob) -> dict[str, str] | None:
+    """Return digests of all files that a run depends on; None if it depends on more than files."""
+    job = prepared.job
+    paths = files_of(job)
+    if job.may_connect or any(path.suffix == ".py" for path in paths):
+        return None
+    read = {str(path): path.read_bytes() for path in paths}
+    return {name: blake2b(data, digest_size=16).hexdigest() for name, data in {**prepared.files, **read}.items()}
+
+
+def _is_same(
+    link: Link, unit: CompiledUnit, job: Job, contents: dict[str, str] | None, request: Mapping[str, Any]
+) -> bool:
     """Tell the engine what the program is known by; return whether its run is that of the last complete one."""
+    if contents is None:
+        return False
     settings = {name: value for name, value in job_data(job).items() if name not in ("text", "name")}
-    digest, lines = digest_of(unit, (settings, request["until_s"])), lines_of(unit)
+    digest, lines = digest_of(unit, (settings, contents, request["until_s"])), lines_of(unit)
     known = request["known"]
     moved = moved_lines(known["lines"], lines) if known is not None and known["digest"] == digest else None
     link.send({"type": "code", "digest": digest, "lines": lines})

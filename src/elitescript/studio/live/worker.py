@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import os
 import sys
-from pathlib import Path
 from typing import Any, Final
 
 from elitescript.environment.process import end_with_parent, limit_memory
 from elitescript.services.child.jail import enter_jail, own_modules
 from elitescript.studio.live.detail import sample
+from elitescript.studio.live.jobs import files_of, job_of
 from elitescript.studio.live.link import Link
 from elitescript.studio.live.looking import look
 from elitescript.studio.live.recording import record_run
@@ -40,9 +40,8 @@ def _lock_in(request: dict[str, Any]) -> None:
         limit_memory(MEMORY_BYTES)
     elif request["do"] == "look":
         # It makes robots again and again, and copies of itself.
-        model = str(job["robot"].get("model", ""))
-        files = [str(Path(path).parent) for path in (job["world"], model) if path.endswith(".toml")]
-        enter_jail([*own_modules(), *files], MEMORY_BYTES, may_copy=True)
+        folders = [str(path.parent) for path in files_of(job_of(job))]
+        enter_jail([*own_modules(), *folders], MEMORY_BYTES, may_copy=True)
     else:
         enter_jail(memory_max=MEMORY_BYTES)
 

@@ -62,7 +62,7 @@ function cell(studio: Studio, row: CycleView, name: CycleOrder) {
               type="button" tabIndex={-1} class="place" title={text("next_visit")}
               onClick={() => {
                 studio.visit(row.line);
-                studio.goto.value = { line: row.line, column: 1 };
+                studio.goToRun({ line: row.line, column: 1 });
               }}
             >
               {row.line}

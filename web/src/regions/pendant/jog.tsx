@@ -70,27 +70,35 @@ export function Jog({ studio, pendant }: { studio: Studio; pendant: PendantModel
 function HoldButton({ pendant, axis, direction }: { pendant: PendantModel; axis: Axis; direction: 1 | -1 }) {
   const key = useRef<string | null>(null);
   const frame = pendant.frame.value;
-  const held = pendant.held.value;
-  const isHeld = held !== null && held.axis === axis && held.direction === direction;
+  // Asked again at each event: what was drawn may be older than what is held.
+  const isHeld = () => {
+    const held = pendant.held.value;
+    return held !== null && held.axis === axis && held.direction === direction;
+  };
+  const isOn = isHeld();
   const sign = text(direction === 1 ? "plus" : "minus");
   const label = frame === "joint" ? text("jog_joint", { axis: axis + 1, sign }) : text("jog_axis", { axis: NAMES[axis]!, sign });
   const release = () => {
     key.current = null;
-    if (isHeld) pendant.release();
+    if (isHeld()) pendant.release();
   };
   return (
     <button
-      type="button" class={isHeld ? "jog-hold on" : "jog-hold"} aria-label={label} aria-pressed={isHeld}
+      type="button" class={isOn ? "jog-hold on" : "jog-hold"} aria-label={label} aria-pressed={isOn}
       onPointerDown={(event) => {
         if (event.button !== 0) return;
         event.currentTarget.setPointerCapture(event.pointerId);
         pendant.hold({ frame, axis, direction });
       }}
       onPointerUp={release} onPointerCancel={release} onLostPointerCapture={release} onBlur={release}
+      onPointerMove={(event) => {
+        // While another button of the mouse is down, letting go of the first one is a move.
+        if (key.current === null && (event.buttons & 1) === 0) release();
+      }}
       onContextMenu={(event) => event.preventDefault()}
       onKeyDown={(event) => {
         if (event.key !== " " && event.key !== "Enter") {
-          if (isHeld) pendant.release();
+          if (isHeld()) pendant.release();
           return;
         }
         event.preventDefault();

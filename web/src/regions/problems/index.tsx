@@ -19,13 +19,19 @@ const SEVERITIES: { readonly [severity in Problem["severity"]]: keyof Texts } = 
 export function Problems({ studio }: { studio: Studio }) {
   const run = studio.run.value;
   void run?.revision.value;
-  const list = studio.problems.value?.list ?? [];
+  const { list, version } = studio.problems.value ?? { list: [], version: 0 };
   const isStale = studio.staleFrom.value > 0;
   // A text that does not compile has no run of its own: what the one on the screen met says nothing of it.
   const met = run === null || isStale ? [] : runProblems(studio, run);
-  const rows = [...met, ...list.map((problem, index) => <Finding key={`check ${index}`} studio={studio} problem={problem} />)];
+  const rows = [...met, ...list.map((problem, index) => <Finding key={`check ${index}`} studio={studio} problem={problem} version={version} />)];
   if (rows.length === 0) {
-    return <p class="empty">{text(studio.problems.value === null && run === null ? "problems_unknown" : "problems_none")}</p>;
+    const rules = studio.problems.value?.rules;
+    return (
+      <p class="empty">
+        {text(studio.problems.value === null && run === null ? "problems_unknown" : "problems_none")}
+        {rules !== undefined && ` ${text("problems_rules", { count: rules })}`}
+      </p>
+    );
   }
   return (
     <div class="rows problems-list" tabIndex={0} role="group" aria-label={text("rows_of_problems")}>
@@ -57,16 +63,18 @@ interface RowProps {
   readonly kind: IconName;
   readonly severity: string;
   readonly line: number;
+  /** Of the text that was checked; that of the run where there is none. */
+  readonly version?: number;
   readonly words: string;
   readonly t?: number;
   readonly press: () => void;
   readonly children?: ComponentChildren;
 }
 
-function Row({ studio, kind, severity, line, words, t, press, children }: RowProps) {
+function Row({ studio, kind, severity, line, version, words, t, press, children }: RowProps) {
   const hovered = studio.hover.value;
   const isOutlined = hovered !== null && hovered.region !== "problems" && hovered.line === line && line > 0;
-  const point = () => studio.point({ region: "problems", line, ...(t === undefined ? {} : { t }) });
+  const point = () => studio.point({ region: "problems", line, ...(version === undefined ? {} : { version }), ...(t === undefined ? {} : { t }) });
   return (
     <li class={`problem ${severity}${isOutlined ? " outlined" : ""}`} onPointerEnter={point} onPointerLeave={() => studio.point(null)}>
       <Icon name={kind} />
@@ -78,17 +86,17 @@ function Row({ studio, kind, severity, line, words, t, press, children }: RowPro
   );
 }
 
-function Finding({ studio, problem }: { studio: Studio; problem: Problem }) {
+function Finding({ studio, problem, version }: { studio: Studio; problem: Problem; version: number }) {
   const { fix } = problem;
   const words = text("problem", {
     line: problem.line, column: problem.column, severity: text(SEVERITIES[problem.severity]), code: problem.code, text: shortened(problem.text),
   });
   const icon = problem.severity === "hint" ? "information" : problem.severity;
   return (
-    <Row studio={studio} kind={icon} severity={problem.severity} line={problem.line} words={words} press={() => go(studio, problem)}>
+    <Row studio={studio} kind={icon} severity={problem.severity} line={problem.line} version={version} words={words} press={() => go(studio, problem, version)}>
       {problem.hint !== "" && <p class="faint">{problem.hint}</p>}
       {fix !== undefined && studio.can("edit") && (
-        <button type="button" class="fix" title={fix.title} onClick={() => studio.apply(fix.edits)}>{text("fix")}</button>
+        <button type="button" class="fix" title={fix.title} onClick={() => studio.fix(version, fix.edits)}>{text("fix")}</button>
       )}
     </Row>
   );
@@ -117,6 +125,6 @@ function ContactRow({ studio, contact }: { studio: Studio; contact: Contact }) {
   );
 }
 
-function go(studio: Studio, place: { readonly line: number; readonly column: number }): void {
-  studio.goto.value = { line: place.line, column: place.column };
+function go(studio: Studio, { line, column }: Problem, version: number): void {
+  studio.goto.value = { line, column, version };
 }

@@ -2,12 +2,15 @@
 
 import { autocompletion, snippet, type Completion, type CompletionContext, type CompletionResult } from "@codemirror/autocomplete";
 import { ChangeSet, StateEffect, StateField, type ChangeSpec, type Extension, type Text, type TransactionSpec } from "@codemirror/state";
-import { EditorView, hoverTooltip, showPanel, showTooltip, type Command, type KeyBinding, type Panel, type Tooltip } from "@codemirror/view";
+import { EditorView, hoverTooltip, keymap, showPanel, showTooltip, type Command, type KeyBinding, type Panel, type Tooltip } from "@codemirror/view";
 import type { TextEdit } from "../../source/messages.ts";
+import type { Completion as Offer, Results } from "../../source/services.ts";
 import { text as shown } from "../../text/text.ts";
 import { markdownNodes } from "./markdown.ts";
 import { offsetOf, placeOf, rangeOf } from "./positions.ts";
-import type { Action, CompletionItem, Services, SignatureHelp } from "./services.ts";
+import type { Services } from "./services.ts";
+
+type Signature = NonNullable<Results["signature"]>;
 
 /** Classes of CodeMirror's icons for our kinds. */
 const ICONS: { readonly [kind: string]: string } = {
@@ -48,7 +51,7 @@ function completionSource(services: Services) {
   };
 }
 
-function option(services: Services, item: CompletionItem, rank: number): Completion {
+function option(services: Services, item: Offer, rank: number): Completion {
   return {
     label: item.label,
     detail: item.detail,
@@ -92,7 +95,7 @@ function hovers(services: Services): Extension {
 
 // ---------------------------------------------------------------- signatures
 
-const setSignature = StateEffect.define<{ readonly at: number; readonly help: SignatureHelp } | null>();
+const setSignature = StateEffect.define<{ readonly at: number; readonly help: Signature } | null>();
 
 const signature = StateField.define<Tooltip | null>({
   create: () => null,
@@ -105,7 +108,7 @@ const signature = StateField.define<Tooltip | null>({
   provide: (field) => showTooltip.from(field),
 });
 
-function signatureCard(help: SignatureHelp): HTMLElement {
+function signatureCard(help: Signature): HTMLElement {
   const made = document.createElement("div");
   made.className = "cm-card cm-signature";
   const label = made.appendChild(document.createElement("code"));
@@ -183,7 +186,7 @@ function typing(services: Services): Extension {
 
 // ---------------------------------------------------------------- a line below the text in which something is typed or chosen
 
-type Line = { readonly kind: "rename"; readonly at: number; readonly name: string } | { readonly kind: "fixes"; readonly list: readonly Action[] } | { readonly kind: "text"; readonly text: string };
+type Line = { readonly kind: "rename"; readonly at: number; readonly name: string } | { readonly kind: "fixes"; readonly list: Results["actions"] } | { readonly kind: "text"; readonly text: string };
 
 const setLine = StateEffect.define<Line | null>();
 
@@ -196,7 +199,12 @@ function lines(services: Services): Extension {
     },
     provide: (own) => showPanel.from(own, (line) => (line === null ? null : (view) => linePanel(services, view, line))),
   });
-  return field;
+  const close: Command = (view) => {
+    if (view.state.field(field) === null) return false;
+    view.dispatch({ effects: setLine.of(null) });
+    return true;
+  };
+  return [field, keymap.of([{ key: "Escape", run: close }])];
 }
 
 function linePanel(services: Services, view: EditorView, line: Line): Panel {
@@ -239,7 +247,7 @@ function linePanel(services: Services, view: EditorView, line: Line): Panel {
     if (event.key !== "Enter") return;
     event.preventDefault();
     const renaming = await services.rename(placeOf(view.state.doc, line.at), input.value);
-    if (renaming === null) return;
+    if (renaming === null || !("edits" in renaming)) return;
     if (renaming.refusal !== "") said.textContent = renaming.refusal;
     else {
       applyEdits(view, renaming.edits);

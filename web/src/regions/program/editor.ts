@@ -10,10 +10,11 @@ import {
   drawSelection, dropCursor, EditorView, highlightActiveLine, highlightActiveLineGutter, highlightSpecialChars, keymap, lineNumbers, rectangularSelection,
 } from "@codemirror/view";
 import { untracked } from "@preact/signals-core";
+import type { Run } from "../../model/run.ts";
 import type { Place, Studio } from "../../model/studio.ts";
 import type { Problem, TextEdit } from "../../source/messages.ts";
 import { text as shown } from "../../text/text.ts";
-import { applyEdits, assistance, changesOf } from "./assistance.ts";
+import { applyEdits, assistance } from "./assistance.ts";
 import { inlayHints, setHints } from "./hints.ts";
 import { eliteScript, setFolds, setTokens } from "./language.ts";
 import { NO_MARKS, runMarks, setMarks, type LineMarks } from "./marks.ts";
@@ -31,6 +32,7 @@ export class ProgramEditor {
   private readonly asked: Services;
   private readonly versions = new Versions();
   private readonly editable = new Compartment();
+  private readonly undoable = new Compartment();
   private options = { times: false, hints: true };
   private timer: ReturnType<typeof setTimeout> | undefined;
   private hovered = 0;
@@ -50,7 +52,7 @@ export class ProgramEditor {
           foldGutter(),
           codeFolding(),
           lintGutter(),
-          history(),
+          this.undoable.of(history()),
           drawSelection(),
           dropCursor(),
           rectangularSelection(),
@@ -132,18 +134,19 @@ export class ProgramEditor {
     });
   }
 
-  /** Takes a text that did not come from this editor. */
+  /** Takes a text that did not come from this editor: that of a file that was opened, behind which undo never goes back. */
   take(whole: string): void {
     const known = this.view.state.doc;
     if (known.length === whole.length && known.toString() === whole) return;
-    const isFirst = known.length === 0;
     this.isTaking = true;
     try {
       this.view.dispatch({
         changes: { from: 0, to: known.length, insert: whole },
-        // Undo never goes back behind the file that was opened.
-        annotations: isFirst ? [Transaction.addToHistory.of(false)] : [],
+        selection: { anchor: 0 },
+        effects: this.undoable.reconfigure([]),
+        annotations: Transaction.addToHistory.of(false),
       });
+      this.view.dispatch({ effects: this.undoable.reconfigure(history()) });
     } finally {
       this.isTaking = false;
     }
@@ -159,7 +162,7 @@ export class ProgramEditor {
     this.view.dispatch({ effects: this.editable.reconfigure(editing(canEdit)) });
   }
 
-  problems(found: { readonly list: readonly Problem[] } | null): void {
+  problems(found: { readonly version: number; readonly list: readonly Problem[] } | null): void {
     const doc = this.view.state.doc;
     const shownProblems = (found?.list ?? []).map((problem): Diagnostic => {
       const { from, to } = rangeOf(doc, problem);
@@ -170,7 +173,7 @@ export class ProgramEditor {
         severity: problem.severity === "information" ? "info" : problem.severity,
         source: problem.code,
         message: problem.hint === "" ? problem.text : `${problem.text}\n${shown("editor_hint", { hint: problem.hint })}`,
-        ...(fix === undefined ? {} : { actions: [{ name: fix.title, apply: (view) => view.dispatch({ changes: changesOf(view.state.doc, fix.edits), userEvent: "input.fix" }) }] }),
+        ...(fix === undefined ? {} : { actions: [{ name: fix.title, apply: () => this.studio.fix(found!.version, fix.edits) }] }),
       };
     });
     this.view.dispatch(setDiagnostics(this.view.state, shownProblems));
@@ -198,29 +201,46 @@ export class ProgramEditor {
     const moment = studio.moment.value;
     void run?.revision.value;
     const doc = this.view.state.doc;
+    const pointed = hover === null || hover.region === REGION || hover.line === undefined ? 0 : hover.line;
+    const outlined = this.versions.now(hover?.version ?? run?.version ?? 0, pointed, doc);
     if (run === null) {
-      this.view.dispatch({ effects: setMarks.of(NO_MARKS) });
+      this.view.dispatch({ effects: setMarks.of({ ...NO_MARKS, outlined }) });
       return;
     }
+    this.versions.forget(run.version);
     const now = (line: number) => this.versions.now(run.version, line, doc);
     const ran = new Set<number>();
-    for (const { line } of run.lines.values()) for (const known of line) ran.add(now(known));
+    for (const known of this.linesOf(run)) ran.add(now(known));
     const threads = moment === null ? [] : [moment.line, ...moment.threads.filter((thread) => thread.name !== "main").map((thread) => thread.line)];
     const marks: LineMarks = {
       ran,
       at: threads.map(now),
       alarm: run.alarm === null ? 0 : now(run.alarm.line),
       alarm_text: run.alarm?.text ?? "",
-      outlined: hover === null || hover.region === REGION || hover.line === undefined ? 0 : now(hover.line),
+      outlined,
       times: this.options.times ? new Map(run.cycle.map((row) => [now(row.line), timeOf(row)] as const).map(([line, time]) => [line, withShare(time, run.known_s)])) : new Map(),
     };
     this.view.dispatch({ effects: setMarks.of(marks) });
   }
 
-  /** Puts the caret at a place of the text as it is now. */
+  /** Lines that ran, each once: pointing at something else does not go through all visits again. */
+  private linesOf(run: Run): ReadonlySet<number> {
+    const revision = run.revision.peek();
+    if (this.ran.run !== run || this.ran.revision !== revision) {
+      this.ran = { run, revision, lines: new Set([...run.lines.values()].flatMap(({ line }) => [...new Set(line)])) };
+    }
+    return this.ran.lines;
+  }
+
+  private ran: { readonly run: Run | null; readonly revision: number; readonly lines: ReadonlySet<number> } = { run: null, revision: 0, lines: new Set() };
+
+  /** Puts the caret at a place, or where it is now; a line that is gone is nowhere. */
   go(place: Place | null): void {
     if (place === null) return;
-    const anchor = offsetOf(this.view.state.doc, place);
+    const { doc } = this.view.state;
+    const line = place.version === undefined ? place.line : this.versions.now(place.version, place.line, doc);
+    if (line === 0) return;
+    const anchor = offsetOf(doc, { ...place, line });
     this.view.dispatch({ selection: { anchor }, effects: EditorView.scrollIntoView(anchor, { y: "center" }) });
     this.view.focus();
   }

@@ -2,10 +2,10 @@
 
 import { RangeSetBuilder, StateEffect, StateField, type Extension, type Text } from "@codemirror/state";
 import { Decoration, EditorView, WidgetType, type DecorationSet } from "@codemirror/view";
+import type { Results } from "../../source/services.ts";
 import { offsetOf } from "./positions.ts";
-import type { Hint } from "./services.ts";
 
-export const setHints = StateEffect.define<readonly Hint[]>();
+export const setHints = StateEffect.define<Results["hints"]>();
 
 class HintWidget extends WidgetType {
   readonly label: string;
@@ -41,7 +41,7 @@ const field = StateField.define<DecorationSet>({
   provide: (own) => EditorView.decorations.from(own),
 });
 
-function draw(text: Text, hints: readonly Hint[]): DecorationSet {
+function draw(text: Text, hints: Results["hints"]): DecorationSet {
   const builder = new RangeSetBuilder<Decoration>();
   for (const hint of hints) {
     const at = offsetOf(text, hint);

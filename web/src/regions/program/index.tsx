@@ -3,6 +3,7 @@
 import { effect, untracked, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Studio } from "../../model/studio.ts";
+import type { Results } from "../../source/services.ts";
 import { language, text } from "../../text/text.ts";
 import { ProgramEditor } from "./editor.ts";
 import "./program.css";
@@ -55,18 +56,12 @@ export function Program({ studio }: { studio: Studio }) {
   );
 }
 
-interface Example {
-  readonly name: string;
-  readonly title: string;
-  readonly text: string;
-}
-
 /** What stands in an editor without a program. */
 function Empty({ studio }: { studio: Studio }) {
-  const examples = useSignal<readonly Example[]>([]);
+  const examples = useSignal<Results["examples"]>([]);
   const canAsk = studio.can("services");
   useEffect(() => {
-    if (canAsk) void studio.ask("examples").then((found) => (examples.value = (found ?? []) as unknown as readonly Example[]), () => {});
+    if (canAsk) void studio.ask("examples").then((found) => (examples.value = found ?? []), () => {});
   }, [canAsk]);
   if (!studio.can("edit")) return <p class="program-empty">{text(studio.hello.value?.mode === "connected" ? "editor_on_controller" : "editor_no_text")}</p>;
   return (

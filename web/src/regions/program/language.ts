@@ -5,8 +5,8 @@ import { pythonLanguage } from "@codemirror/lang-python";
 import { RangeSetBuilder, StateEffect, StateField, type Extension, type Text } from "@codemirror/state";
 import { Decoration, EditorView, type DecorationSet } from "@codemirror/view";
 import { tags } from "@lezer/highlight";
+import type { Results } from "../../source/services.ts";
 import { rangeOf } from "./positions.ts";
-import type { Fold, Tokens } from "./services.ts";
 
 export const INDENT = "  ";
 
@@ -48,7 +48,7 @@ const indentation = indentService.of((context, at) => {
 
 // ---------------------------------------------------------------- names, as the services know them
 
-export const setTokens = StateEffect.define<Tokens>();
+export const setTokens = StateEffect.define<Results["tokens"]>();
 
 const CLASSES: { readonly [type: string]: string } = {
   command: "tok-command", function: "tok-function", class: "tok-class", method: "tok-function", parameter: "tok-parameter", variable: "tok-variable",
@@ -67,7 +67,7 @@ const tokens = StateField.define<DecorationSet>({
   provide: (field) => EditorView.decorations.from(field),
 });
 
-function tokenMarks(text: Text, { types, modifiers, rows }: Tokens): DecorationSet {
+function tokenMarks(text: Text, { types, modifiers, rows }: Results["tokens"]): DecorationSet {
   const builder = new RangeSetBuilder<Decoration>();
   for (let at = 0; at + 4 < rows.length; at += 5) {
     const [line, column, length, type, bits] = rows.slice(at, at + 5) as [number, number, number, number, number];
@@ -81,7 +81,7 @@ function tokenMarks(text: Text, { types, modifiers, rows }: Tokens): DecorationS
 
 // ---------------------------------------------------------------- folds
 
-export const setFolds = StateEffect.define<readonly Fold[]>();
+export const setFolds = StateEffect.define<Results["folding"]>();
 
 const folds = StateField.define<ReadonlyMap<number, number>>({
   create: () => new Map(),

@@ -1,19 +1,12 @@
 /** Places of texts: lines and columns from 1 in code points (messages) against offsets in UTF-16 (CodeMirror). */
 
 import type { Text } from "@codemirror/state";
+import type { Span } from "../../source/services.ts";
 
-export interface Place {
-  readonly line: number;
-  readonly column: number;
-}
-
-export interface Span extends Place {
-  readonly end_line: number;
-  readonly end_column: number;
-}
+export type Point = Pick<Span, "line" | "column">;
 
 /** Returns the offset of a place; of one outside of the text, the nearest inside. */
-export function offsetOf(text: Text, place: Place): number {
+export function offsetOf(text: Text, place: Point): number {
   if (place.line < 1) return 0;
   if (place.line > text.lines) return text.length;
   const line = text.line(place.line);
@@ -21,7 +14,7 @@ export function offsetOf(text: Text, place: Place): number {
 }
 
 /** Returns the place of an offset. */
-export function placeOf(text: Text, offset: number): Place {
+export function placeOf(text: Text, offset: number): Point {
   const line = text.lineAt(offset);
   return { line: line.number, column: pointsOf(line.text.slice(0, offset - line.from)) + 1 };
 }

@@ -1,67 +1,14 @@
-/** What the editor asks of its source: forms of the answers, as `elitescript.assist` has them. */
+/** What the editor asks of its source. */
 
 import type { Studio } from "../../model/studio.ts";
-import type { TextEdit } from "../../source/messages.ts";
-import type { Place, Span } from "./positions.ts";
+import type { Json, Service } from "../../source/messages.ts";
+import type { Completion, Results, Span } from "../../source/services.ts";
+import type { Point } from "./positions.ts";
 
-export interface CompletionItem {
-  readonly label: string;
-  readonly kind: string;
-  readonly span: Span;
-  readonly text: string;
-  readonly snippet: string;
-  readonly detail: string;
-  readonly sort: string;
-  readonly is_missing: boolean;
-  readonly is_deprecated: boolean;
-  readonly source: string;
-  readonly documentation: string;
-}
+/** Answer of a service; null where the source refuses, or has a newer text by then. */
+type Answer<S extends Service> = Promise<Results[S] | null>;
 
-export interface Hover {
-  readonly span: Span;
-  readonly markdown: string;
-}
-
-export interface SignatureHelp {
-  readonly label: string;
-  readonly markdown: string;
-  readonly parameters: readonly { readonly start: number; readonly end: number; readonly markdown: string }[];
-  readonly active: number | null;
-}
-
-/** Names of the text: five numbers each, line, column, length, index in `types`, bits of `modifiers`. */
-export interface Tokens {
-  readonly types: readonly string[];
-  readonly modifiers: readonly string[];
-  readonly rows: readonly number[];
-}
-
-export interface Hint {
-  readonly line: number;
-  readonly column: number;
-  readonly kind: string;
-  readonly label: string;
-  readonly tooltip: string;
-}
-
-export interface Fold {
-  readonly line: number;
-  readonly end_line: number;
-}
-
-export interface Action {
-  readonly title: string;
-  readonly edits: readonly TextEdit[];
-  readonly is_preferred: boolean;
-}
-
-export interface Renaming {
-  readonly edits: readonly TextEdit[];
-  readonly refusal: string;
-}
-
-/** Asks for services about the present text; null where the source refuses, or has a newer text by then. */
+/** Asks for services about the present text. */
 export class Services {
   private readonly studio: Studio;
 
@@ -69,65 +16,65 @@ export class Services {
     this.studio = studio;
   }
 
-  completion(place: Place): Promise<readonly CompletionItem[] | null> {
+  completion(place: Point): Answer<"completion"> {
     return this.ask("completion", { ...place });
   }
 
-  resolve({ label, kind, source }: CompletionItem): Promise<{ readonly documentation: string } | null> {
+  resolve({ label, kind, source }: Completion): Answer<"resolve"> {
     return this.ask("resolve", { label, kind, source });
   }
 
-  hover(place: Place): Promise<Hover | null> {
+  hover(place: Point): Answer<"hover"> {
     return this.ask("hover", { ...place });
   }
 
-  signature(place: Place): Promise<SignatureHelp | null> {
+  signature(place: Point): Answer<"signature"> {
     return this.ask("signature", { ...place });
   }
 
-  definition(place: Place): Promise<readonly Span[] | null> {
+  definition(place: Point): Answer<"definition"> {
     return this.ask("definition", { ...place });
   }
 
-  references(place: Place): Promise<readonly { readonly span: Span }[] | null> {
+  references(place: Point): Answer<"references"> {
     return this.ask("references", { ...place });
   }
 
-  rename(place: Place, name: string): Promise<Renaming | null> {
+  rename(place: Point, name: string): Answer<"rename"> {
     return this.ask("rename", { ...place, new_name: name });
   }
 
-  actions(span: Span): Promise<readonly Action[] | null> {
+  actions(span: Span): Answer<"actions"> {
     return this.ask("actions", { ...span });
   }
 
-  format(): Promise<readonly TextEdit[] | null> {
+  format(): Answer<"format"> {
     return this.ask("format", {});
   }
 
-  tokens(): Promise<Tokens | null> {
+  tokens(): Answer<"tokens"> {
     return this.ask("tokens", {});
   }
 
-  hints(): Promise<readonly Hint[] | null> {
+  hints(): Answer<"hints"> {
     return this.ask("hints", {});
   }
 
   /** What follows from a character that was typed: indentation, the `end` of a block. */
-  typing(place: Place, typed: string): Promise<readonly TextEdit[] | null> {
+  typing(place: Point, typed: string): Answer<"typing"> {
     return this.ask("typing", { ...place, typed });
   }
 
-  folding(): Promise<readonly Fold[] | null> {
+  folding(): Answer<"folding"> {
     return this.ask("folding", {});
   }
 
-  private async ask<Result>(service: Parameters<Studio["ask"]>[0], given: Parameters<Studio["ask"]>[1]): Promise<Result | null> {
+  private async ask<S extends Service>(service: S, given: { readonly [name: string]: Json }): Answer<S> {
     if (!this.studio.can("services")) return null;
     const version = this.studio.version.peek();
     try {
       const result = await this.studio.ask(service, given);
-      return version === this.studio.version.peek() ? (result as Result | null) : null;
+      return version === this.studio.version.peek() ? result : null;
     } catch {
       // Refused because the text has changed, or the link was lost: the next look asks again.
       return null;

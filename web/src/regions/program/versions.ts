@@ -9,10 +9,11 @@ interface Version {
   since: ChangeSet;
 }
 
-const VERSIONS_MAX = 50;
+/** Texts that are kept while no run of a newer one begins, such as one that is typed and does not compile yet. */
+const VERSIONS_MAX = 1000;
 
 export class Versions {
-  private readonly known: Version[] = [];
+  private known: Version[] = [];
 
   /** Takes a version of the text; what changes from now on is counted against it. */
   begin(version: number, text: Text): void {
@@ -22,6 +23,12 @@ export class Versions {
 
   changed(changes: ChangeSet): void {
     for (const known of this.known) known.since = known.since.compose(changes);
+  }
+
+  /** Drops the texts in front of that of a version: runs of them are not asked about any more. */
+  forget(version: number): void {
+    const first = this.known.findLastIndex((known) => known.version <= version);
+    if (first > 0) this.known = this.known.slice(first);
   }
 
   /** Returns the line that is now where a line of a version was; 0 if it was deleted, or the version is not known. */
@@ -45,8 +52,9 @@ export class Versions {
     return this.now(version, old, text) === line ? old : 0;
   }
 
+  /** The text of a version: options raise the version too, and leave the text. */
   private find(version: number): Version | undefined {
-    return this.known.findLast((known) => known.version === version);
+    return this.known.findLast((known) => known.version <= version);
   }
 }
 

@@ -1,7 +1,7 @@
 /** The scene without WebGL: arm and path from above and from the side, on a 2-D canvas. */
 
 import { FLANGE, linkFrames, type Point, tcpFrame } from "../../model/kinematics.ts";
-import { type Path, partsOf, pick, type Picked, speedColour } from "../../model/path.ts";
+import { type Path, type PathPart, partsOf, pick, type Picked, speedColour } from "../../model/path.ts";
 import type { Scene, Six } from "../../source/messages.ts";
 import { palette } from "./palette.ts";
 import type { Picture, Pointed } from "./stage.ts";
@@ -9,15 +9,35 @@ import type { Picture, Pointed } from "./stage.ts";
 /** Which axes go right and up. */
 const SIDES = [{ right: 0, up: 1 }, { right: 0, up: 2 }] as const;
 const MARGIN_PX = 28;
+const FONT = "12px system-ui, sans-serif";
 
 interface Plane {
   readonly x: (point: ArrayLike<number>) => number;
   readonly y: (point: ArrayLike<number>) => number;
 }
 
+/** A part of the picture that is drawn again only when what it shows has changed. */
+class Layer {
+  private readonly canvas = document.createElement("canvas");
+  private known: readonly unknown[] = [];
+
+  drawn(shown: readonly unknown[], [width, height]: readonly [number, number], draw: (g: CanvasRenderingContext2D) => void): HTMLCanvasElement {
+    // Without graphics hardware another canvas would draw every line of this one again.
+    const g = this.canvas.getContext("2d", { willReadFrequently: true });
+    if (g === null || shown.every((value, index) => value === this.known[index])) return this.canvas;
+    this.known = shown;
+    this.canvas.width = width;
+    this.canvas.height = height;
+    draw(g);
+    return this.canvas;
+  }
+}
+
 export class Flat {
   private readonly canvas: HTMLCanvasElement;
   private readonly titles: () => readonly [string, string];
+  /** What stays while the arm moves. */
+  private readonly layers = { paths: new Layer(), line: new Layer() };
   private width = 1;
   private height = 1;
   private last: Picture | null = null;
@@ -43,8 +63,6 @@ export class Flat {
     this.last = picture;
     const colours = palette(picture.isDark);
     const ratio = this.canvas.width / this.width;
-    g.setTransform(ratio, 0, 0, ratio, 0, 0);
-    g.clearRect(0, 0, this.width, this.height);
     const reach = 1.15 * picture.scene.limits.reach;
     const cell = Math.min(this.width / 2, this.height) - 2 * MARGIN_PX;
     const scale = Math.max(cell, 10) / (2 * reach);
@@ -53,13 +71,32 @@ export class Flat {
       const middle = { x: this.width * (0.25 + 0.5 * index), y: this.height / 2 + (up === 2 ? height * scale : 0) };
       return { x: (point) => middle.x + point[right]! * scale, y: (point) => middle.y - point[up]! * scale };
     });
-    g.font = "12px system-ui, sans-serif";
-    this.planes.forEach((plane, index) => {
-      g.fillStyle = colours.ink;
-      g.textAlign = "center";
-      g.fillText(this.titles()[index]!, this.width * (0.25 + 0.5 * index), 16);
-      grid(g, plane, SIDES[index]!, reach, colours.grid);
-      paths(g, plane, picture, colours.stale, colours.compared);
+    const { path, isStale, stale, compared, line, speedEnd, isDark, scene } = picture;
+    const titles = this.titles();
+    const size = [this.canvas.width, this.canvas.height] as const;
+    const both = (draw: (g: CanvasRenderingContext2D, plane: Plane, index: number) => void) => (on: CanvasRenderingContext2D) => {
+      on.setTransform(ratio, 0, 0, ratio, 0, 0);
+      this.planes.forEach((plane, index) => draw(on, plane, index));
+    };
+    const under = this.layers.paths.drawn([...size, path, isStale, stale, compared, speedEnd, isDark, scene, ...titles], size, both((on, plane, index) => {
+      on.font = FONT;
+      on.fillStyle = colours.ink;
+      on.textAlign = "center";
+      on.fillText(titles[index]!, this.width * (0.25 + 0.5 * index), 16);
+      grid(on, plane, SIDES[index]!, reach, colours.grid);
+      paths(on, plane, picture, colours.stale, colours.compared);
+    }));
+    const thick = this.layers.line.drawn([...size, path, isStale, line, speedEnd, isDark, scene], size, both((on, plane) => {
+      if (path !== null && line > 0 && !isStale) coloured(on, plane, picture, path, 4.5, partsOf(path, line));
+    }));
+    g.setTransform(1, 0, 0, 1, 0, 0);
+    g.clearRect(0, 0, ...size);
+    g.drawImage(under, 0, 0);
+    g.drawImage(thick, 0, 0);
+    g.setTransform(ratio, 0, 0, ratio, 0, 0);
+    g.font = FONT;
+    g.lineCap = g.lineJoin = "round";
+    this.planes.forEach((plane) => {
       for (const ghost of picture.ghosts) {
         if (ghost.joints !== undefined) arm(g, plane, ghost.scene ?? picture.scene, ghost.joints, colours[ghost.kind], ghost.text);
       }
@@ -128,17 +165,21 @@ function paths(g: CanvasRenderingContext2D, plane: Plane, picture: Picture, stal
   if (picture.compared !== null) plain(picture.compared, compared, [5, 4]);
   const { path } = picture;
   if (path === null) return;
-  if (picture.isStale) return plain(path, stale, []);
-  const coloured = (from: number, to: number, width: number) => {
-    g.lineWidth = width;
+  if (picture.isStale) plain(path, stale, []);
+  else coloured(g, plane, picture, path, 1.5, [{ from: 0, to: path.jumps.length }]);
+}
+
+/** Draws a path, or parts of it, in the colours of its speeds. */
+function coloured(g: CanvasRenderingContext2D, plane: Plane, { speedEnd, isDark }: Picture, path: Path, width: number, parts: readonly PathPart[]): void {
+  g.lineCap = g.lineJoin = "round";
+  g.lineWidth = width;
+  for (const { from, to } of parts) {
     for (let i = from; i < to; i++) {
       if (path.jumps[i] === 1) continue;
-      g.strokeStyle = `rgb(${speedColour(path.speed[i]! / picture.speedEnd, picture.isDark).join()})`;
+      g.strokeStyle = `rgb(${speedColour(path.speed[i]! / speedEnd, isDark).join()})`;
       stroke(g, plane, [path.xyz.subarray(3 * i, 3 * i + 3), path.xyz.subarray(3 * i + 3, 3 * i + 6)]);
     }
-  };
-  coloured(0, path.jumps.length, 1.5);
-  for (const { from, to } of picture.line > 0 ? partsOf(path, picture.line) : []) coloured(from, to, 4.5);
+  }
 }
 
 /** The arm as a stick from joint to joint, with the offsets of its housings as they are. */

@@ -1,6 +1,6 @@
 /** The region `Robot`: the arm at the cursor, its path, and what is around it. */
 
-import { effect } from "@preact/signals";
+import { effect, untracked } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { speedColour } from "../../model/path.ts";
 import type { Studio } from "../../model/studio.ts";
@@ -179,7 +179,11 @@ function show(drawing: Drawing, canvas: HTMLCanvasElement, labels: HTMLElement, 
     }),
     listen(document, "visibilitychange", request),
     pointing(drawing, canvas, made),
-    effect(() => void userPieces(drawing)),
+    effect(() => {
+      void studio.scene.value;
+      // What it asks depends on the version of the text, at each of which the meshes are still the same.
+      untracked(() => void userPieces(drawing));
+    }),
   ];
   if (made instanceof Stage) {
     ends.push(

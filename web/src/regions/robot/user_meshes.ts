@@ -9,17 +9,13 @@ import type { Drawing } from "./drawing.ts";
 import { addPart, noTriangles } from "./shapes.ts";
 import { readUrdf, type Shape } from "./urdf.ts";
 
-/** Answers of the service `mesh`: without a name the description, with one a file that it names. */
-interface Description { readonly name: string; readonly text: string }
-interface File { readonly name: string; readonly base64: string }
-
 /** Reads a file that the URDF names. */
 export type ReadFile = (name: string) => Promise<ArrayBuffer>;
 
 /** Loads the meshes if the scene names a URDF; why they cannot be drawn is in `meshFault`. */
 export async function userPieces(drawing: Drawing): Promise<void> {
   const { studio } = drawing;
-  const scene = studio.scene.value;
+  const scene = studio.scene.peek();
   const urdf = scene?.urdf;
   drawing.meshFault.value = "";
   if (scene === null || urdf === undefined) {
@@ -27,12 +23,12 @@ export async function userPieces(drawing: Drawing): Promise<void> {
     return;
   }
   const read: ReadFile = async (file) => {
-    const { base64 } = (await studio.ask("mesh", { file })) as unknown as File;
-    return Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0)).buffer;
+    const found = await studio.ask("mesh", { file });
+    return Uint8Array.from(atob(found !== null && "base64" in found ? found.base64 : ""), (letter) => letter.charCodeAt(0)).buffer;
   };
   try {
-    const { text } = (await studio.ask("mesh")) as unknown as Description;
-    const pieces = await loadPieces(text, scene, read);
+    const found = await studio.ask("mesh");
+    const pieces = await loadPieces(found !== null && "text" in found ? found.text : "", scene, read);
     if (studio.scene.peek() === scene) drawing.pieces.value = pieces;
   } catch (error) {
     if (studio.scene.peek() === scene) drawing.meshFault.value = `${urdf}: ${error instanceof Error ? error.message : String(error)}`;

@@ -5,22 +5,23 @@ import { useEffect } from "preact/hooks";
 import { Icon } from "../../app/icons.tsx";
 import { Rows } from "../../app/rows.tsx";
 import { TypedField } from "../../app/typed.tsx";
-import { familyOf, hasSlider, inputNames, readValue, shownNames, valueAt, type Family } from "../../model/points.ts";
+import { familyOf, hasSlider, inputNames, readValue, shownNames, valueAt } from "../../model/points.ts";
 import { lastAtOrBefore, type Run } from "../../model/run.ts";
 import type { Studio } from "../../model/studio.ts";
 import { seconds } from "../../model/units.ts";
 import type { Value } from "../../source/messages.ts";
+import type { SignalFamily } from "../../source/services.ts";
 import { text } from "../../text/text.ts";
 
+const REGION = "signals";
+
 export function Signals({ studio }: { studio: Studio }) {
-  const families = useSignal<readonly Family[]>([]);
+  const families = useSignal<readonly SignalFamily[]>([]);
   const pinned = useSignal<readonly string[]>([]);
   const canAsk = studio.can("services");
   useEffect(() => {
     if (!canAsk) return;
-    studio.ask("signals").then((found) => {
-      if (Array.isArray(found)) families.value = found as unknown as readonly Family[];
-    }, (error: unknown) => studio.notice("warning", text("no_signals", { why: String(error) })));
+    studio.ask("signals").then((found) => (families.value = found ?? []), (error: unknown) => studio.notice("warning", text("no_signals", { why: String(error) })));
   }, [canAsk]);
 
   const isLive = studio.can("live");
@@ -30,7 +31,9 @@ export function Signals({ studio }: { studio: Studio }) {
   const moment = studio.moment.value;
   const exact = isLive || studio.isExact.value ? moment : null;
   const names = shownNames(run, moment, studio.options.value, pinned.value, families.value);
-  const hoverTime = studio.hover.value?.t;
+  const hover = studio.hover.value;
+  // A row of this list points at a time itself: a further column would move what is under the pointer.
+  const hoverTime = hover === null || hover.region === REGION ? undefined : hover.t;
   const inputs = families.value.length > 0 ? inputNames(families.value) : [];
 
   return (
@@ -62,6 +65,10 @@ export function Signals({ studio }: { studio: Studio }) {
               {hoverTime !== undefined && <th scope="col" class="number">{seconds(hoverTime)}</th>}
             </tr>
           }
+          attributes={(index) => ({
+            onPointerEnter: () => point(studio, run, names[index]!),
+            onPointerLeave: () => studio.point(null),
+          })}
           row={(index) => {
             const name = names[index]!;
             const family = familyOf(families.value, name);
@@ -82,6 +89,15 @@ export function Signals({ studio }: { studio: Studio }) {
   );
 }
 
+/** Points at the change that has given a signal its value, or at its first one. */
+function point(studio: Studio, run: Run | null, name: string): void {
+  const changes = run?.signals.get(name);
+  if (changes === undefined) return;
+  const index = Math.max(lastAtOrBefore(changes.t, studio.cursor.value), 0);
+  const line = changes.line[index]!;
+  studio.point({ region: REGION, t: changes.t[index]!, ...(line > 0 ? { line } : {}) });
+}
+
 /** The name of a signal; a click goes to its next change, after the last to its first. */
 function Name({ studio, name, run }: { studio: Studio; name: string; run: Run | null }) {
   const changes = run?.signals.get(name);
@@ -91,15 +107,15 @@ function Name({ studio, name, run }: { studio: Studio; name: string; run: Run | 
     const index = after < changes.t.length ? after : 0;
     studio.jump(changes.t[index]!, { line: changes.line[index]!, column: 1 });
   };
-  return <button type="button" class="place" title={text("next_change", { name })} onClick={next}>{name}</button>;
+  return <button type="button" class="place" title={text("next_change", { name })} onClick={next} onFocus={() => point(studio, run, name)} onBlur={() => studio.point(null)}>{name}</button>;
 }
 
-function Shown({ value, family }: { value: Value | undefined; family: Family | null }) {
+function Shown({ value, family }: { value: Value | undefined; family: SignalFamily | null }) {
   if (typeof value === "boolean") return <span class={value ? "level high" : "level"}>{value ? "1" : "0"}<span class="unseen"> {String(value)}</span></span>;
   return <span>{inWords(value, family)}</span>;
 }
 
-function Control({ studio, name, family, value }: { studio: Studio; name: string; family: Family; value: Value | undefined }) {
+function Control({ studio, name, family, value }: { studio: Studio; name: string; family: SignalFamily; value: Value | undefined }) {
   const set = (to: Value) => studio.setInput(name, to);
   if (family.kind === "bool") {
     return (
@@ -152,7 +168,7 @@ function Schedule({ studio }: { studio: Studio }) {
   );
 }
 
-function inWords(value: Value | undefined, family: Family | null): string {
+function inWords(value: Value | undefined, family: SignalFamily | null): string {
   if (value === undefined) return "";
   const shown = typeof value === "number" && !Number.isInteger(value) ? String(Number(value.toPrecision(6))) : String(value);
   // Families of several units, such as "V or A", do not say which one this signal has.

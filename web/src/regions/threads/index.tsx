@@ -34,7 +34,7 @@ function Row({ studio, thread }: { studio: Studio; thread: ThreadState }) {
         </label>
       </th>
       <td class="number">
-        {line > 0 && <button type="button" class="place" onClick={() => (studio.goto.value = { line, column: 1 })}>{line}</button>}
+        {line > 0 && <button type="button" class="place" onClick={() => studio.goToRun({ line, column: 1 })}>{line}</button>}
       </td>
       <td>{thread.waits_for}</td>
       <td class="faint">{thread.function}</td>

@@ -1,9 +1,10 @@
 /** The time line in words: values, what is under the pointer, what a canvas shows. */
 
 import { indexAt, eventText, markKind, marksNear, type Group, type Lane, type LevelLane } from "../../model/lanes.ts";
-import { familyOf, type Family } from "../../model/points.ts";
+import { familyOf } from "../../model/points.ts";
 import { format, seconds, unitOf, type Display } from "../../model/units.ts";
 import type { RunEvent } from "../../source/messages.ts";
+import type { SignalFamily } from "../../source/services.ts";
 import { shortened, text } from "../../text/text.ts";
 import { laneValue, levelText } from "./draw.ts";
 import type { CurveSpec } from "./curves.ts";
@@ -53,7 +54,7 @@ export function rowName(row: Row, sourceLine: (line: number) => string): string 
 }
 
 /** Returns what is in a lane at a time, in lines; empty if there is nothing. */
-export function tooltip(lane: Lane, t: number, reach_s: number, sourceLine: (line: number) => string, families: readonly Family[]): string {
+export function tooltip(lane: Lane, t: number, reach_s: number, sourceLine: (line: number) => string, families: readonly SignalFamily[]): string {
   const withLine = (line: number) => (line > 0 ? `${text("timeline_line", { line })}  ${sourceLine(line)}` : "");
   if (lane.shape === "marks") {
     const near = marksNear(lane, t, reach_s);

@@ -3,7 +3,6 @@
 import { useComputed } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Frames } from "../../model/playback.ts";
-import type { Family } from "../../model/points.ts";
 import type { Studio } from "../../model/studio.ts";
 import { parse, seconds } from "../../model/units.ts";
 import { TICK_S } from "../../source/rows.ts";
@@ -46,7 +45,7 @@ export function Timeline({ studio }: { studio: Studio }) {
   const canAsk = studio.can("services");
   useEffect(() => {
     // A source that does not answer says so in Signals; units are left out then.
-    if (canAsk) studio.ask("signals").then((found) => Array.isArray(found) && (state.families.value = found as unknown as readonly Family[]), () => undefined);
+    if (canAsk) studio.ask("signals").then((found) => (state.families.value = found ?? []), () => undefined);
   }, [canAsk]);
   return (
     <div class="timeline-region" ref={root} onKeyDown={(event) => onKey(event, state)}>

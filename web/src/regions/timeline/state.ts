@@ -3,11 +3,11 @@
 import { computed, signal } from "@preact/signals-core";
 import { Details } from "../../model/detail.ts";
 import { GROUPS, inOrder, Lanes, lanesByLine, type Group, type Lane } from "../../model/lanes.ts";
-import type { Family } from "../../model/points.ts";
 import { Playback, type Frames, type Stretch } from "../../model/playback.ts";
 import type { Run } from "../../model/run.ts";
 import type { Studio } from "../../model/studio.ts";
 import { TimeView } from "../../model/view.ts";
+import type { SignalFamily } from "../../source/services.ts";
 
 /** One row of the lanes: the same thing in up to three runs. */
 export interface Row {
@@ -50,7 +50,7 @@ export class TimelineState {
   /** Groups with all of their rows, and threads with a lane for each line. */
   readonly expanded = signal<ReadonlySet<string>>(new Set());
   /** Families of signals, for their units. */
-  readonly families = signal<readonly Family[]>([]);
+  readonly families = signal<readonly SignalFamily[]>([]);
   /** Whether the curves are scaled to their limits. */
   readonly showsLimits = signal(false);
   /** Width of the stretch in view, px. */
