@@ -44,7 +44,7 @@ textmsg("y" * 1000000)
 popup(text, "<b>title</b>", False, False, False)
 """
 
-LONG = "n = 0\nwhile n < 20000:\n  n = n + 1\n  sync()\nend\n"
+LONG = "n = 0\nwhile True:\n  n = n + 1\n  sync()\nend\n"
 
 
 class Shared(NamedTuple):
@@ -139,8 +139,10 @@ def test_processes_that_are_killed(shared: Shared) -> None:
     notices = shared.page.locator(".notice")
     shared.write(LONG)
     shared.expect_state(r"^\d+\.\d of")
-    keeper, (worker, *_) = shared.processes()
-    os.kill(worker, signal.SIGKILL)
+    # One may look for moments beside the run.
+    keeper, workers = shared.processes()
+    for worker in workers:
+        os.kill(worker, signal.SIGKILL)
     shared.expect_state("SIGKILL")
     shared.expect_takes_programs()
 
@@ -149,7 +151,6 @@ def test_processes_that_are_killed(shared: Shared) -> None:
     expect(shared.slider).to_have_attribute("aria-valuetext", "0.004 s, line 3")
     for looker in shared.processes()[1]:
         os.kill(looker, signal.SIGKILL)
-    expect(notices).to_have_count(0)
     # One moment may be lost with it, the next one is found.
     for _ in range(2):
         shared.slider.press("ArrowRight")
