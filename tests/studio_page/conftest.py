@@ -5,12 +5,13 @@ Without Chromium, Playwright or the built page these tests are skipped, or fail 
 
 from __future__ import annotations
 
+import asyncio
 import os
 import shutil
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 import pytest
 
@@ -52,20 +53,64 @@ def _missing() -> str:
     return "" if built.is_built() else built.NOT_BUILT
 
 
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
-    """Start a browser; it ends with the last test."""
-    if missing := _missing():
+class _Unavailable(pytest.Module):
+    """A module of these tests where they cannot run; it imports what is missing."""
+
+    def collect(self) -> NoReturn:
         if os.environ.get("ELITESCRIPT_BROWSER") == "required":
-            pytest.fail(missing)
-        pytest.skip(missing)
+            pytest.fail(_missing(), pytrace=False)
+        pytest.skip(_missing(), allow_module_level=True)
+
+
+def pytest_pycollect_makemodule(module_path: Path, parent: pytest.Collector) -> pytest.Module | None:
+    """Collect nothing of these tests where they cannot run."""
+    return _Unavailable.from_parent(parent, path=module_path) if _missing() else None
+
+
+class Loan:
+    """The browser of all tests, for a while.
+
+    Its loop counts as running between the calls of Playwright. Other tests run loops of their own in this thread, so
+    that is so for the while alone.
+    """
+
+    def __init__(self, browser: Browser) -> None:
+        self._browser = browser
+        self._loop = asyncio.get_running_loop()
+
+    @contextmanager
+    def of_browser(self) -> Iterator[Browser]:
+        """Lend it."""
+        asyncio._set_running_loop(self._loop)
+        try:
+            yield self._browser
+        finally:
+            asyncio._set_running_loop(None)
+
+
+@pytest.fixture(scope="session")
+def loan() -> Iterator[Loan]:
+    """Start a browser; it ends with the last test."""
     from playwright.sync_api import sync_playwright
 
-    with sync_playwright() as driver:
+    with ExitStack() as stack:
+        driver = stack.enter_context(sync_playwright())
         found = next(path for name in NAMES if (path := shutil.which(name)))
         browser = driver.chromium.launch(executable_path=found, args=list(ARGUMENTS))
+        loan = Loan(browser)
+        asyncio._set_running_loop(None)
+        yield loan
+        # Its end belongs to the loop too.
+        with loan.of_browser():
+            browser.close()
+            stack.close()
+
+
+@pytest.fixture
+def browser(loan: Loan) -> Iterator[Browser]:
+    """Lend the browser to one test."""
+    with loan.of_browser() as browser:
         yield browser
-        browser.close()
 
 
 @pytest.fixture

@@ -418,6 +418,21 @@ test("a state is asked for again after a lost link", async () => {
   assert.equal(source.last("seek").run, 2);
 });
 
+test("a run that is replaced while its states are asked for is not mentioned, and the new one is asked", async () => {
+  const { source, studio } = ran();
+  await settled();
+  studio.setCursor(0.4);
+  const stepping = studio.step(1);
+  const [sought, step] = [source.last("seek").ask, source.last("step").ask];
+  source.say(began(2, studio.version.value));
+  for (const ask of [sought, step]) source.say({ type: "refused", ask, text: "this run is not shown any more" });
+  source.say(ended(2, 2));
+  await stepping;
+  await settled();
+  assert.deepEqual(studio.notices.value, []);
+  assert.deepEqual([source.last("seek").run, source.last("seek").t], [2, 0.4]);
+});
+
 test("refusals are answers where something was asked, else notices", async () => {
   const { source, studio } = opened();
   const asked = assert.rejects(studio.ask("hover"), /not now/);

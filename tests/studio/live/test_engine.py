@@ -271,7 +271,9 @@ class TestMoments:
 
         page.do(drag())
         assert page.until("state", ask=1029)["moment"]["t"] == pytest.approx(0.116)
-        assert len(page.messages) < 5
+        assert page.kinds().count("state") < 5
+        # The page waits for an answer to each.
+        assert sorted(message["ask"] for message in page.messages) == list(range(1000, 1030))
 
     def test_of_another_run_nothing_is_known(self, page):
         run = page.ran(SHORT)["run"]
@@ -280,9 +282,39 @@ class TestMoments:
 
     def test_a_text_that_is_sent_ends_what_is_looked_for(self, page):
         run = page.ran(SHORT)["run"]
+
+        async def ask():
+            await page.engine.seek(Seek(run, 2001, 0.0))
+            await page.engine.step(Step(run, 2002, 1, "main", 0.0))
+            await page.engine.detail(Detail(run, 2003, 0.0, 1.0, 0.004))
+
+        async def ask_and_edit():
+            await ask()
+            await page.engine.program(Program(page.version, SHORT.replace("0.1", "0.14"), RunOptions()))
+
         page.clear()
-        page.do(page.engine.seek(Seek(run, 1, 0.0)))
-        assert page.ran(SHORT.replace("0.1", "0.14"))["run"] == run + 1
+        page.version += 1
+        page.do(ask_and_edit())
+        began = page.until("run_began", run=run + 1)
+        page.until("run_ended", run=run + 1)
+        answers = [message for message in page.messages if message.get("ask", 0) > 2000]
+        assert sorted(message["ask"] for message in answers) == [2001, 2002, 2003]
+        refused = [message for message in answers if message["type"] == "refused"]
+        # One that came behind the new run is no news about the one on the screen.
+        assert all(page.messages.index(message) > page.messages.index(began) for message in refused)
+
+    def test_too_many_steps_are_refused(self, page):
+        run = page.ran(SHORT)["run"]
+        page.clear()
+
+        async def press():
+            for number in range(module.STEPS_MAX + 5):
+                await page.engine.step(Step(run, 3000 + number, 1, "main", 0.0))
+
+        page.do(press())
+        for number in range(module.STEPS_MAX + 5):
+            page.runner.run(page._until(lambda message, ask=3000 + number: message.get("ask") == ask))
+        assert page.kinds().count("refused") >= 4
 
 
 def kill(page, worker):
@@ -336,6 +368,13 @@ class TestFailures:
         assert page.until("run_ended")["state"] == "killed"
         assert page.ran(SHORT)["state"] == "finished"
         assert "started again" in page.until("notice")["text"]
+
+    def test_a_text_that_comes_as_the_keeper_ends_is_run(self, page):
+        page.ran(SHORT)
+        keeper = page.do(page.engine._workers())
+        os.kill(keeper.pid, signal.SIGKILL)
+        assert page.ran(SHORT.replace("0.1", "0.17"))["state"] == "finished"
+        assert [message["severity"] for message in page.messages if message["type"] == "notice"] == ["warning"]
 
     def test_a_page_that_does_not_read_holds_the_run_back(self, page):
         text = 'def job():\n  while True:\n    textmsg("x" * 2000)\n    sync()\n  end\nend\n'

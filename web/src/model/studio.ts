@@ -509,6 +509,7 @@ export class Studio implements Listener {
     this.steps += by;
     if (Math.abs(this.steps) > 1 || this.isStepping) return;
     this.isStepping = true;
+    const run = this.run.value;
     try {
       while (this.steps !== 0) {
         const next = this.steps > 0 ? 1 : -1;
@@ -517,7 +518,8 @@ export class Studio implements Listener {
       }
     } catch (error) {
       this.steps = 0;
-      this.notice("warning", reason(error));
+      // A run that has been replaced meanwhile is not worth a word.
+      if (run === this.run.value) this.notice("warning", reason(error));
     } finally {
       this.isStepping = false;
     }

@@ -45,7 +45,7 @@ export const en = {
   link_connecting: "connecting",
   link_lost: "The link to the source is lost.",
   link_lost_short: "link lost",
-  link_lost_long: "The link to the studio is lost. The page connects again by itself; the text here is kept.",
+  link_lost_long: "The link to the studio is lost. The page connects again by itself; the text here is kept. If the studio was started again, open the address that it has printed.",
   state_connecting: "connecting",
   state_no_run: "no run yet",
   state_not_compiled: "does not compile",

@@ -47,7 +47,7 @@ export const zh: Texts = {
   link_connecting: "正在连接",
   link_lost: "与数据源的连接已断开。",
   link_lost_short: "连接已断开",
-  link_lost_long: "与工作室的连接已断开。页面会自动重新连接；这里的文本会保留。",
+  link_lost_long: "与工作室的连接已断开。页面会自动重新连接；这里的文本会保留。如果工作室已重新启动，请打开它显示的新地址。",
   state_connecting: "正在连接",
   state_no_run: "尚未运行",
   state_not_compiled: "无法编译",

@@ -57,6 +57,7 @@ CHECK_HAS_ENDED: Final = "the process that checks the text has ended ({how}); th
 KEEPER_AGAIN: Final = "the process that starts runs had ended and was started again"
 NO_PROCESS: Final = "no process can be started: {why}"
 NO_RUN: Final = "this run is not shown any more"
+NEWER: Final = "a newer moment is asked for"
 NO_REPETITION: Final = "a run with real connections cannot be repeated: its moments and details are not known"
 TAKES_TOO_LONG: Final = "this moment is not found within {limit:g} s"
 
@@ -143,6 +144,8 @@ class LiveEngine:
         self._looked_at: tuple[int, float] = (0, 0.0)
         """Run and limit of the looker."""
         self._asked: list[Seek | Step] = []
+        self._unanswered: dict[int, None] = {}
+        """Numbers of what was asked of the shown run, the oldest first."""
         self._looking: asyncio.Task[None] | None = None
         self._details: set[asyncio.Task[None]] = set()
         self._one_detail = asyncio.Lock()
@@ -194,6 +197,12 @@ class LiveEngine:
         if is_present:
             self._starting = None
         return is_present
+
+    @property
+    def _has_lost_workers(self) -> bool:
+        """Whether what starts workers has ended by itself."""
+        starting = self._starting
+        return starting is not None and starting.done() and not (starting.exception() or starting.result().is_alive)
 
     async def _begin(self, request: dict[str, Any]) -> Worker:
         """Return a worker that carries out a request.
@@ -360,7 +369,10 @@ class LiveEngine:
                 else:
                     has_begun = has_begun or what == "run_began"
                     await self._pass_on(message, new, compiled)
-            if not new.is_over:
+            if not (has_begun or new.is_over) and self._has_lost_workers:
+                # The text came just as the keeper ended.
+                await self._follow(request, new, stands_in)
+            elif not new.is_over:
                 await self._ended_by_itself(worker, new, has_begun=has_begun)
         except UsageError as error:
             await self._send(describe.notice("error", str(error)))
@@ -407,7 +419,14 @@ class LiveEngine:
                     self._kept = None
         if what in _REPEATED and compiled is not None and self._kept is compiled:
             compiled.messages.append(message)
+        await self._send_of_run(message)
+
+    async def _send_of_run(self, message: Message) -> None:
         await self._send(message)
+        if message["type"] == "run_began":
+            # What was asked of the run before is not looked for any more, and the page waits for each answer.
+            for ask in list(self._unanswered):
+                await self._answer(describe.refused(NO_RUN, ask))
 
     async def _show(self, new: _Shown) -> None:
         await self._end_looking()
@@ -424,7 +443,7 @@ class LiveEngine:
         await self._show(new)
         self._kept = compiled
         for message in compiled.messages:
-            await self._send(message)
+            await self._send_of_run(message)
 
     async def _does_not_return(
         self,
@@ -482,15 +501,22 @@ class LiveEngine:
     # ---------------------------------------------------------------- moments
 
     async def seek(self, asked: Seek) -> None:
-        """Send the state at a time; only the newest of those that wait is answered."""
+        """Send the state at a time; of those that wait the newest counts, and the others are refused."""
         if await self._may_look(asked):
+            older = [other for other in self._asked if isinstance(other, Seek)]
             self._asked = [other for other in self._asked if isinstance(other, Step)]
             self._ask(asked)
+            for other in older:
+                await self._answer(describe.refused(NEWER, other.ask))
 
     async def step(self, asked: Step) -> None:
         """Send the state at the next or previous beginning of a statement of a thread."""
-        if await self._may_look(asked) and len(self._asked) < STEPS_MAX:
+        if not await self._may_look(asked):
+            return
+        if len(self._asked) < STEPS_MAX:
             self._ask(asked)
+        else:
+            await self._answer(describe.refused(f"{STEPS_MAX} steps wait", asked.ask))
 
     async def _may_look(self, asked: Seek | Step | Detail) -> bool:
         shown = self._shown
@@ -501,7 +527,13 @@ class LiveEngine:
             text = NO_REPETITION
         if text:
             await self._send(describe.refused(text, asked.ask))
+        else:
+            self._unanswered[asked.ask] = None
         return not text
+
+    async def _answer(self, message: Message) -> None:
+        await self._send(message)
+        self._unanswered.pop(message["ask"], None)
 
     def _ask(self, asked: Seek | Step) -> None:
         self._asked.append(asked)
@@ -515,7 +547,7 @@ class LiveEngine:
             try:
                 looker = await self._looker_of(shown)
             except UsageError as error:
-                await self._send(describe.refused(str(error), asked.ask))
+                await self._answer(describe.refused(str(error), asked.ask))
                 continue
             looker.ask(_look_request(asked, shown.t))
             try:
@@ -525,11 +557,11 @@ class LiveEngine:
             except EOFError:
                 text = HAS_ENDED.format(how="while it looked for a moment")
             else:
-                await self._send(json.loads(data))
+                await self._answer(json.loads(data))
                 continue
             self._looker = None
             looker.kill()
-            await self._send(describe.refused(text, asked.ask))
+            await self._answer(describe.refused(text, asked.ask))
 
     async def _looker_of(self, shown: _Shown) -> Worker:
         if self._looker is not None and self._looked_at == (shown.number, shown.until_s):
@@ -600,12 +632,12 @@ class LiveEngine:
                 "step_s": asked.step_s,
             }
             if asked.from_s > shown.t:
-                await self._send({"type": "detail_ended", "ask": asked.ask, "run": shown.number})
+                await self._answer({"type": "detail_ended", "ask": asked.ask, "run": shown.number})
                 return
             try:
                 worker = await self._begin(request)
             except UsageError as error:
-                await self._send(describe.refused(str(error), asked.ask))
+                await self._answer(describe.refused(str(error), asked.ask))
                 return
             try:
                 while True:
@@ -613,13 +645,13 @@ class LiveEngine:
                     if kind == ROWS:
                         await self._send_rows(data)
                         continue
-                    await self._send(json.loads(data))
+                    await self._answer(json.loads(data))
                     return
             except TimeoutError:
-                await self._send(describe.refused(TAKES_TOO_LONG.format(limit=LOOK_S), asked.ask))
+                await self._answer(describe.refused(TAKES_TOO_LONG.format(limit=LOOK_S), asked.ask))
             except EOFError:
                 how = HAS_ENDED.format(how="while it computed a detail")
-                await self._send(describe.refused(how, asked.ask))
+                await self._answer(describe.refused(how, asked.ask))
             finally:
                 worker.kill()
 

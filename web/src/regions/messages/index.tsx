@@ -7,7 +7,7 @@ import type { Studio } from "../../model/studio.ts";
 import { seconds } from "../../model/units.ts";
 import type { RunEvent } from "../../source/messages.ts";
 import type { Texts } from "../../text/en.ts";
-import { text } from "../../text/text.ts";
+import { shortened, text } from "../../text/text.ts";
 
 const KINDS = ["log", "print", "popup", "warning", "device", "safety", "alarm"] as const;
 
@@ -72,7 +72,7 @@ function Message({ studio, event }: { studio: Studio; event: RunEvent }) {
 /** What an event says, as one text. */
 function words(event: RunEvent): string {
   const parts = [event["device"], event["title"], event["mode"], event["code"], event["text"]].filter((part) => typeof part === "string" && part !== "");
-  return parts.join(": ");
+  return shortened(parts.join(": "));
 }
 
 function level(event: RunEvent): string {

@@ -7,7 +7,7 @@ import type { Studio } from "../../model/studio.ts";
 import { seconds, withUnit } from "../../model/units.ts";
 import type { AlarmReport, Contact, Problem } from "../../source/messages.ts";
 import type { Texts } from "../../text/en.ts";
-import { text } from "../../text/text.ts";
+import { shortened, text } from "../../text/text.ts";
 
 /** Rows in the document; more problems than that are counted. */
 const ROWS_MAX = 200;
@@ -89,7 +89,7 @@ function Row({ studio, kind, severity, line, version, words, t, press, children 
 function Finding({ studio, problem, version }: { studio: Studio; problem: Problem; version: number }) {
   const { fix } = problem;
   const words = text("problem", {
-    line: problem.line, column: problem.column, severity: text(SEVERITIES[problem.severity]), code: problem.code, text: problem.text,
+    line: problem.line, column: problem.column, severity: text(SEVERITIES[problem.severity]), code: problem.code, text: shortened(problem.text),
   });
   const icon = problem.severity === "hint" ? "information" : problem.severity;
   return (
@@ -103,7 +103,7 @@ function Finding({ studio, problem, version }: { studio: Studio; problem: Proble
 }
 
 function AlarmRow({ studio, alarm }: { studio: Studio; alarm: AlarmReport }) {
-  const words = text("alarm", { line: alarm.line, column: alarm.column, code: alarm.code, text: alarm.text, t: seconds(alarm.t) });
+  const words = text("alarm", { line: alarm.line, column: alarm.column, code: alarm.code, text: shortened(alarm.text), t: seconds(alarm.t) });
   return (
     <Row studio={studio} kind="error" severity="error" line={alarm.line} t={alarm.t} words={words} press={() => studio.jump(alarm.t, alarm)}>
       {alarm.limit !== undefined && <p>{alarm.limit}</p>}

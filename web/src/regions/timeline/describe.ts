@@ -5,7 +5,7 @@ import { familyOf } from "../../model/points.ts";
 import { format, seconds, unitOf, type Display } from "../../model/units.ts";
 import type { RunEvent } from "../../source/messages.ts";
 import type { SignalFamily } from "../../source/services.ts";
-import { text } from "../../text/text.ts";
+import { shortened, text } from "../../text/text.ts";
 import { laneValue, levelText } from "./draw.ts";
 import type { CurveSpec } from "./curves.ts";
 import type { Row } from "./state.ts";
@@ -91,7 +91,7 @@ export function kindText(kind: string): string {
 
 /** Line ends and tabs as they are written, so that each event is one line. */
 export function visible(words: string): string {
-  return words.replaceAll("\n", "\\n").replaceAll("\r", "\\r").replaceAll("\t", "\\t");
+  return shortened(words).replaceAll("\n", "\\n").replaceAll("\r", "\\r").replaceAll("\t", "\\t");
 }
 
 /** Returns what a canvas shows at a time, for those who do not see it. */
