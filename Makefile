@@ -22,7 +22,7 @@ help:
 	@echo "make bench       the table of measured times; python -m benchmarks --against CHECKOUT compares two working copies"
 	@echo "make quoted      every measured figure that README and docs quote, beside what is measured now"
 	@echo "make figures     write the figures and measured tables of docs/explanation"
-	@echo "make picture     take the picture of a plot page in the README again (needs Chromium)"
+	@echo "make picture     take the picture of a plot page in docs/how-to/run.md again (needs Chromium)"
 	@echo "make studio-pictures  take the pictures of the studio's tutorial again (needs Chromium)"
 	@echo "make reference   write docs/reference from the code"
 	@echo "make docs        build the site from docs and examples: build/site/html"

@@ -1,4 +1,4 @@
-"""Write `docs/images/plot.png`, the picture of a plot page in the README: `make picture`.
+"""Write `docs/images/plot.png`, the picture of a plot page in docs/how-to/run.md: `make picture`.
 
 The page is the one that `elitescript plot` writes of an example, shown by a headless Chromium (any recent `chromium` or
 `google-chrome`; `CHROMIUM=...` names it) with the cursor in the middle of the run. Its colours are rounded to 5 bits
