@@ -275,7 +275,17 @@ def test_a_served_robot_is_debugged_with_the_methods_of_a_run() -> None:
     def methods(kind: type) -> set[str]:
         return {name for name in vars(kind) if not name.startswith("_")}
 
-    backwards = {"step_back", "reverse", "run_to", "run_to_tick", "run_to_time", "last_pass", "restart"}
+    backwards = {
+        "step_back",
+        "reverse",
+        "run_to",
+        "run_to_tick",
+        "run_to_time",
+        "last_pass",
+        "restart",
+        "step_in_back",
+        "picture",
+    }
     history = {"history", "passes", "who_changed", "furthest", "function_of"}
     own = {"wait_for_stop", "proceed", "sources", "source_text"}
     assert methods(DebugSession) - backwards - history - {"problems"} == methods(ServedSession) - own

@@ -112,9 +112,14 @@ class TestProcess:
     @pytest.mark.skipif(sys.platform == "win32", reason="there are no terminals that hang up")
     def test_a_terminal_that_is_closed_ends_it_like_any_other_end(self, tmp_path: Path) -> None:
         (tmp_path / "cell.script").write_text("old")
-        with process(tmp_path / "cell.script", state=tmp_path / "state") as (started, _):
-            started.send_signal(signal.SIGHUP)
-            assert started.wait(WAIT_S) == 0
+        # Under `nohup` it is ignored, and programs that are started inherit that.
+        before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+        try:
+            with process(tmp_path / "cell.script", state=tmp_path / "state") as (started, _):
+                started.send_signal(signal.SIGHUP)
+                assert started.wait(WAIT_S) == 0
+        finally:
+            signal.signal(signal.SIGHUP, before)
 
     def test_a_text_outlives_the_process(self, tmp_path: Path) -> None:
         path = tmp_path / "cell.script"
