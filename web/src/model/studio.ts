@@ -13,6 +13,7 @@ import { type Alignment, aligned, recordingIn, runOf } from "./compare.ts";
 import { firstChange } from "./difference.ts";
 import { History } from "./history.ts";
 import { nextStop } from "./lanes.ts";
+import { Typing } from "./redraws.ts";
 import { Refused, Requests, type Request } from "./requests.ts";
 import { Run, type RunEnded } from "./run.ts";
 import { Settings } from "./settings.ts";
@@ -144,6 +145,8 @@ export class Studio implements Listener {
   readonly display = this.settings.display;
   /** Times of the lane that is chosen in the time line, ascending; set by that region. */
   laneStops: (() => ArrayLike<number> | null) | null = null;
+  /** The keys of the editor, which go before pictures. */
+  readonly typing = new Typing();
   /** Set by the region Program while it is there. */
   editor: Editor | null = null;
   readonly notices = signal<readonly Notice[]>([]);
@@ -258,6 +261,7 @@ export class Studio implements Listener {
   /** Takes a new text of the editor. */
   edit(text: string): void {
     if (text === this.text.value && this.version.value > 0) return;
+    this.typing.key(performance.now());
     this.text.value = text;
     this.changed();
   }
