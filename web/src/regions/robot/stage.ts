@@ -5,7 +5,7 @@ import {
   Mesh, MeshBasicMaterial, type Object3D, PerspectiveCamera, Raycaster, Scene as Root, SphereGeometry, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { apply, compose, FLANGE, fromRotationVector, linkFrames, type Point, type Transform } from "../../model/kinematics.ts";
+import { apply, compose, FLANGE, fromRotationVector, linkFrames, type Point, tcpFrame, type Transform } from "../../model/kinematics.ts";
 import { type Path, partsOf, pick, type Picked, project } from "../../model/path.ts";
 import type { Contact, Scene, Six } from "../../source/messages.ts";
 import { ArmObject, edgesOf, ghostLook, matrixOf, type Piece, piecesOf, shadowLook, solidLook } from "./arm.ts";
@@ -54,6 +54,8 @@ const FOV_DEG = 32;
 const EDGE_PX = 48;
 /** Share of the reach from which on a thing may go beyond the picture. */
 const WIDE_SHARE = 0.4;
+/** Reaches within which a pose that was asked for is put into the picture; one in millimetres instead of metres is not. */
+const FAR_SHARE = 4;
 const TOP_PX = 52;
 const BOTTOM_PX = 40;
 const DIRECTIONS: { readonly [view in View]: Point } = { front: [0, -1, 0.0001], side: [1, 0, 0.0001], top: [0, -0.0001, 1], iso: [0.75, -1, 0.62] };
@@ -353,6 +355,7 @@ export class Stage {
         for (const side of [-1, 1]) for (const axis of [0, 1, 2]) points.push(apply(centre, [0, 1, 2].map((k) => (k === axis ? side * size[k]! : 0)) as unknown as Point));
       }
     }
+    for (const { frame } of ghosts) if (frame !== undefined && Math.hypot(...position(frame)) < FAR_SHARE * scene.limits.reach) points.push(position(frame));
     if (path !== null) {
       const step = Math.max(1, Math.floor(path.t.length / 500));
       for (let i = 0; i < path.t.length; i += step) points.push([path.xyz[3 * i]!, path.xyz[3 * i + 1]!, path.xyz[3 * i + 2]!]);
@@ -494,6 +497,8 @@ class Lines {
   private readonly compared: LineObject;
   private readonly tcp: Group;
   private readonly asked: Group;
+  /** From the TCP of the arm that was asked for to the pose that it does not reach. */
+  private readonly missing: LineObject;
   private readonly flange: Group;
   private readonly range: LineObject;
   private readonly turned: LineObject;
@@ -514,6 +519,7 @@ class Lines {
     this.compared = this.make({ width_px: 1.75, colour: colours.compared, isDashed: true });
     this.tcp = this.frame();
     this.asked = this.frame();
+    this.missing = this.make({ width_px: 2, colour: colours.asked, isDashed: true, isOnTop: true });
     this.flange = this.moved();
     this.make({ width_px: 1.25, colour: colours.ink, isOnTop: true }, this.flange).set([0, 0, 0, ...position(fromRotationVector(scene.tcp))]);
     this.range = this.make({ width_px: 1.5, colour: colours.ink, opacity: 0.6, isOnTop: true });
@@ -590,7 +596,10 @@ class Lines {
     place(this.flange, frames[FLANGE]!);
     place(this.tcp, tcp);
     labels.push(...this.letters(tcp));
-    const asked = picture.ghosts.find((ghost) => ghost.frame !== undefined)?.frame;
+    const ghost = picture.ghosts.find((other) => other.frame !== undefined);
+    const asked = ghost?.frame;
+    const ends = asked === undefined || ghost?.joints === undefined ? [] : [...position(tcpFrame(scene, ghost.joints)), ...position(asked)];
+    this.missing.set(ends);
     this.asked.visible = asked !== undefined;
     if (asked !== undefined) {
       place(this.asked, asked);
