@@ -54,7 +54,7 @@ function Tool({ name, icon, press, showsName = false, isDisabled = false, class:
   return (
     <button type="button" class={`tool ${kind}`} aria-label={label} title={hint ?? label} disabled={isDisabled} onClick={press}>
       <Icon name={icon} />
-      {showsName && <span>{label}</span>}
+      {showsName && <span class={name === "save" ? "roomy-only" : ""}>{label}</span>}
     </button>
   );
 }
@@ -152,10 +152,10 @@ function Connections({ studio }: { studio: Studio }) {
   const may = studio.options.value.may_connect === true;
   return (
     <button
-      type="button" class={may ? "tool on" : "tool"} aria-pressed={may} title={text("allow_hint")}
+      type="button" class={may ? "tool on" : "tool"} aria-pressed={may} aria-label={text("allow")} title={text("allow_hint")}
       onClick={() => studio.setOptions({ may_connect: may ? undefined : true })}
     >
-      {text("allow")}
+      <Icon name="link" /><span class="roomy-only">{text("allow")}</span>
     </button>
   );
 }

@@ -34,8 +34,8 @@ export class Labels {
       if (isIn && isBox(label)) {
         const [wide, tall] = [element.offsetWidth, element.offsetHeight];
         x = Math.max(EDGE_PX, Math.min(x + BESIDE_PX, width - wide - EDGE_PX));
-        // That of an alarm is long: at an edge it covers neither the arm nor what was asked for.
-        y = label.kind === "asked" ? (y > height / 2 ? TOP_PX : height - tall - BOTTOM_PX) : Math.max(EDGE_PX, Math.min(y - tall - BESIDE_PX, height - tall - EDGE_PX));
+        // That of an alarm is long: at the top, where a fitted picture leaves room, it does not cover the arm.
+        y = label.kind === "asked" ? TOP_PX : Math.max(EDGE_PX, Math.min(y - tall - BESIDE_PX, height - tall - EDGE_PX));
         if (label.kind === "asked") x = EDGE_PX;
         for (const box of boxes) if (x < box.right && x + wide > box.left && y < box.bottom && y + tall > box.top) y = box.bottom + 2;
         boxes.push({ left: x, right: x + wide, top: y, bottom: y + tall });
@@ -47,9 +47,8 @@ export class Labels {
 
 const EDGE_PX = 6;
 const BESIDE_PX = 10;
-/** Room of the buttons at the top and of the legend at the bottom. */
+/** Room of the buttons at the top. */
 const TOP_PX = 44;
-const BOTTOM_PX = 46;
 
 /** Whether a label is a box that has to be read, so that it stays inside of the picture. */
 function isBox({ kind }: Label): boolean {

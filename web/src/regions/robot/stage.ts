@@ -58,6 +58,8 @@ const WIDE_SHARE = 0.4;
 const FAR_SHARE = 4;
 const TOP_PX = 52;
 const BOTTOM_PX = 40;
+/** Of the label that says what an alarm is about. */
+const ASKED_PX = 64;
 const DIRECTIONS: { readonly [view in View]: Point } = { front: [0, -1, 0.0001], side: [1, 0, 0.0001], top: [0, -0.0001, 1], iso: [0.75, -1, 0.62] };
 
 /** Returns whether WebGL draws by software; null where there is none at all. */
@@ -323,15 +325,16 @@ export class Stage {
       high.max(point);
     }
     const centre = low.clone().add(high).multiplyScalar(0.5);
+    const top = TOP_PX + (this.last?.ghosts.some(({ kind }) => kind === "asked") ? ASKED_PX : 0);
     const slope = Math.tan((FOV_DEG * Math.PI) / 360);
-    const [wide, tall] = [1 - EDGE_PX / this.width, 1 - (TOP_PX + BOTTOM_PX) / this.height].map((share) => slope * Math.max(share, 0.5)) as [number, number];
+    const [wide, tall] = [1 - EDGE_PX / this.width, 1 - (top + BOTTOM_PX) / this.height].map((share) => slope * Math.max(share, 0.5)) as [number, number];
     let distance = 0.2;
     for (const point of own) {
       const depth = point.z - centre.z;
       distance = Math.max(distance, Math.abs(point.y - centre.y) / tall + depth, Math.abs(point.x - centre.x) / (wide * this.camera.aspect) + depth);
     }
     // Buttons cover more at the top than the legend does at the bottom.
-    centre.y += (slope * distance * (TOP_PX - BOTTOM_PX)) / this.height;
+    centre.y += (slope * distance * (top - BOTTOM_PX)) / this.height;
     const target = right.multiplyScalar(centre.x).add(up.multiplyScalar(centre.y)).addScaledVector(direction, centre.z);
     this.controls.target.copy(target);
     this.camera.position.copy(target).addScaledVector(direction, distance);
