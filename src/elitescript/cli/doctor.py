@@ -36,7 +36,7 @@ def doctor(options: argparse.Namespace) -> int:
         "system": f"{platform.system()} {platform.release()} on {platform.machine()}",
     }
     layers, trouble = asyncio.run(probe_jail())
-    extras = {"serial": find_spec("serial") is not None, "ssh": has_extra(), "studio": find_spec("websockets") is not None}
+    extras = _extras()
     ports = port_numbers(options.instance, {}, has_ssh=True)
     # Where this user may not bind a port, `serve` takes its spare one.
     for name, number in spare_numbers(options.instance, {}, has_ssh=True).items():
@@ -82,6 +82,14 @@ def doctor(options: argparse.Namespace) -> int:
     late = f"{lateness['p50']:.2f} ms late (median), {lateness['max']:.2f} ms at worst"
     print(f"time:         clock resolution {clock_ns:.0f} ns; ticks begin {late}")
     return 0 if is_jailed and not trouble else 1
+
+
+def _extras() -> dict[str, bool]:
+    return {
+        "serial": find_spec("serial") is not None,
+        "ssh": has_extra(),
+        "studio": find_spec("websockets") is not None,
+    }
 
 
 async def _lateness() -> dict[str, float]:
