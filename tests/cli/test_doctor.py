@@ -3,6 +3,7 @@ import sys
 
 import pytest
 
+from elitescript import page
 from elitescript.cli import doctor
 from elitescript.cli.main import main
 from elitescript.services.child.jail import Layer
@@ -33,6 +34,8 @@ class TestDoctor:
             "in use   30004",
             "free     30001",
             "time:",
+            "studio",
+            "studio page:",
         ):
             assert word in out, word
 
@@ -49,6 +52,8 @@ class TestDoctor:
         record = json.loads(capsys.readouterr().out)
         assert record["is_jailed"] is True
         assert record["jail"]["files"] == {"active": True, "detail": "Landlock 7"}
+        assert record["extras"]["studio"] in (True, False)
+        assert record["studio_page"] is page.is_built()
         assert record["ports"]["rtsi"] == {"number": 30204, "free": True}
 
     @pytest.mark.skipif(sys.platform != "linux", reason="the jail needs Linux")

@@ -52,6 +52,7 @@ class TestUsage:
 
     def test_what_cannot_be_opened(self, capsys, tmp_path: Path, built: None) -> None:
         (tmp_path / "latin.script").write_bytes(b"\xff")
+        assert "no such file or folder" in self.refusal(capsys, tmp_path / "f")
         assert "byte 0xFF is not UTF-8 text" in self.refusal(capsys, tmp_path / "latin.script")
         assert "there is no folder" in self.refusal(capsys, tmp_path / "no" / "a.script")
         assert "there is no file" in self.refusal(capsys, tmp_path, "--urdf", tmp_path / "arm.urdf")

@@ -3,6 +3,7 @@ import { afterEach, beforeEach, mock, test } from "node:test";
 import { ANSWER_MS } from "../src/model/requests.ts";
 import { EDIT_MS, STALE_MS, type Studio } from "../src/model/studio.ts";
 import { TELL_MS } from "../src/model/settings.ts";
+import { browserLanguage, chosenLanguage, language } from "../src/text/text.ts";
 import { began, ended, FILE, HELLO, moment, opened, rows, settled, type FakeSource } from "./fake.ts";
 
 beforeEach(() => mock.timers.enable({ apis: ["setTimeout"] }));
@@ -382,10 +383,36 @@ test("after a lost link the text of the page is told again, and kept", () => {
   source.link("lost");
   source.link("open");
   source.sent.length = 0;
-  source.say(HELLO);
+  source.say(HELLO, { ...FILE, draft: { text: "older", seen: "d1", at: "12:00" } });
   assert.equal(source.last("program").text, "typed while it was lost");
-  source.say({ ...FILE, draft: { text: "older", seen: "d1", at: "12:00" } });
   assert.equal(studio.text.value, "typed while it was lost");
+});
+
+test("after a lost link the file of the page is opened again before its text is told", () => {
+  const { source, studio } = opened();
+  source.link("lost");
+  studio.edit("typed while it was lost");
+  source.link("open");
+  source.sent.length = 0;
+  // The source begins with the first program of the folder, whose draft this text is not.
+  source.say(HELLO, { ...FILE, name: "first.script", text: "other" });
+  mock.timers.tick(5 * EDIT_MS);
+  assert.deepEqual(source.all("program"), []);
+  assert.equal(source.last("open").name, FILE.name);
+  source.say(FILE);
+  assert.equal(source.last("program").text, "typed while it was lost");
+  assert.equal(studio.text.value, "typed while it was lost");
+});
+
+test("what was chosen for a run is not taken to another file", () => {
+  const { source, studio } = opened();
+  studio.setOptions({ robot: "cs612", seed: 3 });
+  void studio.open("b.script");
+  source.say({ ...FILE, name: "b.script", text: "b" });
+  mock.timers.tick(EDIT_MS);
+  assert.deepEqual(source.last("program").options, {});
+  assert.equal(source.last("program").text, "b");
+  assert.equal(studio.canUndo.value, false);
 });
 
 test("a file that has changed while the link was lost is a conflict", () => {
@@ -445,6 +472,21 @@ test("refusals are answers where something was asked, else notices", async () =>
 });
 
 // ---------------------------------------------------------------- settings, controllers
+
+test("the language of the browser is not remembered, one that was chosen is", () => {
+  const { source, studio } = opened();
+  browserLanguage.value = "zh";
+  studio.settings.sizes.value = { left: 0.5 };
+  mock.timers.tick(TELL_MS);
+  assert.equal(language.value, "zh");
+  assert.equal("language" in source.last("settings").values, false);
+  chosenLanguage.value = "en";
+  mock.timers.tick(TELL_MS);
+  assert.equal(source.last("settings").values["language"], "en");
+  assert.equal(language.value, "en");
+  browserLanguage.value = "en";
+  chosenLanguage.value = null;
+});
 
 test("settings are taken from the source, checked, and told when they change", () => {
   const { source, studio } = opened();

@@ -10,7 +10,7 @@ import time
 from importlib.util import find_spec
 from typing import Any
 
-from elitescript import __version__
+from elitescript import __version__, page
 from elitescript.cli.ssh_login import has_extra
 from elitescript.json_records import jsonlines
 from elitescript.services.channels.connect_policy import OPTION, ConnectPolicy
@@ -36,7 +36,7 @@ def doctor(options: argparse.Namespace) -> int:
         "system": f"{platform.system()} {platform.release()} on {platform.machine()}",
     }
     layers, trouble = asyncio.run(probe_jail())
-    extras = {"serial": find_spec("serial") is not None, "ssh": has_extra()}
+    extras = _extras()
     ports = port_numbers(options.instance, {}, has_ssh=True)
     # Where this user may not bind a port, `serve` takes its spare one.
     for name, number in spare_numbers(options.instance, {}, has_ssh=True).items():
@@ -51,6 +51,7 @@ def doctor(options: argparse.Namespace) -> int:
             "type": "doctor",
             "versions": versions,
             "extras": extras,
+            "studio_page": page.is_built(),
             "jail": {layer.name: {"active": layer.is_active, "detail": layer.detail} for layer in layers},
             "is_jailed": is_jailed,
             "trouble": trouble,
@@ -65,6 +66,7 @@ def doctor(options: argparse.Namespace) -> int:
         print(f"{name + ':':<14}{version}")
     found = (f"{name} {'installed' if is_there else 'not installed'}" for name, is_there in extras.items())
     print(f"{'extras:':<14}{', '.join(found)}")
+    print(f"{'studio page:':<14}{'built' if page.is_built() else page.NOT_BUILT}")
     print("jail of the process that runs programs:")
     for layer in layers:
         print(f"  {'active' if layer.is_active else 'MISSING':<9}{layer.name + ':':<14}{layer.detail}")
@@ -80,6 +82,14 @@ def doctor(options: argparse.Namespace) -> int:
     late = f"{lateness['p50']:.2f} ms late (median), {lateness['max']:.2f} ms at worst"
     print(f"time:         clock resolution {clock_ns:.0f} ns; ticks begin {late}")
     return 0 if is_jailed and not trouble else 1
+
+
+def _extras() -> dict[str, bool]:
+    return {
+        "serial": find_spec("serial") is not None,
+        "ssh": has_extra(),
+        "studio": find_spec("websockets") is not None,
+    }
 
 
 async def _lateness() -> dict[str, float]:

@@ -15,6 +15,7 @@ from types import FrameType
 from typing import Any, Final
 
 from elitescript.environment.collecting import Collector
+from elitescript.environment.program_file import SUFFIX
 from elitescript.errors import UsageError
 from elitescript.kernel.options import robot_options
 from elitescript.models.model import load_model
@@ -50,7 +51,9 @@ def workplace(path: str | None, given: Mapping[str, Any], world: str | None, urd
     """
     programs = None if path is None else Programs(Path(path))
     if programs is not None and programs.only is not None:
-        read(programs.path(programs.only))
+        found = read(programs.path(programs.only))
+        if not found.digest and not programs.only.endswith(SUFFIX):
+            raise UsageError(f"{path}: there is no such file or folder; a new program is a {SUFFIX} file")
     load_model(robot_options(given, {} if world is None else load_world_file(world).options).model)
     return Workplace(
         programs,

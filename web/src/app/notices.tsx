@@ -1,7 +1,7 @@
 /** What the source or the page has to say: shown until it is dismissed. */
 
 import type { Studio } from "../model/studio.ts";
-import { text } from "../text/text.ts";
+import { localTime, text } from "../text/text.ts";
 import { Icon } from "./icons.tsx";
 
 /** Shown at a time, the newest. */
@@ -22,7 +22,7 @@ export function Notices({ studio }: { studio: Studio }) {
       )}
       {draftAt !== null && studio.conflict.value === null && (
         <p class="notice information">
-          <Icon name="information" /> <span>{text("draft_shown", { at: draftAt })}</span>
+          <Icon name="information" /> <span>{text("draft_shown", { at: localTime(draftAt) })}</span>
           <button type="button" onClick={() => studio.takeTheirs()}>{text("draft_drop")}</button>
           <button type="button" onClick={() => (studio.draftAt.value = null)}>{text("draft_keep")}</button>
         </p>

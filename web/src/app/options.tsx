@@ -8,7 +8,7 @@ import { format, parse, parseList, UnitError, type Quantity } from "../model/uni
 import type { Six } from "../source/messages.ts";
 import type { Results } from "../source/services.ts";
 import { theme, type Theme } from "../style/palette.ts";
-import { language, text, type Language } from "../text/text.ts";
+import { chosenLanguage, language, text, type Language } from "../text/text.ts";
 import { Icon } from "./icons.tsx";
 import { TypedField } from "./typed.tsx";
 
@@ -130,7 +130,7 @@ function Look() {
         </select>
       </Field>
       <Field label={text("language")}>
-        <select aria-label={text("language")} value={language.value} onChange={(event) => (language.value = event.currentTarget.value as Language)}>
+        <select aria-label={text("language")} value={language.value} onChange={(event) => (chosenLanguage.value = event.currentTarget.value as Language)}>
           <option value="en" lang="en">English</option>
           <option value="zh" lang="zh">中文</option>
         </select>

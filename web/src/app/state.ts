@@ -1,5 +1,6 @@
 /** The state of the run in words. */
 
+import { countsOf, findingsOf } from "../model/findings.ts";
 import { LIMIT_S, type Studio } from "../model/studio.ts";
 import { text } from "../text/text.ts";
 
@@ -48,12 +49,9 @@ export function runState(studio: Studio): RunState {
   }
 }
 
-/** The number of findings in words: "2 errors, 1 warning"; empty if there are none. */
+/** The number of rows of Problems in words: "2 errors, 1 warning"; empty if there are none. */
 export function problemCount(studio: Studio): string {
-  const list = studio.problems.value?.list ?? [];
-  const errors = list.filter((problem) => problem.severity === "error").length;
-  const warnings = list.filter((problem) => problem.severity === "warning").length;
-  const others = list.length - errors - warnings;
+  const { errors, warnings, others } = countsOf(findingsOf(studio));
   const parts = [
     errors > 0 ? text(errors === 1 ? "error_one" : "error_many", { count: errors }) : "",
     warnings > 0 ? text(warnings === 1 ? "warning_one" : "warning_many", { count: warnings }) : "",

@@ -3,11 +3,11 @@
 import { effect } from "@preact/signals";
 import type { Studio } from "../model/studio.ts";
 import { isDark, palette, systemIsDark } from "../style/palette.ts";
-import { language, text } from "../text/text.ts";
+import { browserLanguage, language, text } from "../text/text.ts";
 
 /** Begins with the language of the browser. */
 export function speak(): void {
-  language.value = navigator.language.toLowerCase().startsWith("zh") ? "zh" : "en";
+  browserLanguage.value = navigator.language.toLowerCase().startsWith("zh") ? "zh" : "en";
 }
 
 /** Follows settings and the system until the returned function is called. */

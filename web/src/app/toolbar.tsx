@@ -54,7 +54,7 @@ function Tool({ name, icon, press, showsName = false, isDisabled = false, class:
   return (
     <button type="button" class={`tool ${kind}`} aria-label={label} title={hint ?? label} disabled={isDisabled} onClick={press}>
       <Icon name={icon} />
-      {showsName && <span>{label}</span>}
+      {showsName && <span class={name === "save" ? "roomy-only" : ""}>{label}</span>}
     </button>
   );
 }
@@ -133,14 +133,14 @@ function Share({ studio }: { studio: Studio }) {
   return (
     <div class="tools" role="group" aria-label={text("group_share")}>
       <button
-        type="button" class={isOpen ? "tool on" : "tool"} aria-expanded={isCompareOpen.value} title={text("compare_hint")}
+        type="button" class={isOpen ? "tool on" : "tool"} aria-expanded={isCompareOpen.value} title={text("compare_hint")} aria-label={text("compare_button")}
         onClick={() => (isCompareOpen.value = !isCompareOpen.value)}
       >
-        {text("compare_button")}
+        <Icon name="compare" /><span class="wide-only">{text("compare_button")}</span>
       </button>
       {studio.can("record") && (
-        <button type="button" class="tool" title={text("save_page_hint")} disabled={studio.isRecording.value} onClick={() => void saveAsPage(studio)}>
-          {text("save_page")}
+        <button type="button" class="tool" title={text("save_page_hint")} aria-label={text("save_page")} disabled={studio.isRecording.value} onClick={() => void saveAsPage(studio)}>
+          <Icon name="share" /><span class="wide-only">{text("save_page")}</span>
         </button>
       )}
     </div>
@@ -152,10 +152,10 @@ function Connections({ studio }: { studio: Studio }) {
   const may = studio.options.value.may_connect === true;
   return (
     <button
-      type="button" class={may ? "tool on" : "tool"} aria-pressed={may} title={text("allow_hint")}
+      type="button" class={may ? "tool on" : "tool"} aria-pressed={may} aria-label={text("allow")} title={text("allow_hint")}
       onClick={() => studio.setOptions({ may_connect: may ? undefined : true })}
     >
-      {text("allow")}
+      <Icon name="link" /><span class="roomy-only">{text("allow")}</span>
     </button>
   );
 }

@@ -25,6 +25,14 @@ export class History<T> {
     this.value.value = value;
   }
 
+  /** Begins anew with a value, without steps. */
+  reset(value: T): void {
+    this.past.value = [];
+    this.future.value = [];
+    this.lastKey = "";
+    this.value.value = value;
+  }
+
   /** Returns whether there was a step to undo. */
   undo(): boolean {
     return this.go(this.past, this.future);

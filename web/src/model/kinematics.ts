@@ -86,3 +86,27 @@ export function linkFrames(dh: Scene["dh"], joints: Six): readonly Transform[] {
 export function tcpFrame(scene: Pick<Scene, "dh" | "tcp">, joints: Six): Transform {
   return compose(linkFrames(scene.dh, joints)[FLANGE]!, fromRotationVector(scene.tcp));
 }
+
+/** Turns of each joint towards a point that nothing reaches; more change nothing that can be seen. */
+const STRETCHES = 60;
+
+/** Returns joints that bring the TCP near to a point, within the ranges of the joints: an arm stretched towards it where it is out of reach. */
+export function stretchedTo(scene: Pick<Scene, "dh" | "tcp" | "limits">, from: Six, [x, y, z]: Point): Six {
+  const joints = [...from] as [number, number, number, number, number, number];
+  for (let turn = 0; turn < STRETCHES; turn++) {
+    for (let joint = 5; joint >= 0; joint--) {
+      const frames = linkFrames(scene.dh, joints);
+      const frame = frames[joint + 1]!;
+      const tcp = compose(frames[FLANGE]!, fromRotationVector(scene.tcp));
+      // Both points seen along the axis of the joint, which is z of its frame.
+      const angle = ([px, py, pz]: Point) => {
+        const [dx, dy, dz] = [px - frame[9], py - frame[10], pz - frame[11]];
+        return Math.atan2(frame[1] * dx + frame[4] * dy + frame[7] * dz, frame[0] * dx + frame[3] * dy + frame[6] * dz);
+      };
+      const difference = angle([x, y, z]) - angle([tcp[9], tcp[10], tcp[11]]);
+      const shortest = Math.atan2(Math.sin(difference), Math.cos(difference));
+      joints[joint] = Math.min(Math.max(joints[joint]! + shortest, scene.limits.position_min[joint]!), scene.limits.position_max[joint]!);
+    }
+  }
+  return joints;
+}

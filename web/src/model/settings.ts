@@ -3,7 +3,7 @@
 import { effect, signal } from "@preact/signals-core";
 import type { Json } from "../source/messages.ts";
 import { theme, type Theme } from "../style/palette.ts";
-import { language, type Language } from "../text/text.ts";
+import { chosenLanguage, type Language } from "../text/text.ts";
 import type { Display } from "./units.ts";
 
 /** After the last change. */
@@ -34,7 +34,7 @@ export class Settings {
 
   values(): { readonly [key: string]: Json } {
     return {
-      theme: theme.value, language: language.value, angle: this.display.value.angle, length: this.display.value.length,
+      theme: theme.value, ...(chosenLanguage.value === null ? {} : { language: chosenLanguage.value }), angle: this.display.value.angle, length: this.display.value.length,
       sizes: this.sizes.value, open: this.open.value,
     };
   }
@@ -43,7 +43,7 @@ export class Settings {
   take(values: { readonly [key: string]: Json }): void {
     const { theme: shade, language: words, angle, length, sizes, open } = values;
     if (shade === "system" || shade === "light" || shade === "dark") theme.value = shade satisfies Theme;
-    if (words === "en" || words === "zh") language.value = words satisfies Language;
+    if (words === "en" || words === "zh") chosenLanguage.value = words satisfies Language;
     const display = this.display.value;
     this.display.value = {
       angle: angle === "rad" || angle === "deg" ? angle : display.angle,

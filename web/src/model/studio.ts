@@ -13,6 +13,7 @@ import { type Alignment, aligned, recordingIn, runOf } from "./compare.ts";
 import { firstChange } from "./difference.ts";
 import { History } from "./history.ts";
 import { nextStop } from "./lanes.ts";
+import { Typing } from "./redraws.ts";
 import { Refused, Requests, type Request } from "./requests.ts";
 import { Run, type RunEnded } from "./run.ts";
 import { Settings } from "./settings.ts";
@@ -144,6 +145,8 @@ export class Studio implements Listener {
   readonly display = this.settings.display;
   /** Times of the lane that is chosen in the time line, ascending; set by that region. */
   laneStops: (() => ArrayLike<number> | null) | null = null;
+  /** The keys of the editor, which go before pictures. */
+  readonly typing = new Typing();
   /** Set by the region Program while it is there. */
   editor: Editor | null = null;
   readonly notices = signal<readonly Notice[]>([]);
@@ -258,6 +261,7 @@ export class Studio implements Listener {
   /** Takes a new text of the editor. */
   edit(text: string): void {
     if (text === this.text.value && this.version.value > 0) return;
+    this.typing.key(performance.now());
     this.text.value = text;
     this.changed();
   }
@@ -598,7 +602,8 @@ export class Studio implements Listener {
       case "hello":
         this.hello.value = message;
         if (message.settings !== undefined) this.settings.take(message.settings);
-        // A source that was lost knows nothing of what was done meanwhile.
+        // A source that was lost knows nothing of what was done meanwhile, and begins with a file of its own choice.
+        this.awaitsFile = this.file.value !== null && this.can("edit");
         if (this.version.value > 0) this.tellNow();
         return;
       case "scene":
@@ -663,6 +668,8 @@ export class Studio implements Listener {
   // ---------------------------------------------------------------- inside
 
   private isStepping = false;
+  /** From a new greeting until the source has the file of the page open again. */
+  private awaitsFile = false;
 
   private transmit(message: ToSource): void {
     this.source.send(message);
@@ -694,8 +701,9 @@ export class Studio implements Listener {
   }
 
   private tellNow(): void {
-    this.isUntold = false;
-    if (!this.can("edit")) return;
+    // A text is kept as a draft of the file that the source has open.
+    this.isUntold = this.awaitsFile;
+    if (!this.can("edit") || this.awaitsFile) return;
     this.told.set(this.version.value, this.text.value);
     if (this.told.size > TOLD_MAX) this.told.delete(this.told.keys().next().value!);
     this.transmit({ type: "program", version: this.version.value, text: this.text.value, options: this.options.value });
@@ -703,7 +711,17 @@ export class Studio implements Listener {
 
   private takeFile(file: FileInfo): void {
     const was = this.file.value;
+    if (this.awaitsFile && !this.isOpening && was !== null && was.name !== file.name) {
+      this.request({ type: "open", ask: 0, name: was.name }).catch((error: unknown) => {
+        if (this.link.value === "open") this.notice("error", words("not_opened", { name: was.name, why: reason(error) }));
+      });
+      return;
+    }
     const isAgain = was !== null && was.name === file.name && !this.isOpening;
+    if (this.awaitsFile) {
+      this.awaitsFile = false;
+      if (isAgain) this.tellNow();
+    }
     if (isAgain) {
       // After a lost link: the text of the page is newer than what the source has kept.
       if (file.digest !== was.digest) this.takeChange({ type: "file_changed", name: file.name, text: file.text, digest: file.digest });
@@ -720,6 +738,7 @@ export class Studio implements Listener {
     this.isPlaying.value = false;
     // A controller goes on, whatever file is open.
     if (was !== null && !this.can("live")) this.restart();
+    if (was !== null) this.chosen.reset({});
     this.text.value = draft?.text ?? file.text;
     this.changed();
   }

@@ -1,12 +1,16 @@
 /** The language of the page. */
 
-import { signal } from "@preact/signals-core";
+import { computed, signal } from "@preact/signals-core";
 import { en, type Texts } from "./en.ts";
 import { zh } from "./zh.ts";
 
 export type Language = "en" | "zh";
 
-export const language = signal<Language>("en");
+/** What the browser speaks, and what somebody has chosen instead of it; null: nothing. Only a choice is remembered. */
+export const browserLanguage = signal<Language>("en");
+export const chosenLanguage = signal<Language | null>(null);
+
+export const language = computed(() => chosenLanguage.value ?? browserLanguage.value);
 
 /** Characters of a text of a program that are shown in a row; a program may write a megabyte. */
 const SHOWN_MAX = 2000;
@@ -14,6 +18,12 @@ const SHOWN_MAX = 2000;
 /** Returns the begin of a text that is too long for a row. */
 export function shortened(words: string): string {
   return words.length > SHOWN_MAX ? `${words.slice(0, SHOWN_MAX)}…` : words;
+}
+
+/** Returns an ISO time as the clock here shows it; a text that is no time as it is. */
+export function localTime(at: string): string {
+  const time = new Date(at);
+  return Number.isNaN(time.getTime()) ? at : time.toLocaleString(language.value, { dateStyle: "medium", timeStyle: "short" });
 }
 
 /** Returns a text in the language of the page, with `{name}` replaced by values. */

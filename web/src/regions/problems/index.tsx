@@ -2,7 +2,7 @@
 
 import type { ComponentChildren } from "preact";
 import { Icon, type IconName } from "../../app/icons.tsx";
-import type { Run } from "../../model/run.ts";
+import { type Findings, findingsOf } from "../../model/findings.ts";
 import type { Studio } from "../../model/studio.ts";
 import { seconds, withUnit } from "../../model/units.ts";
 import type { AlarmReport, Contact, Problem } from "../../source/messages.ts";
@@ -18,12 +18,9 @@ const SEVERITIES: { readonly [severity in Problem["severity"]]: keyof Texts } = 
 
 export function Problems({ studio }: { studio: Studio }) {
   const run = studio.run.value;
-  void run?.revision.value;
-  const { list, version } = studio.problems.value ?? { list: [], version: 0 };
-  const isStale = studio.staleFrom.value > 0;
-  // A text that does not compile has no run of its own: what the one on the screen met says nothing of it.
-  const met = run === null || isStale ? [] : runProblems(studio, run);
-  const rows = [...met, ...list.map((problem, index) => <Finding key={`check ${index}`} studio={studio} problem={problem} version={version} />)];
+  const version = studio.problems.value?.version ?? 0;
+  const found = findingsOf(studio);
+  const rows = [...runProblems(studio, found, version), ...found.list.map((problem, index) => <Finding key={`check ${index}`} studio={studio} problem={problem} version={version} />)];
   if (rows.length === 0) {
     const rules = studio.problems.value?.rules;
     return (
@@ -41,11 +38,10 @@ export function Problems({ studio }: { studio: Studio }) {
   );
 }
 
-function runProblems(studio: Studio, run: Run): ComponentChildren[] {
-  const refused = run.ended?.refused_connections ?? [];
+function runProblems(studio: Studio, { alarm, cause, contacts, refused_connections: refused }: Findings, version: number): ComponentChildren[] {
   return [
-    ...(run.alarm === null ? [] : [<AlarmRow key="alarm" studio={studio} alarm={run.alarm} />]),
-    ...run.contacts.filter((contact) => contact.is_contact).map((contact, index) => <ContactRow key={`contact ${index}`} studio={studio} contact={contact} />),
+    ...(alarm === null ? [] : [<AlarmRow key="alarm" studio={studio} alarm={alarm} cause={cause} version={version} />]),
+    ...contacts.map((contact, index) => <ContactRow key={`contact ${index}`} studio={studio} contact={contact} />),
     ...(refused.length === 0 ? [] : [
       <li key="refused" class="problem information">
         <Icon name="information" />
@@ -87,27 +83,37 @@ function Row({ studio, kind, severity, line, version, words, t, press, children 
 }
 
 function Finding({ studio, problem, version }: { studio: Studio; problem: Problem; version: number }) {
-  const { fix } = problem;
   const words = text("problem", {
     line: problem.line, column: problem.column, severity: text(SEVERITIES[problem.severity]), code: problem.code, text: shortened(problem.text),
   });
   const icon = problem.severity === "hint" ? "information" : problem.severity;
   return (
     <Row studio={studio} kind={icon} severity={problem.severity} line={problem.line} version={version} words={words} press={() => go(studio, problem, version)}>
-      {problem.hint !== "" && <p class="faint">{problem.hint}</p>}
-      {fix !== undefined && studio.can("edit") && (
-        <button type="button" class="fix" title={fix.title} onClick={() => studio.fix(version, fix.edits)}>{text("fix")}</button>
-      )}
+      <Advice studio={studio} problem={problem} version={version} />
     </Row>
   );
 }
 
-function AlarmRow({ studio, alarm }: { studio: Studio; alarm: AlarmReport }) {
+/** What to do: the hint and the fix of a finding. */
+function Advice({ studio, problem: { hint, fix }, version }: { studio: Studio; problem: Problem; version: number }) {
+  return (
+    <>
+      {hint !== "" && <p class="faint">{hint}</p>}
+      {fix !== undefined && studio.can("edit") && (
+        <button type="button" class="fix" title={fix.title} onClick={() => studio.fix(version, fix.edits)}>{text("fix")}</button>
+      )}
+    </>
+  );
+}
+
+/** `cause`: what `check` says of the same, whose advice stands here too. */
+function AlarmRow({ studio, alarm, cause, version }: { studio: Studio; alarm: AlarmReport; cause: Problem | null; version: number }) {
   const words = text("alarm", { line: alarm.line, column: alarm.column, code: alarm.code, text: shortened(alarm.text), t: seconds(alarm.t) });
   return (
     <Row studio={studio} kind="error" severity="error" line={alarm.line} t={alarm.t} words={words} press={() => studio.jump(alarm.t, alarm)}>
       {alarm.limit !== undefined && <p>{alarm.limit}</p>}
       {alarm.hints.map((hint, index) => <p key={index} class="faint">{hint}</p>)}
+      {cause !== null && <Advice studio={studio} problem={alarm.hints.includes(cause.hint) ? { ...cause, hint: "" } : cause} version={version} />}
     </Row>
   );
 }

@@ -5,7 +5,7 @@ import { defaultKeymap, history, historyKeymap, indentWithTab } from "@codemirro
 import { bracketMatching, codeFolding, foldGutter, foldKeymap, indentOnInput } from "@codemirror/language";
 import { lintGutter, nextDiagnostic, previousDiagnostic, setDiagnostics, type Diagnostic } from "@codemirror/lint";
 import { highlightSelectionMatches, search, searchKeymap } from "@codemirror/search";
-import { Compartment, EditorState, Transaction } from "@codemirror/state";
+import { Compartment, EditorState, Transaction, type Text } from "@codemirror/state";
 import {
   drawSelection, dropCursor, EditorView, highlightActiveLine, highlightActiveLineGutter, highlightSpecialChars, keymap, lineNumbers, rectangularSelection,
 } from "@codemirror/view";
@@ -207,7 +207,7 @@ export class ProgramEditor {
     const pointed = hover === null || hover.region === REGION || hover.line === undefined ? 0 : hover.line;
     const outlined = this.versions.now(hover?.version ?? run?.version ?? 0, pointed, doc);
     if (run === null) {
-      this.view.dispatch({ effects: setMarks.of({ ...NO_MARKS, outlined }) });
+      this.mark({ ...NO_MARKS, outlined });
       return;
     }
     this.versions.forget(run.version);
@@ -223,8 +223,19 @@ export class ProgramEditor {
       outlined,
       times: this.options.times ? new Map(run.cycle.map((row) => [now(row.line), timeOf(row)] as const).map(([line, time]) => [line, withShare(time, run.known_s)])) : new Map(),
     };
+    this.mark(marks);
+  }
+
+  /** Shows marks, if they or the text are others than last time: most messages of a run change none. */
+  private mark(marks: LineMarks): void {
+    const { doc } = this.view.state;
+    const content = JSON.stringify([[...marks.ran], marks.at, marks.alarm, marks.alarm_text, marks.outlined, [...marks.times]]);
+    if (this.marked.doc === doc && this.marked.content === content) return;
+    this.marked = { doc, content };
     this.view.dispatch({ effects: setMarks.of(marks) });
   }
+
+  private marked: { readonly doc: Text | null; readonly content: string } = { doc: null, content: "" };
 
   /** Lines that ran, each once: pointing at something else does not go through all visits again. */
   private linesOf(run: Run): ReadonlySet<number> {

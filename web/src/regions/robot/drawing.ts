@@ -1,7 +1,7 @@
 /** What the region draws, from what the page knows: the arm and ghosts of it, paths, the line whose part is thick. */
 
 import { computed, signal } from "@preact/signals-core";
-import { fromRollPitchYaw, tcpFrame, toRollPitchYaw, type Transform } from "../../model/kinematics.ts";
+import { fromRollPitchYaw, stretchedTo, tcpFrame, toRollPitchYaw, type Transform } from "../../model/kinematics.ts";
 import { after, type Path, pathOf, scaleEnd } from "../../model/path.ts";
 import type { Run } from "../../model/run.ts";
 import type { Studio } from "../../model/studio.ts";
@@ -110,6 +110,17 @@ export class Drawing {
     return run?.lineAt(hover?.t ?? this.studio.cursor.value) ?? 0;
   });
 
+  /** The arm that an alarm asked for; of a pose the arm near to it, stretched where it is out of reach. */
+  private readonly toward = computed((): Six | null => {
+    const alarm = this.studio.run.value?.alarm;
+    void this.studio.run.value?.revision.value;
+    const scene = this.studio.scene.value;
+    if (alarm == null || scene === null) return null;
+    if (alarm.asked_joints !== undefined || alarm.asked_pose === undefined) return alarm.asked_joints ?? null;
+    const [x, y, z] = alarm.asked_pose;
+    return stretchedTo(scene, this.studio.run.value?.ended?.moment.joints ?? UPRIGHT, [x, y, z]);
+  });
+
   readonly ghosts = computed((): readonly Ghost[] => {
     const { studio } = this;
     const drawn = this.drawn.value;
@@ -124,9 +135,10 @@ export class Drawing {
     if (target !== undefined && differs(target, drawn.joints)) ghosts.push({ kind: "target", joints: target, text: "" });
     const alarm = studio.run.value?.alarm;
     if (alarm != null && (alarm.asked_joints !== undefined || alarm.asked_pose !== undefined)) {
+      const toward = this.toward.value;
       ghosts.push({
         kind: "asked", text: [alarm.code, alarm.limit ?? alarm.text].filter(Boolean).join(": "),
-        ...(alarm.asked_joints === undefined ? {} : { joints: alarm.asked_joints }),
+        ...(toward === null ? {} : { joints: toward }),
         ...(alarm.asked_pose === undefined ? {} : { frame: fromRollPitchYaw(alarm.asked_pose) }),
       });
     }

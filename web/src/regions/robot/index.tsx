@@ -3,6 +3,7 @@
 import { effect, untracked } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { speedColour } from "../../model/path.ts";
+import { RestingFrames } from "../../model/redraws.ts";
 import type { Studio } from "../../model/studio.ts";
 import { format, seconds, unitOf, withUnit } from "../../model/units.ts";
 import type { Contact } from "../../source/messages.ts";
@@ -137,26 +138,36 @@ function contactText({ first, second, distance_m, is_contact }: Contact): string
 function show(drawing: Drawing, canvas: HTMLCanvasElement, labels: HTMLElement, isFlat: boolean, fail: () => void): () => void {
   const { studio } = drawing;
   const region = canvas.closest("section");
-  let pending = 0;
+  // Frames of a page that nobody sees do not come; what the region says of itself stays true.
+  const frames = new RestingFrames(studio.typing, {
+    request: (draw) => (document.hidden ? -window.setTimeout(draw, HIDDEN_PAGE_MS) : requestAnimationFrame(draw)),
+    cancel: (handle) => (handle > 0 ? cancelAnimationFrame(handle) : clearTimeout(-handle)),
+  });
+  let pending: number | null = null;
   let rest: ReturnType<typeof setTimeout> | undefined;
   const request = () => {
-    // Frames of a page that nobody sees do not come; what the region says of itself stays true.
-    if (pending === 0) pending = document.hidden ? -window.setTimeout(frame, HIDDEN_PAGE_MS) : requestAnimationFrame(frame);
+    pending ??= frames.request(frame);
   };
   const made = isFlat ? new Flat(canvas, () => [text("robot_top_short"), text("robot_side_short")]) : stageOf(canvas, labels, request);
   if (made === null) {
     fail();
     return () => {};
   }
+  /** The fine picture takes software long: not while keys come. */
+  const refine = () => {
+    const wait = studio.typing.wait(performance.now(), performance.now());
+    if (wait > 0) rest = setTimeout(refine, wait);
+    else if (made instanceof Stage) made.refine();
+  };
   const frame = () => {
-    pending = 0;
+    pending = null;
     drawing.refresh();
     const picture = pictureOf(drawing);
     const { joints, t } = drawing.drawn.peek();
     if (picture !== null) {
       made.draw(picture);
       clearTimeout(rest);
-      if (made instanceof Stage) rest = setTimeout(() => made.refine(), REST_MS);
+      if (made instanceof Stage) rest = setTimeout(refine, REST_MS);
       if (region !== null) {
         region.dataset["joints"] = joints.join();
         region.dataset["time"] = String(t);
@@ -200,8 +211,7 @@ function show(drawing: Drawing, canvas: HTMLCanvasElement, labels: HTMLElement, 
     );
   }
   return () => {
-    if (pending > 0) cancelAnimationFrame(pending);
-    else clearTimeout(-pending);
+    if (pending !== null) frames.cancel(pending);
     clearTimeout(rest);
     for (const end of ends) end();
   };

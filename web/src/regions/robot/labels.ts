@@ -34,7 +34,9 @@ export class Labels {
       if (isIn && isBox(label)) {
         const [wide, tall] = [element.offsetWidth, element.offsetHeight];
         x = Math.max(EDGE_PX, Math.min(x + BESIDE_PX, width - wide - EDGE_PX));
-        y = Math.max(EDGE_PX, Math.min(y - tall - BESIDE_PX, height - tall - EDGE_PX));
+        // That of an alarm is long: at the top, where a fitted picture leaves room, it does not cover the arm.
+        y = label.kind === "asked" ? TOP_PX : Math.max(EDGE_PX, Math.min(y - tall - BESIDE_PX, height - tall - EDGE_PX));
+        if (label.kind === "asked") x = EDGE_PX;
         for (const box of boxes) if (x < box.right && x + wide > box.left && y < box.bottom && y + tall > box.top) y = box.bottom + 2;
         boxes.push({ left: x, right: x + wide, top: y, bottom: y + tall });
       }
@@ -45,6 +47,8 @@ export class Labels {
 
 const EDGE_PX = 6;
 const BESIDE_PX = 10;
+/** Room of the buttons at the top. */
+const TOP_PX = 44;
 
 /** Whether a label is a box that has to be read, so that it stays inside of the picture. */
 function isBox({ kind }: Label): boolean {

@@ -5,7 +5,7 @@ import {
   Mesh, MeshBasicMaterial, type Object3D, PerspectiveCamera, Raycaster, Scene as Root, SphereGeometry, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { apply, compose, FLANGE, fromRotationVector, linkFrames, type Point, type Transform } from "../../model/kinematics.ts";
+import { apply, compose, FLANGE, fromRotationVector, linkFrames, type Point, tcpFrame, type Transform } from "../../model/kinematics.ts";
 import { type Path, partsOf, pick, type Picked, project } from "../../model/path.ts";
 import type { Contact, Scene, Six } from "../../source/messages.ts";
 import { ArmObject, edgesOf, ghostLook, matrixOf, type Piece, piecesOf, shadowLook, solidLook } from "./arm.ts";
@@ -54,8 +54,12 @@ const FOV_DEG = 32;
 const EDGE_PX = 48;
 /** Share of the reach from which on a thing may go beyond the picture. */
 const WIDE_SHARE = 0.4;
+/** Reaches within which a pose that was asked for is put into the picture; one in millimetres instead of metres is not. */
+const FAR_SHARE = 4;
 const TOP_PX = 52;
 const BOTTOM_PX = 40;
+/** Of the label that says what an alarm is about. */
+const ASKED_PX = 64;
 const DIRECTIONS: { readonly [view in View]: Point } = { front: [0, -1, 0.0001], side: [1, 0, 0.0001], top: [0, -0.0001, 1], iso: [0.75, -1, 0.62] };
 
 /** Returns whether WebGL draws by software; null where there is none at all. */
@@ -321,15 +325,16 @@ export class Stage {
       high.max(point);
     }
     const centre = low.clone().add(high).multiplyScalar(0.5);
+    const top = TOP_PX + (this.last?.ghosts.some(({ kind }) => kind === "asked") ? ASKED_PX : 0);
     const slope = Math.tan((FOV_DEG * Math.PI) / 360);
-    const [wide, tall] = [1 - EDGE_PX / this.width, 1 - (TOP_PX + BOTTOM_PX) / this.height].map((share) => slope * Math.max(share, 0.5)) as [number, number];
+    const [wide, tall] = [1 - EDGE_PX / this.width, 1 - (top + BOTTOM_PX) / this.height].map((share) => slope * Math.max(share, 0.5)) as [number, number];
     let distance = 0.2;
     for (const point of own) {
       const depth = point.z - centre.z;
       distance = Math.max(distance, Math.abs(point.y - centre.y) / tall + depth, Math.abs(point.x - centre.x) / (wide * this.camera.aspect) + depth);
     }
     // Buttons cover more at the top than the legend does at the bottom.
-    centre.y += (slope * distance * (TOP_PX - BOTTOM_PX)) / this.height;
+    centre.y += (slope * distance * (top - BOTTOM_PX)) / this.height;
     const target = right.multiplyScalar(centre.x).add(up.multiplyScalar(centre.y)).addScaledVector(direction, centre.z);
     this.controls.target.copy(target);
     this.camera.position.copy(target).addScaledVector(direction, distance);
@@ -353,6 +358,7 @@ export class Stage {
         for (const side of [-1, 1]) for (const axis of [0, 1, 2]) points.push(apply(centre, [0, 1, 2].map((k) => (k === axis ? side * size[k]! : 0)) as unknown as Point));
       }
     }
+    for (const { frame } of ghosts) if (frame !== undefined && Math.hypot(...position(frame)) < FAR_SHARE * scene.limits.reach) points.push(position(frame));
     if (path !== null) {
       const step = Math.max(1, Math.floor(path.t.length / 500));
       for (let i = 0; i < path.t.length; i += step) points.push([path.xyz[3 * i]!, path.xyz[3 * i + 1]!, path.xyz[3 * i + 2]!]);
@@ -494,6 +500,8 @@ class Lines {
   private readonly compared: LineObject;
   private readonly tcp: Group;
   private readonly asked: Group;
+  /** From the TCP of the arm that was asked for to the pose that it does not reach. */
+  private readonly missing: LineObject;
   private readonly flange: Group;
   private readonly range: LineObject;
   private readonly turned: LineObject;
@@ -514,6 +522,7 @@ class Lines {
     this.compared = this.make({ width_px: 1.75, colour: colours.compared, isDashed: true });
     this.tcp = this.frame();
     this.asked = this.frame();
+    this.missing = this.make({ width_px: 2, colour: colours.asked, isDashed: true, isOnTop: true });
     this.flange = this.moved();
     this.make({ width_px: 1.25, colour: colours.ink, isOnTop: true }, this.flange).set([0, 0, 0, ...position(fromRotationVector(scene.tcp))]);
     this.range = this.make({ width_px: 1.5, colour: colours.ink, opacity: 0.6, isOnTop: true });
@@ -590,7 +599,10 @@ class Lines {
     place(this.flange, frames[FLANGE]!);
     place(this.tcp, tcp);
     labels.push(...this.letters(tcp));
-    const asked = picture.ghosts.find((ghost) => ghost.frame !== undefined)?.frame;
+    const ghost = picture.ghosts.find((other) => other.frame !== undefined);
+    const asked = ghost?.frame;
+    const ends = asked === undefined || ghost?.joints === undefined ? [] : [...position(tcpFrame(scene, ghost.joints)), ...position(asked)];
+    this.missing.set(ends);
     this.asked.visible = asked !== undefined;
     if (asked !== undefined) {
       place(this.asked, asked);

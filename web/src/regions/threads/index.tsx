@@ -2,6 +2,7 @@
 
 import type { Studio } from "../../model/studio.ts";
 import type { ThreadState } from "../../source/messages.ts";
+import { TICK_S } from "../../source/rows.ts";
 import { text } from "../../text/text.ts";
 
 const MAIN: ThreadState = { name: "main", line: 0, waits_for: "", function: "" };
@@ -42,8 +43,16 @@ function Row({ studio, thread }: { studio: Studio; thread: ThreadState }) {
   );
 }
 
-/** Exact where the state is; else the lines that the run has at the cursor. */
+/** Exact where the state is; else the lines that the run has at the cursor. A single thread is at the alarm's line from the alarm on. */
 function threadsNow(studio: Studio): readonly ThreadState[] {
+  const alarm = studio.staleFrom.value > 0 ? null : studio.run.value?.alarm;
+  void studio.run.value?.revision.value;
+  const found = threadsAt(studio);
+  if (alarm == null || alarm.line === 0 || studio.cursor.value < alarm.t - TICK_S / 4) return found;
+  return found.length === 1 ? found.map((only) => ({ ...only, line: alarm.line, waits_for: "" })) : found;
+}
+
+function threadsAt(studio: Studio): readonly ThreadState[] {
   const moment = studio.moment.value;
   if (moment !== null && studio.isExact.value && moment.threads.length > 0) return moment.threads;
   const run = studio.run.value;

@@ -3,6 +3,7 @@
 import { useComputed } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Frames } from "../../model/playback.ts";
+import { RestingFrames } from "../../model/redraws.ts";
 import type { Studio } from "../../model/studio.ts";
 import { parse, seconds } from "../../model/units.ts";
 import { TICK_S } from "../../source/rows.ts";
@@ -36,7 +37,7 @@ function stateOf(studio: Studio): TimelineState {
 export function Timeline({ studio }: { studio: Studio }) {
   const root = useRef<HTMLDivElement>(null);
   const state = stateOf(studio);
-  const board = useMemo(() => new Board(state, FRAMES), [state]);
+  const board = useMemo(() => new Board(state, new RestingFrames(studio.typing, FRAMES)), [state]);
   useEffect(() => {
     const ends = [state.playback.start(), () => board.stop()];
     board.start(root.current!);

@@ -1,0 +1,20 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { countsOf, findingsOf } from "../src/model/findings.ts";
+import { began, moment, opened } from "./fake.ts";
+
+test("a name that is not defined is one row, which counts as an error", () => {
+  const { source, studio } = opened();
+  const place = { column: 1, end_line: 2, end_column: 2, hint: "" };
+  const cause = { ...place, severity: "warning", code: "W201", text: "the name `a` is not defined", line: 2 } as const;
+  const other = { ...cause, text: "the name `b` is not defined" };
+  const version = studio.version.value;
+  source.say({ type: "problems", version, list: [cause, other], compiles: true }, began(1, version));
+  assert.deepEqual(countsOf(findingsOf(studio)), { errors: 0, warnings: 2, others: 0 });
+  const alarm = { t: 0, line: 2, column: 1, code: "R100", text: "name 'a' is not defined", hints: [] };
+  source.say({ type: "run_ended", run: 1, state: "alarm", moment: moment(0, 2), alarm });
+  const found = findingsOf(studio);
+  assert.equal(found.cause, cause);
+  assert.deepEqual(found.list, [other]);
+  assert.deepEqual(countsOf(found), { errors: 1, warnings: 1, others: 0 });
+});
