@@ -239,6 +239,23 @@ class TestOwnRobot:
 
         run(test())
 
+    def test_hand_guiding_ends_without_the_page(self, monkeypatch, tmp_path):
+        async def test():
+            monkeypatch.setattr(jogging, "GUIDE_HOLD_S", 0.2)
+            async with driven(monkeypatch, tmp_path) as (_, controller, (page,)):
+                assert (await page.ask(type="control", action="freedrive_on"))["type"] == "done"
+                for _ in range(6):
+                    await asyncio.sleep(0.05)
+                    await page.say(type="guiding")
+                assert controller.jogger.is_active
+                assert page.of("notice") == []
+                await page.until(lambda: not controller.jogger.is_active)
+                assert page.of("notice")[-1]["text"].endswith("nothing was heard of the page for 0.2 s.")
+                await page.say(type="guiding")
+                assert not controller.jogger.is_active
+
+        run(test())
+
     def test_a_page_that_leaves_at_once_is_not_guided(self, monkeypatch, tmp_path):
         async def test():
             async with driven(monkeypatch, tmp_path, pages=2) as (_, controller, (watching, page)):

@@ -8,6 +8,9 @@ import type { Studio } from "./studio.ts";
 /** How often a jog is repeated while its button is held; the arm is stopped 200 ms after the last. */
 export const REPEAT_MS = 50;
 
+/** How often hand guiding is repeated while it is on; it ends 2 s after the last. */
+export const GUIDE_REPEAT_MS = 500;
+
 /** Digits of a taught point: 1e-5 rad are 0.02 mm at 1.8 m. */
 const DIGITS = 5;
 
@@ -34,6 +37,7 @@ export class PendantModel {
   private readonly studio: Studio;
   private hasGuided = false;
   private timer: ReturnType<typeof setInterval> | undefined;
+  private guideTimer: ReturnType<typeof setInterval> | undefined;
 
   constructor(studio: Studio) {
     this.studio = studio;
@@ -67,13 +71,13 @@ export class PendantModel {
 
   async guide(isOn: boolean): Promise<void> {
     this.hasGuided = false;
-    this.isGuiding.value = (await this.press(isOn ? "freedrive_on" : "freedrive_off")) && isOn;
+    this.setGuiding((await this.press(isOn ? "freedrive_on" : "freedrive_off")) && isOn);
   }
 
   /** Takes the controller's state: hand guiding ends with its program, for whatever reason. */
   observe(state: ControllerState): void {
     const isRunning = state.task_state === "PLAYING";
-    if (this.isGuiding.value && this.hasGuided && !isRunning) this.isGuiding.value = false;
+    if (this.isGuiding.value && this.hasGuided && !isRunning) this.setGuiding(false);
     this.hasGuided = isRunning;
   }
 
@@ -102,6 +106,16 @@ export class PendantModel {
     const line = pointText(joints);
     this.studio.editor.insert(line);
     return line;
+  }
+
+  private setGuiding(isOn: boolean): void {
+    this.isGuiding.value = isOn;
+    clearInterval(this.guideTimer);
+    this.guideTimer = isOn ? setInterval(() => this.keepGuiding(), GUIDE_REPEAT_MS) : undefined;
+  }
+
+  private keepGuiding(): void {
+    if (this.studio.link.value === "open") this.studio.send({ type: "guiding" });
   }
 
   private repeat(): void {
