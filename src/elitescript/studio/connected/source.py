@@ -84,7 +84,7 @@ class ConnectedSource:
             case asked.JogEnd():
                 self._heard_s = None
                 if controller.jogger is not None:
-                    controller.jogger.release(self)
+                    controller.jogger.release_jog(self)
             case asked.Guiding():
                 if controller.jogger is not None:
                     controller.jogger.keep_guiding(self)
