@@ -232,6 +232,9 @@ class TestOwnRobot:
                 assert (await page.ask(type="control", action="freedrive_on"))["type"] == "done"
                 await page.until(lambda: page.controller()["task_state"] == "PLAYING")
                 await page.ask(type="signal", name="external_wrench[1]", value=40.0)
+                await page.say(**JOG)
+                assert page.of("refused")[-1]["text"] == "hand guiding is on; end it first"
+                await page.say(type="jog_end")
                 first = controller.picture.joints
                 await page.until(lambda: dist(first, controller.picture.joints) > 0.01)
                 assert (await page.ask(type="control", action="freedrive_off"))["type"] == "done"

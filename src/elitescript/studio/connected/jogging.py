@@ -288,6 +288,11 @@ class Jogger:
         if self.owner is owner:
             self._end()
 
+    def release_jog(self, owner: object) -> None:
+        """Stop as `release`, but leave hand guiding on: a jog that it refuses ends as any other does."""
+        if self._task != HAND:
+            self.release(owner)
+
     async def close(self) -> None:
         """Stop, and wait for the end."""
         self._end()
