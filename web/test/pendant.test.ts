@@ -125,6 +125,19 @@ test("hand guiding is repeated while it is on, and ends with its program", async
   mock.timers.reset();
 });
 
+test("the speed slider stays where it was put until the controller is there, or refuses", async () => {
+  const { source, studio, pendant } = connected();
+  pendant.chosenSpeed.value = 0.4;
+  pendant.observe(STATE);
+  assert.equal(pendant.chosenSpeed.value, 0.4);
+  const set = pendant.setSpeed(0.3);
+  pendant.observe({ ...STATE, speed_fraction: 0.3 });
+  assert.equal(pendant.chosenSpeed.value, null);
+  const again = pendant.setSpeed(0.2);
+  for (const message of source.sent) studio.message({ type: "refused", ask: "ask" in message ? message.ask : 0, text: "no" });
+  assert.deepEqual([await set, await again, pendant.chosenSpeed.value], [false, false, null]);
+});
+
 test("the next step to a moving arm", () => {
   assert.equal(nextStep(STATE), null);
   assert.equal(nextStep({ ...STATE, robot_mode: "POWER_OFF" }), "power_on");
