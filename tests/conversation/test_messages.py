@@ -13,6 +13,7 @@ from elitescript.conversation.messages import (
     MESSAGES,
     Detail,
     GoOn,
+    Guiding,
     Jog,
     JogEnd,
     Program,
@@ -77,6 +78,7 @@ TAKEN = [
     ({"type": "signal", "ask": 1, "name": "flag[3]", "value": False}, SetSignal(1, "flag[3]", False)),
     ({"type": "jog", "frame": "tool", "axis": 2, "direction": -1, "speed": 0.5}, Jog("tool", 2, -1, 0.5)),
     ({"type": "jog_end"}, JogEnd()),
+    ({"type": "guiding"}, Guiding()),
 ]
 
 REFUSED = [

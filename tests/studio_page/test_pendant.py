@@ -107,6 +107,16 @@ def test_buttons(open_page: Open) -> None:
     expect(button(page, "Open safeguard")).to_have_count(0)
     page.get_by_role("slider", name="Speed of programs").fill("25")
     assert source.wait("speed")["fraction"] == 0.25
+    slider = page.get_by_role("slider", name="Speed of programs")
+    box = slider.bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + 2, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    source.say(state(2.0, speed_fraction=0.5, program="other.task"))
+    expect(page.get_by_label("Loaded program: type another one to load it")).to_have_value("other.task")
+    expect(slider).to_have_value("0")
+    page.mouse.up()
+    assert source.wait("speed", lambda message: message["fraction"] < 0.25)["fraction"] == 0
     button(page, "Send the text").click()
     assert source.wait("send_program")["text"].startswith("# Pick")
 

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { mock, test } from "node:test";
-import { nextStep, PendantModel, pointText, REPEAT_MS } from "../src/model/pendant.ts";
+import { GUIDE_REPEAT_MS, nextStep, PendantModel, pointText, REPEAT_MS } from "../src/model/pendant.ts";
 import { Studio } from "../src/model/studio.ts";
 import type { ControllerState, FromSource, ToSource } from "../src/source/messages.ts";
 import type { Listener, Source } from "../src/source/source.ts";
@@ -103,19 +103,39 @@ test("a taught point goes to the editor", () => {
   assert.equal(pointText([1e-9, -1e-9, 0.000012, -3.14159265, 0, 0]), "movej([0, 0, 0.00001, -3.14159, 0, 0])");
 });
 
-test("hand guiding ends with its program", async () => {
+test("hand guiding is repeated while it is on, and ends with its program", async () => {
+  mock.timers.enable({ apis: ["setInterval"] });
   const { source, studio, pendant } = connected();
   const guided = pendant.guide(true);
   const asked = source.sent[0]!;
   assert.ok(asked.type === "control" && asked.action === "freedrive_on");
   studio.message({ type: "done", ask: asked.ask });
   await guided;
+  source.sent.length = 0;
+  mock.timers.tick(3 * GUIDE_REPEAT_MS);
+  assert.deepEqual(source.sent, Array(3).fill({ type: "guiding" }));
   pendant.observe(STATE);
   assert.equal(pendant.isGuiding.value, true);
   pendant.observe({ ...STATE, task_state: "PLAYING" });
   assert.equal(pendant.isGuiding.value, true);
   pendant.observe(STATE);
   assert.equal(pendant.isGuiding.value, false);
+  mock.timers.tick(3 * GUIDE_REPEAT_MS);
+  assert.equal(source.sent.length, 3);
+  mock.timers.reset();
+});
+
+test("the speed slider stays where it was put until the controller is there, or refuses", async () => {
+  const { source, studio, pendant } = connected();
+  pendant.chosenSpeed.value = 0.4;
+  pendant.observe(STATE);
+  assert.equal(pendant.chosenSpeed.value, 0.4);
+  const set = pendant.setSpeed(0.3);
+  pendant.observe({ ...STATE, speed_fraction: 0.3 });
+  assert.equal(pendant.chosenSpeed.value, null);
+  const again = pendant.setSpeed(0.2);
+  for (const message of source.sent) studio.message({ type: "refused", ask: "ask" in message ? message.ask : 0, text: "no" });
+  assert.deepEqual([await set, await again, pendant.chosenSpeed.value], [false, false, null]);
 });
 
 test("the next step to a moving arm", () => {

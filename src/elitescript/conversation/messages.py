@@ -254,6 +254,11 @@ class JogEnd:
     """End a jog."""
 
 
+@record
+class Guiding:
+    """Keep hand guiding on; it begins none."""
+
+
 ToSource = (
     Program
     | GoOn
@@ -274,6 +279,7 @@ ToSource = (
     | SendProgram
     | Jog
     | JogEnd
+    | Guiding
 )
 
 # ---------------------------------------------------------------- reading
@@ -413,6 +419,7 @@ MESSAGES: Final[dict[str, Reader]] = {
     "send_program": table(SendProgram, {"ask": _ASK, "text": _TEXT}),
     "jog": table(Jog, _JOG),
     "jog_end": table(JogEnd, {}),
+    "guiding": table(Guiding, {}),
 }
 """Reader of each message, by its type."""
 

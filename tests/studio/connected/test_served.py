@@ -232,10 +232,30 @@ class TestOwnRobot:
                 assert (await page.ask(type="control", action="freedrive_on"))["type"] == "done"
                 await page.until(lambda: page.controller()["task_state"] == "PLAYING")
                 await page.ask(type="signal", name="external_wrench[1]", value=40.0)
+                await page.say(**JOG)
+                assert page.of("refused")[-1]["text"] == "hand guiding is on; end it first"
+                await page.say(type="jog_end")
                 first = controller.picture.joints
                 await page.until(lambda: dist(first, controller.picture.joints) > 0.01)
                 assert (await page.ask(type="control", action="freedrive_off"))["type"] == "done"
                 await stands(page, controller)
+
+        run(test())
+
+    def test_hand_guiding_ends_without_the_page(self, monkeypatch, tmp_path):
+        async def test():
+            monkeypatch.setattr(jogging, "GUIDE_HOLD_S", 0.2)
+            async with driven(monkeypatch, tmp_path) as (_, controller, (page,)):
+                assert (await page.ask(type="control", action="freedrive_on"))["type"] == "done"
+                for _ in range(6):
+                    await asyncio.sleep(0.05)
+                    await page.say(type="guiding")
+                assert controller.jogger.is_active
+                assert page.of("notice") == []
+                await page.until(lambda: not controller.jogger.is_active)
+                assert page.of("notice")[-1]["text"].endswith("nothing was heard of the page for 0.2 s.")
+                await page.say(type="guiding")
+                assert not controller.jogger.is_active
 
         run(test())
 

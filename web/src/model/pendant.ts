@@ -8,6 +8,12 @@ import type { Studio } from "./studio.ts";
 /** How often a jog is repeated while its button is held; the arm is stopped 200 ms after the last. */
 export const REPEAT_MS = 50;
 
+/** How often hand guiding is repeated while it is on; it ends 2 s after the last. */
+export const GUIDE_REPEAT_MS = 500;
+
+/** After which the speed slider shows what the controller says, whatever was asked for. */
+const SETTLE_MS = 1000;
+
 /** Digits of a taught point: 1e-5 rad are 0.02 mm at 1.8 m. */
 const DIGITS = 5;
 
@@ -31,9 +37,12 @@ export class PendantModel {
   /** The action that waits for the controller's answer. */
   readonly pressed = signal<ControlAction | null>(null);
   readonly isGuiding = signal(false);
+  /** Where the speed slider was put, 0 to 1, until the controller is there; null: where the controller is. */
+  readonly chosenSpeed = signal<number | null>(null);
   private readonly studio: Studio;
   private hasGuided = false;
   private timer: ReturnType<typeof setInterval> | undefined;
+  private guideTimer: ReturnType<typeof setInterval> | undefined;
 
   constructor(studio: Studio) {
     this.studio = studio;
@@ -67,19 +76,28 @@ export class PendantModel {
 
   async guide(isOn: boolean): Promise<void> {
     this.hasGuided = false;
-    this.isGuiding.value = (await this.press(isOn ? "freedrive_on" : "freedrive_off")) && isOn;
+    this.setGuiding((await this.press(isOn ? "freedrive_on" : "freedrive_off")) && isOn);
   }
 
   /** Takes the controller's state: hand guiding ends with its program, for whatever reason. */
   observe(state: ControllerState): void {
     const isRunning = state.task_state === "PLAYING";
-    if (this.isGuiding.value && this.hasGuided && !isRunning) this.isGuiding.value = false;
+    if (this.isGuiding.value && this.hasGuided && !isRunning) this.setGuiding(false);
     this.hasGuided = isRunning;
+    if (this.chosenSpeed.value !== null && Math.abs(this.chosenSpeed.value - state.speed_fraction) < 0.005) this.chosenSpeed.value = null;
   }
 
   /** Moves the speed slider of the controller. */
-  setSpeed(fraction: number): Promise<boolean> {
-    return this.ask({ type: "speed", ask: 0, fraction });
+  async setSpeed(fraction: number): Promise<boolean> {
+    this.chosenSpeed.value = fraction;
+    const isDone = await this.ask({ type: "speed", ask: 0, fraction });
+    const settle = () => {
+      if (this.chosenSpeed.value === fraction) this.chosenSpeed.value = null;
+    };
+    // The controller's own word follows its answer.
+    if (isDone) setTimeout(settle, SETTLE_MS);
+    else settle();
+    return isDone;
   }
 
   load(program: string): Promise<boolean> {
@@ -102,6 +120,16 @@ export class PendantModel {
     const line = pointText(joints);
     this.studio.editor.insert(line);
     return line;
+  }
+
+  private setGuiding(isOn: boolean): void {
+    this.isGuiding.value = isOn;
+    clearInterval(this.guideTimer);
+    this.guideTimer = isOn ? setInterval(() => this.keepGuiding(), GUIDE_REPEAT_MS) : undefined;
+  }
+
+  private keepGuiding(): void {
+    if (this.studio.link.value === "open") this.studio.send({ type: "guiding" });
   }
 
   private repeat(): void {

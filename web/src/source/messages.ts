@@ -90,7 +90,9 @@ export type ToSource =
   | { readonly type: "send_program"; readonly ask: number; readonly text: string }
   /** Moves while it is repeated, at most every 200 ms; `jog_end`, 300 ms without one, or a lost connection stop. `speed` from 0 to 1. */
   | { readonly type: "jog"; readonly frame: "joint" | "base" | "tool"; readonly axis: 0 | 1 | 2 | 3 | 4 | 5; readonly direction: 1 | -1; readonly speed: number }
-  | { readonly type: "jog_end" };
+  | { readonly type: "jog_end" }
+  /** Keeps hand guiding on, which ends 2 s after the last of these; it begins none. */
+  | { readonly type: "guiding" };
 
 // ---------------------------------------------------------------- from the source
 

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 HOLD_S: Final = 0.2
 """Without a message of the page for this long, the arm stops."""
+GUIDE_HOLD_S: Final = 2.0
+"""The same for hand guiding: a page that is hidden repeats its messages once a second."""
 BLIND_S: Final = 0.15
 """Without a picture of the controller for this long, the arm stops: nobody sees where it goes."""
 GAP_S: Final = 0.5
@@ -268,18 +270,28 @@ class Jogger:
         self._begin(owner, MODES[frame], speeds, jog_program, HOLD_S)
 
     def guide(self, owner: object) -> None:
-        """Let a person guide the arm, until `release`.
+        """Let a person guide the arm, until `release`, or for `GUIDE_HOLD_S` after the last `keep_guiding`.
 
         Raises:
             UsageError: another page moves the arm, or this one jogs.
         """
         self._take(owner, JOINT, BASE, TOOL)
-        self._begin(owner, HAND, (0.0,) * 6, guide_program, float("inf"))
+        self._begin(owner, HAND, (0.0,) * 6, guide_program, GUIDE_HOLD_S)
+
+    def keep_guiding(self, owner: object) -> None:
+        """Let hand guiding go on, if it is on for this page."""
+        if self.is_active and self.owner is owner and self._task == HAND:
+            self._held_until = asyncio.get_running_loop().time() + GUIDE_HOLD_S
 
     def release(self, owner: object) -> None:
         """Stop, if this page moves the arm; returns at once."""
         if self.owner is owner:
             self._end()
+
+    def release_jog(self, owner: object) -> None:
+        """Stop as `release`, but leave hand guiding on: a jog that it refuses ends as any other does."""
+        if self._task != HAND:
+            self.release(owner)
 
     async def close(self) -> None:
         """Stop, and wait for the end."""
@@ -358,7 +370,11 @@ class Jogger:
                 if not self._is_stopping:
                     raise UsageError("the controller does not start the program that moves the arm")
                 break
-            if now > self._held_until:
+            if now > self._held_until and not self._is_stopping:
+                if self._task == HAND:
+                    self._ended(
+                        self.owner, f"Hand guiding has ended: nothing was heard of the page for {GUIDE_HOLD_S:g} s."
+                    )
                 self._end()
             if self._task == JOINT and (number := self._joint_at_end(self._speeds)):
                 self._end()

@@ -53,7 +53,7 @@ class ConnectedSource:
 
         Returns before the controller has answered: the end of a jog or an emergency stop must not wait for it.
         """
-        if isinstance(message, asked.Jog | asked.JogEnd | asked.Program) or _is_guiding(message):
+        if isinstance(message, asked.Jog | asked.JogEnd | asked.Guiding | asked.Program) or _is_guiding(message):
             # These do not wait for the controller; and nothing is to move the arm for a page that has left meanwhile.
             await self._answer(message)
         elif len(self._waiting) < WAITING_MAX or _is_urgent(message):
@@ -84,7 +84,10 @@ class ConnectedSource:
             case asked.JogEnd():
                 self._heard_s = None
                 if controller.jogger is not None:
-                    controller.jogger.release(self)
+                    controller.jogger.release_jog(self)
+            case asked.Guiding():
+                if controller.jogger is not None:
+                    controller.jogger.keep_guiding(self)
             case asked.Control(action="freedrive_on"):
                 controller.check_guiding().guide(self)
                 return "hand guiding"

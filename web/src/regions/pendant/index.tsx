@@ -90,7 +90,7 @@ function Buttons({ studio, pendant, state }: { studio: Studio; pendant: PendantM
     void pendant.load(program);
     return "";
   };
-  const percent = Math.round(state.speed_fraction * 100);
+  const percent = Math.round((pendant.chosenSpeed.value ?? state.speed_fraction) * 100);
   const emergency = text(isOwn ? "emergency_own" : "emergency_other");
   return (
     <>
@@ -114,6 +114,7 @@ function Buttons({ studio, pendant, state }: { studio: Studio; pendant: PendantM
           <span class="faint" aria-hidden="true">{text("speed_short")}</span>
           <input
             type="range" min="0" max="100" step="1" value={String(percent)} aria-label={text("speed_slider")} aria-valuetext={`${percent} %`}
+            onInput={(event) => (pendant.chosenSpeed.value = Number(event.currentTarget.value) / 100)}
             onChange={(event) => void pendant.setSpeed(Number(event.currentTarget.value) / 100)}
           />
           <output>{percent} %</output>
