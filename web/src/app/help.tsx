@@ -21,7 +21,7 @@ export function Help() {
   if (!isHelpOpen.value) return null;
   const leave = () => (isHelpOpen.value = false);
   return (
-    <aside class="help" aria-label={text("help_title")} onKeyDown={(event) => event.key === "Escape" && leave()}>
+    <aside class="help" aria-label={text("help_title")}>
       <header>
         <h2>{text("help_title")}</h2>
         <button type="button" class="plain" ref={close} aria-label={text("close")} title={text("close")} onClick={leave}>

@@ -48,6 +48,11 @@ const PRESSED = "button, a, summary, input, label, select, [role=switch]";
 /** Listens until the returned function is called. */
 export function listen(studio: Studio): () => void {
   const press = (event: KeyboardEvent) => {
+    // Wherever the focus is: it comes into the list a moment after the list.
+    if (event.key === "Escape" && isHelpOpen.value) {
+      isHelpOpen.value = false;
+      return;
+    }
     const key = keyFor(event);
     if (key === undefined || event.defaultPrevented) return;
     const target = event.target instanceof Element ? event.target : document.body;
