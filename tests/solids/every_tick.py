@@ -9,8 +9,9 @@ from random import Random
 from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale, StopTask
 from elitescript.models.model import load_model
 from elitescript.robot import VirtualRobot
-from elitescript.solids.contacts import _measured, _pairs, _Placed
 from elitescript.solids.frames import frames_of
+from elitescript.solids.pairs import watched_pairs
+from elitescript.solids.spans import PlacedGroup, measured
 from elitescript.world_file import load_world_file
 from tests.invariants.random_programs import random_program
 
@@ -65,7 +66,7 @@ class OneMoment:
         self._frames = frames
 
     def placed(self, group, _tick):
-        return _Placed(group, self._frames[group.link])
+        return PlacedGroup(group, self._frames[group.link])
 
 
 def contacts_of_every_tick(run, home, world, model="CS66"):
@@ -74,12 +75,12 @@ def contacts_of_every_tick(run, home, world, model="CS66"):
     frames = frames_of(arm.arm)
     samples = [(run.trace[0].t, home), *((row.t, row.q) for row in run.trace)]
     contacts, closest = [], {}
-    for pair in _pairs(load_world_file(world).cell, arm):
+    for pair in watched_pairs(load_world_file(world).cell, arm):
         start, deepest, best, last_q, distance = None, inf, inf, None, inf
         for t, q in samples:
             if q != last_q:
                 last_q = q
-                gap, found = _measured(pair, OneMoment(frames(q)), 0, (max(best, 0.0) if pair.is_thing else 0.0) + 1e-3)
+                gap, found = measured(pair, OneMoment(frames(q)), 0, (max(best, 0.0) if pair.is_thing else 0.0) + 1e-3)
                 distance = gap.distance if found is None else found.distance
             best = min(best, distance)
             if distance <= 0.0:

@@ -10,9 +10,11 @@ from elitescript.kinematics.transforms import compose
 from elitescript.models.model import load_model
 from elitescript.robot import VirtualRobot
 from elitescript.solids.arm import arm_parts
-from elitescript.solids.contacts import LINKS, NOT_WATCHED, _Group, _measured
+from elitescript.solids.cell import LINKS
 from elitescript.solids.distance import closest
 from elitescript.solids.frames import frames_of
+from elitescript.solids.pairs import NOT_WATCHED, Group
+from elitescript.solids.spans import measured
 from tests.solids.every_tick import compare, contacts_of_every_tick
 
 TABLE = '[[box]]\nname = "table"\nsize = [2.0, 2.0, 0.1]\npose = [0.0, 0.0, -0.05]\n'
@@ -130,7 +132,7 @@ def test_links_that_are_left_out_never_touch(name):
     model = load_model(name)
     frames = frames_of(model.arm)
     groups = {
-        link: _Group(LINKS[link], [part for part in arm_parts(model) if part.link == link and part.role != "ring"])
+        link: Group(LINKS[link], [part for part in arm_parts(model) if part.link == link and part.role != "ring"])
         for link in range(7)
     }
     least = {}
@@ -203,18 +205,18 @@ def test_a_move_that_comes_again_is_not_watched_again_but_for_what_touched(tmp_p
     with monkeypatch.context() as patch:
         patch.setattr("elitescript.solids.contacts._WORTHWHILE_TICKS", 1_000_000)
         expected = run_in(tmp_path, TABLE + GRIPPER, AGAIN).contacts
-    measured = []
+    seen = []
 
     def counted(pair, span, tick, ample):
-        measured.append((tick, pair.first.name, pair.second.name))
-        return _measured(pair, span, tick, ample)
+        seen.append((tick, pair.first.name, pair.second.name))
+        return measured(pair, span, tick, ample)
 
-    monkeypatch.setattr("elitescript.solids.contacts._measured", counted)
+    monkeypatch.setattr("elitescript.solids.contacts.measured", counted)
     found = run_in(tmp_path, TABLE + GRIPPER, AGAIN).contacts
     assert [(its.first, its.second) for its in found] == [("gripper", "table")] * 4
     assert [its[:5] for its in found] == [its[:5] for its in expected]
     # The first move of the first cycle begins elsewhere; the second cycle is watched, the others are known.
-    assert {its[1:] for its in measured if its[0] > round(found[2].end_s / 0.004)} == {("gripper", "table")}
+    assert {its[1:] for its in seen if its[0] > round(found[2].end_s / 0.004)} == {("gripper", "table")}
 
 
 SERVO = """def servo():

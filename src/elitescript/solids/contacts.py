@@ -18,35 +18,28 @@ contacts are exact.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from heapq import heapify, heappop, heappush
-from math import hypot, inf
-from typing import Final, Protocol
+from math import inf
+from typing import Final
 
 from elitescript.kinematics.rotations import Vector3
-from elitescript.kinematics.transforms import Transform, compose
 from elitescript.messages.motion import Six
 from elitescript.messages.state import ZERO_SIX
 from elitescript.messages.timing import seconds
 from elitescript.models.model import RobotModel
 from elitescript.records import NamedTuple
-from elitescript.solids.arm import arm_parts
-from elitescript.solids.bodies import Body, body_of
-from elitescript.solids.cell import LINKS, Cell
-from elitescript.solids.distance import Closest, ball_distance, closest, least_distance
-from elitescript.solids.frames import Frames, frames_of, lever_arms
-from elitescript.solids.shapes import BASE, FLANGE, Part
+from elitescript.solids.cell import Cell
+from elitescript.solids.distance import Closest
+from elitescript.solids.frames import frames_of
+from elitescript.solids.pairs import Gap, OpenContact, Pair, watched_pairs
+from elitescript.solids.spans import MovingArm, Span, measured, turned_since, turning
 
 TOLERANCE_M: Final = 1e-5
 TOLERANCE: Final = 0.01
 """By so much, or this share of it, the closest distance that is found may be above that of all control periods."""
 DEPTH_TOLERANCE: Final = 0.1
 """Share of its depth by which a contact may get deeper than is found; exact at the ends of moves."""
-
-NOT_WATCHED: Final = frozenset(((0, 2), (3, 5), (4, 6)))
-"""Links that the joints between them do not bring together, though they are not neighbours: the upper arm passes the
-base at the side, and the wrists turn within their lengths. The solids of forearm and wrist 2 of CS620 and CS625 meet by
-11 mm where the edge of a cap, which is rounded on the real arm, passes; that they do not is *assumed*."""
 
 _AMPLE_M: Final = 0.05
 """A lower bound that exceeds what matters by so much is taken instead of the distance."""
@@ -94,143 +87,6 @@ class Contact(NamedTuple):
         return words if self.t == self.start_s else f"{words}, from {self.start_s:.3f} s on"
 
 
-class MovingArm(Protocol):
-    """Lists what is asked of the machine that moves the arm."""
-
-    @property
-    def tick(self) -> int:
-        """The present tick."""
-
-    @property
-    def line(self) -> int:
-        """Line of the main thread; 0 without a program."""
-
-    @property
-    def is_resting(self) -> bool:
-        """Whether nothing moves until something is due."""
-
-    def turned(self, begin: int, end: int) -> Six | None:
-        """Return how far each joint turns between two ticks, back and forth added up, at most, rad.
-
-        Both are from the present tick to the next that is due. None if it is not known without sampling.
-        """
-
-    def tool_way(self, begin: int, end: int) -> tuple[float, float, Vector3] | None:
-        """Return how far the TCP goes between two such ticks, m, how far the tool turns, rad, and the TCP.
-
-        That is a point of the flange frame. None if it is not known.
-        """
-
-    def course(self, begin: int, end: int) -> Hashable | None:
-        """Return what the target joints at all ticks between two such ticks follow from, but for rounding.
-
-        None if that is not known, or hardly comes again.
-        """
-
-    def targets_at(self, ticks: range) -> list[tuple[Six, Six]]:
-        """Return the target joints, rad, and their speeds at ticks from the present one to the next that is due."""
-
-
-class _Group:
-    """Solids that move together and have one name."""
-
-    __slots__ = ("ball", "center", "levels", "link", "name", "solids")
-
-    def __init__(self, name: str, parts: Sequence[Part], link: int | None = None) -> None:
-        self.name = name
-        self.link = min(parts[0].link, FLANGE - 1) if link is None else link
-        self.solids = [body_of(part) for part in parts]
-        low, high = [inf] * 3, [-inf] * 3
-        for body, T in self.solids:
-            for i in range(3):
-                low[i], high[i] = min(low[i], T[9 + i] - body.bound), max(high[i], T[9 + i] + body.bound)
-        x, y, z = [0.5 * (a + b) for a, b in zip(low, high, strict=True)]
-        self.center = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, x, y, z)
-        self.ball = Body(
-            "sphere", (max(hypot(T[9] - x, T[10] - y, T[11] - z) + body.bound for body, T in self.solids),)
-        )
-        """Encloses all of it, about `center` of the frame of the link."""
-        tops = [(T[11], body.reach(T, 0.0, 0.0, 1.0)) for body, T in self.solids]
-        self.levels = min(z - reach for z, reach in tops), max(z + reach for z, reach in tops)
-        """Lowest and highest point, in the frame of the link."""
-
-    def farthest_from(self, point: Vector3) -> float:
-        """Return the distance of its farthest point from a point of the link's frame, m, at most."""
-        x, y, z = point
-        T = self.center
-        return hypot(T[9] - x, T[10] - y, T[11] - z) + self.ball.bound
-
-    @property
-    def reach(self) -> float:
-        """Distance of its farthest point from the origin of the link's frame, m, at most."""
-        return max(hypot(*T[9:]) + body.bound for body, T in self.solids)
-
-    @property
-    def across(self) -> float:
-        """Distance of its farthest point from the z axis of the link's frame, m, at most."""
-        return max(hypot(T[9], T[10]) + body.bound for body, T in self.solids)
-
-
-class _Pair:
-    """Two groups, and what is known of their distance."""
-
-    __slots__ = (
-        "contact",
-        "first",
-        "gap",
-        "is_carried",
-        "is_thing",
-        "levers",
-        "second",
-        "turned",
-    )
-
-    def __init__(self, first: _Group, second: _Group, levers: tuple[float, ...], is_thing: bool) -> None:
-        self.first = first
-        self.second = second
-        self.is_thing = is_thing
-        self.levers = levers
-        self.is_carried = is_thing and first.link == FLANGE - 1
-        """Whether it is what the flange carries against a thing."""
-        self.gap = _Gap(inf, inf)
-        """As it was when the joints had turned by `turned`, or a lower bound."""
-        self.turned = ZERO_SIX
-        self.contact: _Open | None = None
-
-    def travel(self, turned: Six) -> tuple[float, float]:
-        """Return how far its groups move against each other, and how far in the vertical, m, at most.
-
-        The base joint turns about the vertical and adds nothing to the latter.
-
-        Args:
-            turned: how far each joint turns, rad.
-        """
-        a, b, c, d, e, f = turned
-        i, j, k, m, n, o = self.levers
-        rise = j * b + k * c + m * d + n * e + o * f
-        return i * a + rise, rise
-
-
-class _Gap(NamedTuple):
-    """How far two groups are apart at a tick, m."""
-
-    distance: float
-    """Or a lower bound that is well above what matters."""
-    height: float
-    """Vertical gap, or a lower bound; -inf between links."""
-
-
-class _Open:
-    """A contact that goes on."""
-
-    __slots__ = ("deepest", "line", "start_tick", "tick")
-
-    def __init__(self, tick: int, line: int, deepest: Closest) -> None:
-        self.start_tick = self.tick = tick
-        self.line = line
-        self.deepest = deepest
-
-
 class _Move(NamedTuple):
     """A move that was watched."""
 
@@ -238,158 +94,6 @@ class _Move(NamedTuple):
     """How far each joint turns, rad, at most."""
     touched: tuple[int, ...]
     """Numbers of the pairs that touch on it, or nearly."""
-
-
-class _Placed:
-    """A group where it is at a tick; what is asked of it is computed once for all pairs."""
-
-    __slots__ = ("T_ball", "_T_link", "_levels", "_solids", "group")
-
-    def __init__(self, group: _Group, T_link: Transform) -> None:
-        self.group = group
-        self._T_link = T_link
-        self.T_ball = compose(T_link, group.center)
-        self._solids: list[tuple[Body, Transform]] | None = None
-        self._levels: tuple[float, float] | None = None
-
-    def solids(self) -> list[tuple[Body, Transform]]:
-        """Return the solids, in the base frame."""
-        if self._solids is None:
-            self._solids = [(body, compose(self._T_link, T)) for body, T in self.group.solids]
-        return self._solids
-
-    def levels(self) -> tuple[float, float]:
-        """Return the heights of its lowest and highest point, m."""
-        if self._levels is None:
-            _, _, _, _, _, _, r31, r32, r33, _, _, z = self._T_link
-            low, high = inf, -inf
-            for body, T in self.group.solids:
-                center = r31 * T[9] + r32 * T[10] + r33 * T[11] + z
-                # The vertical in the frame of the link is the third row of its rotation.
-                reach = body.reach(T, r31, r32, r33)
-                low, high = min(low, center - reach), max(high, center + reach)
-            self._levels = low, high
-        return self._levels
-
-
-class _Span:
-    """Joints from one tick to another, how far they turn in between, and groups where they are; all computed once."""
-
-    __slots__ = (
-        "_arm",
-        "_between",
-        "_frames",
-        "_frames_at",
-        "_joints_at",
-        "_placed_at",
-        "_tool",
-        "_tool_at",
-        "_turned_at",
-        "begin",
-        "end",
-    )
-
-    def __init__(
-        self,
-        arm: MovingArm,
-        end: int,
-        frames: Callable[[Sequence[float]], Frames],
-        targets: Sequence[Six] = (),
-    ) -> None:
-        """Take the arm at the present tick, the last tick, and the targets at all ticks where they had to be read."""
-        self._arm = arm
-        self.begin, self.end = arm.tick, end
-        self._frames = frames
-        self._frames_at: dict[int, Frames] = {}
-        self._joints_at: dict[int, Six] = {}
-        self._between: dict[tuple[int, int], tuple[Six, float, float]] = {}
-        self._placed_at: dict[tuple[int, _Group], _Placed] = {}
-        self._turned_at: dict[int, Six] = {self.begin: ZERO_SIX}
-        """How far each joint has turned since the begin, back and forth added up, rad."""
-        self._tool: Vector3 | None = None
-        """The TCP, if it is known how far it goes."""
-        self._tool_at: dict[int, tuple[float, float]] = {self.begin: (0.0, 0.0)}
-        """How far the TCP has gone since the begin, m, and how far the tool has turned, rad."""
-        if targets:
-            ticks = range(self.begin, end + 1)
-            self._joints_at.update(zip(ticks, targets, strict=True))
-            self._turned_at.update(zip(ticks, _turned(targets), strict=True))
-        elif end > self.begin and (tool := arm.tool_way(self.begin, end)) is not None:
-            self._tool = tool[2]
-
-    def joints(self, tick: int) -> Six:
-        """Return the target joints at a tick, rad."""
-        found = self._joints_at.get(tick)
-        if found is None:
-            found = self._joints_at[tick] = self._arm.targets_at(range(tick, tick + 1))[0][0]
-        return found
-
-    def placed(self, group: _Group, tick: int) -> _Placed:
-        """Return a group at a tick."""
-        found = self._placed_at.get((tick, group))
-        if found is None:
-            frames = self._frames_at.get(tick)
-            if frames is None:
-                frames = self._frames_at[tick] = self._frames(self.joints(tick))
-            found = self._placed_at[tick, group] = _Placed(group, frames[group.link])
-        return found
-
-    def travel(self, pair: _Pair, begin: int, end: int) -> tuple[float, float]:
-        """Return travel and vertical travel of a pair between two ticks, m, at most."""
-        between = self._between.get((begin, end))
-        if between is None:
-            between = self._between[begin, end] = self._turned(begin, end)
-        turned, way, turn = between
-        travel, rise = pair.travel(turned)
-        if self._tool is not None and pair.is_carried:
-            carried = way + turn * pair.first.farthest_from(self._tool)
-            return min(travel, carried), min(rise, carried)
-        return travel, rise
-
-    def _turned(self, begin: int, end: int) -> tuple[Six, float, float]:
-        """Return how far each joint turns, and how far the TCP goes and the tool turns where that is known."""
-        turned = _less(self._turned_to(end), self._turned_to(begin))
-        if self._tool is None:
-            return turned, 0.0, 0.0
-        way_a, turn_a = self._tool_to(begin)
-        way_b, turn_b = self._tool_to(end)
-        return turned, way_b - way_a, turn_b - turn_a
-
-    def _tool_to(self, tick: int) -> tuple[float, float]:
-        found = self._tool_at.get(tick)
-        if found is None:
-            tool = self._arm.tool_way(self.begin, tick)
-            assert tool is not None, "what is known up to the end is known up to any tick before"
-            found = self._tool_at[tick] = tool[:2]
-        return found
-
-    def _turned_to(self, tick: int) -> Six:
-        found = self._turned_at.get(tick)
-        if found is None:
-            found = self._arm.turned(self.begin, tick)
-            assert found is not None, "what is known up to the end is known up to any tick before"
-            self._turned_at[tick] = found
-        return found
-
-
-def _turned(targets: Sequence[Six]) -> list[Six]:
-    """Return how far each joint has turned since the first of many positions, back and forth added up, rad."""
-    a = b = c = d = e = f = 0.0
-    p1, p2, p3, p4, p5, p6 = targets[0]
-    sums: list[Six] = []
-    for q1, q2, q3, q4, q5, q6 in targets:
-        a, b, c = a + abs(q1 - p1), b + abs(q2 - p2), c + abs(q3 - p3)
-        d, e, f = d + abs(q4 - p4), e + abs(q5 - p5), f + abs(q6 - p6)
-        p1, p2, p3, p4, p5, p6 = q1, q2, q3, q4, q5, q6
-        sums.append((a, b, c, d, e, f))
-    return sums
-
-
-def _less(turned: Six, begin: Six) -> Six:
-    """Return how far each joint has turned since it had turned by another sum, rad."""
-    a, b, c, d, e, f = begin
-    g, h, i, j, k, m = turned
-    return g - a, h - b, i - c, j - d, k - e, m - f
 
 
 class _Queue:
@@ -468,7 +172,7 @@ class ContactWatch:
     def __init__(self, cell: Cell, model: RobotModel, report: Callable[[Contact, int], None]) -> None:
         self._frames = frames_of(model.arm)
         self._report = report
-        self._pairs = list(_pairs(cell, model))
+        self._pairs = list(watched_pairs(cell, model))
         levers = [pair.levers for pair in self._pairs]
         self._by_way = _Queue(levers)
         """Pairs that are due by their travel."""
@@ -486,7 +190,7 @@ class ContactWatch:
         """Closest distance by thing: where, tick, line and what came so close."""
         self._begin_tick: int | None = None
         self._line = 0
-        self._news: list[_Pair] = []
+        self._news: list[Pair] = []
         """Pairs whose contact has begun in the present span."""
         self.contacts: list[Contact] = []
         self._said: dict[tuple[int, str, str], float] = {}
@@ -508,7 +212,7 @@ class ContactWatch:
         turned = arm.turned(begin, until_tick) if known is None else known.turned
         if turned is None:
             targets = self._targets(arm, until_tick)
-            turned = _turned(targets)[-1]
+            turned = turning(targets)[-1]
         if not any(turned):
             return
         before = self._turned
@@ -520,13 +224,13 @@ class ContactWatch:
         if known is not None:
             # The others did not touch, and came no nearer than is known; what is due stays due.
             if known.touched:
-                span = _Span(arm, until_tick, self._frames)
+                span = Span(arm, until_tick, self._frames)
                 for number in known.touched:
                     self._watch(number, span, before)
         elif is_due or course is not None:
             self._touched.clear()
             if is_due:
-                span = _Span(arm, until_tick, self._frames, targets)
+                span = Span(arm, until_tick, self._frames, targets)
                 for number in sorted([*self._by_way.take(), *self._by_climb.take()]):
                     self._watch(number, span, before)
                     self._put(number)
@@ -551,8 +255,8 @@ class ContactWatch:
     def _begin_sums(self) -> None:
         """Begin the sums of turns and ways anew."""
         for pair in self._pairs:
-            travel, rise = pair.travel(_less(self._turned, pair.turned))
-            pair.gap = _Gap(pair.gap.distance - travel, pair.gap.height - rise) if pair.contact is None else pair.gap
+            travel, rise = pair.travel(turned_since(self._turned, pair.turned))
+            pair.gap = Gap(pair.gap.distance - travel, pair.gap.height - rise) if pair.contact is None else pair.gap
             pair.turned = ZERO_SIX
         self._by_way.begin()
         self._by_climb.begin()
@@ -582,7 +286,7 @@ class ContactWatch:
 
     def _begin(self, arm: MovingArm) -> None:
         self._begin_tick = arm.tick
-        span = _Span(arm, arm.tick, self._frames)
+        span = Span(arm, arm.tick, self._frames)
         # Things in their own order, whatever comes closest.
         for number, pair in enumerate(self._pairs):
             pair.gap = self._gap(pair, span, arm.tick)
@@ -591,7 +295,7 @@ class ContactWatch:
         if self._news:
             self._tell_news()
 
-    def _watch(self, number: int, span: _Span, turned: Six) -> None:
+    def _watch(self, number: int, span: Span, turned: Six) -> None:
         """Watch a pair in a span.
 
         Args:
@@ -603,13 +307,13 @@ class ContactWatch:
         travel, rise = span.travel(pair, span.begin, span.end)
         before = pair.gap
         if pair.turned != turned and pair.contact is None:
-            way, climb = pair.travel(_less(turned, pair.turned))
-            before = _Gap(before.distance - way, before.height - climb)
+            way, climb = pair.travel(turned_since(turned, pair.turned))
+            before = Gap(before.distance - way, before.height - climb)
         pair.turned = self._turned
         if pair.contact is None:
             matters = self._matters(pair)
             if before.distance - travel >= matters or before.height - rise >= matters:
-                pair.gap = _Gap(before.distance - travel, before.height - rise)
+                pair.gap = Gap(before.distance - travel, before.height - rise)
                 return
             if before.distance <= matters and before.height <= matters:
                 before = self._gap(pair, span, span.begin)
@@ -632,7 +336,7 @@ class ContactWatch:
         else:
             self._by_climb.put(number, climb)
 
-    def _matters(self, pair: _Pair) -> float:
+    def _matters(self, pair: Pair) -> float:
         """Return the distance above which nothing matters, for a pair that does not touch."""
         best = self._best.get(pair.second.name) if pair.is_thing else None
         if best is None:
@@ -642,12 +346,12 @@ class ContactWatch:
 
     def _refine(
         self,
-        pair: _Pair,
-        span: _Span,
+        pair: Pair,
+        span: Span,
         begin: int,
-        before: _Gap,
+        before: Gap,
         end: int,
-        after: _Gap,
+        after: Gap,
         travel: float,
         rise: float,
     ) -> float:
@@ -686,7 +390,7 @@ class ContactWatch:
         self._visit(pair, span, end, after.distance)
         return least
 
-    def _visit(self, pair: _Pair, span: _Span, tick: int, value: float) -> None:
+    def _visit(self, pair: Pair, span: Span, tick: int, value: float) -> None:
         """Note a contact that begins, goes on or ends at a tick."""
         contact = pair.contact
         if value > 0.0:
@@ -695,20 +399,20 @@ class ContactWatch:
             return
         if contact is not None and value >= contact.deepest.distance:
             return
-        _, found = _measured(pair, span, tick, _AMPLE_M)
+        _, found = measured(pair, span, tick, _AMPLE_M)
         assert found is not None
         if contact is None:
-            pair.contact = _Open(self._row(tick), self._line, found)
+            pair.contact = OpenContact(self._row(tick), self._line, found)
             self._news.append(pair)
         else:
             contact.deepest, contact.tick = found, self._row(tick)
 
-    def _gap(self, pair: _Pair, span: _Span, tick: int) -> _Gap:
+    def _gap(self, pair: Pair, span: Span, tick: int) -> Gap:
         """Return the gap of a pair at a tick."""
         best = self._best.get(pair.second.name)
         is_first = pair.is_thing and best is None
         ample = inf if is_first else self._matters(pair) + _AMPLE_M
-        gap, found = _measured(pair, span, tick, ample)
+        gap, found = measured(pair, span, tick, ample)
         if found is not None and pair.is_thing and (best is None or found.distance < best[0].distance):
             self._best[pair.second.name] = (found, self._row(tick), self._line, pair.first.name)
         return gap
@@ -726,7 +430,7 @@ class ContactWatch:
         for contact, pair in sorted(begun, key=lambda its: its[0].start_tick):
             self._tell(_contact(pair, contact, -1), contact.start_tick)
 
-    def _end(self, pair: _Pair, tick: int) -> None:
+    def _end(self, pair: Pair, tick: int) -> None:
         tick = self._row(tick)
         contact, pair.contact = pair.contact, None
         assert contact is not None
@@ -744,7 +448,7 @@ class ContactWatch:
             self._report(contact, tick)
 
 
-def _contact(pair: _Pair, contact: _Open, end_tick: int) -> Contact:
+def _contact(pair: Pair, contact: OpenContact, end_tick: int) -> Contact:
     return Contact(
         seconds(contact.start_tick),
         seconds(end_tick if end_tick >= 0 else contact.tick),
@@ -756,96 +460,3 @@ def _contact(pair: _Pair, contact: _Open, end_tick: int) -> Contact:
         True,
         contact.deepest[1:],
     )
-
-
-def _measured(pair: _Pair, span: _Span, tick: int, ample: float) -> tuple[_Gap, Closest | None]:
-    """Return the gap of a pair and where it is; or lower bounds of which one is at least `ample`, and None."""
-    second = pair.second
-    placed = span.placed(pair.first, tick)
-    height = -inf
-    if pair.is_thing:
-        low, high = placed.levels()
-        bottom, top = second.levels
-        height = max(low - top, bottom - high)
-        if height >= ample:
-            return _Gap(height, height), None
-        others = second.solids
-    else:
-        other = span.placed(second, tick)
-        least = least_distance(pair.first.ball, placed.T_ball, second.ball, other.T_ball)
-        if least >= ample:
-            return _Gap(least, height), None
-        others = other.solids()
-    least = inf
-    near = []
-    T_ball, radius = placed.T_ball, pair.first.ball.margin
-    for body, T in others:
-        bound = ball_distance(T_ball, radius, body, T)
-        if bound < ample:
-            near.append((body, T))
-        elif bound < least:
-            least = bound
-    candidates = []
-    if near:
-        for own, T_own in placed.solids():
-            for body, T in near:
-                bound = ball_distance(T_own, own.bound, body, T)
-                if bound < ample:
-                    bound = max(bound, least_distance(own, T_own, body, T))
-                if bound < ample:
-                    candidates.append((bound, own, T_own, body, T))
-                elif bound < least:
-                    least = bound
-    candidates.sort(key=_bound)
-    best: Closest | None = None
-    for bound, own, T_own, body, T in candidates:
-        if best is not None and bound >= best.distance:
-            break
-        found = closest(own, T_own, body, T)
-        if best is None or found.distance < best.distance:
-            best = found
-    if best is None or least < best.distance:
-        return _Gap(least, height), None
-    return _Gap(best.distance, height), best
-
-
-def _bound(candidate: tuple[float, Body, Transform, Body, Transform]) -> float:
-    return candidate[0]
-
-
-def _pairs(cell: Cell, model: RobotModel) -> Iterable[_Pair]:
-    """Yield the pairs that are watched: those of things in the order of the file, then those of the arm itself."""
-    links: dict[str, list[Part]] = {name: [] for name in LINKS}
-    for part in arm_parts(model):
-        if part.role != "ring":
-            links[LINKS[min(part.link, FLANGE - 1)]].append(part)
-    held: dict[str, list[Part]] = {}
-    things: dict[str, list[Part]] = {}
-    for part in cell.parts:
-        (things if part.link == BASE else held).setdefault(part.name, []).append(part)
-    arm = [_Group(name, parts) for name, parts in links.items() if parts]
-    tools = [_Group(name, parts) for name, parts in held.items()]
-
-    # The base is round about the axis of the first joint: as a part of the next link it is where it is.
-    base = [
-        part._replace(pose=(*part.pose[:2], part.pose[2] - model.arm.d1, *part.pose[3:])) for part in links[LINKS[0]]
-    ]
-    static = [_Group(LINKS[0], base, 1), *arm[1:]]
-
-    def pair(first: _Group, second: _Group, is_thing: bool) -> Iterable[_Pair]:
-        if frozenset((first.name, second.name)) not in cell.ignored:
-            levers = lever_arms(model.arm, second.link, first.link, first.reach, first.across)
-            yield _Pair(first, second, levers, is_thing)
-
-    for name, parts in things.items():
-        thing = _Group(name, parts)
-        for group in [*reversed(tools), *reversed(arm)]:
-            if group.link != BASE:
-                yield from pair(group, thing, True)
-    for number, second in enumerate(static):
-        for first in arm[number + 2 :]:
-            if (number, first.link) not in NOT_WATCHED:
-                yield from pair(first, second, False)
-        for tool in tools:
-            if number < FLANGE - 2:
-                yield from pair(tool, second, False)
