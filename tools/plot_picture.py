@@ -7,8 +7,6 @@ per channel, which halves the size of the file.
 
 from __future__ import annotations
 
-import os
-import shutil
 import struct
 import subprocess
 import sys
@@ -16,6 +14,8 @@ import tempfile
 import zlib
 from pathlib import Path
 from typing import Final
+
+from tools import browser
 
 ROOT = Path(__file__).resolve().parent.parent
 PICTURE: Final = ROOT / "docs" / "images" / "plot.png"
@@ -27,8 +27,6 @@ AT_S: Final = "20.1 s"
 """Time that is shown; the arm carries a part then."""
 LARGEST: Final = 200_000
 """Size limit of the file, bytes."""
-BROWSERS: Final = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-ARGUMENTS: Final = ("--no-sandbox", "--enable-unsafe-swiftshader", "--disable-background-networking", "--disable-sync")
 SETTLED_MS: Final = 3000
 """Until the picture is drawn finely, where there is no graphics card."""
 _SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
@@ -36,15 +34,14 @@ _SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
 
 def main() -> int:
     """Write the picture; return 0, or 2 with a message if there is no browser."""
-    browser = os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, BROWSERS)), None)
-    if browser is None:
-        print(f"no browser found ({', '.join(BROWSERS)}); name one: CHROMIUM=/path/to/chromium", file=sys.stderr)
+    if browser.found() is None:
+        print(browser.NOT_FOUND, file=sys.stderr)
         return 2
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder, "plot.html")
         plot = [sys.executable, "-m", "elitescript", "plot", str(EXAMPLE), "--world", str(WORLD), "-o", str(page)]
         subprocess.run(plot, check=True, stdout=subprocess.DEVNULL)
-        picture = reduced(_shot(browser, page))
+        picture = reduced(_shot(page))
     if len(picture) > LARGEST:
         print(f"the picture has {len(picture)} bytes; at most {LARGEST} are wanted", file=sys.stderr)
         return 2
@@ -54,13 +51,13 @@ def main() -> int:
     return 0
 
 
-def _shot(browser: str, page: Path) -> bytes:
+def _shot(page: Path) -> bytes:
     """Return a picture of a page as PNG."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as driver:
-        started = driver.chromium.launch(executable_path=browser, args=list(ARGUMENTS))
-        view = started.new_page(viewport={"width": WIDTH, "height": HEIGHT}, reduced_motion="reduce")
+        chromium = browser.started(driver)
+        view = chromium.new_page(viewport={"width": WIDTH, "height": HEIGHT}, reduced_motion="reduce")
         view.goto(page.as_uri())
         field = view.get_by_role("region", name="Time line").get_by_role("textbox").first
         field.fill(AT_S)
@@ -68,7 +65,7 @@ def _shot(browser: str, page: Path) -> bytes:
         view.mouse.move(0, 0)
         view.wait_for_timeout(SETTLED_MS)
         picture = view.screenshot()
-        started.close()
+        chromium.close()
     return picture
 
 

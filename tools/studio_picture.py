@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -21,6 +20,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from tools import browser
+
 if TYPE_CHECKING:
     from playwright.sync_api import Page
 
@@ -28,8 +29,6 @@ ROOT = Path(__file__).resolve().parent.parent
 EXAMPLE: Final = ROOT / "examples" / "pick_and_place.script"
 SIZES: Final = {"wide": (1440, 900), "medium": (900, 800), "narrow": (400, 800)}
 THEMES: Final = ("light", "dark")
-BROWSERS: Final = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-OPTIONS: Final = ("--no-sandbox", "--enable-unsafe-swiftshader", "--disable-background-networking", "--disable-sync")
 WAIT_MS: Final = 30_000
 REST_MS: Final = 700
 """Until what was asked for is drawn."""
@@ -104,15 +103,14 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument("--size", choices=sorted(SIZES), action="append", help="only these sizes")
     parser.add_argument("--theme", choices=THEMES, action="append", help="only these themes")
     given = parser.parse_args(words)
-    browser = os.environ.get("CHROMIUM") or next(filter(None, map(shutil.which, BROWSERS)), None)
-    if browser is None:
-        print(f"no browser found ({', '.join(BROWSERS)}); name one: CHROMIUM=/path/to/chromium", file=sys.stderr)
+    if browser.found() is None:
+        print(browser.NOT_FOUND, file=sys.stderr)
         return 2
     from playwright.sync_api import sync_playwright
 
     given.folder.mkdir(parents=True, exist_ok=True)
     with sync_playwright() as driver:
-        chromium = driver.chromium.launch(executable_path=browser, args=list(OPTIONS))
+        chromium = browser.started(driver)
         for state in given.state or STATES:
             for size in given.size or ("wide", "narrow"):
                 for theme in given.theme or THEMES:

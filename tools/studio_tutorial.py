@@ -7,15 +7,15 @@ its reader to do it. So a step that does not work any more ends the tool.
 from __future__ import annotations
 
 import re
-import shutil
 import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from tools import browser
 from tools.plot_picture import reduced
-from tools.studio_picture import BROWSERS, OPTIONS, REST_MS, ROOT, WAIT_MS, studio
+from tools.studio_picture import REST_MS, ROOT, WAIT_MS, studio
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -33,9 +33,8 @@ NO_PROBLEMS: Final = "No problems."
 
 def main() -> int:
     """Write the pictures; return 0, 1 if one is too large, or 2 if there is no browser."""
-    browser = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if browser is None:
-        print(f"no browser found ({', '.join(BROWSERS)})", file=sys.stderr)
+    if browser.found() is None:
+        print(browser.NOT_FOUND, file=sys.stderr)
         return 2
     from playwright.sync_api import sync_playwright
 
@@ -43,7 +42,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as driver:
         home = Path(folder)
         (home / "cell.toml").write_text(texts["cell.toml"])
-        chromium = driver.chromium.launch(executable_path=browser, args=list(OPTIONS))
+        chromium = browser.started(driver)
         with studio(home / "pallet.script", "--world", str(home / "cell.toml")) as address:
             page = chromium.new_page(viewport=SIZE, color_scheme="light", locale="en-US", reduced_motion="reduce")
             page.set_default_timeout(WAIT_MS)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import asyncio
 import os
-import shutil
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -17,22 +16,10 @@ import pytest
 
 from elitescript import page as built
 from tests.studio_page.fake_source import FakeSource, Play
+from tools import browser as chromium
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
-
-NAMES: Final = ("chromium", "chromium-browser", "google-chrome")
-
-ARGUMENTS: Final = (
-    "--no-sandbox",
-    "--enable-unsafe-swiftshader",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--no-first-run",
-    "--disable-quic",
-)
-"""WebGL in software, and nothing that reaches out of this computer."""
 
 WIDE: Final = (1200, 720)
 NARROW: Final = (400, 800)
@@ -44,8 +31,8 @@ Open = Callable[..., "tuple[Page, FakeSource]"]
 
 
 def _missing() -> str:
-    if not any(map(shutil.which, NAMES)):
-        return "no Chromium: install the package chromium"
+    if chromium.found() is None:
+        return chromium.NOT_FOUND
     try:
         import playwright.sync_api  # noqa: F401
     except ImportError:
@@ -95,8 +82,7 @@ def loan() -> Iterator[Loan]:
 
     with ExitStack() as stack:
         driver = stack.enter_context(sync_playwright())
-        found = next(path for name in NAMES if (path := shutil.which(name)))
-        browser = driver.chromium.launch(executable_path=found, args=list(ARGUMENTS))
+        browser = chromium.started(driver)
         loan = Loan(browser)
         asyncio._set_running_loop(None)
         yield loan
