@@ -1,0 +1,1 @@
+"""Recordings of controllers: what their ports show, written down without touching the robot."""

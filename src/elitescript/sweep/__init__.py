@@ -1,0 +1,1 @@
+"""Many runs of one program: varied values, disturbances, properties that hold or do not."""

@@ -1,0 +1,122 @@
+"""What a sweep is made of: its plan, the choices of one run, and the row that the run leaves behind.
+
+Everything here is frozen data. A plan with the number of a run determines that run's choices, and choices determine
+the row, on any computer of one platform.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from elitescript.messages.signals import Value
+from elitescript.records import field, record
+
+
+@record
+class Variation:
+    """One `--vary NAME=KIND(...)`.
+
+    Attributes:
+        name: of a signal, a global, or a place in the world file such as `box.0.x` or `plant.lag_s`.
+        kind: `uniform`, `normal`, `choice` or `grid`.
+        arguments: as they were written: two numbers, the choices, or two ends and a number of points.
+    """
+
+    name: str
+    kind: str
+    arguments: tuple[Value | str, ...]
+
+
+@record
+class Disturbance:
+    """Something that goes wrong, or that a person does, in one run.
+
+    Attributes:
+        kind: a kind of fault, as in `[[fault]]` of a world file; or one of `sweep.chaos`, as `safeguard_stop`.
+        on: place: a port, a serial line, an input or the name of a device; empty where the kind needs none.
+        at_s: begin, s after the start of the robot.
+        for_s: duration, s; None until the end of the run.
+        settings: the others, by their names in `[[fault]]`.
+    """
+
+    kind: str
+    on: int | str = ""
+    at_s: float = 0.0
+    for_s: float | None = None
+    settings: Mapping[str, Any] = field(default_factory=dict)
+
+
+@record
+class Choices:
+    """Everything that makes one run differ from the others of its plan.
+
+    Attributes:
+        run: number, from 0.
+        seed: of this run: of `random()` in its program, and of what its world draws.
+        values: what was drawn for each variation, by its name.
+        disturbances: in the order of time.
+    """
+
+    run: int
+    seed: int
+    values: Mapping[str, Value | str] = field(default_factory=dict)
+    disturbances: tuple[Disturbance, ...] = ()
+
+
+@record
+class Failure:
+    """Why a run failed: what is the same for two runs that failed in the same way is their `kind`.
+
+    Attributes:
+        property: text of the first property that did not hold.
+        state: of the run.
+        code: of its last alarm, empty without one.
+        line: of that alarm, or where the program waited; 0 if unknown.
+        disturbance: kind of the last disturbance that had begun; empty without one.
+        text: what happened, for people.
+        t: when the property was decided, s; None if that has no time.
+        margin: by how much it failed, in the unit of its comparison; None where it has none.
+    """
+
+    property: str
+    state: str
+    code: str = ""
+    line: int = 0
+    disturbance: str = ""
+    text: str = ""
+    t: float | None = None
+    margin: float | None = None
+
+    @property
+    def kind(self) -> tuple[str, str, int, str]:
+        """Property, alarm code, line and last disturbance."""
+        return self.property, self.code, self.line, self.disturbance
+
+
+@record
+class Row:
+    """What one run leaves behind: a row of the table, and why it failed.
+
+    Attributes:
+        choices: of the run.
+        state: in which it ended: a state of `Run`, or `crashed`, or `hung`.
+        time_s: virtual time, s.
+        measures: by their names.
+        digest: of positions, times, signals and texts at the end, rounded so that other processors give the same.
+        failure: None if every property held.
+        margins: of the properties in their order; None where one has none.
+    """
+
+    choices: Choices
+    state: str
+    time_s: float
+    measures: Mapping[str, Value | str | None] = field(default_factory=dict)
+    digest: str = ""
+    failure: Failure | None = None
+    margins: tuple[float | None, ...] = ()
+
+    @property
+    def failed(self) -> str:
+        """Text of the first property that did not hold; empty if all did."""
+        return "" if self.failure is None else self.failure.property
