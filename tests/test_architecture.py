@@ -149,7 +149,7 @@ class TestPage:
     """ARCHITECTURE.md against the code: packages, places of facts, walks."""
 
     TEXT = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
-    LINES_MAX = 180
+    LINES_MAX = 195
     """Three screens."""
 
     @classmethod

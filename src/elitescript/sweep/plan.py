@@ -69,7 +69,7 @@ class Failure:
     """Why a run failed: what is the same for two runs that failed in the same way is their `kind`.
 
     Attributes:
-        property: text of the first property that did not hold.
+        expression: the first property that did not hold.
         state: of the run.
         code: of its last alarm, empty without one.
         line: of that alarm, or where the program waited; 0 if unknown.
@@ -79,7 +79,7 @@ class Failure:
         margin: by how much it failed, in the unit of its comparison; None where it has none.
     """
 
-    property: str
+    expression: str
     state: str
     code: str = ""
     line: int = 0
@@ -90,8 +90,8 @@ class Failure:
 
     @property
     def kind(self) -> tuple[str, str, int, str]:
-        """Property, alarm code, line and last disturbance."""
-        return self.property, self.code, self.line, self.disturbance
+        """Expression, alarm code, line and last disturbance."""
+        return self.expression, self.code, self.line, self.disturbance
 
 
 @record
@@ -119,4 +119,4 @@ class Row:
     @property
     def failed(self) -> str:
         """Text of the first property that did not hold; empty if all did."""
-        return "" if self.failure is None else self.failure.property
+        return "" if self.failure is None else self.failure.expression
