@@ -34,11 +34,16 @@ def apply(robot: VirtualRobot, disturbances: Iterable[Disturbance]) -> None:
     Raises:
         UsageError: one makes no sense there; the text begins with its number, from 1.
     """
-    for number, disturbance in enumerate(disturbances, 1):
+    for number, disturbance in enumerate(in_order(disturbances), 1):
         try:
             _apply(robot, check(disturbance))
         except UsageError as error:
             raise UsageError(f"disturbance {number}: {error}") from None
+
+
+def in_order(disturbances: Iterable[Disturbance]) -> tuple[Disturbance, ...]:
+    """Return disturbances in the order of time; what faults draw depends on their order."""
+    return tuple(sorted(disturbances, key=lambda item: (item.at_s, item.kind, str(item.on))))
 
 
 def check(disturbance: Disturbance) -> Disturbance:
