@@ -21,7 +21,7 @@ from elitescript.records import NamedTuple
 from elitescript.sweep.chaos.applying import STOP_REASON
 from elitescript.sweep.chaos.drawing import is_over
 from elitescript.sweep.chaos.ground import End, end_of
-from elitescript.sweep.plan import Disturbance
+from elitescript.sweep.plan import Disturbance, Failure
 
 if TYPE_CHECKING:
     from elitescript.controller.safety.limits import SafetyLimits
@@ -33,6 +33,7 @@ SAME_JOINT_RAD: Final = 1e-3
 
 STUCK: Final = "R130"
 _PUSHED: Final = "push"
+_LEFT_ON: Final = "no_output_left_on"
 
 _FORM: Final = re.compile(r"\s*([a-z_]+)\s*(?:\(\s*([^()]*?)\s*\))?\s*")
 
@@ -178,6 +179,30 @@ def _never_stuck(situation: Situation, run: Run) -> Verdict:
     return Verdict(False, t=run.time_s, words=f"{words}: {waits_of(run)}")
 
 
+def failure_of(text: str, verdict: Verdict, run: Run, situation: Situation | None = None) -> Failure:
+    """Return why a run failed.
+
+    Line and code are those of the alarm, or where the first thread waited; of an output that is left on, the line that
+    has switched it on. The stop of a disturbance is no cause, so its code and line do not count.
+
+    Args:
+        text: the property.
+        verdict: on it.
+        run: the record.
+        situation: what is known of the run besides; None if there were no disturbances.
+    """
+    disturbances = () if situation is None else situation.disturbances
+    begun = [item for item in disturbances if item.at_s <= run.time_s + seconds(run.start_tick)]
+    last = max(begun, key=lambda item: item.at_s).kind if begun else ""
+    alarms = [alarm for alarm in run.alarms if alarm.text != STOP_REASON]
+    code, line = (alarms[-1].code, alarms[-1].line) if alarms else ("", 0)
+    if not alarms and run.threads:
+        line = run.threads[0].line
+    if text == _LEFT_ON and situation is not None and (left := outputs_left_on(situation, run)):
+        line = left[0].line
+    return Failure(text, run.state, code, line, last, verdict.words, verdict.t, verdict.margin)
+
+
 def waits_of(run: Run) -> str:
     """Return where each thread of a run that did not end by itself was, in words."""
     return "; ".join(
@@ -213,8 +238,19 @@ _SWITCHED: Final = frozenset(
 
 
 def _no_output_left_on(situation: Situation, run: Run) -> Verdict:
-    if run.state not in ("alarm", "stopped", "stuck"):
+    left = outputs_left_on(situation, run)
+    if not left:
         return Verdict(True)
+    event = left[0]
+    line = f"{event.name}, switched on in line {event.line} at {_time(run, event.tick):.3f} s"
+    more = f", and {len(left) - 1} more" if len(left) > 1 else ""
+    return Verdict(False, t=run.time_s, words=f"{line}{more}, is on after the program has ended ({run.state})")
+
+
+def outputs_left_on(situation: Situation, run: Run) -> list[SignalChanged]:
+    """Return for each output that is left on after a stop the event that switched it on."""
+    if run.state not in ("alarm", "stopped", "stuck"):
+        return []
     usual = {} if situation.plain is None else situation.plain.outputs
     on: dict[str, SignalChanged] = {}
     for event in run.events:
@@ -223,13 +259,7 @@ def _no_output_left_on(situation: Situation, run: Run) -> Verdict:
                 on.pop(event.name, None)
             elif event.line:
                 on.setdefault(event.name, event)
-    left = [event for name, event in on.items() if run.signals.get(name) and not usual.get(name)]
-    if not left:
-        return Verdict(True)
-    event = left[0]
-    line = f"{event.name}, switched on in line {event.line} at {seconds(event.tick):.3f} s"
-    more = f", and {len(left) - 1} more" if len(left) > 1 else ""
-    return Verdict(False, t=run.time_s, words=f"{line}{more}, is on after the program has ended ({run.state})")
+    return [event for name, event in on.items() if run.signals.get(name) and not usual.get(name)]
 
 
 def _no_contact(_situation: Situation, run: Run) -> Verdict:
@@ -270,9 +300,10 @@ def differences(found: End, plain: End) -> list[str]:
         for name in sorted({*found.outputs, *plain.outputs})
         if found.outputs.get(name) != plain.outputs.get(name)
     ]
-    for name, joint, other in zip(JOINT_NAMES, found.joints, plain.joints, strict=False):
-        if abs(joint - other) > SAME_JOINT_RAD:
-            words.append(f"joint {name} is at {joint:.4f} rad, not at {other:.4f} rad")
+    rows = list(zip(JOINT_NAMES, found.joints, plain.joints, strict=False))
+    name, joint, other = max(rows, key=lambda row: abs(row[1] - row[2]), default=("", 0.0, 0.0))
+    if abs(joint - other) > SAME_JOINT_RAD:
+        words.append(f"joint {name} is at {joint:.4f} rad, not at {other:.4f} rad")
     return words
 
 
@@ -336,7 +367,7 @@ _ROWS: Final = (
     BuiltIn("never_stuck", "the program ends; it does not wait for ever for what does not come", judge=_never_stuck),
     BuiltIn("no_alarm", "no alarm, but that of a protective stop that was part of the disturbances", judge=_no_alarm),
     BuiltIn(
-        "no_output_left_on",
+        _LEFT_ON,
         "when the program has ended by a stop or an alarm, no output is on that it has switched on, but those that are "
         "on at the end of the plain run",
         judge=_no_output_left_on,
