@@ -23,9 +23,7 @@ class LocalEngine:
         memory_bytes: address space of a process; None for no limit.
     """
 
-    def __init__(
-        self, jobs: int, *, max_wall_s: float | None = MAX_WALL_S, memory_bytes: int | None = None
-    ) -> None:
+    def __init__(self, jobs: int, *, max_wall_s: float | None = MAX_WALL_S, memory_bytes: int | None = None) -> None:
         self._jobs = jobs
         self._max_wall_s = max_wall_s
         self._memory_bytes = memory_bytes

@@ -71,7 +71,9 @@ class Runner:
         self._world_path = Path(plan.world_name or "world.toml")
         self._tables = tables_of(self._world_path, plan.world) if plan.world else {}
         if self._tables.get("world", {}).get("network") == REAL:
-            raise UsageError(f"{self._world_path}: [world] network: {REAL!r} is not allowed in a sweep, which is closed")
+            raise UsageError(
+                f"{self._world_path}: [world] network: {REAL!r} is not allowed in a sweep, which is closed"
+            )
         if isinstance(robot := self._tables.get(ROBOT_SECTION), dict) and "model" in robot:
             # It is among the options of the plan.
             self._tables = {**self._tables, ROBOT_SECTION: {key: robot[key] for key in robot if key != "model"}}
