@@ -53,7 +53,8 @@ def test_choices_are_those_of_the_run() -> None:
 
 
 def test_disturbances_come_in_the_order_of_time() -> None:
-    text = 'program = "p"\n[[stop]]\nkind = "pause"\nat_s = 5.0\nfor_s = 1\n[[fault]]\nkind = "drop"\non = 5000\nat_s = 1\n'
+    text = 'program = "p"\n[[stop]]\nkind = "pause"\nat_s = 5.0\nfor_s = 1\n'
+    text += '[[fault]]\nkind = "drop"\non = 5000\nat_s = 1\n'
     text += "[[stop]]\nkind = 'pause'\nfor_s = 0.5\n[expect]\nproperty = 'never_stuck'\n"
     assert [(item.kind, item.at_s) for item in case_of(text, "c").disturbances] == [
         ("pause", 0.0),

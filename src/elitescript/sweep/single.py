@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from base64 import b64decode
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -34,7 +34,6 @@ from elitescript.sweep.world_values import place_of, with_value
 from elitescript.world_file import WORLD_SECTIONS, WorldFile, read_tables, tables_of
 
 if TYPE_CHECKING:
-    from elitescript.controller.controller import Controller
     from elitescript.messages.events import Event
     from elitescript.run import Run
 

@@ -79,7 +79,8 @@ def test_an_input_that_people_cover_reads_what_is_applied_afterwards() -> None:
 
 
 def test_a_push_is_a_force_that_goes_away() -> None:
-    program = "def p():\n  global f\n  sleep(1.5)\n  f = [get_tcp_force(True)[2]]\n  sleep(1)\n  f.append(get_tcp_force(True)[2])\nend"
+    read = "get_tcp_force(True)[2]"
+    program = f"def p():\n  global f\n  sleep(1.5)\n  f = [{read}]\n  sleep(1)\n  f.append({read})\nend"
     run = played(program, Disturbance("push", at_s=1.0, for_s=1.0, settings={"force_n": -20.0, "axis": 2}))
     before, after = run.globals["f"]
     assert abs(before) == pytest.approx(20.0, abs=1.0)
