@@ -201,6 +201,11 @@ class VirtualRobot:
         """What runs its programs."""
         return self._host
 
+    @property
+    def surroundings(self) -> Surroundings | None:
+        """Devices and wires beside it; None if it has none."""
+        return self._outside.surroundings
+
     def threads(self) -> tuple[Any, ...]:
         """Return every script thread: name, line and what it waits for."""
         return self._host.threads()
@@ -755,6 +760,9 @@ def _checked_presets(presets: Mapping[str, object]) -> dict[str, object]:
         UsageError: a name that no program could give to a global.
     """
     for name in presets:
+        if name.startswith("@"):
+            # Of a constant that is varied: no text of a program can have such a name.
+            continue
         if not name.isidentifier() or iskeyword(name) or name.startswith("__"):
             raise UsageError(f"{name!r} cannot be the name of a global")
     return dict(presets)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.devices.surroundings import REAL, VIRTUAL, RobotSettings
 from elitescript.devices.toml_lines import Path as TomlPath
-from elitescript.devices.toml_lines import lines_of, nearest
+from elitescript.devices.toml_lines import line_of_refusal, lines_of, nearest
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.kernel.options import ROBOT_SECTION, SECTIONS, options_of_table
 from elitescript.messages.signals import Value
@@ -67,29 +67,80 @@ def load_world_file(
         UsageError: no such file, no TOML, an unknown section or key, or a value that makes no sense; the text names
             file and, where it is known, line.
     """
-    import tomllib
-
     file = Path(path)
+    text = world_text(file)
+    return read_tables(
+        file, text, tables_of(file, text), network=network, is_trusted=is_trusted, with_world=with_world
+    )
+
+
+def world_text(file: Path) -> str:
+    """Return the text of a world file.
+
+    Raises:
+        UsageError: no such file, or it is not UTF-8.
+    """
     if why := why_no_file(file, is_stream_allowed=True):
         raise UsageError(f"world file {file} {why}")
     try:
-        text = file.read_text(encoding="utf-8")
+        return file.read_text(encoding="utf-8")
     except OSError as error:
         raise UsageError(f"world file {file}: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise UsageError(f"{file}:{line}: the world file is not UTF-8: {error.reason} at byte {error.start}") from error
+
+
+def tables_of(file: Path, text: str) -> dict[str, Any]:
+    """Return the tables of the text of a world file, not checked yet.
+
+    Args:
+        file: for messages.
+        text: its content.
+
+    Raises:
+        UsageError: no TOML, or a whole number beyond 64 bits; the text names file and line.
+    """
+    import tomllib
+
     try:
         tables = tomllib.loads(text)
     except RecursionError:
-        raise UsageError(f"{file}:{_line_of_refusal(text, RecursionError())}: it is nested too deeply") from None
+        raise UsageError(f"{file}:{line_of_refusal(text, RecursionError())}: it is nested too deeply") from None
     except ValueError as error:  # a TOMLDecodeError, or what a number of thousands of digits gives
         hint = '; names with an index stand in quotes: "standard_digital_in[3]" = true' if _has_bare_index(text) else ""
-        line = _line_of_refusal(text, error)
+        line = line_of_refusal(text, error)
         raise UsageError(f"{file}:{line}: the world file is not TOML: {error}{hint}") from error
     if (huge := _huge(tables, ())) is not None:
         line = nearest(lines_of(text), huge)
         raise UsageError(f"{file}:{line}: {huge[-1]}: whole numbers of TOML are within 64 bits")
+    return tables
+
+
+def read_tables(
+    file: Path,
+    text: str,
+    tables: Mapping[str, Any],
+    *,
+    network: str = "",
+    is_trusted: bool = True,
+    with_world: bool = True,
+    modules: Mapping[str, Any] | None = None,
+) -> WorldFile:
+    """Read the tables of a world file.
+
+    Args:
+        file: where it is, for messages, and for what it names.
+        text: its content, for the lines of messages.
+        tables: what `tables_of` has returned for it, perhaps with other values.
+        network: see `load_world_file`; so are the next two.
+        is_trusted: see there.
+        with_world: see there.
+        modules: Python files that have been imported, by their names in the tables; those that are not in it are read.
+
+    Raises:
+        UsageError: an unknown section or key, or a value that makes no sense; the text names file and line.
+    """
     found = WorldFile()
     beside = found.beside
     solids: dict[str, Any] = {}
@@ -116,7 +167,7 @@ def load_world_file(
         from elitescript.devices.scenario import build_world
 
         try:
-            found.world = build_world(beside, file.parent, network=network, is_trusted=is_trusted)
+            found.world = build_world(beside, file.parent, network=network, is_trusted=is_trusted, modules=modules)
         except UsageError as error:
             section = _place_in(str(error))[0]
             raise _located(file, text, section, tables.get(section), error) from error
@@ -275,18 +326,6 @@ def _place_in(message: str) -> tuple[str, int, list[str]]:
     if message.startswith("[[") and words and words[0].isdecimal():
         number = int(words.pop(0))
     return place, number, words
-
-
-def _line_of_refusal(text: str, error: Exception) -> int:
-    """Return the line at which `tomllib` gave up."""
-    found = re.search(r"\(at line (\d+)", str(error))
-    if found:
-        return int(found[1])
-    if "end of document" in str(error):
-        return max(1, len(text.splitlines()))
-    # A number with too many digits, or too many brackets: the line that has most of them.
-    numbered = enumerate(text.splitlines(), 1)
-    return max(numbered, key=lambda row: len(re.sub(r"[^0-9\[{]", "", row[1])), default=(1, ""))[0]
 
 
 def _has_bare_index(text: str) -> bool:
