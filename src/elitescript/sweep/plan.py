@@ -9,8 +9,54 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from elitescript import __version__
 from elitescript.messages.signals import Value
 from elitescript.records import field, record
+
+
+@record
+class Plan:
+    """Everything that determines the rows of a sweep; nothing else does, and nothing of a disk is needed beside it.
+
+    The number of runs is not part of it: a longer sweep begins like a shorter one.
+
+    Attributes:
+        program: text of the program.
+        program_name: what alarms call it, without a folder.
+        files: content of the task folder by name, Base64; each run gets a copy in memory.
+        world: text of the world file; empty without one.
+        world_name: its name, without a folder.
+        python: texts of Python files by name: of devices and of properties, and what is beside them.
+        options: of the robot, by the names of `RobotOptions`, as JSON has them; with `model_text` for an own arm.
+        settings: `NAME=VALUE` as of `--set`: signals and program globals at the start.
+        variations: what is drawn for each run.
+        seed: of everything that is drawn.
+        until_s: limit of virtual time, s; None for none.
+        ensure: properties, as text: expressions, names of built-in ones, or `FILE.py:function`.
+        measures: expressions by name.
+        chaos: name of a profile, or text of a profile file; empty without disturbances.
+        step_s: time between two rows that properties over time see, s; None for each tick.
+        has_margins: whether rows have a column with the margin of each property.
+        version: of elitescript.
+    """
+
+    program: str
+    program_name: str = "program.script"
+    files: Mapping[str, str] = field(default_factory=dict)
+    world: str = ""
+    world_name: str = ""
+    python: Mapping[str, str] = field(default_factory=dict)
+    options: Mapping[str, Any] = field(default_factory=dict)
+    settings: tuple[str, ...] = ()
+    variations: tuple[Variation, ...] = ()
+    seed: int = 0
+    until_s: float | None = None
+    ensure: tuple[str, ...] = ()
+    measures: Mapping[str, str] = field(default_factory=dict)
+    chaos: str = ""
+    step_s: float | None = None
+    has_margins: bool = False
+    version: str = __version__
 
 
 @record
