@@ -32,7 +32,7 @@ def test_a_choice_and_a_disturbance_make_a_region():
     totals = swept(800, made)
     (region,) = regions_of(totals)
     assert {str(condition) for condition in region.conditions} <= {
-        "with drop on gripper",
+        "drop on gripper",
         "speed == fast",
         "speed != slow",
     }

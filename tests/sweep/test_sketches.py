@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import random
 
-from elitescript.sweep.sketches import BINS, Sample, Sketch, mixed
+from elitescript.sweep.sketches import BINS, Sample, Sketch
 
 
 def sketch(values):
@@ -75,12 +75,12 @@ def test_a_sample_is_chosen_by_numbers_alone():
     assert abs(len(first) * first.one_in / 50_000 - 1) < 0.1
 
 
-def test_a_sample_of_few_is_all_of_them_and_can_be_thinned():
-    found = Sample(1000)
+def test_a_sample_of_few_is_all_of_them_and_a_smaller_one_is_part_of_it():
+    large, small = Sample(1000), Sample(100)
     for number in range(800):
-        found.add(number, lambda number=number: number)
-    assert list(found) == list(range(800))
-    assert found.one_in == 1
-    fewer = found.thinned(4)
-    assert fewer == [number for number in range(800) if mixed(number) % 4 == 0]
-    assert 150 < len(fewer) < 250
+        large.add(number, lambda number=number: number)
+        small.add(number, lambda number=number: number)
+    assert list(large) == list(range(800))
+    assert large.one_in == 1
+    assert large.at_most(100) == (list(small), small.one_in)
+    assert len(small) > 50

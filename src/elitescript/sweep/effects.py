@@ -19,7 +19,7 @@ from elitescript.messages.signals import Value
 from elitescript.records import NamedTuple, record, replace
 from elitescript.sweep.sketches import mixed
 from elitescript.sweep.statistics import at_least_so_many, groups_differ, rank_correlation, ranks
-from elitescript.sweep.totals import Kept, Totals
+from elitescript.sweep.totals import SAMPLE, Kept, Totals
 
 LEVEL: Final = 0.01
 """Probability, corrected for the number of tests, below which something is reported."""
@@ -84,7 +84,7 @@ class Condition:
 
     def __str__(self) -> str:
         if self.value is None:
-            return f"{self.relation} {self.of}"
+            return self.of if self.relation == "with" else f"no {self.of}"
         value = f"{self.value:.6g}" if isinstance(self.value, float) else str(self.value)
         return f"{self.of} {self.relation} {value}"
 
@@ -114,6 +114,14 @@ class Region:
     def __str__(self) -> str:
         return " and ".join(map(str, self.conditions))
 
+    def words(self) -> str:
+        """Return the region with its counts, for people."""
+        beyond = self.in_all - self.inside
+        return (
+            f"with {self}: {self.failing:,} of {self.inside:,} runs fail so,"
+            f" {self.failing_in_all - self.failing:,} of {beyond:,} elsewhere"
+        )
+
 
 class _Candidate(NamedTuple):
     condition: Condition
@@ -126,15 +134,17 @@ class _Candidate(NamedTuple):
 
 def effects_of(totals: Totals) -> tuple[Effect, ...]:
     """Return the effects that are no chance, for each outcome the strongest first."""
-    holding, failing = totals.holding_sample, totals.failing_sample
+    # A page keeps more rows than are needed here.
+    holding, one_in_holding = totals.holding_sample.at_most(SAMPLE)
+    failing, one_in_failing = totals.failing_sample.at_most(SAMPLE)
     found: list[Effect] = []
     tests = 0
     both = sorted([*holding, *failing], key=lambda kept: kept.run)
     if len(failing) >= LEAST and len(holding) >= LEAST:
-        weights = [float(failing.one_in if kept.kind >= 0 else holding.one_in) for kept in both]
+        weights = [float(one_in_failing if kept.kind >= 0 else one_in_holding) for kept in both]
         tests += _effects(totals, "failing", both, [float(kept.kind >= 0) for kept in both], weights, found)
-    one_in = max(holding.one_in, failing.one_in)
-    even = sorted([*holding.thinned(one_in), *failing.thinned(one_in)], key=lambda kept: kept.run)
+    one_in = max(one_in_holding, one_in_failing)
+    even = [kept for kept in both if not mixed(kept.run) & (one_in - 1)]
     # The time of a run that was cut off says nothing of the cycle.
     finished = [kept for kept in even if kept.state == "finished"]
     tests += _effects(totals, "time_s", finished, [kept.time_s for kept in finished], [], found)
@@ -257,8 +267,8 @@ def _disturbances(rows: Sequence[Kept]) -> list[str]:
 
 def regions_of(totals: Totals) -> tuple[Region, ...]:
     """Return where runs fail: for the most frequent kinds of failures, most frequent first."""
-    holding = list(totals.holding_sample)
-    failing = list(totals.failing_sample)
+    holding, _ = totals.holding_sample.at_most(SAMPLE)
+    failing, _ = totals.failing_sample.at_most(SAMPLE)
     kinds = sorted(totals.groups.values(), key=lambda group: (-group.count, group.number))[:KINDS]
     found = [_region(totals, group.number, holding, failing) for group in kinds]
     return tuple(region for region in found if region is not None)

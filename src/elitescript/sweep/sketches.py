@@ -113,8 +113,7 @@ class Sketch:
         for index in sorted(self._bins):
             seen += self._bins[index]
             if seen >= wanted:
-                middle = math.ldexp(float(index) + 0.5, self._exponent)
-                return min(max(middle, self.least), self.most)
+                return min(max(_middle_of(index, self._exponent), self.least), self.most)
         return self.most
 
     def _add_exactly(self, value: float) -> None:
@@ -135,6 +134,12 @@ def _bin_of(value: float, exponent: int) -> int:
     if exponent < 0 and abs(value) >= _WHOLE:
         return int(value) << -exponent
     return math.floor(math.ldexp(value, -exponent))
+
+
+def _middle_of(index: int, exponent: int) -> float:
+    if exponent < 0 and abs(index) >= 1 << 60:
+        return float(index >> -exponent)
+    return math.ldexp(index + 0.5, exponent)
 
 
 class Sample(Generic[Item]):
@@ -174,10 +179,13 @@ class Sample(Generic[Item]):
         """Of so many items one is kept, about."""
         return 1 << self._level
 
-    def thinned(self, one_in: int) -> list[Item]:
-        """Return the items that a sample of one in so many, a power of two, would have kept."""
-        mask = one_in - 1
-        return [self._items[number] for number in sorted(self._items) if not mixed(number) & mask]
+    def at_most(self, size: int) -> tuple[list[Item], int]:
+        """Return what a sample of another size, not larger, would have kept, and of how many items it keeps one."""
+        numbers, one_in = sorted(self._items), self.one_in
+        while len(numbers) > size:
+            one_in *= 2
+            numbers = [number for number in numbers if not mixed(number) & (one_in - 1)]
+        return [self._items[number] for number in numbers], one_in
 
     def _keeps(self, number: int) -> bool:
         return not mixed(number) & ((1 << self._level) - 1)

@@ -146,7 +146,7 @@ class Summary:
             if kind.first.text:
                 lines.append(f"     {_one_line(kind.first.text)}")
             if kind.region is not None:
-                lines.append(f"     where {_region_words(kind.region)}")
+                lines.append(f"     {kind.region.words()}")
         rest = sum(kind.count for kind in self.kinds[KINDS_SHOWN:]) + self.other_kinds
         if rest:
             lines.append(f"  {rest:,}\N{MULTIPLICATION SIGN} of other kinds")
@@ -224,25 +224,17 @@ def _failure(failure: Failure | None) -> Failure:
     return failure
 
 
-def _region_words(region: Region) -> str:
-    outside = region.failing_in_all - region.failing
-    beyond = region.in_all - region.inside
-    return (
-        f"{region}: {region.failing:,} of {_count(region.inside, 'run')} there"
-        f" {'fails' if region.failing == 1 else 'fail'} so, {outside:,} of {beyond:,} elsewhere"
-    )
-
-
 def _effect_words(effect: Effect) -> str:
+    lowest, highest = (text if effect.is_disturbance else f"where {text}" for text in (effect.lowest, effect.highest))
     if effect.outcome == "failing":
         # The worse side first.
-        sides = [(effect.high, effect.highest), (effect.low, effect.lowest)]
+        sides = [(effect.high, highest), (effect.low, lowest)]
         (worse, where), (better, there) = sorted(sides, key=lambda side: -side[0])
-        return f"failing: {_percent(worse)} {where}, {_percent(better)} {there}"
+        return f"failing: {_percent(worse)} of runs {where}, {_percent(better)} {there}"
     unit = " s" if effect.outcome == "time_s" else ""
     name = "cycle time" if effect.outcome == "time_s" else effect.outcome
     share = f"{_percent(effect.share)} of its spread"
-    means = f"{_number(effect.low)}{unit} {effect.lowest}, {_number(effect.high)}{unit} {effect.highest}"
+    means = f"{_number(effect.low)}{unit} {lowest}, {_number(effect.high)}{unit} {highest}"
     return f"{name}: {share} by {effect.of}; mean {means}"
 
 
