@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.controller.signals.by_name import signal_write
@@ -34,11 +34,17 @@ def apply(robot: VirtualRobot, disturbances: Iterable[Disturbance]) -> None:
     Raises:
         UsageError: one makes no sense there; the text begins with its number, from 1.
     """
-    for number, disturbance in enumerate(disturbances, 1):
+    ordered = in_order(disturbances)
+    for number, disturbance in enumerate(ordered, 1):
         try:
-            _apply(robot, check(disturbance))
+            _apply(robot, check(disturbance), ordered)
         except UsageError as error:
             raise UsageError(f"disturbance {number}: {error}") from None
+
+
+def in_order(disturbances: Iterable[Disturbance]) -> tuple[Disturbance, ...]:
+    """Return disturbances in the order of time; what faults draw depends on their order."""
+    return tuple(sorted(disturbances, key=lambda item: (item.at_s, item.kind, str(item.on))))
 
 
 def check(disturbance: Disturbance) -> Disturbance:
@@ -109,7 +115,7 @@ def disturbance_of(row: Mapping[str, Any]) -> Disturbance:
     return Disturbance(row.get("kind", ""), row.get("on", ""), row.get("at_s", 0.0), row.get("for_s"), settings)
 
 
-def _apply(robot: VirtualRobot, disturbance: Disturbance) -> None:
+def _apply(robot: VirtualRobot, disturbance: Disturbance, others: Sequence[Disturbance]) -> None:
     if is_fault(disturbance.kind):
         _add_fault(robot, fault_of(disturbance))
         return
@@ -121,7 +127,21 @@ def _apply(robot: VirtualRobot, disturbance: Disturbance) -> None:
     at = ticks_for(disturbance.at_s)
     robot.controller.put(at, begin, BY)
     if end is not None and disturbance.for_s is not None:
-        robot.controller.put(at + max(1, ticks_for(disturbance.for_s)), end, BY)
+        end_tick = _end_tick(disturbance)
+        robot.controller.put(_resume_tick(end_tick, others) if disturbance.kind == "pause" else end_tick, end, BY)
+
+
+def _end_tick(disturbance: Disturbance) -> int:
+    return ticks_for(disturbance.at_s) + max(1, ticks_for(disturbance.for_s or 0.0))
+
+
+def _resume_tick(tick: int, others: Sequence[Disturbance]) -> int:
+    """Return when the task can be resumed that is to be resumed at a tick: not while the safeguard is open."""
+    for other in others:
+        # They are in the order of time, so one that is open later cannot have been passed.
+        if other.kind == "safeguard_stop" and ticks_for(other.at_s) <= tick <= _end_tick(other):
+            tick = _end_tick(other) + 1
+    return tick
 
 
 def _add_fault(robot: VirtualRobot, fault: Fault) -> None:

@@ -8,6 +8,7 @@ from typing import Any, Final, Protocol, TypeVar
 
 from elitescript.devices.channels.faults import DIGITAL, DIRECTIONS, TABLE
 from elitescript.messages.timing import PERIOD_S
+from elitescript.sweep.chaos.applying import in_order
 from elitescript.sweep.chaos.ground import Chance, Ground, Place
 from elitescript.sweep.chaos.kinds import KINDS, Range
 from elitescript.sweep.chaos.profile import Profile
@@ -52,7 +53,7 @@ def draw(profile: Profile, ground: Ground, source_of: Callable[[str], Source]) -
         source = source_of(f"chaos/{number}")
         kind = _weighted(on, [profile.rates[kind] for kind in on], source)
         found.append(_drawn(_one_of(by_kind[kind], source), profile, ground, source))
-    return tuple(sorted(found, key=lambda item: (item.at_s, item.kind, str(item.on))))
+    return in_order(found)
 
 
 def _drawn(chance: Chance, profile: Profile, ground: Ground, source: Source) -> Disturbance:
