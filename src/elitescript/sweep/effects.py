@@ -146,8 +146,8 @@ def effects_of(totals: Totals) -> tuple[Effect, ...]:
     one_in = max(one_in_holding, one_in_failing)
     even = [kept for kept in both if not mixed(kept.run) & (one_in - 1)]
     # The time of a run that was cut off says nothing of the cycle.
-    finished = [kept for kept in even if kept.state == "finished"]
-    tests += _effects(totals, "time_s", finished, [kept.time_s for kept in finished], [], found)
+    timed = [(kept, kept.time_s) for kept in even if kept.state == "finished" and kept.time_s is not None]
+    tests += _effects(totals, "time_s", [kept for kept, _ in timed], [time_s for _, time_s in timed], [], found)
     for index, name in enumerate(totals.measures):
         pairs = [(kept, number) for kept in even if (number := _number(kept.measures[index])) is not None]
         tests += _effects(totals, name, [kept for kept, _ in pairs], [number for _, number in pairs], [], found)

@@ -35,7 +35,7 @@ class Kept(NamedTuple):
         values: of the variations, in their order; None where a row has none.
         disturbances: names of its disturbances, each once.
         state: of the run.
-        time_s: virtual time, s.
+        time_s: virtual time, s; None if it did not come back.
         measures: in their order.
         margins: of the properties in their order.
         kind: number of the kind of its failure; -1 if it holds.
@@ -45,7 +45,7 @@ class Kept(NamedTuple):
     values: tuple[Value | str | None, ...]
     disturbances: tuple[str, ...]
     state: str
-    time_s: float
+    time_s: float | None
     measures: tuple[Value | str | None, ...]
     margins: tuple[float | None, ...]
     kind: int
@@ -125,7 +125,8 @@ class Totals:
         """Add a row."""
         self.runs += 1
         self.states[row.state] += 1
-        self.times.setdefault(row.state, Sketch()).add(row.time_s)
+        if row.time_s is not None:
+            self.times.setdefault(row.state, Sketch()).add(row.time_s)
         for name, sketch in self.measures.items():
             value = row.measures.get(name)
             if isinstance(value, int | float) and not isinstance(value, bool):
