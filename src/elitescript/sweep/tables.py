@@ -188,10 +188,8 @@ def _write_parquet(file: IO[bytes], plan: Plan, rows: Iterable[Row]) -> None:
 
 def _arrow_type(arrow: Any, name: str, plan: Plan) -> Any:
     """Return the type of a column, which depends on the plan alone: rows of later groups must fit too."""
-    if name == "run":
+    if name in ("run", "seed"):
         return arrow.int64()
-    if name == "seed":
-        return arrow.uint64()
     if name in ("state", "failed", "digest"):
         return arrow.string()
     variation = next((row for row in plan.variations if row.name == name), None)
