@@ -755,6 +755,9 @@ def _checked_presets(presets: Mapping[str, object]) -> dict[str, object]:
         UsageError: a name that no program could give to a global.
     """
     for name in presets:
+        if name.startswith("@"):
+            # Of a constant that is varied: no text of a program can have such a name.
+            continue
         if not name.isidentifier() or iskeyword(name) or name.startswith("__"):
             raise UsageError(f"{name!r} cannot be the name of a global")
     return dict(presets)

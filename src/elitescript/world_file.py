@@ -67,18 +67,42 @@ def load_world_file(
         UsageError: no such file, no TOML, an unknown section or key, or a value that makes no sense; the text names
             file and, where it is known, line.
     """
-    import tomllib
-
     file = Path(path)
+    text = world_text(file)
+    return read_tables(
+        file, text, tables_of(file, text), network=network, is_trusted=is_trusted, with_world=with_world
+    )
+
+
+def world_text(file: Path) -> str:
+    """Return the text of a world file.
+
+    Raises:
+        UsageError: no such file, or it is not UTF-8.
+    """
     if why := why_no_file(file, is_stream_allowed=True):
         raise UsageError(f"world file {file} {why}")
     try:
-        text = file.read_text(encoding="utf-8")
+        return file.read_text(encoding="utf-8")
     except OSError as error:
         raise UsageError(f"world file {file}: {error.strerror or error}") from error
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise UsageError(f"{file}:{line}: the world file is not UTF-8: {error.reason} at byte {error.start}") from error
+
+
+def tables_of(file: Path, text: str) -> dict[str, Any]:
+    """Return the tables of the text of a world file, not checked yet.
+
+    Args:
+        file: for messages.
+        text: its content.
+
+    Raises:
+        UsageError: no TOML, or a whole number beyond 64 bits; the text names file and line.
+    """
+    import tomllib
+
     try:
         tables = tomllib.loads(text)
     except RecursionError:
@@ -90,6 +114,33 @@ def load_world_file(
     if (huge := _huge(tables, ())) is not None:
         line = nearest(lines_of(text), huge)
         raise UsageError(f"{file}:{line}: {huge[-1]}: whole numbers of TOML are within 64 bits")
+    return tables
+
+
+def read_tables(
+    file: Path,
+    text: str,
+    tables: Mapping[str, Any],
+    *,
+    network: str = "",
+    is_trusted: bool = True,
+    with_world: bool = True,
+    modules: Mapping[str, Any] | None = None,
+) -> WorldFile:
+    """Read the tables of a world file.
+
+    Args:
+        file: where it is, for messages, and for what it names.
+        text: its content, for the lines of messages.
+        tables: what `tables_of` has returned for it, perhaps with other values.
+        network: see `load_world_file`; so are the next two.
+        is_trusted: see there.
+        with_world: see there.
+        modules: Python files that have been imported, by their names in the tables; those that are not in it are read.
+
+    Raises:
+        UsageError: an unknown section or key, or a value that makes no sense; the text names file and line.
+    """
     found = WorldFile()
     beside = found.beside
     solids: dict[str, Any] = {}
@@ -116,7 +167,7 @@ def load_world_file(
         from elitescript.devices.scenario import build_world
 
         try:
-            found.world = build_world(beside, file.parent, network=network, is_trusted=is_trusted)
+            found.world = build_world(beside, file.parent, network=network, is_trusted=is_trusted, modules=modules)
         except UsageError as error:
             section = _place_in(str(error))[0]
             raise _located(file, text, section, tables.get(section), error) from error

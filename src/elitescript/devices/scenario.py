@@ -53,7 +53,14 @@ KINDS: Final[dict[str, Section]] = {
 CLASS_KEY: Final = "class"
 
 
-def build_world(tables: Mapping[str, Any], folder: Path, *, network: str = "", is_trusted: bool = True) -> World:
+def build_world(
+    tables: Mapping[str, Any],
+    folder: Path,
+    *,
+    network: str = "",
+    is_trusted: bool = True,
+    modules: Mapping[str, Any] | None = None,
+) -> World:
     """Make the world that a file declares.
 
     Args:
@@ -62,6 +69,7 @@ def build_world(tables: Mapping[str, Any], folder: Path, *, network: str = "", i
         network: default of `network` in `[world]`: `virtual` if there is something to connect to, else `real`.
         is_trusted: whether it may name Python files, which are run, and, if that is not its default, the network of
             this computer.
+        modules: Python files that have been imported, by their names in the tables; the others are read.
 
     Raises:
         UsageError: something makes no sense. The text begins with its place, such as `[[tcp]] 2: port:`.
@@ -73,7 +81,7 @@ def build_world(tables: Mapping[str, Any], folder: Path, *, network: str = "", i
             raise UsageError(f"network: {REAL!r} is not allowed here")
     except UsageError as error:
         raise UsageError(f"[world] {error}") from None
-    files: dict[Path, Any] = {}
+    files: dict[Path, Any] = {folder / name: module for name, module in (modules or {}).items()}
     faults: list[Fault] = []
     places: dict[object, str] = {}
     """Of devices, and of the names that the file gives them."""

@@ -28,7 +28,7 @@ def parse_settings(texts: list[str], option: str = "--set") -> tuple[dict[str, V
         name = name.strip()
         if not equals:
             raise UsageError(f"{option} {text}: write NAME=VALUE")
-        value = _literal(value_text.strip(), f"{option} {text}")
+        value = literal_of(value_text.strip(), f"{option} {text}")
         if name.partition("[")[0] in SIGNALS or "[" in name:
             signals[name] = value
         elif name.isidentifier():
@@ -50,10 +50,22 @@ def check_presets(presets: Iterable[str], program: str) -> None:
             raise UsageError(f"--set {name}: there is no such signal, and the program has no such global{near}")
 
 
-def _literal(text: str, setting: str) -> Any:
+def literal_of(text: str, setting: str, *, has_words: bool = False) -> Any:
+    """Return the value that a setting is written with.
+
+    Args:
+        text: of the value.
+        setting: all of it, for messages.
+        has_words: whether a single word without quotes is a text.
+
+    Raises:
+        UsageError: it is no literal.
+    """
     if text.lower() in _WORDS:
         return _WORDS[text.lower()]
     try:
         return ast.literal_eval(text)
     except (ValueError, SyntaxError):
+        if has_words and text.isidentifier():
+            return text
         raise UsageError(f"{setting}: {text!r} is no literal; write true, 3, 0.5, 'text' or [1, 2]") from None

@@ -146,8 +146,9 @@ class Row:
 
     Attributes:
         choices: of the run.
-        state: in which it ended: a state of `Run`, or `crashed`, or `hung`.
-        time_s: virtual time, s.
+        state: in which it ended: a state of `Run`; `crashed` or `hung` if it did not come back; `error` if it could not
+            begin, or a device of its world failed.
+        time_s: virtual time, s; None of a run that did not come back.
         measures: by their names.
         digest: of positions, times, signals and texts at the end, rounded so that other processors give the same.
         failure: None if every property held.
@@ -156,7 +157,7 @@ class Row:
 
     choices: Choices
     state: str
-    time_s: float
+    time_s: float | None
     measures: Mapping[str, Value | str | None] = field(default_factory=dict)
     digest: str = ""
     failure: Failure | None = None

@@ -2,16 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from base64 import b64decode
+from collections.abc import Callable, Mapping, Sequence
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
 
-from elitescript.sweep.plan import Choices, Plan, Row
+from elitescript.controller.views.trace import Trace
+from elitescript.devices.scenario import python_files
+from elitescript.devices.surroundings import REAL, VIRTUAL
+from elitescript.environment.memory import MemoryEnvironment
+from elitescript.environment.start_values import parse_settings
+from elitescript.errors import ElitescriptError, ProgramError, UsageError
+from elitescript.kernel.options import ROBOT_SECTION
+from elitescript.language.diagnostics import Diagnostic
+from elitescript.language.parser import parse
+from elitescript.language.text.source import SourceFile
+from elitescript.lint.engine import check_parsed
+from elitescript.messages.signals import SIGNALS
+from elitescript.messages.timing import ticks_for
+from elitescript.models.model import RobotModel, load_model, parse_model
+from elitescript.robot import VirtualRobot
+from elitescript.sweep.plan import Choices, Disturbance, Failure, Plan, Row
+from elitescript.sweep.plan_json import choices_of, plan_of, row_data
+from elitescript.sweep.program_values import put_presets
+from elitescript.sweep.python_files import PythonFiles
+from elitescript.sweep.seeds import seed_of_run
+from elitescript.sweep.variations import Draw, extremes, plain_value
+from elitescript.sweep.world_values import Path as Place
+from elitescript.sweep.world_values import place_of, with_value
+from elitescript.world_file import WORLD_SECTIONS, WorldFile, read_tables, tables_of
 
 if TYPE_CHECKING:
-    from elitescript.controller.views.trace import Trace
+    from elitescript.controller.controller import Controller
     from elitescript.messages.events import Event
-    from elitescript.robot import VirtualRobot
     from elitescript.run import Run
+
+ERROR: Final = "error"
+"""State of a run that could not begin, or whose device failed."""
 
 
 class Runner:
@@ -20,6 +48,10 @@ class Runner:
     Args:
         plan: of the sweep.
 
+    Attributes:
+        plan: see above.
+        problems: warnings about the program.
+
     Raises:
         UsageError: something in the plan makes no sense.
         ProgramError: the program does not compile.
@@ -27,14 +59,134 @@ class Runner:
 
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
+        self._model = _model_of(plan)
+        self._options = {**plan.options, "seed": 0}
+        for name in ("model", "model_text"):
+            self._options.pop(name, None)
+        self._files = {name: b64decode(data) for name, data in plan.files.items()}
+        self._levels, presets = parse_settings(list(plan.settings))
+        self._presets: dict[str, Any] = presets
+        self._python = PythonFiles(plan.python)
+        self._draw = Draw(plan.variations, plan.seed)
+        self._world_path = Path(plan.world_name or "world.toml")
+        self._tables = tables_of(self._world_path, plan.world) if plan.world else {}
+        if self._tables.get("world", {}).get("network") == REAL:
+            raise UsageError(f"{self._world_path}: [world] network: {REAL!r} is not allowed in a sweep, which is closed")
+        if isinstance(robot := self._tables.get(ROBOT_SECTION), dict) and "model" in robot:
+            # It is among the options of the plan.
+            self._tables = {**self._tables, ROBOT_SECTION: {key: robot[key] for key in robot if key != "model"}}
+        self._device_files = sorted(set(python_files(self._tables)))
+        self._has_world = any(section in self._tables for section in WORLD_SECTIONS) or bool(plan.chaos)
+        self._signal_names: list[str] = []
+        self._places: dict[str, Place] = {}
+        program_names: list[str] = []
+        for row in plan.variations:
+            if "." in row.name:
+                self._places[row.name] = place_of(row.name, self._tables)
+            elif row.name.partition("[")[0] in SIGNALS:
+                self._signal_names.append(row.name)
+            else:
+                program_names.append(row.name)
+        self._fixed_file = self._fixed()
+        self._unit, self._preset_names, self.problems = self._compiled(program_names)
+        self._check_extremes()
+
+    def _fixed(self) -> WorldFile | None:
+        """Return what the world file says of the robot, if that is the same in every run."""
+        sections = {place[0] for place in self._places.values()}
+        if sections - set(WORLD_SECTIONS):
+            return None
+        return read_tables(self._world_path, self.plan.world, self._tables, network=VIRTUAL, with_world=False)
+
+    def _compiled(self, names: Sequence[str]) -> tuple[Any, dict[str, str], tuple[Diagnostic, ...]]:
+        """Return the program, the preset of each name that is varied, and warnings."""
+        robot = self.robot(self._plain_choices())
+        source = SourceFile(self.plan.program_name, self.plan.program)
+        parsed = parse(source, robot.text_options(source))
+        found = put_presets(parsed, names) if parsed.is_complete or not parsed.has_errors else {}
+        known = {*self._presets, *found.values()}
+        checked = check_parsed(parsed, robot.profile, presets=known, arm=robot.model)
+        if checked.unit is None or checked.is_refused:
+            raise ProgramError(checked.problems)
+        return checked.unit, found, checked.problems
+
+    def _plain_choices(self) -> Choices:
+        values = {row.name: plain_value(row) for row in self.plan.variations}
+        return Choices(0, seed_of_run(self.plan.seed, 0), values)
+
+    def _check_extremes(self) -> None:
+        """Try the ends of each variation before the first run."""
+        plain = self._plain_choices()
+        for row in self.plan.variations:
+            for value in extremes(row):
+                try:
+                    self.robot(Choices(0, 0, {**plain.values, row.name: value}))
+                except UsageError as error:
+                    raise UsageError(f"--vary {row.name}: {value!r} is not possible: {error}") from error
+
+    # ---------------------------------------------------------------- one run
 
     def choices_of(self, run: int) -> Choices:
         """Return what is drawn for a run: the same for its number in every process."""
-        raise NotImplementedError
+        return Choices(run, seed_of_run(self.plan.seed, run), self._draw.values(run))
 
     def robot(self, choices: Choices, on_event: Callable[[Event], None] | None = None) -> VirtualRobot:
-        """Return the robot of a run before its program begins: with its values and disturbances."""
-        raise NotImplementedError
+        """Return the robot of a run before its program begins: with its values and disturbances.
+
+        Raises:
+            UsageError: a value makes no sense.
+        """
+        file = self._world_file(choices)
+        environment: Any = file.world
+        if environment is None:
+            environment = MemoryEnvironment(self._files)
+        options = {**self._options, **self._options_from(file)}
+        options["seed"] = choices.seed
+        robot = VirtualRobot(
+            self._model,
+            world=environment,
+            task_dir=self._files if file.world is not None else None,
+            on_event=on_event,
+            **options,
+        )
+        if file.world is None:
+            robot.cell = file.cell
+            robot.set_start(file.signals)
+        robot.set_start(self._levels)
+        robot.set_start({name: choices.values[name] for name in self._signal_names})  # type: ignore[misc]
+        return robot
+
+    def _options_from(self, file: WorldFile) -> dict[str, Any]:
+        """Return the options of the world file that none of the plan's goes before."""
+        if file.world is not None:
+            return {}
+        return {name: value for name, value in file.options.items() if name not in self._options}
+
+    def _world_file(self, choices: Choices) -> WorldFile:
+        tables = self._tables
+        for name, place in self._places.items():
+            tables = with_value(tables, place, choices.values[name])
+        if not self._has_world and self._fixed_file is not None:
+            return self._fixed_file
+        if self._has_world:
+            tables = with_value(tables, ("world", "seed"), choices.seed)
+        modules = self._python.modules(self._device_files)
+        if self._fixed_file is None:
+            text, path = self.plan.world, self._world_path
+            return read_tables(path, text, tables, network=VIRTUAL, modules=modules)
+        from elitescript.devices.scenario import build_world
+
+        # The sections about the robot are the same in every run, and read already.
+        beside = {section: table for section, table in tables.items() if section in WORLD_SECTIONS}
+        file = WorldFile()
+        file.options, file.signals, file.cell = (
+            self._fixed_file.options,
+            self._fixed_file.signals,
+            self._fixed_file.cell,
+        )
+        file.world = build_world(beside, self._world_path.parent, network=VIRTUAL, modules=modules)
+        file.world.settings = file
+        return file
 
     def run(self, choices: Choices) -> Row:
         """Run the program once."""
@@ -46,15 +198,73 @@ class Runner:
         *,
         trace: Trace | None = None,
         on_event: Callable[[Event], None] | None = None,
-    ) -> tuple[Row, Run]:
+    ) -> tuple[Row, Run | None]:
         """Run the program once, and look on: for a story, or for a page.
 
         Args:
             choices: of the run.
             trace: receives rows of the arm.
             on_event: receives every event at the moment it happens.
+
+        Returns:
+            The row, and the record; None if the run could not begin.
         """
-        raise NotImplementedError
+        run = None
+        try:
+            robot = self.robot(choices, on_event)
+            presets = {preset: choices.values[name] for name, preset in self._preset_names.items()}
+            run = robot.run(
+                self._unit,
+                until_s=self.plan.until_s,
+                presets={**self._presets, **presets},
+                trace=False if trace is None else trace,
+            )
+        except ElitescriptError as error:
+            failure = Failure(ERROR, ERROR, text=str(error))
+            return Row(choices, ERROR, None, failure=failure), run
+        return self._row(choices, run), run
+
+    def _row(self, choices: Choices, run: Run) -> Row:
+        failure = _failure_of(run, choices.disturbances)
+        return Row(choices, run.state, run.time_s, {}, digest_of(run), failure)
+
+
+def _failure_of(run: Run, disturbances: Sequence[Disturbance]) -> Failure | None:
+    """Return why a run failed that no property was given for: an alarm, or nothing could ever happen again."""
+    if not run.alarms:
+        return None
+    alarm = run.alarms[-1]
+    expression = "never_stuck" if run.state == "stuck" else "no_unhandled_alarm"
+    return Failure(expression, run.state, alarm.code, alarm.line, "", alarm.text, run.time_s)
+
+
+def _model_of(plan: Plan) -> RobotModel:
+    name = plan.options.get("model", "CS66")
+    text = plan.options.get("model_text", "")
+    return parse_model(name, text) if text else load_model(name)
+
+
+# ---------------------------------------------------------------- digests
+
+_DIGITS: Final = 9
+"""Decimals of lengths and angles that count, m and rad: the last bit of a sine is far below."""
+
+
+def digest_of(run: Run) -> str:
+    """Return 16 hexadecimal digits of the end of a run: state, ticks, positions, signals, texts, alarms."""
+    signals = sorted((name, _rounded(value)) for name, value in run.signals.items())
+    alarms = [(alarm.code, alarm.line, alarm.text) for alarm in run.alarms]
+    ends = [_rounded(value) for value in (*run.joints, *run.tcp_pose)]
+    content = (run.state, ticks_for(run.time_s), ends, signals, run.log, run.printed, alarms)
+    return sha256(repr(content).encode("utf-8", "backslashreplace")).hexdigest()[:16]
+
+
+def _rounded(value: Any) -> Any:
+    # No -0.0: it is the same place.
+    return round(value, _DIGITS) + 0.0 if type(value) is float else value
+
+
+# ---------------------------------------------------------------- in a child process
 
 
 def job(description: Any) -> Callable[[Any], Any]:
@@ -63,4 +273,9 @@ def job(description: Any) -> Callable[[Any], Any]:
     Args:
         description: a plan as JSON has it.
     """
-    raise NotImplementedError
+    runner = Runner(plan_of(description))
+
+    def row(order: Any) -> list[Any]:
+        return row_data(runner.run(runner.choices_of(order) if isinstance(order, int) else choices_of(order)))
+
+    return row
