@@ -13,6 +13,7 @@ import logging
 import re
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from math import ceil
 from time import monotonic
@@ -22,8 +23,12 @@ from elitescript import __version__
 from elitescript.errors import InternalError, UsageError
 from elitescript.records import NamedTuple
 from elitescript.sweep.cluster_worker import platform_here, run_order, run_range, work_bytes
+from elitescript.sweep.engine import JOB, row_of_result, rows_of_results
 from elitescript.sweep.executor import CRASHED, MAX_WALL_S, Result
+from elitescript.sweep.plan import Choices, Plan, Row
+from elitescript.sweep.plan_json import choices_data, plan_data
 from elitescript.sweep.reference import Platform, versions_here
+from elitescript.sweep.variations import Draw
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -147,36 +152,21 @@ class _Answer(NamedTuple):
     took_s: float
 
 
-class ClusterExecutor:
-    """Gives numbered pieces of work to a Dask cluster, as `Executor` gives them to processes of this computer.
+class Cluster:
+    """A connection with a Dask cluster, to which pieces of work are given. Used as a context manager.
 
     Args:
-        job: `module:function`, as for `Executor`.
-        description: JSON-able.
         address: of the scheduler, or a client that is connected with it.
-        max_wall_s: wall time of one piece of work; None for no limit.
-        memory_bytes: address space of a child, where the system can limit it.
         is_mixed: whether workers may differ in the last digits of sine and cosine.
         note: called with a line of text if there is something to wait for.
     """
 
-    def __init__(
-        self,
-        job: str,
-        description: Any,
-        *,
-        address: str | Client,
-        max_wall_s: float | None = MAX_WALL_S,
-        memory_bytes: int | None = None,
-        is_mixed: bool = False,
-        note: Callable[[str], None] = lambda text: None,
-    ) -> None:
+    def __init__(self, address: str | Client, *, is_mixed: bool, note: Callable[[str], None]) -> None:
         self._address = (
             check_address(address) if isinstance(address, str) else str(address.scheduler_info(n_workers=0)["address"])
         )
         self._client = None if isinstance(address, str) else address
         self._is_ours = self._client is None
-        self._work = work_bytes(job, description, max_wall_s, memory_bytes)
         self._is_mixed = is_mixed
         self._note = note
         self._digits: str | None = None
@@ -184,7 +174,7 @@ class ClusterExecutor:
         self._pace = Pace()
         self._quiet: Any = None
 
-    def __enter__(self) -> ClusterExecutor:
+    def __enter__(self) -> Cluster:
         try:
             from distributed import Client
         except ModuleNotFoundError:
@@ -215,15 +205,19 @@ class ClusterExecutor:
                 self._quiet.__exit__(None, None, None)
                 self._quiet = None
 
-    def results(self, wanted: Sequence[range]) -> Iterator[list[Result]]:
+    def results(self, work: bytes, wanted: Sequence[range]) -> Iterator[list[Result]]:
         """Yield what came of numbered work, a list for each task: numbers that follow each other, in any order.
+
+        Args:
+            work: what every task is given, of `work_bytes`.
+            wanted: numbers, without overlap.
 
         Raises:
             UsageError: a worker differs from the others, or cannot do the work, or the scheduler is gone.
         """
         pieces = Pieces(wanted)
         suspects: list[range] = []
-        for numbers, answer in self._answers(pieces):
+        for numbers, answer in self._answers(work, pieces):
             if answer.results is not None:
                 self._pace.learn(len(numbers), answer.took_s)
                 yield answer.results
@@ -233,28 +227,24 @@ class ClusterExecutor:
                 # It may have died of what ran beside it; so it is tried once more when nothing does.
                 suspects.append(numbers)
         for numbers in suspects:
-            for _, answer in self._answers(Pieces([numbers])):
+            for _, answer in self._answers(work, Pieces([numbers])):
                 yield answer.results or [Result(numbers.start, None, CRASHED)]
 
-    def results_of(self, orders: Sequence[Any]) -> list[Result]:
+    def results_of(self, work: bytes, orders: Sequence[Any]) -> list[Result]:
         """Return what came of work that has no number, in its order: each, JSON-able, is given to the job."""
         found: dict[int, Result] = {}
-        with _Tasks(self._connected(), self._work) as tasks:
+        with _Tasks(self._connected(), work, self._lost) as tasks:
             for index, order in enumerate(orders):
                 tasks.add(range(index, index + 1), run_order, json.dumps(order).encode())
             while tasks:
                 numbers, outcome = tasks.next()
                 results = self._answer(outcome).results
-                found[numbers.start] = results[0] if results else Result(0, None, CRASHED)
+                found[numbers.start] = results[0] if results else Result(-1, None, CRASHED)
         return [found[index] for index in range(len(orders))]
 
-    def result_of(self, order: Any) -> Result:
-        """Return what came of one such piece of work."""
-        return self.results_of([order])[0]
-
-    def _answers(self, pieces: Pieces) -> Iterator[tuple[range, _Answer]]:
+    def _answers(self, work: bytes, pieces: Pieces) -> Iterator[tuple[range, _Answer]]:
         """Give out what is there, also what is given back meanwhile, and yield what comes of it."""
-        with _Tasks(self._connected(), self._work) as tasks:
+        with _Tasks(self._connected(), work, self._lost) as tasks:
             while True:
                 self._count_threads()
                 while pieces.left and len(tasks) < self._pace.tasks():
@@ -271,14 +261,10 @@ class ClusterExecutor:
         Raises:
             UsageError: nothing that can be used.
         """
-        from concurrent.futures import CancelledError
-
         from distributed.scheduler import KilledWorker
 
         if isinstance(outcome, KilledWorker):
             return _Answer(None, 0.0)
-        if isinstance(outcome, CancelledError | OSError):
-            raise self._lost()
         if isinstance(outcome, Exception):
             # Most likely a worker that has joined late and has no elitescript, or another one.
             self._check_workers()
@@ -287,6 +273,8 @@ class ClusterExecutor:
         self._check_platform(answer["worker"], answer["platform"])
         if "refused" in answer:
             raise UsageError(answer["refused"])
+        if "failed" in answer:
+            raise UsageError(f"worker {answer['worker']}: {answer['failed']}")
         return _Answer([Result(*result) for result in answer["results"]], answer["took_s"])
 
     def _connected(self) -> Client:
@@ -365,15 +353,71 @@ class ClusterExecutor:
                 raise UsageError(f"{place}: has {name} {theirs}, here is {ours}; a cluster needs the same everywhere")
 
 
+class ClusterEngine:
+    """Runs plans on a Dask cluster. Implements `Engine`.
+
+    Args:
+        address: of the scheduler, or a client that is connected with it.
+        max_wall_s: wall time of one run, after which it is given up; None for no limit.
+        memory_bytes: address space of a child process; None for no limit.
+        is_mixed: whether workers may differ in the last digits of sine and cosine.
+        note: called with a line of text if there is something to wait for.
+    """
+
+    def __init__(
+        self,
+        address: str | Client,
+        *,
+        max_wall_s: float | None = MAX_WALL_S,
+        memory_bytes: int | None = None,
+        is_mixed: bool = False,
+        note: Callable[[str], None] = lambda text: None,
+    ) -> None:
+        self._cluster = Cluster(address, is_mixed=is_mixed, note=note)
+        self._limits = max_wall_s, memory_bytes
+
+    def __enter__(self) -> ClusterEngine:
+        self._cluster.__enter__()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._cluster.__exit__()
+
+    def rows(self, plan: Plan, wanted: Sequence[range]) -> Iterator[list[Row]]:
+        """Yield the rows of runs as they come; see `Engine`."""
+        draw = Draw(plan.variations, plan.seed)
+        for results in self._cluster.results(self._work(plan), wanted):
+            yield [row_of_result(plan, draw, result) for result in results]
+
+    def rows_of(self, plan: Plan, choices: Sequence[Choices]) -> list[Row]:
+        """Return the rows of runs with given choices, in their order; see `Engine`."""
+        results = self._cluster.results_of(self._work(plan), [choices_data(one) for one in choices])
+        return rows_of_results(choices, results)
+
+    def row(self, plan: Plan, choices: Choices) -> Row:
+        """Return the row of one such run; see `Engine`."""
+        return self.rows_of(plan, [choices])[0]
+
+    def _work(self, plan: Plan) -> bytes:
+        return work_bytes(JOB, plan_data(plan), *self._limits)
+
+
 class _Tasks:
-    """Tasks that are under way on a cluster; what is not fetched is cancelled at the end."""
+    """Tasks that are under way on a cluster; what is not fetched is cancelled at the end.
 
-    __slots__ = ("_client", "_done", "_items", "_work")
+    Args:
+        client: of the cluster.
+        work: what every task is given.
+        lost: makes what is raised when the scheduler has gone.
+    """
 
-    def __init__(self, client: Client, work: bytes) -> None:
+    __slots__ = ("_client", "_done", "_items", "_lost", "_work")
+
+    def __init__(self, client: Client, work: bytes, lost: Callable[[], Exception]) -> None:
         from distributed import as_completed
 
         self._client = client
+        self._lost = lost
         # A task of its own: it is sent to each worker once, and made again if all of those that have it are gone.
         self._work = client.submit(bytes, work, pure=False)
         self._done = as_completed(loop=client.loop)
@@ -399,13 +443,14 @@ class _Tasks:
         self._done.add(future)
 
     def next(self) -> tuple[range, bytes | Exception]:
-        """Wait for a task, and return its numbers with its result, or with what was raised."""
+        """Wait for a task, and return its numbers with its result, or with what it has raised."""
         future = next(self._done)
         numbers = self._items.pop(future)
         try:
-            return numbers, future.result()
-        except Exception as error:
-            return numbers, error
+            error = future.exception() if future.status == "error" else None
+            return numbers, future.result() if error is None else error
+        except (CancelledError, OSError):
+            raise self._lost() from None
         finally:
             future.release()
 

@@ -68,6 +68,8 @@ def _answer(work: bytes, do: Callable[[Executor], list[Result]]) -> bytes:
                 answer["results"] = do(executor)
         except ElitescriptError as error:
             answer["refused"] = str(error)
+        except OSError as error:
+            answer["failed"] = str(error)
     answer["took_s"] = monotonic() - began
     return json.dumps(answer, separators=(",", ":")).encode()
 

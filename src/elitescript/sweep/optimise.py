@@ -7,9 +7,8 @@ seeds, variations and disturbances as every other candidate.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from math import isfinite, log10, floor
+from math import floor, isfinite, log10
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import UsageError
@@ -138,11 +137,11 @@ def check_search(search: Search) -> None:
         UsageError: the text names the option.
     """
     if not search.over:
-        raise UsageError("--minimise, --maximise: say with --over what may change, such as --over 'speed=uniform(0.1, 1)'")
+        raise UsageError("--minimise, --maximise: say what may change, as --over 'speed=uniform(0.1, 1)'")
     varied = {row.name for row in search.plan.variations}
     for row in search.over:
         if row.kind == "normal":
-            raise UsageError(f"--over {row.name}: normal has no ends; write uniform(a, b), choice(...) or grid(a, b, n)")
+            raise UsageError(f"--over {row.name}: normal has no ends; write uniform, choice or grid")
         if row.name in varied:
             raise UsageError(f"--over {row.name}: --vary draws it; it cannot be chosen as well")
     if not 1 <= search.repeats <= search.runs:
@@ -187,7 +186,7 @@ def best_of(search: Search, candidates: Sequence[Candidate]) -> Candidate | None
 
 def rounded(variation: Variation, value: float) -> float:
     """Return a number near a value, within the range, with few digits."""
-    low, high = (float(end) for end in variation.arguments[:2])  # type: ignore[arg-type]
+    low, high = (float(end) for end in variation.arguments[:2])
     if low == high:
         return low
     digits = DIGITS - floor(log10(high - low))
@@ -299,7 +298,7 @@ def _neighbours(row: Variation, value: Any) -> Iterator[tuple[str, Any]]:
         if at + 1 < len(all_points):
             yield "high", all_points[at + 1]
         return
-    low, high = (float(end) for end in row.arguments)  # type: ignore[arg-type]
+    low, high = (float(end) for end in row.arguments)
     step = STEP * (high - low)
     for side, other in (("low", rounded(row, value - step)), ("high", rounded(row, value + step))):
         if other != value:
@@ -335,7 +334,10 @@ class _Sampler:
     def ask(self, count: int) -> list[tuple[Trial, dict[str, Any]]]:
         """Return so many candidates, all before any of them is told."""
         trials = [self._study.ask(self._distributions) for _ in range(count)]
-        return [(trial, {row.name: self._value(row, trial.params[row.name]) for row in self._search.over}) for trial in trials]
+        return [
+            (trial, {row.name: self._value(row, trial.params[row.name]) for row in self._search.over})
+            for trial in trials
+        ]
 
     def tell(self, trial: Trial, candidate: Candidate) -> None:
         """Note what came of a candidate.
@@ -355,7 +357,7 @@ class _Sampler:
 
         if row.kind == "uniform":
             low, high = row.arguments
-            return FloatDistribution(float(low), float(high))  # type: ignore[arg-type]
+            return FloatDistribution(float(low), float(high))
         if row.kind == "grid":
             self._grids[row.name] = Draw((row,), 0)
             return IntDistribution(0, int(row.arguments[2]) - 1)
