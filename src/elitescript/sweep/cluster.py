@@ -189,7 +189,7 @@ class Cluster:
                 except OSError as error:
                     raise UsageError(f"--dask {self._address}: no Dask scheduler answers there: {error}") from None
             self._check_scheduler()
-            self._check_workers()
+            self.check_workers()
         except BaseException:
             self.__exit__()
             raise
@@ -267,7 +267,7 @@ class Cluster:
             return _Answer(None, 0.0)
         if isinstance(outcome, Exception):
             # Most likely a worker that has joined late and has no elitescript, or another one.
-            self._check_workers()
+            self.check_workers()
             raise outcome
         answer = json.loads(outcome)
         self._check_platform(answer["worker"], answer["platform"])
@@ -319,7 +319,7 @@ class Cluster:
             raise UsageError(f"--dask {self._address}: {_CANNOT.format('the scheduler', error)}") from None
         self._check_versions(f"scheduler {self._address}", versions)
 
-    def _check_workers(self) -> None:
+    def check_workers(self) -> None:
         """Compare the platforms of all workers that are there."""
         try:
             answers = self._connected().run(platform_here, on_error="return")
