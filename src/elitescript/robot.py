@@ -201,6 +201,11 @@ class VirtualRobot:
         """What runs its programs."""
         return self._host
 
+    @property
+    def surroundings(self) -> Surroundings | None:
+        """Devices and wires beside it; None if it has none."""
+        return self._outside.surroundings
+
     def threads(self) -> tuple[Any, ...]:
         """Return every script thread: name, line and what it waits for."""
         return self._host.threads()

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.devices.surroundings import REAL, VIRTUAL, RobotSettings
 from elitescript.devices.toml_lines import Path as TomlPath
-from elitescript.devices.toml_lines import lines_of, nearest
+from elitescript.devices.toml_lines import line_of_refusal, lines_of, nearest
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.kernel.options import ROBOT_SECTION, SECTIONS, options_of_table
 from elitescript.messages.signals import Value
@@ -106,10 +106,10 @@ def tables_of(file: Path, text: str) -> dict[str, Any]:
     try:
         tables = tomllib.loads(text)
     except RecursionError:
-        raise UsageError(f"{file}:{_line_of_refusal(text, RecursionError())}: it is nested too deeply") from None
+        raise UsageError(f"{file}:{line_of_refusal(text, RecursionError())}: it is nested too deeply") from None
     except ValueError as error:  # a TOMLDecodeError, or what a number of thousands of digits gives
         hint = '; names with an index stand in quotes: "standard_digital_in[3]" = true' if _has_bare_index(text) else ""
-        line = _line_of_refusal(text, error)
+        line = line_of_refusal(text, error)
         raise UsageError(f"{file}:{line}: the world file is not TOML: {error}{hint}") from error
     if (huge := _huge(tables, ())) is not None:
         line = nearest(lines_of(text), huge)
@@ -326,18 +326,6 @@ def _place_in(message: str) -> tuple[str, int, list[str]]:
     if message.startswith("[[") and words and words[0].isdecimal():
         number = int(words.pop(0))
     return place, number, words
-
-
-def _line_of_refusal(text: str, error: Exception) -> int:
-    """Return the line at which `tomllib` gave up."""
-    found = re.search(r"\(at line (\d+)", str(error))
-    if found:
-        return int(found[1])
-    if "end of document" in str(error):
-        return max(1, len(text.splitlines()))
-    # A number with too many digits, or too many brackets: the line that has most of them.
-    numbered = enumerate(text.splitlines(), 1)
-    return max(numbered, key=lambda row: len(re.sub(r"[^0-9\[{]", "", row[1])), default=(1, ""))[0]
 
 
 def _has_bare_index(text: str) -> bool:

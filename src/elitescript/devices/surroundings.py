@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
+    from elitescript.devices.channels.faults import Fault
+    from elitescript.devices.channels.faulty_channels import Passing
     from elitescript.messages.events import Event
     from elitescript.messages.inputs import Input
     from elitescript.messages.machine import DisturbInput, EndInputFaults, WriteSignal
@@ -106,6 +108,17 @@ class Surroundings:
     def fault_places(self) -> Sequence[tuple[str, str, str]]:
         """Return what can have faults: each place, its kind in the table of faults, and the device there."""
         return ()
+
+    def check_fault(self, fault: Fault) -> Fault:
+        """Refuse a fault that makes no sense here, else return it with the place that it means.
+
+        Raises:
+            UsageError: it makes no sense.
+        """
+        return fault
+
+    def hear(self, listener: Callable[[Passing], Any]) -> None:
+        """Have a function called with each message that passes between programs and devices, from now on."""
 
     def faults_so_far(self) -> Sequence[tuple[str, str]]:
         """Return place and kind of every fault that has been asked for."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Final
 
@@ -25,6 +26,18 @@ def nearest(lines: Mapping[Path, int], path: Path) -> int:
     while path and path not in lines:
         path = path[:-1]
     return lines.get(path, 1)
+
+
+def line_of_refusal(text: str, error: Exception) -> int:
+    """Return the line, from 1, at which `tomllib` gave up on a text."""
+    found = re.search(r"\(at line (\d+)", str(error))
+    if found:
+        return int(found[1])
+    if "end of document" in str(error):
+        return max(1, len(text.splitlines()))
+    # A number with too many digits, or too many brackets: the line that has most of them.
+    numbered = enumerate(text.splitlines(), 1)
+    return max(numbered, key=lambda row: len(re.sub(r"[^0-9\[{]", "", row[1])), default=(1, ""))[0]
 
 
 class _TomlScanner:

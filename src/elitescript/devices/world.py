@@ -12,6 +12,7 @@ from typing import Any, Final
 from elitescript.devices.agenda import Agenda, DeviceError
 from elitescript.devices.channels.faults import (
     DEVICE,
+    INPUTS,
     TABLE,
     Fault,
     check_protocol,
@@ -20,7 +21,7 @@ from elitescript.devices.channels.faults import (
     nowhere,
     place_of,
 )
-from elitescript.devices.channels.faulty_channels import FaultyChannels
+from elitescript.devices.channels.faulty_channels import FaultyChannels, Passing
 from elitescript.devices.channels.machine_faults import channel_fault, input_request
 from elitescript.devices.channels.network import VirtualNetwork
 from elitescript.devices.device import Device, DeviceContext, misspelt
@@ -147,8 +148,13 @@ class World(Surroundings):
 
     def fault_places(self) -> list[tuple[str, str, str]]:
         places = [(place, device) for device in self.devices for place in self.network.places(device)]
-        places += [(name, device) for device in self.devices for name in device.driven_inputs]
+        names = [(name, device) for device in self.devices for name in device.driven_inputs]
+        places += [(name, device) for name, device in names if name.partition("[")[0] in INPUTS]
         return [(str(place), place_of(place)[0], device.name or device.title) for place, device in places]
+
+    def hear(self, listener: Callable[[Passing], Any]) -> None:
+        """Have a function called with each message that passes between programs and devices, from now on."""
+        self._faulty.on_message = listener
 
     def faults_so_far(self) -> list[tuple[str, str]]:
         return [(str(fault.on), fault.kind) for fault in self._faults]

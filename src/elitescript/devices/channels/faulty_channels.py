@@ -14,7 +14,7 @@ from elitescript.messages.enums import ChannelError
 from elitescript.messages.faults import ChannelFault
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
 from elitescript.messages.line import LineSettings
-from elitescript.records import replace
+from elitescript.records import NamedTuple, replace
 from elitescript.runtime.environment import Channels
 
 PAUSE_TICKS: Final = 2
@@ -25,6 +25,20 @@ REFUSED: Final = "connection refused"
 
 Pieces = list[tuple[int, bytes]]
 """Parts of a message with the ticks that each comes later."""
+
+
+class Passing(NamedTuple):
+    """A message, or the part of one that has come in a tick, on its way over a channel."""
+
+    tick: int
+    place: tuple[str, str, int]
+    """As `ChannelFault.place`."""
+    direction: str
+    """`to_robot` or `to_device`."""
+    data: bytes
+    """As it was sent."""
+    faults: tuple[tuple[str, int | str], ...]
+    """Kind and place of each fault that it meets."""
 
 
 class _Active:
@@ -91,6 +105,9 @@ class FaultyChannels:
         faults: from the start.
         seed: of what is drawn.
         say: called with a text when a fault acts for the first time.
+
+    Attributes:
+        on_message: called with each message that passes, whether a fault meets it or not.
     """
 
     __slots__ = (
@@ -106,6 +123,7 @@ class FaultyChannels:
         "_last",
         "_say",
         "_seed",
+        "on_message",
     )
 
     def __init__(
@@ -131,6 +149,7 @@ class FaultyChannels:
         """Channels of which something is held back, closed ones too, by their identity."""
         self._held = 0
         """Counts what was held back."""
+        self.on_message: Callable[[Passing], Any] | None = None
         for fault in faults:
             self.put(fault)
 
@@ -393,20 +412,27 @@ class FaultyChannels:
             direction == TO_ROBOT and channel.place[0] == LINE and self._agenda.tick - channel.last_data <= PAUSE_TICKS
         )
         pieces: Pieces = [(0, data)]
+        met: list[ChannelFault] = []
         for active in self._active:
             fault = active.fault
             if not _is_at(channel.place, active.place) or not active.is_on(self._agenda.tick):
                 continue
             if fault.kind == "disconnect":
-                return []
+                met.append(fault)
+                pieces = []
+                break
             way = TO_ROBOT if fault.kind == "wrong_reply" else fault.direction
             if fault.kind not in _EFFECTS or way not in (BOTH, direction):
                 continue
             is_met = self._meets(active, channel, direction, is_continued)
             if is_met:
                 self._acts(active)
+                met.append(fault)
                 key = (self._seed, active.number, active.seen, self._agenda.tick)
                 pieces = _EFFECTS[fault.kind](active.fault, pieces, channel.request, key, is_continued)
+        if self.on_message is not None:
+            faults = tuple((fault.kind, fault.on) for fault in met)
+            self.on_message(Passing(self._agenda.tick, channel.place, direction, data, faults))
         return [piece for piece in pieces if piece[1]]
 
     def _meets(self, active: _Active, channel: _FaultyChannel, direction: str, is_continued: bool) -> bool:

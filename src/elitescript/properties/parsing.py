@@ -1,0 +1,103 @@
+"""Reads `--ensure` and `--measure`: expressions, functions of Python files, properties with names.
+
+| text | what it is |
+|---|---|
+| `max_of(tcp_speed) < 0.5` | an expression; see docs/reference/expressions.md |
+| `checks.py:is_stacked` | a function, which is given the finished run |
+| `never_stuck`, `limits(0.9)` | a property with a name, if the caller has such |
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Callable, Collection, Mapping
+from typing import Any, Final
+
+from elitescript.errors import UsageError, did_you_mean
+from elitescript.properties.expressions import ExpressionMeasure, ExpressionProperty
+from elitescript.properties.functions_of_files import FunctionMeasure, FunctionProperty
+from elitescript.properties.grammar import TEXT_MAX, tree_of
+from elitescript.properties.places import wrong_at
+from elitescript.properties.verdicts import Measure, Property
+
+Named = Mapping[str, Callable[..., Property]]
+"""Makes the properties that have names, such as `limits`, from the literals in their brackets."""
+
+_PLACE: Final = re.compile(r"\s*(?P<file>[^\n]+\.py):(?P<function>[^\n:]*?)\s*", re.ASCII)
+
+
+def function_place(text: str) -> tuple[str, str] | None:
+    """Return file and function of a text such as `checks.py:is_stacked`; None if it is none."""
+    found = _PLACE.fullmatch(text) if len(text) <= TEXT_MAX else None
+    return None if found is None else (found["file"], found["function"])
+
+
+def parse_property(
+    text: str,
+    program_globals: Collection[str] | None = None,
+    *,
+    files: Mapping[str, str] | None = None,
+    named: Named | None = None,
+) -> Property:
+    """Return a property.
+
+    Args:
+        text: as written.
+        program_globals: names of the globals that the program has; any name is taken if None.
+        files: texts of Python files, by the path that is written.
+        named: makes properties that have names.
+
+    Raises:
+        UsageError: it makes no sense; with the place.
+    """
+    if (place := function_place(text)) is not None:
+        return FunctionProperty(text.strip(), *_function(place, files))
+    named = named or {}
+    match tree_of(text.strip()):
+        case ast.Name(id=name) if name in named:
+            return _made(text, None, named[name], name, [])
+        case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) as call if name in named:
+            return _made(text, call, named[name], name, arguments)
+    try:
+        return ExpressionProperty(text, program_globals)
+    except UsageError as error:
+        name = text.strip()
+        near = did_you_mean(name, named) if name.isidentifier() else ""
+        raise UsageError(f"{error}{near and f'{chr(10)}  properties with names: {near[2:]}'}") from None
+
+
+def parse_measure(
+    text: str, program_globals: Collection[str] | None = None, *, files: Mapping[str, str] | None = None
+) -> Measure:
+    """Return a measure; arguments and errors are those of `parse_property`."""
+    if (place := function_place(text)) is not None:
+        return FunctionMeasure(text.strip(), *_function(place, files))
+    return ExpressionMeasure(text, program_globals)
+
+
+def _function(place: tuple[str, str], files: Mapping[str, str] | None) -> tuple[str, str, str]:
+    """Return path, text and name of a function.
+
+    Raises:
+        UsageError: the file was not read.
+    """
+    path, name = place
+    if files is None or path not in files:
+        raise UsageError(f"{path}: no such file")
+    return path, files[path], name
+
+
+def _made(
+    text: str, call: ast.Call | None, make: Callable[..., Property], name: str, arguments: list[ast.expr]
+) -> Property:
+    values: list[Any] = []
+    for argument in arguments:
+        try:
+            values.append(ast.literal_eval(argument))
+        except ValueError:
+            raise wrong_at(text.strip(), argument, f"{name} takes literals, such as {name}(0.9)") from None
+    try:
+        return make(*values)
+    except TypeError:
+        raise wrong_at(text.strip(), call, f"{name} does not take these arguments") from None
