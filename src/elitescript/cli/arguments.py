@@ -62,6 +62,66 @@ def add_run(parser: Parser) -> None:
     _add_json_lines(parser)
 
 
+def add_sweep(parser: Parser) -> None:
+    from elitescript.cli.robot_options import add_options
+    from elitescript.environment.process import MEMORY_DEFAULT
+    from elitescript.sweep.executor import MAX_WALL_S
+
+    parser.description = (
+        "Run a program many times and say what holds. Exit code: 0 all hold, 1 something failed, 2 usage, 3 the program "
+        "does not compile, 130 Ctrl-C."
+    )
+    parser.add_argument("file", metavar="FILE", help="program text, UTF-8")
+    parser.add_argument(
+        "--vary",
+        action="append",
+        default=[],
+        metavar="NAME=KIND(...)",
+        help="a signal, a constant or global of the program, or a world setting such as box.table.x: uniform(a,b), "
+        "normal(mean,deviation), choice(a,b,...), grid(a,b,points); may be repeated",
+    )
+    parser.add_argument("--runs", type=int, metavar="N", help="number of runs (default: every grid point once, else 100)")
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of everything that is drawn (default 0)")
+    parser.add_argument(
+        "--ensure",
+        action="append",
+        default=[],
+        metavar="EXPRESSION|FILE.py:FUNCTION",
+        help="what must hold in every run; may be repeated (default: never_stuck and no_alarm)",
+    )
+    parser.add_argument(
+        "--measure", action="append", default=[], metavar="NAME=EXPRESSION", help="a column of numbers; may be repeated"
+    )
+    parser.add_argument("--chaos", metavar="PROFILE", help="what goes wrong: channels, inputs, people, all, or FILE.toml")
+    parser.add_argument("--margins", action="store_true", help="a column with the margin of each property")
+    parser.add_argument(
+        "--step", type=float, metavar="SECONDS", help="time between two rows of a moving arm that properties see"
+    )
+    parser.add_argument("--out", metavar="FILE.csv|jsonl|parquet", help="table of the runs, in their order")
+    parser.add_argument("--resume", action="store_true", help="go on with a sweep that was ended before its table")
+    parser.add_argument("--jobs", type=int, metavar="N", help="processes (default: one for each processor)")
+    add_options(parser, "sweep")
+    _add_until(parser, "end a run after so much virtual time")
+    parser.add_argument(
+        "--max-wall",
+        type=float,
+        default=MAX_WALL_S,
+        metavar="SECONDS",
+        help="give up a run after so much wall time (default %(default)g)",
+    )
+    parser.add_argument(
+        "--memory-limit",
+        default=MEMORY_DEFAULT,
+        metavar="SIZE",
+        help="memory that a process may have, such as 8GiB (default %(default)s)",
+    )
+    parser.add_argument("--task-dir", metavar="DIR", help=f"{FOLDER_OF_FILE}; each run has a copy")
+    _add_set(parser, "signal or global at the start of every run; may be repeated")
+    _add_world(parser, "what is around the robot, as for run")
+    _add_color(parser)
+    _add_json_lines(parser)
+
+
 def add_check(parser: Parser) -> None:
     from elitescript.cli.robot_options import add_options
 
@@ -396,6 +456,7 @@ def add_completion(parser: Parser) -> None:
 
 COMMANDS: Final[dict[str, tuple[str, Callable[[Parser], None]]]] = {
     "run": ("run a program to its end in virtual time", add_run),
+    "sweep": ("run a program many times and say what holds", add_sweep),
     "check": ("report every problem of programs without running them", add_check),
     "fmt": ("lay out programs without changing what they do", add_fmt),
     "plot": ("write a page that shows a program's run, or a trace", add_plot),

@@ -215,7 +215,7 @@ class RobotOptions:
         Text(),
         flag="--robot",
         metavar="MODEL",
-        commands=("run", "plot", "check", "serve", "studio"),
+        commands=("run", "sweep", "plot", "check", "serve", "studio"),
     )
     model_text: str = option("", "text of the file of an own arm; empty for a model of the package")
     firmware: str = option(
@@ -223,7 +223,7 @@ class RobotOptions:
         "controller firmware",
         Text(tuple(PROFILES)),
         flag="--firmware",
-        commands=("run", "plot", "check", "serve", "studio"),
+        commands=("run", "sweep", "plot", "check", "serve", "studio"),
     )
     seed: int = option(0, "seed of random()", Whole(), flag="--seed", metavar="N", commands=("run", "plot", "serve"))
     first_tick: int = option(0, "number of the first tick; of a robot that goes on where another one ended")
@@ -234,7 +234,7 @@ class RobotOptions:
         default_text="2024-01-01T00:00:00Z; of serve, the present time",
         flag="--epoch",
         metavar="TIME",
-        commands=("run",),
+        commands=("run", "sweep"),
     )
     joints: Six | None = option(
         None,
@@ -243,7 +243,7 @@ class RobotOptions:
         default_text="the model's home",
         flag="--joints",
         metavar="Q1,...,Q6",
-        commands=("run", "plot", "serve"),
+        commands=("run", "sweep", "plot", "serve"),
     )
     speed: float = option(
         1.0,
@@ -251,7 +251,7 @@ class RobotOptions:
         Number(0.0, 1.0),
         flag="--speed",
         metavar="0..1",
-        commands=("run", "plot", "serve"),
+        commands=("run", "sweep", "plot", "serve"),
     )
     power_on: bool = option(
         False,
@@ -294,10 +294,10 @@ class RobotOptions:
         Number(unit="s"),
         flag="--rpc-timeout",
         metavar="SECONDS",
-        commands=("run", "serve"),
+        commands=("run", "sweep", "serve"),
     )
     strict: bool = option(
-        False, "refuse what only warns otherwise", Switch(), flag="--strict", commands=("run", "check", "serve")
+        False, "refuse what only warns otherwise", Switch(), flag="--strict", commands=("run", "sweep", "check", "serve")
     )
     confirms_popups: bool = option(
         False, "confirm popups that block at once; if not, a client of the dashboard does", Switch()

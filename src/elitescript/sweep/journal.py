@@ -96,6 +96,15 @@ class Journal:
                     if row.choices.run < runs:
                         yield row
 
+    def rows_from(self, first: int) -> Iterator[Row]:
+        """Yield the rows from a number on, the first of a range that was added, up to the first that is missing."""
+        while first in self._places:
+            offset, stop = self._places[first]
+            with self.path.open("rb") as file:
+                file.seek(offset)
+                yield from map(row_of, _content(file.readline())["rows"])
+            first = stop
+
     def _write(self, content: Any) -> None:
         text = json.dumps(content, separators=(",", ":"), check_circular=False).encode("ascii")
         self._file.write(b"%b %08x\n" % (text, crc32(text)))
