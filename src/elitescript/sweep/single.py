@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from base64 import b64decode
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
@@ -79,7 +79,9 @@ class Runner:
         self._world_path = Path(plan.world_name or "world.toml")
         self._tables = tables_of(self._world_path, plan.world) if plan.world else {}
         if self._tables.get("world", {}).get("network") == REAL:
-            raise UsageError(f"{self._world_path}: [world] network: {REAL!r} is not allowed in a sweep, which is closed")
+            raise UsageError(
+                f"{self._world_path}: [world] network: {REAL!r} is not allowed in a sweep, which is closed"
+            )
         if isinstance(robot := self._tables.get(ROBOT_SECTION), dict) and "model" in robot:
             # It is among the options of the plan.
             self._tables = {**self._tables, ROBOT_SECTION: {key: robot[key] for key in robot if key != "model"}}
@@ -96,9 +98,7 @@ class Runner:
             else:
                 program_names.append(row.name)
         self._fixed_file = self._fixed()
-        self._plain = Choices(
-            0, seed_of_run(plan.seed, 0), {row.name: plain_value(row) for row in plan.variations}
-        )
+        self._plain = Choices(0, seed_of_run(plan.seed, 0), {row.name: plain_value(row) for row in plan.variations})
         robot = self.robot(self._plain)
         self._unit, self._preset_names, self.problems = self._compiled(program_names, robot)
         self.chaos = ChaosSession(plan, self._plain, robot, self._play_plain, self._source_of)
@@ -130,17 +130,18 @@ class Runner:
         names = {*self._unit.global_names, *self._presets, *self._preset_names.values()}
         known = {name for name in names if not name.startswith(MARK)}
         named = {name: partial(_named, self.chaos, name) for name in BUILT_INS}
-        with self._python.importing(plan.python):
-            properties = [
-                self.chaos.property(text)
-                if is_built_in(text)
-                else parse_property(text, known, files=plan.python, named=named)
-                for text in properties_of(plan)
-            ]
-            measures = {
-                name: parse_measure(text, known, files=plan.python) for name, text in plan.measures.items()
-            }
+        properties = [
+            self.chaos.property(text)
+            if is_built_in(text)
+            else parse_property(text, known, load=self._load, named=named)
+            for text in properties_of(plan)
+        ]
+        measures = {name: parse_measure(text, known, load=self._load) for name, text in plan.measures.items()}
         return Checks(properties, measures, plan.step_s)
+
+    def _load(self, path: str) -> Mapping[str, Any]:
+        """Return the names of a Python file of the plan, loaded anew."""
+        return vars(self._python.modules([path])[path])
 
     def _check_extremes(self) -> None:
         """Try the ends of each variation before the first run."""

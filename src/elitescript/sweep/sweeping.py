@@ -38,7 +38,9 @@ class Sweeping:
         for row in self.rows():
             self._count(row)
 
-    def go(self, engine: Engine, progress: Progress | None = None, in_order: Callable[[Row], None] | None = None) -> None:
+    def go(
+        self, engine: Engine, progress: Progress | None = None, in_order: Callable[[Row], None] | None = None
+    ) -> None:
         """Run what is missing.
 
         Args:
