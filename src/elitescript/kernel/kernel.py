@@ -287,7 +287,7 @@ class Kernel:
 
     def leap(self, tick: int) -> None:
         """Go to a tick that is not later than the next one at which anything is due."""
-        is_next = tick <= self.controller.tick + 1
+        is_next = not self._events or tick <= self.controller.tick + 1
         self.controller.leap(tick)
         if self._has_run:
             self._has_run = False
