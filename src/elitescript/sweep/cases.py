@@ -32,7 +32,6 @@ from __future__ import annotations
 
 import hashlib
 import os
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -49,8 +48,9 @@ from elitescript.sweep.chaos.kinds import KINDS, is_fault
 from elitescript.sweep.plan import Choices, Disturbance, Failure
 from elitescript.sweep.toml_text import TomlText
 
-_NAME: Final = re.compile(r"CASE(-\d+)?\.toml|.*\.case\.toml")
-"""Names of cases."""
+SUFFIX: Final = ".case.toml"
+FILE_NAME: Final = "CASE.toml"
+"""Names of cases: this one, and those that end so."""
 
 SECTIONS: Final = ("fault", "stop", "person")
 _KEYS: Final = (
@@ -123,7 +123,7 @@ class Case:
 
 def is_case(name: str) -> bool:
     """Return whether a file is a case, by its name."""
-    return _NAME.fullmatch(name) is not None
+    return name == FILE_NAME or name.endswith(SUFFIX)
 
 
 def digest_of(program: str) -> str:
