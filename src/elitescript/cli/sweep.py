@@ -129,9 +129,7 @@ def _is_random(plan: Plan) -> bool:
     return bool(plan.chaos) or any(row.kind != "grid" for row in plan.variations) or "random" in plan.program
 
 
-def _findings(
-    totals: Totals, runner: Runner, engine: Engine, places: Places, known: list[Remembered]
-) -> list[Finding]:
+def _findings(totals: Totals, runner: Runner, engine: Engine, places: Places, known: list[Remembered]) -> list[Finding]:
     """Return the first failures of each kind, shrunk; Ctrl-C leaves out the rest."""
     found: list[Finding] = []
     progress = progress_on(sys.stderr)
