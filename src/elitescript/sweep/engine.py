@@ -3,9 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Protocol
+from typing import Final, Protocol
 
-from elitescript.sweep.plan import Choices, Plan, Row
+from elitescript.sweep.executor import Result
+from elitescript.sweep.plan import Choices, Failure, Plan, Row
+from elitescript.sweep.plan_json import row_of
+from elitescript.sweep.seeds import seed_of_run
+from elitescript.sweep.variations import Draw
+
+JOB: Final = "elitescript.sweep.single:job"
+"""What a child process does for either engine."""
 
 
 class Engine(Protocol):
@@ -35,5 +42,39 @@ class Engine(Protocol):
             UsageError: the plan cannot be run there; the text names the worker if it is one.
         """
 
+    def rows_of(self, plan: Plan, choices: Sequence[Choices]) -> list[Row]:
+        """Return the rows of runs with choices that were not drawn, in their order: of a search for better values."""
+
     def row(self, plan: Plan, choices: Choices) -> Row:
-        """Return the row of one run with choices that were not drawn: of a case, or on the way to a smaller one."""
+        """Return the row of one such run: of a case, or on the way to a smaller one."""
+
+
+def row_of_result(plan: Plan, draw: Draw, result: Result) -> Row:
+    """Return the row of a run by its number.
+
+    Args:
+        plan: of the sweep.
+        draw: of its variations.
+        result: what came of the run.
+    """
+    if not result.lost:
+        return row_of(result.value)
+    run = result.number
+    return lost_row(Choices(run, seed_of_run(plan.seed, run), draw.values(run)), result.lost)
+
+
+def rows_of_results(choices: Sequence[Choices], results: Sequence[Result]) -> list[Row]:
+    """Return the rows of runs with given choices."""
+    pairs = zip(choices, results, strict=True)
+    return [lost_row(one, result.lost) if result.lost else row_of(result.value) for one, result in pairs]
+
+
+def lost_row(choices: Choices, state: str) -> Row:
+    """Return the row of a run that did not come back.
+
+    Args:
+        choices: of the run.
+        state: `hung` or `crashed`.
+    """
+    text = "it did not come back within --max-wall" if state == "hung" else "its process died, twice"
+    return Row(choices, state, None, failure=Failure(state, state, text=text))

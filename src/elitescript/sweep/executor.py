@@ -137,41 +137,50 @@ class Executor:
             UsageError: see `results`.
             ElitescriptError: see there.
         """
-        for attempt in range(1, DEATHS_MAX + 1):
-            child = self._free_child()
-            child.send(["order", order])
-            while True:
-                news_of, messages = self._next_news()
-                if messages is None:
-                    is_late = news_of.is_late(time.monotonic(), self._max_wall_s)
-                    self._remove(news_of)
-                    if news_of is not child:
-                        continue
-                    if is_late or attempt == DEATHS_MAX:
-                        return Result(-1, None, HUNG if is_late else CRASHED)
-                    break
-                for message in messages:
-                    self._note(news_of, message)
-                    if message[0] == "value":
-                        child.orders -= 1
-                        return Result(-1, message[1])
-        raise AssertionError
+        return self.results_of([order])[0]
 
-    def _free_child(self) -> _Child:
-        """Return a child that has nothing to do, once there is one."""
-        while True:
+    def results_of(self, orders: Sequence[Any]) -> list[Result]:
+        """Return what came of several such pieces of work, in their order.
+
+        Raises:
+            UsageError: see `results`.
+            ElitescriptError: see there.
+        """
+        found: dict[int, Result] = {}
+        waiting = deque(range(len(orders)))
+        under_way: dict[_Child, int] = {}
+        deaths: Counter[int] = Counter()
+        while len(found) < len(orders):
             for child in self._children:
-                if child.is_free:
-                    return child
-            if not self._children:
+                if child.is_free and waiting:
+                    under_way[child] = waiting.popleft()
+                    child.send(["order", orders[under_way[child]]])
+            for _ in range(min(self._jobs - len(self._children), len(waiting) - self._starting)):
                 self._start()
             child, messages = self._next_news()
             if messages is None:
+                lost = HUNG if child.is_late(time.monotonic(), self._max_wall_s) else CRASHED
+                index = under_way.pop(child, -1)
                 self._remove(child)
+                if index >= 0:
+                    deaths[index] += 1
+                    if lost == HUNG or deaths[index] >= DEATHS_MAX:
+                        found[index] = Result(-1, None, lost)
+                    else:
+                        waiting.appendleft(index)
             for message in messages or ():
                 self._note(child, message)
+                if message[0] == "value":
+                    child.orders -= 1
+                    found[under_way.pop(child)] = Result(-1, message[1])
+        return [found[index] for index in range(len(orders))]
 
     # ---------------------------------------------------------------- children
+
+    @property
+    def _starting(self) -> int:
+        """How many children have not begun."""
+        return sum(not child.is_ready for child in self._children)
 
     def _start(self) -> _Child:
         child = _Child(self._job, self._first_frame, self._memory_bytes or 0, self._news)
@@ -196,8 +205,7 @@ class Executor:
                 size = min(RANGE_MAX, int(RANGE_S / self._each_s)) if self._each_s else FIRST_RANGE
                 child.unfinished = numbers = work.next_range(max(1, min(size, -(-work.waiting // (2 * self._jobs)))))
                 child.send(["range", numbers.start, numbers.stop])
-        starting = sum(not child.is_ready for child in self._children)
-        for _ in range(min(self._jobs - len(self._children), work.waiting - starting)):
+        for _ in range(min(self._jobs - len(self._children), work.waiting - self._starting)):
             self._start()
 
     def _next_news(self) -> tuple[_Child, list[Any] | None]:

@@ -1,0 +1,187 @@
+"""Runs on a Dask cluster: the same rows as here, whatever happens to its workers."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from elitescript.errors import UsageError
+from elitescript.sweep import cluster, cluster_worker
+from elitescript.sweep.cluster import ClusterEngine, Pace, Pieces, check_address
+from elitescript.sweep.local import LocalEngine
+from elitescript.sweep.plan import Plan, Row, Variation
+from elitescript.sweep.plan_json import row_data
+
+pytest.importorskip("distributed", reason="extra `cluster`")
+
+PROGRAM = """\
+def cell():
+  SPEED = 1.0
+  movej([0, -1.57, -1.57, -1.57, 1.57, 0], v=SPEED)
+  if SPEED > 1.9:
+    halt()
+  end
+end
+"""
+PLAN = Plan(PROGRAM, variations=(Variation("SPEED", "uniform", (0.5, 2.0)),), seed=3)
+
+
+def rows_of(engine: Any, count: int, plan: Plan = PLAN) -> list[list[Any]]:
+    """Run the first runs of a plan; return their rows in the order of their numbers."""
+    with engine:
+        rows: list[Row] = [row for piece in engine.rows(plan, [range(count)]) for row in piece]
+    rows.sort(key=lambda row: row.choices.run)
+    assert [row.choices.run for row in rows] == list(range(count))
+    return [row_data(row) for row in rows]
+
+
+@pytest.fixture
+def here() -> Iterator[str]:
+    """A cluster of one worker with two threads, in this process."""
+    from distributed import LocalCluster
+
+    with LocalCluster(
+        n_workers=1, threads_per_worker=2, processes=False, protocol="tcp", host="127.0.0.1", dashboard_address=None
+    ) as found:
+        yield found.scheduler_address
+    cluster_worker.end_children()
+
+
+def test_rows_are_those_of_this_computer(here: str):
+    assert rows_of(ClusterEngine(here), 12) == rows_of(LocalEngine(1), 12)
+
+
+@pytest.mark.parametrize(
+    "address", ["127.0.0.1:8786", "tcp://", "tcp://host", "tcp://host:x", "http://host:1", "tcp://a b:1", "tcp://h:1;x"]
+)
+def test_an_address_that_is_none_is_refused(address: str):
+    with pytest.raises(UsageError, match="tcp://HOST"):
+        ClusterEngine(address)
+
+
+@pytest.mark.parametrize("address", ["tcp://10.0.0.1:8786", "tls://scheduler.example:8786", "tcp://[::1]:8786"])
+def test_an_address_of_a_scheduler_is_taken(address: str):
+    assert check_address(address) == address
+
+
+def test_nobody_at_the_address_is_said_after_a_while(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(cluster, "CONNECT_S", 0.2)
+    with pytest.raises(UsageError, match="no Dask scheduler answers"), ClusterEngine("tcp://127.0.0.1:9"):
+        pass
+
+
+def test_tls_without_certificates_is_refused_before_anything_is_sent():
+    with pytest.raises(UsageError, match="certificates"), ClusterEngine("tls://127.0.0.1:9"):
+        pass
+
+
+def test_a_plan_that_makes_no_sense_is_refused_as_here(here: str):
+    plan = Plan(PROGRAM, variations=(Variation("SPED", "uniform", (0.5, 2.0)),))
+    with pytest.raises(UsageError, match=r"^--vary SPED: the program has no such name"):
+        rows_of(ClusterEngine(here), 3, plan)
+
+
+OURS = ["0.1.0", "3.11", "3.1", "0" * 16]
+
+
+@pytest.mark.parametrize(
+    ("index", "other", "text"),
+    [
+        (0, "9.9", "worker tcp://b:1: has elitescript 9.9, here is 0.1.0"),
+        (1, "3.99", "worker tcp://b:1: has Python 3.99, here is 3.11"),
+        (2, "99.0", "worker tcp://b:1: has greenlet 99.0, here is 3.1"),
+        (3, "1" * 16, "worker tcp://b:1: its reference run ends in 1111111111111111"),
+    ],
+)
+def test_a_worker_that_differs_is_refused_by_its_name(
+    monkeypatch: pytest.MonkeyPatch, index: int, other: str, text: str
+):
+    monkeypatch.setattr(cluster, "versions_here", lambda: tuple(OURS[:3]))
+    theirs = [*OURS[:index], other, *OURS[index + 1 :]]
+    connection = cluster.Cluster("tcp://127.0.0.1:9", is_mixed=False, note=print)
+    monkeypatch.setattr(connection, "_client", Fake({"tcp://b:1": theirs, "tcp://a:1": OURS}))
+    with pytest.raises(UsageError) as caught:
+        connection.check_workers()
+    assert str(caught.value).startswith(text)
+
+
+def test_other_digits_are_taken_if_it_is_asked_for(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(cluster, "versions_here", lambda: tuple(OURS[:3]))
+    connection = cluster.Cluster("tcp://127.0.0.1:9", is_mixed=True, note=print)
+    monkeypatch.setattr(connection, "_client", Fake({"tcp://b:1": [*OURS[:3], "1" * 16], "tcp://a:1": OURS}))
+    connection.check_workers()
+
+
+def test_a_worker_without_elitescript_is_named():
+    connection = cluster.Cluster("tcp://127.0.0.1:9", is_mixed=False, note=print)
+    connection._client = Fake({"tcp://a:1": ModuleNotFoundError("No module named 'elitescript'")})  # type: ignore[assignment]
+    with pytest.raises(UsageError, match=r"worker tcp://a:1: elitescript cannot be imported .*elitescript\[cluster\]"):
+        connection.check_workers()
+
+
+class Fake:
+    """A client that has asked its workers."""
+
+    def __init__(self, answers: dict[str, Any]) -> None:
+        self.answers = answers
+
+    def run(self, *_: object, **__: object) -> dict[str, Any]:
+        return self.answers
+
+
+# ---------------------------------------------------------------- sizes of tasks
+
+
+def test_the_first_tasks_are_small_and_later_ones_take_their_time():
+    pace = Pace()
+    pace.threads = 4
+    assert pace.size(1_000_000) == cluster.FIRST
+    pace.learn(4, 4 * 0.003)
+    assert pace.size(1_000_000) == 500  # 1.5 s of runs of 3 ms
+
+
+def test_the_last_tasks_are_shared_by_all_but_not_too_short():
+    pace = Pace()
+    pace.threads = 4
+    pace.learn(100, 100 * 0.003)
+    assert pace.size(800) == 100
+    assert pace.size(80) == 33  # 0.1 s
+    pace.learn(1, 100.0)
+    assert pace.size(80) == 1
+
+
+def test_a_large_cluster_gets_longer_tasks_so_that_its_scheduler_keeps_up():
+    pace = Pace()
+    pace.threads = 1000
+    assert pace.task_s == 10.0
+    # 1,000 threads with tasks of 10 s: 100 tasks a second.
+    assert pace.tasks() == 3000
+
+
+def test_an_adaptive_cluster_sees_more_work_than_its_workers_have():
+    pace = Pace()
+    # It asks for a worker for each 5 s of work.
+    assert pace.tasks() * pace.task_s >= 2 * 5
+    pace.threads = 10
+    assert pace.tasks() * pace.task_s >= 2 * 10 * 5
+
+
+def test_every_number_is_given_out_once():
+    pieces = Pieces([range(0, 10), range(0), range(20, 25)])
+    assert pieces.left == 15
+    taken = [pieces.take(4)]
+    pieces.give_back(taken.pop(), 3)
+    assert pieces.left == 15
+    while pieces.left:
+        taken.append(pieces.take(4))
+    assert taken == [range(0, 2), range(2, 4), range(4, 8), range(8, 10), range(20, 24), range(24, 25)]
