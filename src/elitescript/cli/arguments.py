@@ -81,7 +81,9 @@ def add_sweep(parser: Parser) -> None:
         "normal(mean,deviation), choice(a,b,...), grid(a,b,points); may be repeated",
     )
     parser.add_argument("--runs", type=int, metavar="N", help="number of runs (default: every grid point once, else 100)")
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of everything that is drawn (default 0)")
+    parser.add_argument(
+        "--seed", dest="sweep_seed", type=int, default=0, metavar="N", help="of everything that is drawn (default 0)"
+    )
     parser.add_argument(
         "--ensure",
         action="append",
@@ -99,6 +101,9 @@ def add_sweep(parser: Parser) -> None:
     )
     parser.add_argument("--out", metavar="FILE.csv|jsonl|parquet", help="table of the runs, in their order")
     parser.add_argument("--resume", action="store_true", help="go on with a sweep that was ended before its table")
+    parser.add_argument(
+        "--no-cases", action="store_true", help="write no CASE.toml, and shrink no failure, nor play those that are there"
+    )
     parser.add_argument("--jobs", type=int, metavar="N", help="processes (default: one for each processor)")
     add_options(parser, "sweep")
     _add_until(parser, "end a run after so much virtual time")
