@@ -31,7 +31,9 @@ def written(path: Path) -> Path:
         "cell.script",
         "elitescript sweep cell.script",
         stories={first: ["The part lies too far away.", EVIL]},
-        replays={first: Replay(f"sweep.replays/run-{first}.html", "elitescript run cell.script --case cell.case.toml")},
+        run_command="elitescript sweep cell.script --only {run}",
+        replays={first: Replay(f"sweep.replays/run-{first}.html")},
+        smallest={first: Replay(f"sweep.replays/run-{first}-smallest.html", "elitescript run --case CASE.toml")},
     )
     path.write_text(sweep_page(Plan("", variations=BOX), totals, summary_of(totals), texts), encoding="utf-8")
     return path
@@ -49,13 +51,15 @@ def test_a_failing_run_is_found_and_leads_to_its_replay(context: Callable[..., P
     expect(failures).to_contain_text("always(ok) in line 12")
     expect(failures).to_contain_text(EVIL)
     expect(failures).to_contain_text("with part_x > ")
-    link = failures.get_by_role("link")
+    expect(failures.get_by_role("link", name="Replay of the smallest")).to_have_count(1)
+    expect(failures).to_contain_text("elitescript run --case CASE.toml")
+    link = failures.get_by_role("link").last
     assert (link.get_attribute("href") or "").startswith("sweep.replays/run-")
     run = page.get_by_role("region", name="Run", exact=True)
     run.get_by_role("button", name="Next failure").press("Enter")
     expect(run).to_contain_text("always(ok) in line 12")
     expect(run.get_by_role("link", name="Open the replay")).to_have_attribute("href", link.get_attribute("href") or "")
-    expect(run).to_contain_text("elitescript run cell.script --case cell.case.toml")
+    expect(run).to_contain_text("elitescript sweep cell.script --only ")
     run.get_by_label("Show the run of a number").fill("4000")
     run.get_by_label("Show the run of a number").press("Enter")
     expect(run).to_contain_text("Run 4000 is not among the rows")

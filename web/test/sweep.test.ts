@@ -5,8 +5,9 @@ import { readSweep, type Column, type Role, type Sweep } from "../src/sweep/data
 import { axisOf, binned, nearestRow, roundBins, shown, shownValue } from "../src/sweep/numbers.ts";
 import { State } from "../src/sweep/state.ts";
 
-const HEAD = { title: "t", command: "", case_command: "", version: "1", seed: 0, runs: 6, failed: 2, interval: null, cycle_s: null, lines: [], rows: 6, kinds_left_out: 0 };
-const ENTRY = { page: "", command: "", disturbances: [] };
+const HEAD = { title: "t", command: "", run_command: "", version: "1", seed: 0, runs: 6, failed: 2, interval: null, cycle_s: null, lines: [], rows: 6, kinds_left_out: 0 };
+const ENTRY = { page: "", disturbances: [] };
+const SMALLEST = { page: "", command: "" };
 
 function column(name: string, role: Role, values: readonly number[], labels: readonly string[] | null = null): Column {
   return { name, role, labels, values: role === "run" ? Int32Array.from(values) : labels !== null || role === "kind" ? Int16Array.from(values) : Float32Array.from(values) };
@@ -16,8 +17,8 @@ function sweep(given: Partial<Sweep> = {}): Sweep {
   return {
     ...HEAD, format: 1, holding: [4, 1], failing: [2, 1], nearest: [{ ...ENTRY, run: 3, property: "p", margin: 0.1 }],
     kinds: [
-      { number: 1, title: "second", text: "", story: [], region: "", count: 1, runs: [{ ...ENTRY, run: 40 }] },
-      { number: 0, title: "first", text: "", story: [], region: "", count: 1, runs: [{ ...ENTRY, run: 20 }] },
+      { number: 1, title: "second", text: "", story: [], smallest: SMALLEST, region: "", count: 1, runs: [{ ...ENTRY, run: 40 }] },
+      { number: 0, title: "first", text: "", story: [], smallest: SMALLEST, region: "", count: 1, runs: [{ ...ENTRY, run: 20 }] },
     ],
     columns: [
       column("run", "run", [1, 3, 20, 30, 40, 50]), column("kind", "kind", [-1, -1, 0, -1, 1, -1]), column("x", "varied", [0, 1, 2, 3, 4, NaN]),

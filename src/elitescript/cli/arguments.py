@@ -80,7 +80,9 @@ def add_sweep(parser: Parser) -> None:
         help="a signal, a constant or global of the program, or a world setting such as box.table.x: uniform(a,b), "
         "normal(mean,deviation), choice(a,b,...), grid(a,b,points); may be repeated",
     )
-    parser.add_argument("--runs", type=int, metavar="N", help="number of runs (default: every grid point once, else 100)")
+    parser.add_argument(
+        "--runs", type=int, metavar="N", help="number of runs (default: every grid point once, else 100)"
+    )
     parser.add_argument(
         "--seed", dest="sweep_seed", type=int, default=0, metavar="N", help="of everything that is drawn (default 0)"
     )
@@ -94,15 +96,23 @@ def add_sweep(parser: Parser) -> None:
     parser.add_argument(
         "--measure", action="append", default=[], metavar="NAME=EXPRESSION", help="a column of numbers; may be repeated"
     )
-    parser.add_argument("--chaos", metavar="PROFILE", help="what goes wrong: channels, inputs, people, all, or FILE.toml")
+    parser.add_argument(
+        "--chaos", metavar="PROFILE", help="what goes wrong: channels, inputs, people, all, or FILE.toml"
+    )
     parser.add_argument("--margins", action="store_true", help="a column with the margin of each property")
     parser.add_argument(
         "--step", type=float, metavar="SECONDS", help="time between two rows of a moving arm that properties see"
     )
     parser.add_argument("--out", metavar="FILE.csv|jsonl|parquet", help="table of the runs, in their order")
+    parser.add_argument(
+        "--page", metavar="FILE.html", help="a page with plots and failures; replays are in the folder FILE.replays"
+    )
+    parser.add_argument("--only", type=int, metavar="RUN", help="only the run of this number; with --page, its replay")
     parser.add_argument("--resume", action="store_true", help="go on with a sweep that was ended before its table")
     parser.add_argument(
-        "--no-cases", action="store_true", help="write no CASE.toml, and shrink no failure, nor play those that are there"
+        "--no-cases",
+        action="store_true",
+        help="write no CASE.toml, and shrink no failure, nor play those that are there",
     )
     parser.add_argument("--jobs", type=int, metavar="N", help="processes (default: one for each processor)")
     add_options(parser, "sweep")

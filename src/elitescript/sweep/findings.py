@@ -183,4 +183,3 @@ def remembered(runner: Runner, engine: Engine, places: Places) -> list[Remembere
         row = engine.row(plan, case.choices)
         found.append(Remembered(path, row, is_same(row.failure, case.failure)))
     return found
-

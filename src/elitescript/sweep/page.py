@@ -47,7 +47,7 @@ class Replay:
 
     Attributes:
         page: address of its page beside that of the sweep; empty without one.
-        command: line that plays it again; empty if there is no case file.
+        command: line that plays it again; empty without one of its own.
     """
 
     page: str = ""
@@ -61,16 +61,18 @@ class PageTexts:
     Attributes:
         title: of the page.
         command: line of the sweep.
-        case_command: line that writes the case of a run, with `{run}` for its number; empty if there is none.
+        run_command: line that makes the replay of a run, with `{run}` for its number; empty if there is none.
         stories: words about the first failure of a kind, by the number of its run.
         replays: by number of run.
+        smallest: of the smallest run of a kind, by the number of its first run.
     """
 
     title: str
     command: str = ""
-    case_command: str = ""
+    run_command: str = ""
     stories: Mapping[int, Sequence[str]] = field(default_factory=dict)
     replays: Mapping[int, Replay] = field(default_factory=dict)
+    smallest: Mapping[int, Replay] = field(default_factory=dict)
 
 
 def sweep_page(plan: Plan, totals: Totals, summary: Summary, texts: PageTexts) -> str:
@@ -93,7 +95,7 @@ def packed(plan: Plan, totals: Totals, summary: Summary, texts: PageTexts) -> by
         "format": FORMAT,
         "title": shown_text(texts.title),
         "command": shown_text(texts.command, 2000),
-        "case_command": shown_text(texts.case_command, 2000),
+        "run_command": shown_text(texts.run_command, 2000),
         "version": plan.version,
         "seed": plan.seed,
         "runs": summary.runs,
@@ -131,6 +133,7 @@ def _cycle_of(summary: Summary) -> list[float] | None:
 
 def _kind(kind: Kind, number: int, rows: Sequence[Row], texts: PageTexts) -> dict[str, Any]:
     first = kind.first
+    smallest = texts.smallest.get(rows[0].choices.run, Replay())
     return {
         "number": number,
         "title": shown_text(title_of(first), 500),
@@ -140,6 +143,7 @@ def _kind(kind: Kind, number: int, rows: Sequence[Row], texts: PageTexts) -> dic
         "line": first.line,
         "text": shown_text(first.text, 1000),
         "story": [shown_text(line, 1000) for line in texts.stories.get(rows[0].choices.run, ())],
+        "smallest": {"page": smallest.page, "command": shown_text(smallest.command, 2000)},
         "region": "" if kind.region is None else shown_text(kind.region.words()),
         "count": kind.count,
         "runs": [_run(row, texts) for row in rows],
@@ -151,7 +155,6 @@ def _run(row: Row, texts: PageTexts) -> dict[str, Any]:
     return {
         "run": row.choices.run,
         "page": replay.page,
-        "command": shown_text(replay.command, 2000),
         "disturbances": [
             shown_text(f"{disturbance.at_s:.3f} s: {name_of(disturbance)}") for disturbance in row.choices.disturbances
         ],

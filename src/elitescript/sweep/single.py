@@ -79,7 +79,9 @@ class Runner:
         self._world_path = Path(plan.world_name or "world.toml")
         self._tables = tables_of(self._world_path, plan.world) if plan.world else {}
         if self._tables.get("world", {}).get("network") == REAL:
-            raise UsageError(f"{self._world_path}: [world] network: {REAL!r} is not allowed in a sweep, which is closed")
+            raise UsageError(
+                f"{self._world_path}: [world] network: {REAL!r} is not allowed in a sweep, which is closed"
+            )
         if isinstance(robot := self._tables.get(ROBOT_SECTION), dict) and "model" in robot:
             # It is among the options of the plan.
             self._tables = {**self._tables, ROBOT_SECTION: {key: robot[key] for key in robot if key != "model"}}
@@ -96,9 +98,7 @@ class Runner:
             else:
                 program_names.append(row.name)
         self._fixed_file = self._fixed()
-        self._plain = Choices(
-            0, seed_of_run(plan.seed, 0), {row.name: plain_value(row) for row in plan.variations}
-        )
+        self._plain = Choices(0, seed_of_run(plan.seed, 0), {row.name: plain_value(row) for row in plan.variations})
         robot = self.robot(self._plain)
         self._unit, self._preset_names, self.problems = self._compiled(program_names, robot)
         self.chaos = ChaosSession(plan, self._plain, robot, self._play_plain, self._source_of)
@@ -137,9 +137,7 @@ class Runner:
                 else parse_property(text, known, files=plan.python, named=named)
                 for text in properties_of(plan)
             ]
-            measures = {
-                name: parse_measure(text, known, files=plan.python) for name, text in plan.measures.items()
-            }
+            measures = {name: parse_measure(text, known, files=plan.python) for name, text in plan.measures.items()}
         return Checks(properties, measures, plan.step_s)
 
     def _check_extremes(self) -> None:
@@ -228,6 +226,7 @@ class Runner:
         *,
         before: Callable[[VirtualRobot], None] | None = None,
         trace: Trace | None = None,
+        watch: Callable[[VirtualRobot], None] | None = None,
         on_event: Callable[[Event], None] | None = None,
     ) -> tuple[Row, Run | None]:
         """Run the program once, and look on: for a story, or for a page.
@@ -236,6 +235,7 @@ class Runner:
             choices: of the run.
             before: called with the robot before its program begins.
             trace: receives rows of the arm.
+            watch: called with the robot after each tick that is run.
             on_event: receives every event at the moment it happens.
 
         Returns:
@@ -254,6 +254,7 @@ class Runner:
                 choices,
                 self.chaos.until_s(choices.disturbances),
                 False if not traces else traces[0] if len(traces) == 1 else _Both(*traces),
+                watch,
             )
         except ElitescriptError as error:
             # The world cannot be made with these values, or one of its devices failed.
@@ -266,9 +267,16 @@ class Runner:
         margins = tuple(verdict.margin for verdict in results.verdicts)
         return Row(choices, run.state, run.time_s, results.measures, digest_of(run), failure, margins), run
 
-    def _run(self, robot: VirtualRobot, choices: Choices, until_s: float | None, trace: Trace | Literal[False]) -> Run:
+    def _run(
+        self,
+        robot: VirtualRobot,
+        choices: Choices,
+        until_s: float | None,
+        trace: Trace | Literal[False],
+        watch: Callable[[VirtualRobot], None] | None = None,
+    ) -> Run:
         presets = {preset: choices.values[name] for name, preset in self._preset_names.items()}
-        return robot.run(self._unit, until_s=until_s, presets={**self._presets, **presets}, trace=trace)
+        return robot.run(self._unit, until_s=until_s, presets={**self._presets, **presets}, trace=trace, watch=watch)
 
     def _play_plain(
         self, choices: Choices, until_s: float | None, before: Callable[[VirtualRobot], None]
