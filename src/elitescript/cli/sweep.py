@@ -152,7 +152,7 @@ def _findings(totals: Totals, runner: Runner, engine: Engine, places: Places, kn
         for number, group in enumerate(groups, 1):
             if progress is not None:
                 progress.note(f"failure {number} of {len(groups)} is made smaller  (Ctrl-C leaves it as it is)")
-            found.append(find(group.rows[0], runner, engine, places, known))
+            found.append(find(group.rows[0], runner, engine, places, known, found))
     except KeyboardInterrupt:
         print("elitescript sweep: ended by Ctrl-C before all failures were made smaller", file=sys.stderr)
     return found
@@ -233,7 +233,13 @@ class _TextReport:
         """Say what was found."""
         for line in summary.lines():
             print(line, file=self._out)
+        told: dict[Path, Finding] = {}
         for finding in findings:
+            if finding.case in told:
+                same = told[finding.case].first.choices.run
+                print(f"run {finding.first.choices.run} made smaller is the same as run {same}", file=self._out)
+                continue
+            told[finding.case] = finding
             print(file=self._out)
             if finding.story is not None:
                 for line in finding.story.lines:

@@ -1,4 +1,4 @@
-"""Writes the page of a sweep and, in a folder beside it, pages of single runs: failing ones, and those nearest to it."""
+"""Writes the page of a sweep and, in a folder beside it, pages of single runs: failing, and nearest to failing."""
 
 from __future__ import annotations
 
