@@ -42,7 +42,8 @@ def test_every_row_is_there_in_the_order_of_runs():
         drop = (Disturbance("drop", "gripper", 3.2), Disturbance("pause", at_s=4.0)) if run == 7 else ()
         return row(
             run, v, "always(ok)" if run in (7, 9) else "", 10.0 + run, drop, (0.5 if run else None,),
-            line=4 * (run == 9), measures={"peak": 1e300 if run == 1 else None if run == 2 else 2.0, "held": run % 2 == 0},
+            line=4 * (run == 9),
+            measures={"peak": 1e300 if run == 1 else None if run == 2 else 2.0, "held": run % 2 == 0},
         )  # fmt: skip
 
     totals = swept(20, made, measures=("peak", "held"))

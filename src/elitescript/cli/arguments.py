@@ -68,8 +68,8 @@ def add_sweep(parser: Parser) -> None:
     from elitescript.sweep.executor import MAX_WALL_S
 
     parser.description = (
-        "Run a program many times and say what holds. Exit code: 0 all hold, 1 something failed, 2 usage, 3 the program "
-        "does not compile, 130 Ctrl-C."
+        "Run a program many times and say what holds. Exit code: 0 all hold, 1 something failed, 2 usage, 3 the "
+        "program does not compile, 130 Ctrl-C."
     )
     parser.add_argument("file", metavar="FILE", help="program text, UTF-8")
     parser.add_argument(

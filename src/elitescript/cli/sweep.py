@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 import sys
 import time
@@ -26,6 +25,7 @@ from elitescript.sweep.findings import KINDS_MAX, Finding, Places, Remembered, f
 from elitescript.sweep.journal import SUFFIX, Journal
 from elitescript.sweep.local import LocalEngine
 from elitescript.sweep.making import make_plan, runs_of
+from elitescript.sweep.many_runs import cores
 from elitescript.sweep.page import PAGE_SAMPLE
 from elitescript.sweep.plan import Plan, Row
 from elitescript.sweep.plan_json import disturbance_data, plan_digest
@@ -33,7 +33,7 @@ from elitescript.sweep.progress import Meter
 from elitescript.sweep.replays import write_pages
 from elitescript.sweep.single import Runner
 from elitescript.sweep.summary import Summary, summary_of
-from elitescript.sweep.sweeping import Sweeping
+from elitescript.sweep.sweeping import Sweeping, is_random
 from elitescript.sweep.tables import columns, format_of, json_line, properties_of, values
 from elitescript.sweep.totals import SAMPLE, Totals
 from elitescript.sweep.variations import grid_size, parse_variation
@@ -121,7 +121,7 @@ def _go(options: argparse.Namespace, sweeping: Sweeping, runner: Runner, out: Pa
         except KeyboardInterrupt:
             is_interrupted = True
         sweeping.finish(None if is_interrupted else out, totals.add)
-        summary = summary_of(totals, is_random=_is_random(plan))
+        summary = summary_of(totals, is_random=is_random(plan))
         findings: list[Finding] = []
         if not is_interrupted and not options.no_cases:
             findings = _findings(totals, runner, engine, places, known)
@@ -136,11 +136,6 @@ def _go(options: argparse.Namespace, sweeping: Sweeping, runner: Runner, out: Pa
     if out is not None:
         sweeping.journal.path.unlink()
     return FAILS if sweeping.failed or any(row.row.failure is not None for row in known) else HOLDS
-
-
-def _is_random(plan: Plan) -> bool:
-    """Return whether anything but the seed of `random()` is drawn at random."""
-    return bool(plan.chaos) or any(row.kind != "grid" for row in plan.variations) or "random" in plan.program
 
 
 def _findings(totals: Totals, runner: Runner, engine: Engine, places: Places, known: list[Remembered]) -> list[Finding]:
@@ -183,20 +178,13 @@ def _without(arguments: list[str], *names: str) -> list[str]:
 
 
 def _engine(options: argparse.Namespace) -> Engine:
-    jobs = options.jobs if options.jobs is not None else _cores()
+    jobs = options.jobs if options.jobs is not None else cores()
     if jobs < 1:
         raise UsageError(f"--jobs must be 1 or more, got {jobs}")
     if options.max_wall is not None and not options.max_wall > 0.0:
         raise UsageError(f"--max-wall must be > 0 s, got {options.max_wall:g}")
     memory_bytes = parse_size(options.memory_limit, "--memory-limit")
     return LocalEngine(jobs, max_wall_s=options.max_wall, memory_bytes=memory_bytes)
-
-
-def _cores() -> int:
-    """Return the number of processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 class _Meter:

@@ -101,3 +101,8 @@ class Sweeping:
                 show(row)
                 at = row.choices.run + 1
             yield
+
+
+def is_random(plan: Plan) -> bool:
+    """Return whether anything but the seed of `random()` is drawn at random."""
+    return bool(plan.chaos) or any(row.kind != "grid" for row in plan.variations) or "random" in plan.program
