@@ -155,7 +155,6 @@ def case_of_run(runner: Runner, choices: Choices, failure: Failure, places: Plac
     options = dict(places.options)
     if is_model_file(model := options.get("model", "")):
         options["model"] = relative_to(model, folder)
-    until_s = plan.until_s if not choices.disturbances else runner.chaos.until_s(choices.disturbances)
     return Case(
         relative_to(places.program, folder),
         failure,
@@ -168,8 +167,10 @@ def case_of_run(runner: Runner, choices: Choices, failure: Failure, places: Plac
         relative_to(places.task_dir, folder) if places.task_dir else "",
         options,
         plan.settings,
-        until_s,
+        runner.chaos.until_s(choices.disturbances),
         plan.step_s,
+        plain_values(plan),
+        plan.seed,
     )
 
 

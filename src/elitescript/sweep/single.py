@@ -8,7 +8,7 @@ from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from random import Random
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.controller.views.trace import Trace
 from elitescript.devices.scenario import python_files
@@ -273,13 +273,8 @@ class Runner:
             if before is not None:
                 before(robot)
             traces = [one for one in (watching.trace, trace) if one]
-            run = self._run(
-                robot,
-                choices,
-                self.chaos.until_s(choices.disturbances),
-                False if not traces else traces[0] if len(traces) == 1 else _Both(*traces),
-                watch,
-            )
+            seen = False if not traces else traces[0] if len(traces) == 1 else _Both(*traces)
+            run = robot.run(**self.arguments(choices), trace=seen, watch=watch)
         except ElitescriptError as error:
             # The world cannot be made with these values, or one of its devices failed.
             return Row(choices, ERROR, None, failure=Failure(ERROR, ERROR, text=str(error))), run
@@ -291,16 +286,13 @@ class Runner:
         margins = tuple(verdict.margin for verdict in results.verdicts)
         return Row(choices, run.state, run.time_s, results.measures, digest_of(run), failure, margins), run
 
-    def _run(
-        self,
-        robot: VirtualRobot,
-        choices: Choices,
-        until_s: float | None,
-        trace: Trace | Literal[False],
-        watch: Callable[[VirtualRobot], None] | None = None,
-    ) -> Run:
+    def arguments(self, choices: Choices) -> dict[str, Any]:
+        """Return the arguments of `VirtualRobot.run`: the program, its presets and the limit of time."""
+        return {**self._program(choices), "until_s": self.chaos.until_s(choices.disturbances)}
+
+    def _program(self, choices: Choices) -> dict[str, Any]:
         presets = {preset: choices.values[name] for name, preset in self._preset_names.items()}
-        return robot.run(self._unit, until_s=until_s, presets={**self._presets, **presets}, trace=trace, watch=watch)
+        return {"program": self._unit, "presets": {**self._presets, **presets}}
 
     def _play_plain(
         self, choices: Choices, until_s: float | None, before: Callable[[VirtualRobot], None]
@@ -308,7 +300,7 @@ class Runner:
         """Run the program without properties, for `ChaosSession`."""
         robot = self.robot(choices)
         before(robot)
-        return robot, self._run(robot, choices, until_s, False)
+        return robot, robot.run(**self._program(choices), until_s=until_s)
 
 
 class _Both(Trace):
