@@ -185,7 +185,7 @@ class Summary:
             for effect in effects[:EFFECTS_SHOWN]:
                 lines.append(f"  {_effect_words(effect)}")
             if len(effects) > EFFECTS_SHOWN:
-                lines.append(f"  {outcome}: {len(effects) - EFFECTS_SHOWN} more")
+                lines.append(f"  {_outcome_words(outcome)}: {len(effects) - EFFECTS_SHOWN} more")
         if self.sampled < self.runs:
             lines.append(f"  (from a sample of {self.sampled:,} runs)")
         return lines
@@ -234,10 +234,14 @@ def _effect_words(effect: Effect) -> str:
         (worse, where), (better, there) = sorted(sides, key=lambda side: -side[0])
         return f"failing: {_percent(worse)} of runs {where}, {_percent(better)} {there}"
     unit = " s" if effect.outcome == "time_s" else ""
-    name = "cycle time" if effect.outcome == "time_s" else effect.outcome
+    name = _outcome_words(effect.outcome)
     share = f"{_percent(effect.share)} of its spread"
     means = f"{_number(effect.low)}{unit} {lowest}, {_number(effect.high)}{unit} {highest}"
     return f"{name}: {share} by {effect.of}; mean {means}"
+
+
+def _outcome_words(outcome: str) -> str:
+    return "cycle time" if outcome == "time_s" else outcome
 
 
 def _words_of(distribution: Distribution, unit: str = "") -> str:
