@@ -71,7 +71,7 @@ def sweep(options: argparse.Namespace) -> int:
         chaos=options.chaos or "",
         step_s=options.step,
         has_margins=options.margins,
-        without_files=[path for path in (out, part) if path is not None],
+        without_files=[path for path in (out, part, options.page and Path(options.page)) if path],
     )
     runs = runs_of(variations, options.runs)
     first = 0
@@ -142,7 +142,10 @@ def _findings(totals: Totals, runner: Runner, engine: Engine, places: Places, kn
     """Return the first failures of each kind, shrunk; Ctrl-C leaves out the rest."""
     found: list[Finding] = []
     progress = progress_on(sys.stderr)
-    groups = list(totals.groups.values())[:KINDS_MAX]
+    # First one of each mistake, then what other disturbances have led to.
+    alike = totals.alike()
+    groups = [kinds[0] for kinds in alike] + [group for kinds in alike for group in kinds[1:]]
+    groups = groups[:KINDS_MAX]
     try:
         for number, group in enumerate(groups, 1):
             if progress is not None:
@@ -221,13 +224,10 @@ class _TextReport:
         """Say what was found."""
         for line in summary.lines():
             print(line, file=self._out)
-        told: dict[Path, Finding] = {}
+        cases: dict[Path, list[Finding]] = {}
         for finding in findings:
-            if finding.case in told:
-                same = told[finding.case].first.choices.run
-                print(f"run {finding.first.choices.run} made smaller is the same as run {same}", file=self._out)
-                continue
-            told[finding.case] = finding
+            cases.setdefault(finding.case, []).append(finding)
+        for finding, *same in cases.values():
             print(file=self._out)
             if finding.story is not None:
                 for line in finding.story.lines:
@@ -235,6 +235,9 @@ class _TextReport:
             smaller = f", the smallest of {finding.tried} runs" if finding.tried else ""
             run = f"run {finding.first.choices.run}{smaller}"
             print(f"{run}: elitescript run --case {finding.case}", file=self._out)
+            if same:
+                runs = ", ".join(str(other.first.choices.run) for other in same)
+                print(f"made smaller, run{'s' if len(same) > 1 else ''} {runs} came to the same", file=self._out)
 
 
 class _JsonReport:

@@ -34,6 +34,9 @@ PAGE_SAMPLE: Final = 50_000
 LABELS_MAX: Final = 1000
 """Different texts in one column; the rest are shown as one."""
 
+REPLAYS: Final = ".replays"
+"""End of the name of the folder with the replays."""
+
 KINDS_SHOWN: Final = 100
 """Kinds of failures in the table."""
 

@@ -15,7 +15,7 @@ from elitescript.plotting.recorder import RunRecorder
 from elitescript.plotting.sampling import Sampling
 from elitescript.robot import VirtualRobot
 from elitescript.sweep.findings import LOST, Finding
-from elitescript.sweep.page import PageTexts, Replay, sweep_page
+from elitescript.sweep.page import REPLAYS, PageTexts, Replay, sweep_page
 from elitescript.sweep.plan import Choices, Row
 from elitescript.sweep.single import Runner
 from elitescript.sweep.summary import Summary
@@ -51,7 +51,7 @@ def write_pages(
     Raises:
         UsageError: a file cannot be written, or the front end is not built.
     """
-    folder = target.with_name(f"{target.stem}.replays")
+    folder = target.with_name(target.stem + REPLAYS)
     name = runner.plan.program_name
     replays: dict[int, Replay] = {}
     smallest: dict[int, Replay] = {}
