@@ -121,7 +121,7 @@ def _go(options: argparse.Namespace, sweeping: Sweeping, runner: Runner, out: Pa
         except KeyboardInterrupt:
             is_interrupted = True
         sweeping.finish(None if is_interrupted else out, totals.add)
-        summary = summary_of(totals, is_random=is_random(plan))
+        summary = summary_of(totals, is_random=options.only is None and is_random(plan))
         findings: list[Finding] = []
         if not is_interrupted and not options.no_cases:
             findings = _findings(totals, runner, engine, places, known)
