@@ -105,6 +105,10 @@ def add_sweep(parser: Parser) -> None:
         "--step", type=float, metavar="SECONDS", help="time between two rows of a moving arm that properties see"
     )
     parser.add_argument("--out", metavar="FILE.csv|jsonl|parquet", help="table of the runs, in their order")
+    parser.add_argument(
+        "--page", metavar="FILE.html", help="a page with plots and failures; replays are in the folder FILE.replays"
+    )
+    parser.add_argument("--only", type=int, metavar="RUN", help="only the run of this number; with --page, its replay")
     parser.add_argument("--resume", action="store_true", help="go on with a sweep that was ended before its table")
     parser.add_argument(
         "--no-cases",

@@ -257,6 +257,7 @@ class Runner:
         *,
         before: Callable[[VirtualRobot], None] | None = None,
         trace: Trace | None = None,
+        watch: Callable[[VirtualRobot], None] | None = None,
         on_event: Callable[[Event], None] | None = None,
     ) -> tuple[Row, Run | None]:
         """Run the program once, and look on: for a story, or for a page.
@@ -265,6 +266,7 @@ class Runner:
             choices: of the run.
             before: called with the robot before its program begins.
             trace: receives rows of the arm.
+            watch: called with the robot after each tick that is run.
             on_event: receives every event at the moment it happens.
 
         Returns:
@@ -278,10 +280,8 @@ class Runner:
             if before is not None:
                 before(robot)
             traces = [one for one in (watching.trace, trace) if one]
-            arguments = self.arguments(choices)
-            run = robot.run(
-                **arguments, trace=False if not traces else traces[0] if len(traces) == 1 else _Both(*traces)
-            )
+            seen = False if not traces else traces[0] if len(traces) == 1 else _Both(*traces)
+            run = robot.run(**self.arguments(choices), trace=seen, watch=watch)
         except ElitescriptError as error:
             # The world cannot be made with these values, or one of its devices failed.
             return Row(choices, ERROR, None, failure=Failure(ERROR, ERROR, text=str(error))), run
