@@ -80,7 +80,9 @@ def add_sweep(parser: Parser) -> None:
         help="a signal, a constant or global of the program, or a world setting such as box.table.x: uniform(a,b), "
         "normal(mean,deviation), choice(a,b,...), grid(a,b,points); may be repeated",
     )
-    parser.add_argument("--runs", type=int, metavar="N", help="number of runs (default: every grid point once, else 100)")
+    parser.add_argument(
+        "--runs", type=int, metavar="N", help="number of runs (default: every grid point once, else 100)"
+    )
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="of everything that is drawn (default 0)")
     parser.add_argument(
         "--ensure",
@@ -92,7 +94,9 @@ def add_sweep(parser: Parser) -> None:
     parser.add_argument(
         "--measure", action="append", default=[], metavar="NAME=EXPRESSION", help="a column of numbers; may be repeated"
     )
-    parser.add_argument("--chaos", metavar="PROFILE", help="what goes wrong: channels, inputs, people, all, or FILE.toml")
+    parser.add_argument(
+        "--chaos", metavar="PROFILE", help="what goes wrong: channels, inputs, people, all, or FILE.toml"
+    )
     parser.add_argument("--margins", action="store_true", help="a column with the margin of each property")
     parser.add_argument(
         "--step", type=float, metavar="SECONDS", help="time between two rows of a moving arm that properties see"
@@ -100,6 +104,17 @@ def add_sweep(parser: Parser) -> None:
     parser.add_argument("--out", metavar="FILE.csv|jsonl|parquet", help="table of the runs, in their order")
     parser.add_argument("--resume", action="store_true", help="go on with a sweep that was ended before its table")
     parser.add_argument("--jobs", type=int, metavar="N", help="processes (default: one for each processor)")
+    parser.add_argument(
+        "--dask",
+        metavar="tcp://HOST:PORT",
+        help="run on this Dask cluster instead of on this computer; needs the extra `cluster`",
+    )
+    parser.add_argument(
+        "--mixed",
+        action="store_true",
+        help="take workers of the cluster whose processor or C library has another last digit in sine and cosine",
+    )
+    _add_search(parser)
     add_options(parser, "sweep")
     _add_until(parser, "end a run after so much virtual time")
     parser.add_argument(
@@ -120,6 +135,32 @@ def add_sweep(parser: Parser) -> None:
     _add_world(parser, "what is around the robot, as for run")
     _add_color(parser)
     _add_json_lines(parser)
+
+
+def _add_search(parser: Parser) -> None:
+    parser.add_argument(
+        "--minimise",
+        metavar="EXPRESSION",
+        help="look for the values of --over that make this measure smallest, with as "
+        "many runs as --runs says, while every --ensure holds; needs the extra `optimise`",
+    )
+    parser.add_argument("--maximise", metavar="EXPRESSION", help="the same, largest")
+    parser.add_argument(
+        "--over",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="NAME=KIND(...)",
+        help="what may change: named as for --vary; uniform, choice or grid",
+    )
+    parser.add_argument(
+        "--repeat",
+        type=int,
+        default=1,
+        metavar="N",
+        help="runs of each candidate, with other values of --vary and --chaos",
+    )
+    parser.add_argument("--worst", action="store_true", help="of these the worst counts, not the mean")
 
 
 def add_check(parser: Parser) -> None:

@@ -16,6 +16,7 @@ from elitescript.records import field, record, replace
 from elitescript.sweep.engine import Engine
 from elitescript.sweep.plan import Choices, Plan, Row, Variation
 from elitescript.sweep.seeds import seed_of_run
+from elitescript.sweep.single import Runner
 from elitescript.sweep.variations import Draw
 
 if TYPE_CHECKING:
@@ -67,6 +68,23 @@ class Search:
         """How many are tried."""
         return self.runs // self.repeats
 
+    @property
+    def plain_plan(self) -> Plan:
+        """Of the program with its own values."""
+        measures = {**self.plan.measures, OBJECTIVE: self.objective}
+        return replace(self.plan, measures=measures, has_margins=True)
+
+    @property
+    def table_plan(self) -> Plan:
+        """Of the candidates: what is chosen is varied there."""
+        return replace(self.plain_plan, variations=(*self.plan.variations, *self.over))
+
+    def better(self, best: Candidate | None, candidate: Candidate) -> Candidate | None:
+        """Return the better of two candidates: the first one if they are equal, None if neither holds."""
+        if not candidate.holds:
+            return best
+        return candidate if best is None or _cost(self, candidate) < _cost(self, best) else best
+
 
 @record
 class Candidate:
@@ -87,6 +105,11 @@ class Candidate:
     objective: float | None
     failed: str
     margins: tuple[float | None, ...]
+
+    @property
+    def rows_digest(self) -> tuple[str, ...]:
+        """Digests of its runs: equal if nothing differs."""
+        return tuple(row.digest for row in self.rows)
 
     @property
     def holds(self) -> bool:
@@ -130,11 +153,12 @@ class Outcome:
     changes: tuple[Change, ...] = field(default_factory=tuple)
 
 
-def check_search(search: Search) -> None:
-    """Refuse what cannot be searched.
+def check_search(search: Search) -> Sequence[Any]:
+    """Refuse what cannot be searched; return warnings about the program.
 
     Raises:
         UsageError: the text names the option.
+        ProgramError: the program does not compile.
     """
     if not search.over:
         raise UsageError("--minimise, --maximise: say what may change, as --over 'speed=uniform(0.1, 1)'")
@@ -146,6 +170,9 @@ def check_search(search: Search) -> None:
             raise UsageError(f"--over {row.name}: --vary draws it; it cannot be chosen as well")
     if not 1 <= search.repeats <= search.runs:
         raise UsageError(f"--repeat {search.repeats}: write a whole number from 1 to --runs, {search.runs}")
+    if OBJECTIVE in search.plan.measures:
+        raise UsageError(f"--measure {OBJECTIVE}: that is the name of what --minimise or --maximise measures")
+    return Runner(search.table_plan).problems
 
 
 def optimise(
@@ -154,34 +181,28 @@ def optimise(
     """Look for the best values.
 
     Args:
-        search: what is looked for.
+        search: what is looked for; `check_search` has looked at it.
         engine: entered; does the runs.
         on_candidate: called for each candidate, in their order.
 
     Raises:
         UsageError: the search or its plan makes no sense, or optuna is missing.
     """
-    check_search(search)
     runner = _Runner(search, engine)
     sampler = _Sampler(search)
     candidates: list[Candidate] = []
+    best: Candidate | None = None
     plain = runner.plain()
     while len(candidates) < search.candidates:
         trials = sampler.ask(min(BATCH, search.candidates - len(candidates)))
         tried = runner.candidates([values for _, values in trials], len(candidates))
         for (trial, _), candidate in zip(trials, tried, strict=True):
             sampler.tell(trial, candidate)
+            best = search.better(best, candidate)
             on_candidate(candidate)
         candidates += tried
-    best = best_of(search, candidates)
     changes = tuple(runner.changes(best)) if best is not None else ()
     return Outcome(search, plain, best, tuple(candidates), changes)
-
-
-def best_of(search: Search, candidates: Sequence[Candidate]) -> Candidate | None:
-    """Return the candidate with the best objective of those that hold; the first of equal ones."""
-    holding = [candidate for candidate in candidates if candidate.holds]
-    return min(holding, key=lambda candidate: _cost(search, candidate), default=None)
 
 
 def rounded(variation: Variation, value: float) -> float:
@@ -201,21 +222,18 @@ class _Runner:
         engine: does the runs.
     """
 
-    __slots__ = ("_base", "_draw", "_engine", "_plan", "_search")
+    __slots__ = ("_draw", "_engine", "_plan", "_search")
 
     def __init__(self, search: Search, engine: Engine) -> None:
-        plan = search.plan
-        measures = {**plan.measures, OBJECTIVE: search.objective}
         self._search = search
         self._engine = engine
-        self._base = replace(plan, measures=measures, has_margins=True)
-        self._plan = replace(self._base, variations=(*plan.variations, *search.over))
-        self._draw = Draw(plan.variations, plan.seed)
+        self._plan = search.table_plan
+        self._draw = Draw(search.plan.variations, search.plan.seed)
 
     def plain(self) -> Candidate:
         """Run the program with its own values."""
         choices = [self._choices(repeat, repeat, {}) for repeat in range(self._search.repeats)]
-        return self._judged(-1, {}, self._engine.rows_of(self._base, choices))
+        return self._judged(-1, {}, self._engine.rows_of(self._search.plain_plan, choices))
 
     def candidates(self, values: Sequence[Mapping[str, Any]], first: int) -> list[Candidate]:
         """Run several candidates; the first one has the number `first`, or all have -1."""
