@@ -23,6 +23,7 @@ from tools.command_line_page import command_line_page
 from tools.commands_pages import COMMAND_PAGES
 from tools.devices_page import devices_page
 from tools.events_page import events_page
+from tools.expressions_page import expressions_page
 from tools.faults_page import faults_page
 from tools.line_port_pages import dashboard_page, interpreter_page
 from tools.markdown import NOTICE, cell
@@ -235,6 +236,7 @@ PAGES: Final[dict[str, Callable[[], str]]] = {
     "devices.md": devices_page,
     "errors.md": errors_page,
     "events.md": events_page,
+    "expressions.md": expressions_page,
     "faults.md": faults_page,
     "interpreter.md": interpreter_page,
     "modbus.md": modbus_page,

@@ -1,5 +1,5 @@
-// Builds the pages into src/elitescript/page/built/: `studio.html` with its code and style beside it, `recorded.html` with
-// everything inside, and THIRD_PARTY.txt. With --watch, again at each change, and not minified.
+// Builds the pages into src/elitescript/page/built/: `studio.html` with its code and style beside it, `recorded.html` and
+// `sweep.html` with everything inside, and THIRD_PARTY.txt. With --watch, again at each change, and not minified.
 
 import { createHash } from "node:crypto";
 import { mkdir, readFile, rm, writeFile } from "node:fs/promises";
@@ -15,7 +15,7 @@ const TITLE = "Packages of other people that are part of the pages of elitescrip
 
 const options = {
   absWorkingDir: HERE,
-  entryPoints: { studio: "src/studio.tsx", recorded: "src/recorded.tsx" },
+  entryPoints: { studio: "src/studio.tsx", recorded: "src/recorded.tsx", sweep: "src/sweep.tsx" },
   outdir: TARGET,
   bundle: true,
   format: "esm",
@@ -41,16 +41,20 @@ if (IS_WATCHING) {
 async function pages(result) {
   const file = (name) => result.outputFiles.find((output) => path.basename(output.path) === name)?.text ?? "";
   const html = (name) => readFile(path.join(HERE, "src", name), "utf8");
-  // The code of a recorded page is a script of its own, so that none of its names is a property of the window.
-  const code = `{${file("recorded.js")}}`;
   const loader = await html("loader.js");
-  const parts = { scripts: [loader, code].map(hash).join(" "), style: packed(file("recorded.css")), code: packed(code), loader };
-  const recorded = (await html("recorded.html")).replace(/@@(\w+)@@/g, (place, name) => parts[name] ?? place);
+  const frame = await html("single.html");
+  const single = (name) => {
+    // Its code is a script of its own, so that none of its names is a property of the window.
+    const code = `{${file(`${name}.js`)}}`;
+    const parts = { scripts: [loader, code].map(hash).join(" "), style: packed(file(`${name}.css`)), code: packed(code), loader };
+    return frame.replace(/@@(\w+)@@/g, (place, part) => parts[part] ?? place);
+  };
   const written = {
     "studio.html": await html("studio.html"),
     "studio.js": file("studio.js"),
     "studio.css": file("studio.css"),
-    "recorded.html": recorded,
+    "recorded.html": single("recorded"),
+    "sweep.html": single("sweep"),
     "THIRD_PARTY.txt": await licences(HERE, Object.keys(result.metafile.inputs), TITLE),
   };
   await rm(TARGET, { recursive: true, force: true });
@@ -60,7 +64,7 @@ async function pages(result) {
   }
 }
 
-/** The only scripts that the policy of a recorded page lets run are those with these hashes. */
+/** The only scripts that the policy of a page of one file lets run are those with these hashes. */
 function hash(text) {
   return `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
 }

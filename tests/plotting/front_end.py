@@ -15,6 +15,7 @@ def pretend_built(folder, monkeypatch):
     front.mkdir()
     (front / built.STUDIO).write_text("<p>")
     (front / built.RECORDED).write_text(TEMPLATE)
+    (front / built.SWEEP).write_text(TEMPLATE)
     monkeypatch.setattr("elitescript.page._BUILT", front)
 
 

@@ -7,7 +7,6 @@ import pytest
 from elitescript import PlantConfig, VirtualRobot
 from elitescript.properties.checks import Checks
 from elitescript.properties.parsing import parse_measure, parse_property
-
 from tests.invariants.random_programs import random_program
 from tests.properties import oracle
 

@@ -1,4 +1,4 @@
-// Unpacks style and code of a recorded page, which are gzip streams in base 64, and starts the code.
+// Unpacks style and code of a page of one file, which are gzip streams in base 64, and starts the code.
 (async () => {
   const text = (id) => {
     const bytes = Uint8Array.from(atob(document.getElementById(id).textContent), (letter) => letter.charCodeAt(0));

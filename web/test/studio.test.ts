@@ -3,7 +3,7 @@ import { afterEach, beforeEach, mock, test } from "node:test";
 import { ANSWER_MS } from "../src/model/requests.ts";
 import { EDIT_MS, STALE_MS, type Studio } from "../src/model/studio.ts";
 import { TELL_MS } from "../src/model/settings.ts";
-import { browserLanguage, chosenLanguage, language } from "../src/text/text.ts";
+import { browserLanguage, chosenLanguage, language } from "../src/text/language.ts";
 import { began, ended, FILE, HELLO, moment, opened, rows, settled, type FakeSource } from "./fake.ts";
 
 beforeEach(() => mock.timers.enable({ apis: ["setTimeout"] }));

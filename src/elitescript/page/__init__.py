@@ -13,6 +13,9 @@ STUDIO: Final = "studio.html"
 RECORDED: Final = "recorded.html"
 """Page of one recorded run: one file with style and code, and a place for the recording."""
 
+SWEEP: Final = "sweep.html"
+"""Page of a sweep: likewise, with a place for its data."""
+
 NOT_BUILT: Final = "the studio's page is not built: in a working copy, run `make studio`; an installed package has it"
 
 _BUILT: Final = Path(__file__).parent / "built"

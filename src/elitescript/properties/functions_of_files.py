@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from inspect import signature
+from collections.abc import Callable, Mapping
+from inspect import isfunction, signature
 from math import isfinite
 from traceback import extract_tb
 from typing import Any, Final
@@ -14,42 +14,40 @@ from elitescript.properties.pieces import shown
 from elitescript.properties.verdicts import NOTHING, Moment, Needs, Verdict
 from elitescript.run import Run
 
+Load = Callable[[str], Mapping[str, Any]]
+"""Returns the names of a Python file, loaded anew; raises UsageError, with file and line, if it cannot."""
+
 
 class _OfFile:
-    """A function that was loaded from the text of a file, once.
+    """A function of a file, which is loaded anew for each run, so that a run knows nothing of those before.
 
     Args:
         text: as written: `checks.py:is_stacked`.
-        path: of the file, for its errors.
-        source: text of the file.
+        path: of the file.
         name: of the function.
+        load: loads the file.
 
     Raises:
-        UsageError: the text is no Python, raises an exception, or has no such function of one argument.
+        UsageError: the file cannot be loaded, or has no such function of one argument.
     """
 
-    __slots__ = ("_call", "_path", "text")
+    __slots__ = ("_load", "_name", "_path", "text")
 
-    def __init__(self, text: str, path: str, source: str, name: str) -> None:
+    def __init__(self, text: str, path: str, name: str, load: Load) -> None:
         self.text = text
         self._path = path
-        names: dict[str, Any] = {"__name__": "elitescript_checks", "__file__": path}
-        try:
-            exec(compile(source, path, "exec"), names)
-        except SyntaxError as error:
-            raise UsageError(f"{path}, line {error.lineno}: {error.msg}") from None
-        except (Exception, SystemExit) as error:
-            raise UsageError(f"{self._place(error)}: {_words(error)}") from None
+        self._name = name
+        self._load = load
+        names = load(path)
         call = names.get(name)
         if not callable(call):
-            functions = [key for key, value in names.items() if callable(value) and not key.startswith("_")]
+            functions = [key for key, value in names.items() if isfunction(value) and not key.startswith("_")]
             near = did_you_mean(name, functions) or (f"; it has {', '.join(functions)}" if functions else "")
             raise UsageError(f"{path} has no function {name!r}{near}")
         try:
             signature(call).bind(None)
         except (TypeError, ValueError):
             raise UsageError(f"{text}: the function must take one argument, the run") from None
-        self._call: Callable[[Run], Any] = call
 
     @property
     def needs(self) -> Needs:
@@ -59,7 +57,7 @@ class _OfFile:
     def called(self, run: Run) -> tuple[Any, str]:
         """Return what the function returns, and an empty text; or None and why it failed."""
         try:
-            return self._call(run), ""
+            return self._load(self._path)[self._name](run), ""
         except (Exception, SystemExit) as error:
             return None, f"{self._place(error)}: {_words(error)}"
 

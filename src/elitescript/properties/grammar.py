@@ -51,7 +51,7 @@ from elitescript.records import NamedTuple
 TEXT_MAX: Final = 2000
 """Characters of an expression."""
 
-_DEPTH_MAX: Final = 40
+DEPTH_MAX: Final = 40
 """Parts inside each other."""
 
 
@@ -100,27 +100,29 @@ class Record:
         self.over_time = watched
 
 
+def one_line(text: str) -> str:
+    """Return an expression without blanks around it; line ends are blanks."""
+    return text.replace("\r", " ").replace("\n", " ").strip()
+
+
 def tree_of(text: str) -> ast.expr:
-    """Return the tree of an expression.
+    """Return the tree of an expression of one line.
 
     Raises:
         UsageError: it is none.
     """
-    if not text.strip():
-        raise UsageError(f"write an expression as a text, such as 'time_s < 20', not {shown(text)}")
+    if not text:
+        raise UsageError("write an expression, such as 'time_s < 20', not ''")
     if len(text) > TEXT_MAX:
         raise UsageError(f"an expression has {TEXT_MAX} characters at most, not {len(text)}")
-    if not text.isascii():
-        for index, char in enumerate(text):
-            if 0xD800 <= ord(char) <= 0xDFFF:
-                raise located(["?" * len(text)], 0, index, index + 1, "this is no character")
+    for index, char in enumerate(text):
+        if char == "\0" or "\ud800" <= char <= "\udfff":
+            raise located("?" * len(text), index, index + 1, "this is no character")
     try:
         return ast.parse(text, mode="eval").body
     except SyntaxError as error:
-        lines = text.splitlines() or [""]
-        number_ = min(max(error.lineno or 1, 1), len(lines)) - 1
-        column = min(max(error.offset or 1, 1) - 1, len(lines[number_]))
-        raise located(lines, number_, column, column + 1, error.msg) from None
+        column = min(max(error.offset or 1, 1), len(text)) - 1
+        raise located(text, column, column + 1, error.msg) from None
     except (ValueError, RecursionError, MemoryError) as error:
         raise UsageError(f"this is no expression: {str(error) or 'it is nested too deeply'}") from None
 
@@ -135,7 +137,7 @@ def parse(text: str, program_globals: Collection[str] | None = None) -> Parsed:
     Raises:
         UsageError: it is no expression; with the place.
     """
-    text = text.strip()
+    text = one_line(text)
     return _Reader(text, program_globals).parsed(tree_of(text))
 
 
@@ -173,8 +175,8 @@ class _Reader:
     def read(self, node: ast.expr) -> Piece:
         """Check a part."""
         self._depth += 1
-        if self._depth > _DEPTH_MAX:
-            raise self._wrong(node, f"parts are nested more than {_DEPTH_MAX} deep")
+        if self._depth > DEPTH_MAX:
+            raise self._wrong(node, f"parts are nested more than {DEPTH_MAX} deep")
         try:
             return _READERS.get(type(node), _Reader._not_possible)(self, node)
         finally:
@@ -217,7 +219,7 @@ class _Reader:
         get = row.value
         if row.kind == TABLE:
             # `globals` and `signals` by themselves: for `len` and `in`.
-            return Piece(node, row.kind, lambda x: plain(dict(get(x.run))))
+            return Piece(node, row.kind, lambda x: dict.fromkeys(get(x.run)), keys={})
         if name in TEXTS:
             return Piece(node, row.kind, lambda x: get(x.run), keys={})
         return Piece(node, row.kind, lambda x: get(x.run), row.unit, items=row.items, keys=row.keys)

@@ -31,7 +31,7 @@ _POSE: Final = _items(M, M, M, RAD, RAD, RAD)
 
 Keys = dict[str, tuple[str, Unit]]
 
-_ALARM: Final[Keys] = {
+ALARM: Final[Keys] = {
     "t": (NUMBER, S),
     "code": (TEXT, None),
     "class": (TEXT, None),
@@ -40,7 +40,7 @@ _ALARM: Final[Keys] = {
     "column": (NUMBER, None),
     "thread": (TEXT, None),
 }
-_CONTACT: Final[Keys] = {
+CONTACT: Final[Keys] = {
     "t": (NUMBER, S),
     "first": (TEXT, None),
     "second": (TEXT, None),
@@ -106,11 +106,11 @@ RECORD: Final[dict[str, Name]] = {
     "signals": Name(TABLE, lambda run: run.signals, "levels at the end, when what was sent has arrived, by name"),
     "joints": Name(LIST, lambda run: run.joints, "target joint positions at the end, rad", None, _JOINTS),
     "tcp_pose": Name(LIST, lambda run: run.tcp_pose, "target pose of the TCP at the end, m and rad", None, _POSE),
-    "alarms": Name(LIST, _alarms, "what stopped the program: a table for each alarm", keys=_ALARM),
+    "alarms": Name(LIST, _alarms, "what stopped the program: a table for each alarm", keys=ALARM),
     "log": Name(LIST, lambda run: run.log, "texts of `textmsg`"),
     "printed": Name(LIST, lambda run: run.printed, "texts of `print`"),
     "warnings": Name(LIST, lambda run: run.warnings, "texts of warnings"),
-    "contacts": Name(LIST, _contacts, "where arm, tool or payload touched something: a table for each", keys=_CONTACT),
+    "contacts": Name(LIST, _contacts, "where arm, tool or payload touched something: a table for each", keys=CONTACT),
     "clearance": Name(NUMBER, _clearance, "the closest that they came to a thing of the world, m", M),
 }
 """Names of the record by name."""

@@ -16,8 +16,8 @@ from typing import Any, Final
 
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.properties.expressions import ExpressionMeasure, ExpressionProperty
-from elitescript.properties.functions_of_files import FunctionMeasure, FunctionProperty
-from elitescript.properties.grammar import TEXT_MAX, tree_of
+from elitescript.properties.functions_of_files import FunctionMeasure, FunctionProperty, Load
+from elitescript.properties.grammar import TEXT_MAX, one_line, tree_of
 from elitescript.properties.places import wrong_at
 from elitescript.properties.verdicts import Measure, Property
 
@@ -37,7 +37,7 @@ def parse_property(
     text: str,
     program_globals: Collection[str] | None = None,
     *,
-    files: Mapping[str, str] | None = None,
+    load: Load | None = None,
     named: Named | None = None,
 ) -> Property:
     """Return a property.
@@ -45,47 +45,37 @@ def parse_property(
     Args:
         text: as written.
         program_globals: names of the globals that the program has; any name is taken if None.
-        files: texts of Python files, by the path that is written.
+        load: loads Python files; without it there are none.
         named: makes properties that have names.
 
     Raises:
         UsageError: it makes no sense; with the place.
     """
     if (place := function_place(text)) is not None:
-        return FunctionProperty(text.strip(), *_function(place, files))
-    named = named or {}
-    match tree_of(text.strip()):
+        return FunctionProperty(text.strip(), *place, load or _no_file)
+    named, line = named or {}, one_line(text)
+    match tree_of(line):
         case ast.Name(id=name) if name in named:
-            return _made(text, None, named[name], name, [])
+            return _made(line, None, named[name], name, [])
         case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) as call if name in named:
-            return _made(text, call, named[name], name, arguments)
+            return _made(line, call, named[name], name, arguments)
     try:
         return ExpressionProperty(text, program_globals)
     except UsageError as error:
-        name = text.strip()
-        near = did_you_mean(name, named) if name.isidentifier() else ""
+        near = did_you_mean(line, named) if line.isidentifier() else ""
         raise UsageError(f"{error}{near and f'{chr(10)}  properties with names: {near[2:]}'}") from None
 
 
-def parse_measure(
-    text: str, program_globals: Collection[str] | None = None, *, files: Mapping[str, str] | None = None
-) -> Measure:
+def parse_measure(text: str, program_globals: Collection[str] | None = None, *, load: Load | None = None) -> Measure:
     """Return a measure; arguments and errors are those of `parse_property`."""
     if (place := function_place(text)) is not None:
-        return FunctionMeasure(text.strip(), *_function(place, files))
+        return FunctionMeasure(text.strip(), *place, load or _no_file)
     return ExpressionMeasure(text, program_globals)
 
 
-def _function(place: tuple[str, str], files: Mapping[str, str] | None) -> tuple[str, str, str]:
-    """Return path, text and name of a function.
-
-    Raises:
-        UsageError: the file was not read.
-    """
-    path, name = place
-    if files is None or path not in files:
-        raise UsageError(f"{path}: no such file")
-    return path, files[path], name
+def _no_file(path: str) -> Mapping[str, Any]:
+    """Refuse a file."""
+    raise UsageError(f"{path}: functions of Python files are not possible here")
 
 
 def _made(
@@ -96,8 +86,8 @@ def _made(
         try:
             values.append(ast.literal_eval(argument))
         except ValueError:
-            raise wrong_at(text.strip(), argument, f"{name} takes literals, such as {name}(0.9)") from None
+            raise wrong_at(text, argument, f"{name} takes literals, such as {name}(0.9)") from None
     try:
         return make(*values)
     except TypeError:
-        raise wrong_at(text.strip(), call, f"{name} does not take these arguments") from None
+        raise wrong_at(text, call, f"{name} does not take these arguments") from None

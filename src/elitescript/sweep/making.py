@@ -14,6 +14,7 @@ from elitescript.environment.program_file import source_of
 from elitescript.errors import UsageError
 from elitescript.kernel.arm import named_model
 from elitescript.kernel.options import ROBOT_SECTION
+from elitescript.properties.parsing import function_place
 from elitescript.sweep.plan import Plan, Variation
 from elitescript.sweep.python_files import python_texts
 from elitescript.sweep.tables import columns
@@ -25,8 +26,6 @@ RUNS: Final = 100
 
 _FILE_WORDS: Final = re.compile(r"\b(open|get_task_path|import|\w*file\w*|\w*micro\w*)\b")
 """What a program has that reaches its task folder."""
-
-_FUNCTION: Final = re.compile(r"(?P<file>[^:]+\.py):(?P<name>\w+)")
 
 
 def runs_of(variations: Sequence[Variation], runs: int | None) -> int:
@@ -135,14 +134,14 @@ def _with_files(expression: str, python: dict[str, str]) -> str:
     Raises:
         UsageError: the file cannot be read, or another one has its name already.
     """
-    match = _FUNCTION.fullmatch(expression.strip())
-    if match is None:
+    place = function_place(expression)
+    if place is None:
         return expression
-    path = Path(match["file"])
+    path = Path(place[0])
     for name, text in python_texts(path.parent, [path.name]).items():
         if python.setdefault(name, text) != text:
             raise UsageError(f"{path.parent / name}: another file is called {name}; rename one of them")
-    return f"{path.name}:{match['name']}"
+    return f"{path.name}:{place[1]}"
 
 
 def _profile_text(chaos: str) -> str:

@@ -81,7 +81,7 @@ class PythonFiles:
         names = list(names)
         found: dict[str, ModuleType] = {}
         if names:
-            with self._importing(names):
+            with self.importing(names):
                 for name in names:
                     if name not in found:
                         found[name] = self._imported(name, f"elitescript_world_{PurePosixPath(name).stem}")
@@ -114,7 +114,7 @@ class PythonFiles:
             raise UsageError(f"{name}:{line}: {type(error).__name__}: {text}") from error
 
     @contextmanager
-    def _importing(self, names: Iterable[str]) -> Iterator[None]:
+    def importing(self, names: Iterable[str]) -> Iterator[None]:
         """Let files import those beside them while the body runs; no such module stays behind."""
         finder = _Beside(self, {PurePosixPath(name).parent for name in names}, self._texts)
         # Last: a file called queue.py does not stand in for the standard library's.

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from base64 import b64decode
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from random import Random
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 from elitescript.controller.views.trace import Trace
 from elitescript.devices.scenario import python_files
@@ -15,6 +17,7 @@ from elitescript.environment.memory import MemoryEnvironment
 from elitescript.environment.start_values import parse_settings
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
 from elitescript.kernel.options import ROBOT_SECTION
+from elitescript.language.compiler import CompiledUnit
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
@@ -22,12 +25,17 @@ from elitescript.lint.engine import check_parsed
 from elitescript.messages.signals import SIGNALS
 from elitescript.messages.timing import ticks_for
 from elitescript.models.model import RobotModel, load_model, parse_model
+from elitescript.properties.checks import Checks
+from elitescript.properties.parsing import parse_measure, parse_property
 from elitescript.robot import VirtualRobot
-from elitescript.sweep.plan import Choices, Disturbance, Failure, Plan, Row
+from elitescript.sweep.chaos.properties import BUILT_INS, BuiltInProperty, is_built_in
+from elitescript.sweep.chaos.session import ChaosSession
+from elitescript.sweep.plan import Choices, Failure, Plan, Row
 from elitescript.sweep.plan_json import choices_of, plan_of, row_data
-from elitescript.sweep.program_values import put_presets
+from elitescript.sweep.program_values import MARK, put_presets
 from elitescript.sweep.python_files import PythonFiles
-from elitescript.sweep.seeds import seed_of_run
+from elitescript.sweep.seeds import seed_of_name, seed_of_run
+from elitescript.sweep.tables import properties_of
 from elitescript.sweep.variations import Draw, extremes, plain_value
 from elitescript.sweep.world_values import Path as Place
 from elitescript.sweep.world_values import place_of, with_value
@@ -88,7 +96,13 @@ class Runner:
             else:
                 program_names.append(row.name)
         self._fixed_file = self._fixed()
-        self._unit, self._preset_names, self.problems = self._compiled(program_names)
+        self._plain = Choices(
+            0, seed_of_run(plan.seed, 0), {row.name: plain_value(row) for row in plan.variations}
+        )
+        robot = self.robot(self._plain)
+        self._unit, self._preset_names, self.problems = self._compiled(program_names, robot)
+        self.chaos = ChaosSession(plan, self._plain, robot, self._play_plain, self._source_of)
+        self._checks = self._checks_of(plan)
         self._check_extremes()
 
     def _fixed(self) -> WorldFile | None:
@@ -98,9 +112,10 @@ class Runner:
             return None
         return read_tables(self._world_path, self.plan.world, self._tables, network=VIRTUAL, with_world=False)
 
-    def _compiled(self, names: Sequence[str]) -> tuple[Any, dict[str, str], tuple[Diagnostic, ...]]:
+    def _compiled(
+        self, names: Sequence[str], robot: VirtualRobot
+    ) -> tuple[CompiledUnit, dict[str, str], tuple[Diagnostic, ...]]:
         """Return the program, the preset of each name that is varied, and warnings."""
-        robot = self.robot(self._plain_choices())
         source = SourceFile(self.plan.program_name, self.plan.program)
         parsed = parse(source, robot.text_options(source))
         found = put_presets(parsed, names) if parsed.is_complete or not parsed.has_errors else {}
@@ -110,17 +125,29 @@ class Runner:
             raise ProgramError(checked.problems)
         return checked.unit, found, checked.problems
 
-    def _plain_choices(self) -> Choices:
-        values = {row.name: plain_value(row) for row in self.plan.variations}
-        return Choices(0, seed_of_run(self.plan.seed, 0), values)
+    def _checks_of(self, plan: Plan) -> Checks:
+        """Return the properties and measures of the plan."""
+        names = {*self._unit.global_names, *self._presets, *self._preset_names.values()}
+        known = {name for name in names if not name.startswith(MARK)}
+        named = {name: partial(_named, self.chaos, name) for name in BUILT_INS}
+        with self._python.importing(plan.python):
+            properties = [
+                self.chaos.property(text)
+                if is_built_in(text)
+                else parse_property(text, known, files=plan.python, named=named)
+                for text in properties_of(plan)
+            ]
+            measures = {
+                name: parse_measure(text, known, files=plan.python) for name, text in plan.measures.items()
+            }
+        return Checks(properties, measures, plan.step_s)
 
     def _check_extremes(self) -> None:
         """Try the ends of each variation before the first run."""
-        plain = self._plain_choices()
         for row in self.plan.variations:
             for value in extremes(row):
                 try:
-                    self.robot(Choices(0, 0, {**plain.values, row.name: value}))
+                    self.robot(Choices(0, 0, {**self._plain.values, row.name: value}))
                 except UsageError as error:
                     raise UsageError(f"--vary {row.name}: {value!r} is not possible: {error}") from error
 
@@ -128,10 +155,13 @@ class Runner:
 
     def choices_of(self, run: int) -> Choices:
         """Return what is drawn for a run: the same for its number in every process."""
-        return Choices(run, seed_of_run(self.plan.seed, run), self._draw.values(run))
+        return Choices(run, seed_of_run(self.plan.seed, run), self._draw.values(run), self.chaos.draw(run))
+
+    def _source_of(self, run: int, name: str) -> Random:
+        return Random(seed_of_name(self.plan.seed, run, name))
 
     def robot(self, choices: Choices, on_event: Callable[[Event], None] | None = None) -> VirtualRobot:
-        """Return the robot of a run before its program begins: with its values and disturbances.
+        """Return the robot of a run before its program begins, with its values, and without disturbances yet.
 
         Raises:
             UsageError: a value makes no sense.
@@ -196,6 +226,7 @@ class Runner:
         self,
         choices: Choices,
         *,
+        before: Callable[[VirtualRobot], None] | None = None,
         trace: Trace | None = None,
         on_event: Callable[[Event], None] | None = None,
     ) -> tuple[Row, Run | None]:
@@ -203,6 +234,7 @@ class Runner:
 
         Args:
             choices: of the run.
+            before: called with the robot before its program begins.
             trace: receives rows of the arm.
             on_event: receives every event at the moment it happens.
 
@@ -210,32 +242,65 @@ class Runner:
             The row, and the record; None if the run could not begin.
         """
         run = None
+        watching = self._checks.watch()
         try:
             robot = self.robot(choices, on_event)
-            presets = {preset: choices.values[name] for name, preset in self._preset_names.items()}
-            run = robot.run(
-                self._unit,
-                until_s=self.plan.until_s,
-                presets={**self._presets, **presets},
-                trace=False if trace is None else trace,
+            self.chaos.begin(robot, choices)
+            if before is not None:
+                before(robot)
+            traces = [one for one in (watching.trace, trace) if one]
+            run = self._run(
+                robot,
+                choices,
+                self.chaos.until_s(choices.disturbances),
+                False if not traces else traces[0] if len(traces) == 1 else _Both(*traces),
             )
         except ElitescriptError as error:
-            failure = Failure(ERROR, ERROR, text=str(error))
-            return Row(choices, ERROR, None, failure=failure), run
-        return self._row(choices, run), run
+            # The world cannot be made with these values, or one of its devices failed.
+            return Row(choices, ERROR, None, failure=Failure(ERROR, ERROR, text=str(error))), run
+        results = watching.results(run)
+        failed = results.first_failed
+        failure = None
+        if failed is not None:
+            failure = self.chaos.failure(self._checks.properties[failed].text, results.verdicts[failed], run)
+        margins = tuple(verdict.margin for verdict in results.verdicts)
+        return Row(choices, run.state, run.time_s, results.measures, digest_of(run), failure, margins), run
 
-    def _row(self, choices: Choices, run: Run) -> Row:
-        failure = _failure_of(run, choices.disturbances)
-        return Row(choices, run.state, run.time_s, {}, digest_of(run), failure)
+    def _run(self, robot: VirtualRobot, choices: Choices, until_s: float | None, trace: Trace | Literal[False]) -> Run:
+        presets = {preset: choices.values[name] for name, preset in self._preset_names.items()}
+        return robot.run(self._unit, until_s=until_s, presets={**self._presets, **presets}, trace=trace)
+
+    def _play_plain(
+        self, choices: Choices, until_s: float | None, before: Callable[[VirtualRobot], None]
+    ) -> tuple[VirtualRobot, Run]:
+        """Run the program without properties, for `ChaosSession`."""
+        robot = self.robot(choices)
+        before(robot)
+        return robot, self._run(robot, choices, until_s, False)
 
 
-def _failure_of(run: Run, disturbances: Sequence[Disturbance]) -> Failure | None:
-    """Return why a run failed that no property was given for: an alarm, or nothing could ever happen again."""
-    if not run.alarms:
-        return None
-    alarm = run.alarms[-1]
-    expression = "never_stuck" if run.state == "stuck" else "no_unhandled_alarm"
-    return Failure(expression, run.state, alarm.code, alarm.line, "", alarm.text, run.time_s)
+class _Both(Trace):
+    """Shows a run to two traces."""
+
+    __slots__ = ("_first", "_second")
+
+    def __init__(self, first: Trace, second: Trace) -> None:
+        self._first = first
+        self._second = second
+
+    def record(self, controller: Controller, until_tick: int) -> None:
+        """Let both record."""
+        self._first.record(controller, until_tick)
+        self._second.record(controller, until_tick)
+
+    def finish(self, controller: Controller) -> None:
+        """Let both finish."""
+        self._first.finish(controller)
+        self._second.finish(controller)
+
+
+def _named(chaos: ChaosSession, name: str, *values: Any) -> BuiltInProperty:
+    return chaos.property(f"{name}({', '.join(map(repr, values))})" if values else name)
 
 
 def _model_of(plan: Plan) -> RobotModel:

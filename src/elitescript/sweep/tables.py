@@ -11,6 +11,7 @@ from typing import IO, Any, Final, Protocol
 
 from elitescript.codec.json_text import to_text
 from elitescript.errors import UsageError
+from elitescript.sweep.chaos.properties import asked_for
 from elitescript.sweep.plan import Plan, Row
 
 FORMATS: Final = {".csv": "csv", ".jsonl": "jsonl", ".parquet": "parquet"}
@@ -37,6 +38,16 @@ def format_of(path: Path) -> str:
     return found
 
 
+USUAL: Final = ("never_stuck", "no_alarm")
+"""Properties of a sweep that names none and has no chaos."""
+
+
+def properties_of(plan: Plan) -> tuple[str, ...]:
+    """Return the properties that hold or do not in each run, in their order: those of `Row.margins`."""
+    found = asked_for(plan.ensure, has_chaos=bool(plan.chaos))
+    return found or USUAL
+
+
 def columns(plan: Plan) -> tuple[str, ...]:
     """Return the names of the columns of a sweep.
 
@@ -44,7 +55,7 @@ def columns(plan: Plan) -> tuple[str, ...]:
         UsageError: two columns have the same name.
     """
     varied = [row.name for row in plan.variations]
-    margins = [margin_column(text) for text in plan.ensure] if plan.has_margins else []
+    margins = [margin_column(text) for text in properties_of(plan)] if plan.has_margins else []
     names = ("run", "seed", *varied, "state", "time_s", *plan.measures, *margins, "failed", "digest")
     for name in plan.measures:
         if name in FIXED or name in varied:
@@ -68,7 +79,7 @@ def values(row: Row, plan: Plan) -> tuple[Any, ...]:
     measures = [row.measures.get(name) for name in plan.measures]
     margins: list[Any] = []
     if plan.has_margins:
-        margins = list(row.margins) or [None] * len(plan.ensure)
+        margins = list(row.margins) or [None] * len(properties_of(plan))
     return (choices.run, choices.seed, *varied, row.state, row.time_s, *measures, *margins, row.failed, row.digest)
 
 

@@ -8,7 +8,8 @@ import { format, parse, parseList, UnitError, type Quantity } from "../model/uni
 import type { Six } from "../source/messages.ts";
 import type { Results } from "../source/services.ts";
 import { theme, type Theme } from "../style/palette.ts";
-import { chosenLanguage, language, text, type Language } from "../text/text.ts";
+import { chosenLanguage, language, type Language } from "../text/language.ts";
+import { text } from "../text/text.ts";
 import { Icon } from "./icons.tsx";
 import { TypedField } from "./typed.tsx";
 

@@ -14,6 +14,7 @@ import { Signals } from "../regions/signals/index.tsx";
 import { Threads } from "../regions/threads/index.tsx";
 import { Timeline, TimelineTools } from "../regions/timeline/index.tsx";
 import { Variables } from "../regions/variables/index.tsx";
+import { speak } from "../text/language.ts";
 import { text } from "../text/text.ts";
 import { Announcer } from "./announcer.tsx";
 import { ComparePanel } from "./compare.tsx";
@@ -25,7 +26,7 @@ import { Notices } from "./notices.tsx";
 import { OptionsPanel } from "./options.tsx";
 import { isOpen, Region } from "./region.tsx";
 import { problemCount } from "./state.ts";
-import { dress, speak } from "./theme.ts";
+import { dress } from "./theme.ts";
 import { Toolbar } from "./toolbar.tsx";
 
 export type Layout = "wide" | "medium" | "narrow";

@@ -3,7 +3,7 @@
 import { effect, signal } from "@preact/signals-core";
 import type { Json } from "../source/messages.ts";
 import { theme, type Theme } from "../style/palette.ts";
-import { chosenLanguage, type Language } from "../text/text.ts";
+import { chosenLanguage, type Language } from "../text/language.ts";
 import type { Display } from "./units.ts";
 
 /** After the last change. */

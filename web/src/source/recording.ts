@@ -63,7 +63,8 @@ export function fromBase64(text: string): Uint8Array<ArrayBuffer> {
   return bytes;
 }
 
-async function unpacked(packed: Uint8Array<ArrayBuffer>): Promise<ArrayBuffer> {
+/** The content of a gzip stream. */
+export async function unpacked(packed: Uint8Array<ArrayBuffer>): Promise<ArrayBuffer> {
   try {
     return await new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
   } catch {

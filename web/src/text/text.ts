@@ -1,16 +1,8 @@
-/** The language of the page. */
+/** The texts of the studio in the language of the page. */
 
-import { computed, signal } from "@preact/signals-core";
 import { en, type Texts } from "./en.ts";
+import { filled, language } from "./language.ts";
 import { zh } from "./zh.ts";
-
-export type Language = "en" | "zh";
-
-/** What the browser speaks, and what somebody has chosen instead of it; null: nothing. Only a choice is remembered. */
-export const browserLanguage = signal<Language>("en");
-export const chosenLanguage = signal<Language | null>(null);
-
-export const language = computed(() => chosenLanguage.value ?? browserLanguage.value);
 
 /** Characters of a text of a program that are shown in a row; a program may write a megabyte. */
 const SHOWN_MAX = 2000;
@@ -28,6 +20,5 @@ export function localTime(at: string): string {
 
 /** Returns a text in the language of the page, with `{name}` replaced by values. */
 export function text(key: keyof Texts, values: { readonly [name: string]: string | number } = {}): string {
-  const found = (language.value === "zh" ? zh : en)[key];
-  return found.replace(/\{(\w+)\}/g, (_, name: string) => String(values[name] ?? ""));
+  return filled((language.value === "zh" ? zh : en)[key], values);
 }

@@ -255,9 +255,14 @@ _WINDOW_S: Final = 4.0
 """The speed is a mean over half of this at least, once a run has lasted so long."""
 
 
+def status_of(stream: Writable) -> StatusLine | None:
+    """Return the status line of a stream; None if it has none: no terminal, or a command that shows nothing."""
+    return stream.status if isinstance(stream, ScreenStream) else None
+
+
 def progress_on(stream: Writable, start_s: float = 0.0) -> Progress | None:
     """Return the progress display of a stream; None without a status line."""
-    status = stream.status if isinstance(stream, ScreenStream) else None
+    status = status_of(stream)
     return None if status is None else Progress(status, start_s)
 
 

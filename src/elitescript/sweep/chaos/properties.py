@@ -44,27 +44,32 @@ class Situation:
     Args:
         model: the arm.
         safety: limits of the safety system; None without.
-        plain: end of the plain run of the program; None if there was none.
+        plain: returns the end of the plain run of the program; None if there is none.
         plain_of: returns the end of the run that is judged, made without its disturbances.
 
     Attributes:
         disturbances: of the run that is judged.
     """
 
-    __slots__ = ("_plain_of", "disturbances", "model", "plain", "safety")
+    __slots__ = ("_plain", "_plain_of", "disturbances", "model", "safety")
 
     def __init__(
         self,
         model: RobotModel,
         safety: SafetyLimits | None = None,
-        plain: End | None = None,
+        plain: Callable[[], End] | None = None,
         plain_of: Callable[[], End] | None = None,
     ) -> None:
         self.model = model
         self.safety = safety
-        self.plain = plain
+        self._plain = plain
         self._plain_of = plain_of
         self.disturbances: Sequence[Disturbance] = ()
+
+    @property
+    def plain(self) -> End | None:
+        """End of the plain run of the program; None if there is none."""
+        return None if self._plain is None else self._plain()
 
     def plain_end(self) -> End | None:
         """Return how the run that is judged ends without its disturbances; None if that is not known."""

@@ -36,6 +36,7 @@ class ChaosSession:
     Args:
         plan: of the sweep.
         plain: choices of the plain run, with the plain value of everything that is varied.
+        robot: the arm and safety limits of every run.
         play: runs the program.
         source_of: returns the source of random numbers of a run for a name.
 
@@ -45,7 +46,14 @@ class ChaosSession:
 
     __slots__ = ("_choices", "_ground", "_others", "_plain", "_plan", "_play", "_profile", "_situation", "_source_of")
 
-    def __init__(self, plan: Plan, plain: Choices, play: Play, source_of: Callable[[int, str], Source]) -> None:
+    def __init__(
+        self,
+        plan: Plan,
+        plain: Choices,
+        robot: VirtualRobot,
+        play: Play,
+        source_of: Callable[[int, str], Source],
+    ) -> None:
         self._plan = plan
         self._plain = replace(plain, disturbances=())
         self._play = play
@@ -54,12 +62,17 @@ class ChaosSession:
         self._ground: Ground | None = None
         self._choices = self._plain
         self._others: tuple[str, End] | None = None
-        self._situation: Situation | None = None
+        self._situation = Situation(robot.model, robot.options.safety, lambda: self.ground.plain, self._plain_end)
 
     @property
     def ground(self) -> Ground:
         """What there is to disturb; the plain run is made when it is first asked for."""
-        return self._surveyed()[0]
+        if self._ground is None:
+            ears: list[Ears] = []
+            until_s = PLAIN_UNTIL_S if self._plan.until_s is None else self._plan.until_s
+            robot, run = self._play(self._plain, until_s, lambda robot: ears.append(Ears(robot)))
+            self._ground = survey(robot, run, ears[0].heard)
+        return self._ground
 
     @property
     def asked_for(self) -> tuple[str, ...]:
@@ -72,7 +85,7 @@ class ChaosSession:
         Raises:
             UsageError: there is no such property, or it takes no margin.
         """
-        return built_in(text, self._surveyed()[1])
+        return built_in(text, self._situation)
 
     def draw(self, run: int) -> tuple[Disturbance, ...]:
         """Return what goes wrong in a run; nothing without a profile."""
@@ -88,24 +101,17 @@ class ChaosSession:
         """
         apply(robot, choices.disturbances)
         self._choices = choices
-        self._surveyed()[1].disturbances = choices.disturbances
+        self._situation.disturbances = choices.disturbances
 
     def until_s(self, disturbances: Sequence[Disturbance]) -> float | None:
         """Return the limit of virtual time of a run, s."""
+        if self._profile is None and not disturbances:
+            return self._plan.until_s
         return time_limit_s(self.ground, disturbances, self._plan.until_s)
 
     def failure(self, text: str, verdict: Verdict, run: Run) -> Failure:
         """Return why the run that has begun last failed."""
-        return failure_of(text, verdict, run, self._surveyed()[1])
-
-    def _surveyed(self) -> tuple[Ground, Situation]:
-        if self._ground is None or self._situation is None:
-            ears: list[Ears] = []
-            until_s = PLAIN_UNTIL_S if self._plan.until_s is None else self._plan.until_s
-            robot, run = self._play(self._plain, until_s, lambda robot: ears.append(Ears(robot)))
-            self._ground = survey(robot, run, ears[0].heard)
-            self._situation = Situation(robot.model, robot.options.safety, self._ground.plain, self._plain_end)
-        return self._ground, self._situation
+        return failure_of(text, verdict, run, self._situation)
 
     def _plain_end(self) -> End:
         """Return the end of the run that is judged, made without its disturbances."""

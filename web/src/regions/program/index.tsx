@@ -4,7 +4,8 @@ import { effect, untracked, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Studio } from "../../model/studio.ts";
 import type { Results } from "../../source/services.ts";
-import { language, text } from "../../text/text.ts";
+import { language } from "../../text/language.ts";
+import { text } from "../../text/text.ts";
 import { ProgramEditor } from "./editor.ts";
 import "./program.css";
 
