@@ -222,13 +222,14 @@ class _Runner:
         engine: does the runs.
     """
 
-    __slots__ = ("_draw", "_engine", "_plan", "_search")
+    __slots__ = ("_drawn", "_engine", "_plan", "_search")
 
     def __init__(self, search: Search, engine: Engine) -> None:
         self._search = search
         self._engine = engine
         self._plan = search.table_plan
-        self._draw = Draw(search.plan.variations, search.plan.seed)
+        runner = Runner(search.plain_plan)
+        self._drawn = [runner.choices_of(repeat) for repeat in range(search.repeats)]
 
     def plain(self) -> Candidate:
         """Run the program with its own values."""
@@ -265,8 +266,8 @@ class _Runner:
 
     def _choices(self, run: int, repeat: int, values: Mapping[str, Any]) -> Choices:
         """Return the choices of a run: all candidates have the same seed, variations and disturbances in a repeat."""
-        plan = self._search.plan
-        return Choices(run, seed_of_run(plan.seed, repeat), {**self._draw.values(repeat), **values})
+        drawn = self._drawn[repeat]
+        return replace(drawn, run=run, values={**drawn.values, **values})
 
     def _judged(self, number: int, values: Mapping[str, Any], rows: Sequence[Row]) -> Candidate:
         search = self._search

@@ -49,7 +49,12 @@ def constants(parsed: Parsed) -> list[str]:
 
 
 def constant_lines(program: str, names: Sequence[str]) -> dict[str, int]:
-    """Return the line in which a program gives each of these names, or an element of it, a constant; others are left out."""
+    """Return the line in which a program gives each of these names a constant; others are left out.
+
+    Args:
+        program: its text.
+        names: as they are varied, with or without an index.
+    """
     lines: dict[str, int] = {}
     for name, statement in _assignments(parse(SourceFile("", program))):
         lines.setdefault(name, statement.lineno)
