@@ -15,7 +15,7 @@ from elitescript.sweep.engine import Engine
 from elitescript.sweep.optimise import Candidate, Change, Outcome, Search, check_search, optimise
 from elitescript.sweep.plan import Plan
 from elitescript.sweep.program_values import constant_lines
-from elitescript.sweep.tables import json_line, write_table
+from elitescript.sweep.tables import json_line, properties_of, write_table
 from elitescript.sweep.variations import parse_variation
 
 TYPE_CHECKING = False
@@ -137,7 +137,7 @@ def report(outcome: Outcome, file: str) -> list[str]:
         return lines
     lines.append(f"  best      {_judgement(best)}{_gain(plain, best)}, candidate {best.number}")
     lines += [f"    {name} = {shown_value(value)}" for name, value in best.values.items()]
-    for text, margin in zip(search.plan.ensure, best.margins, strict=False):
+    for text, margin in zip(properties_of(search.plan), best.margins, strict=False):
         lines.append(f"    holds: {text}{'' if margin is None else f', margin {shown_value(margin)}'}")
     lines += ["", "what each value does alone, from the best:"]
     lines += [line for change in outcome.changes for line in _change_lines(change, best, search)]

@@ -1,8 +1,8 @@
 """Values that make a measure as small, or as large, as possible while properties hold: extra `optimise`.
 
-Candidates come from Optuna's TPE with a seed, in batches of a fixed size: so they depend on the plan alone, not on the
-number of workers. Each is run as a run of a sweep is, on either engine; if it is run several times, then with the same
-seeds, variations and disturbances as every other candidate.
+Candidates come from Optuna's TPE with a seed, in batches of a fixed size, and the last ones are steps from the best:
+so they depend on the plan alone, not on the number of workers. Each is run as a run of a sweep is, on either engine; if
+it is run several times, then with the same seeds, variations and disturbances as every other candidate.
 """
 
 from __future__ import annotations
@@ -35,7 +35,13 @@ DIGITS: Final = 3
 """Candidates are rounded to so many digits of the width of their range: nobody types seventeen."""
 
 STEP: Final = 0.1
-"""Share of its range by which each value is changed alone at the end, to see what matters."""
+"""Share of its range by which a value is changed alone: by the first steps, and at the end to see what matters."""
+
+LOCAL_SHARE: Final = 0.25
+"""Share of the candidates that are steps from the best one, in one value each: TPE ends near an optimum, not in it."""
+
+LEAST_STEP: Final = 0.002
+"""Share of its range below which a step is no step."""
 
 UNACCEPTABLE: Final = ("alarm", "stuck", "error", "crashed", "hung")
 """States that no objective can make good."""
@@ -192,15 +198,34 @@ def optimise(
     sampler = _Sampler(search)
     candidates: list[Candidate] = []
     best: Candidate | None = None
-    plain = runner.plain()
-    while len(candidates) < search.candidates:
-        trials = sampler.ask(min(BATCH, search.candidates - len(candidates)))
-        tried = runner.candidates([values for _, values in trials], len(candidates))
-        for (trial, _), candidate in zip(trials, tried, strict=True):
-            sampler.tell(trial, candidate)
+
+    def tried(values: Sequence[Mapping[str, Any]]) -> list[Candidate]:
+        nonlocal best
+        found = runner.candidates(values, len(candidates))
+        for candidate in found:
             best = search.better(best, candidate)
             on_candidate(candidate)
-        candidates += tried
+        candidates.extend(found)
+        return found
+
+    def sample(until: int) -> None:
+        while len(candidates) < until:
+            trials = sampler.ask(min(BATCH, until - len(candidates)))
+            for (trial, _), candidate in zip(trials, tried([values for _, values in trials]), strict=True):
+                sampler.tell(trial, candidate)
+
+    plain = runner.plain()
+    sample(search.candidates - int(LOCAL_SHARE * search.candidates))
+    step = STEP
+    while best is not None and len(candidates) < search.candidates and step >= LEAST_STEP:
+        before = best
+        known = [candidate.values for candidate in candidates]
+        around = [values for _, _, values in _around(search, best, step) if values not in known]
+        tried(around[: search.candidates - len(candidates)])
+        if best is before:
+            step /= 2
+    # What no step is fine enough for, and a search in which nothing holds yet, goes on as it began.
+    sample(search.candidates)
     changes = tuple(runner.changes(best)) if best is not None else ()
     return Outcome(search, plain, best, tuple(candidates), changes)
 
@@ -251,10 +276,7 @@ class _Runner:
 
     def changes(self, best: Candidate) -> Iterator[Change]:
         """Change one value of the best candidate at a time."""
-        asked: list[tuple[str, str, dict[str, Any]]] = []
-        for row in self._search.over:
-            for side, value in _neighbours(row, best.values[row.name]):
-                asked.append((row.name, side, {**best.values, row.name: value}))
+        asked = list(_around(self._search, best, STEP))
         found = self.candidates([values for _, _, values in asked], -1)
         for row in self._search.over:
             sides: dict[str, list[Candidate]] = {"low": [], "high": [], "other": []}
@@ -301,8 +323,15 @@ def _cost(search: Search, candidate: Candidate) -> float:
     return -candidate.objective if search.is_maximum else candidate.objective
 
 
-def _neighbours(row: Variation, value: Any) -> Iterator[tuple[str, Any]]:
-    """Yield what a value is changed into, and to which side of it that lies."""
+def _around(search: Search, best: Candidate, step: float) -> Iterator[tuple[str, str, dict[str, Any]]]:
+    """Yield values that differ from the best ones in one, with its name and to which side it is changed."""
+    for row in search.over:
+        for side, value in _neighbours(row, best.values[row.name], step):
+            yield row.name, side, {**best.values, row.name: value}
+
+
+def _neighbours(row: Variation, value: Any, step: float) -> Iterator[tuple[str, Any]]:
+    """Yield what a value is changed into, by this share of its range, and to which side of it that lies."""
     if row.kind == "choice":
         for other in row.arguments:
             if other != value:
@@ -310,16 +339,16 @@ def _neighbours(row: Variation, value: Any) -> Iterator[tuple[str, Any]]:
         return
     if row.kind == "grid":
         points = Draw((row,), 0)
-        all_points = [points.values(at)[row.name] for at in range(int(row.arguments[2]))]
-        at = all_points.index(value)
+        every = [points.values(at)[row.name] for at in range(int(row.arguments[2]))]
+        at = every.index(value)
         if at > 0:
-            yield "low", all_points[at - 1]
-        if at + 1 < len(all_points):
-            yield "high", all_points[at + 1]
+            yield "low", every[at - 1]
+        if at + 1 < len(every):
+            yield "high", every[at + 1]
         return
     low, high = (float(end) for end in row.arguments)
-    step = STEP * (high - low)
-    for side, other in (("low", rounded(row, value - step)), ("high", rounded(row, value + step))):
+    width = step * (high - low)
+    for side, other in (("low", rounded(row, value - width)), ("high", rounded(row, value + width))):
         if other != value:
             yield side, other
 
