@@ -168,7 +168,8 @@ def _change_lines(change: Change, best: Candidate, search: Search) -> list[str]:
         lines.append(f"  {name} = {shown_value(candidate.values[name])}: {_against(best, candidate)}")
     variation = next(row for row in search.over if row.name == name)
     if changed and all(one.rows_digest == best.rows_digest for one in changed):
-        return [f"  {name}: changes nothing at all; does the program use it?"]
+        values = ", ".join(shown_value(one.values[name]) for one in changed)
+        return [f"  {name} = {values}: the same in every digit; something else is the limit, or {name} is not used"]
     if variation.kind != "choice" and value in variation.arguments[:2]:
         lines.append(f"  {name} = {shown_value(value)} is an end of its range: beyond it may be better")
     return lines
