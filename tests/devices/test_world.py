@@ -295,3 +295,41 @@ def test_a_fault_where_nothing_is_is_refused(on):
     with pytest.raises(UsageError, match=r"^on: no device of this world is at "):
         world.fault(kind, on)
     assert World(devices=[Noisy()], faults=[Fault(kind, on)], network="real").faults
+
+
+def test_messages_can_be_heard_with_the_faults_that_they_meet():
+    world = World(
+        devices=[Echo()],
+        faults=[Fault("drop", 5000, direction="to_robot", nth=2, count=1), Fault("delay", 5000, delay_s=1)],
+    )
+    heard = []
+    robot = robot_in(world)
+    robot.surroundings.hear(heard.append)
+    robot.run("""
+socket_open("10.0.0.1", 5000)
+socket_send_string("a")
+sleep(3)
+socket_send_string("b")
+sleep(3)
+""")
+    place = ("tcp", "10.0.0.1", 5000)
+    delay, drop = ("delay", 5000), ("drop", 5000)
+    assert [(one.place, one.direction, one.data, one.faults) for one in heard] == [
+        (place, "to_device", b"a", (delay,)),
+        (place, "to_robot", b"a", (delay,)),
+        (place, "to_device", b"b", (delay,)),
+        (place, "to_robot", b"b", (drop, delay)),
+    ]
+    assert heard[0].tick < heard[1].tick < heard[2].tick < heard[3].tick
+
+
+class Echo(TcpServer):
+    port = 5000
+
+    def received(self, connection, data):
+        return data
+
+
+def test_a_register_that_a_wire_sets_is_no_place_of_faults():
+    world = World(wires=[Wire(when="standard_digital_out[0]", then="input_bool_register[3]")])
+    assert world.fault_places() == []

@@ -68,8 +68,8 @@ def add_sweep(parser: Parser) -> None:
     from elitescript.sweep.executor import MAX_WALL_S
 
     parser.description = (
-        "Run a program many times and say what holds. Exit code: 0 all hold, 1 something failed, 2 usage, 3 the program "
-        "does not compile, 130 Ctrl-C."
+        "Run a program many times and say what holds. Exit code: 0 all hold, 1 something failed, 2 usage, 3 the "
+        "program does not compile, 130 Ctrl-C."
     )
     parser.add_argument("file", metavar="FILE", help="program text, UTF-8")
     parser.add_argument(
@@ -83,7 +83,9 @@ def add_sweep(parser: Parser) -> None:
     parser.add_argument(
         "--runs", type=int, metavar="N", help="number of runs (default: every grid point once, else 100)"
     )
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of everything that is drawn (default 0)")
+    parser.add_argument(
+        "--seed", dest="sweep_seed", type=int, default=0, metavar="N", help="of everything that is drawn (default 0)"
+    )
     parser.add_argument(
         "--ensure",
         action="append",
@@ -103,6 +105,11 @@ def add_sweep(parser: Parser) -> None:
     )
     parser.add_argument("--out", metavar="FILE.csv|jsonl|parquet", help="table of the runs, in their order")
     parser.add_argument("--resume", action="store_true", help="go on with a sweep that was ended before its table")
+    parser.add_argument(
+        "--no-cases",
+        action="store_true",
+        help="write no CASE.toml, and shrink no failure, nor play those that are there",
+    )
     parser.add_argument("--jobs", type=int, metavar="N", help="processes (default: one for each processor)")
     parser.add_argument(
         "--dask",

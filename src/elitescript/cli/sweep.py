@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import time
 from collections.abc import Iterable
@@ -12,21 +11,28 @@ from tempfile import TemporaryDirectory
 from typing import Any, Final
 
 from elitescript.cli.optimise import search_values, searches
-from elitescript.cli.output.screen import Progress, progress_on
+from elitescript.cli.output.screen import progress_on
+from elitescript.cli.output.writable import Writable
 from elitescript.cli.robot_options import options_from
 from elitescript.cli.settings import parse_size
+from elitescript.codec.json_text import to_text
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.diagnostics import render
 from elitescript.language.text.source import SourceFile
 from elitescript.sweep.engine import Engine
+from elitescript.sweep.findings import KINDS_MAX, Finding, Places, Remembered, find, remembered
 from elitescript.sweep.journal import SUFFIX, Journal
 from elitescript.sweep.local import LocalEngine
 from elitescript.sweep.making import make_plan, runs_of
+from elitescript.sweep.many_runs import cores
 from elitescript.sweep.plan import Plan, Row
-from elitescript.sweep.plan_json import plan_digest
+from elitescript.sweep.plan_json import disturbance_data, plan_digest
+from elitescript.sweep.progress import Meter
 from elitescript.sweep.single import Runner
-from elitescript.sweep.sweeping import Sweeping
-from elitescript.sweep.tables import columns, format_of, json_line, values
+from elitescript.sweep.summary import Summary, summary_of
+from elitescript.sweep.sweeping import Sweeping, is_random
+from elitescript.sweep.tables import columns, format_of, json_line, properties_of, values
+from elitescript.sweep.totals import Totals
 from elitescript.sweep.variations import grid_size, parse_variation
 
 TYPE_CHECKING = False
@@ -53,7 +59,7 @@ def sweep(options: argparse.Namespace) -> int:
         options=options_from(options),
         settings=options.set,
         variations=variations,
-        seed=options.seed,
+        seed=options.sweep_seed,
         until_s=options.until,
         ensure=options.ensure,
         measures=_measures(options.measure),
@@ -82,49 +88,62 @@ def sweep(options: argparse.Namespace) -> int:
         sweeping = Sweeping(plan, runs, journal)
         if sweeping.done and not options.json:
             print(f"{sweeping.done:,} of {runs:,} runs are there already", file=sys.stderr)
-        return _go(options, sweeping, out)
+        return _go(options, sweeping, runner, out)
 
 
-def _go(options: argparse.Namespace, sweeping: Sweeping, out: Path | None) -> int:
+def _go(options: argparse.Namespace, sweeping: Sweeping, runner: Runner, out: Path | None) -> int:
     plan = sweeping.plan
-    progress = None if options.json else progress_on(sys.stderr)
-    meter = _Meter(sweeping, progress)
+    places = Places(
+        Path() if out is None else out.parent,
+        options.file,
+        options.world or "",
+        options.task_dir or "",
+        options_from(options),
+    )
+    reports = _JsonReport(plan) if options.json else _TextReport(sys.stdout)
+    totals = Totals(plan.variations, properties_of(plan), tuple(plan.measures))
+    known: list[Remembered] = []
     is_interrupted = False
-    try:
-        with _engine(options) as engine:
-            sweeping.go(engine, meter.update, _print_row(plan) if options.json else None)
-    except KeyboardInterrupt:
-        is_interrupted = True
-    failing: list[Row] = []
-
-    def look(row: Row) -> None:
-        if row.failure is not None:
-            failing.append(row)
-
-    sweeping.finish(None if is_interrupted else out, look)
-    if options.json:
-        data = {"type": "summary", "runs": sweeping.done, "failed": sweeping.failed, "digest": plan_digest(plan)}
-        print(json_line(data, data.values()))
-    else:
-        print(f"{sweeping.done - sweeping.failed} of {sweeping.done} runs hold")
-        for row in failing[:10]:
-            assert row.failure is not None
-            print(f"run {row.choices.run}: {row.failed}: {row.failure.text}")
+    with _engine(options) as engine:
+        try:
+            known = [] if options.no_cases else remembered(runner, engine, places)
+            reports.remembered(known)
+            sweeping.go(engine, _Meter(sweeping).update, reports.row)
+        except KeyboardInterrupt:
+            is_interrupted = True
+        sweeping.finish(None if is_interrupted else out, totals.add)
+        summary = summary_of(totals, is_random=is_random(plan))
+        findings: list[Finding] = []
+        if not is_interrupted and not options.no_cases:
+            findings = _findings(totals, runner, engine, places, known)
+    reports.end(summary, findings)
     if is_interrupted:
-        if out is not None:
-            rest = f"--resume goes on from {sweeping.journal.path}"
-        else:
-            rest = "with --out FILE it could be gone on with"
+        rest = f"--resume goes on from {sweeping.journal.path}" if out is not None else "--out keeps them for --resume"
         done = f"{sweeping.done:,} of {sweeping.runs:,} runs are done"
         print(f"elitescript sweep: ended by Ctrl-C; {done}; {rest}", file=sys.stderr)
         return INTERRUPTED
     if out is not None:
         sweeping.journal.path.unlink()
-    return FAILS if sweeping.failed else HOLDS
+    return FAILS if sweeping.failed or any(row.row.failure is not None for row in known) else HOLDS
+
+
+def _findings(totals: Totals, runner: Runner, engine: Engine, places: Places, known: list[Remembered]) -> list[Finding]:
+    """Return the first failures of each kind, shrunk; Ctrl-C leaves out the rest."""
+    found: list[Finding] = []
+    progress = progress_on(sys.stderr)
+    groups = list(totals.groups.values())[:KINDS_MAX]
+    try:
+        for number, group in enumerate(groups, 1):
+            if progress is not None:
+                progress.note(f"failure {number} of {len(groups)} is made smaller  (Ctrl-C leaves it as it is)")
+            found.append(find(group.rows[0], runner, engine, places, known))
+    except KeyboardInterrupt:
+        print("elitescript sweep: ended by Ctrl-C before all failures were made smaller", file=sys.stderr)
+    return found
 
 
 def _engine(options: argparse.Namespace) -> Engine:
-    jobs = options.jobs if options.jobs is not None else _cores()
+    jobs = options.jobs if options.jobs is not None else cores()
     if jobs < 1:
         raise UsageError(f"--jobs must be 1 or more, got {jobs}")
     if options.max_wall is not None and not options.max_wall > 0.0:
@@ -147,28 +166,91 @@ def _engine(options: argparse.Namespace) -> Engine:
     return LocalEngine(jobs, max_wall_s=options.max_wall, memory_bytes=memory_bytes)
 
 
-def _cores() -> int:
-    """Return the number of processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
-
-
 class _Meter:
-    """Shows how far a sweep is."""
+    """Shows how far a sweep is, in the status line of a terminal."""
 
-    def __init__(self, sweeping: Sweeping, progress: Progress | None) -> None:
-        self._progress = progress
-        self._runs = sweeping.runs
-        self._done = sweeping.done
-        self._start_s = time.monotonic()
+    def __init__(self, sweeping: Sweeping) -> None:
+        self._progress = progress_on(sys.stderr)
+        self._meter = Meter(sweeping.runs, time.monotonic(), sweeping.done)
 
     def update(self, done: int, failed: int) -> None:
         """Show it."""
-        if self._progress is None:
-            return
-        rate = (done - self._done) / max(time.monotonic() - self._start_s, 1e-9)
-        self._progress.note(f"{done:,} of {self._runs:,} runs, {failed:,} fail, {rate:,.0f} runs/s")
+        if self._progress is not None and (text := self._meter.text(done, failed, time.monotonic())):
+            self._progress.note(text)
+
+
+class _TextReport:
+    """Says for people what came of a sweep."""
+
+    row = None
+
+    def __init__(self, out: Writable) -> None:
+        self._out = out
+
+    def remembered(self, known: list[Remembered]) -> None:
+        """Say what became of the cases of earlier sweeps."""
+        for case in known:
+            failure = case.row.failure
+            words = "holds now" if failure is None else f"still fails: {failure.expression}: {failure.text}"
+            if failure is not None and not case.is_same:
+                words = f"fails otherwise now: {failure.expression}: {failure.text}"
+            print(f"{case.path} {words}", file=self._out)
+
+    def end(self, summary: Summary, findings: list[Finding]) -> None:
+        """Say what was found."""
+        for line in summary.lines():
+            print(line, file=self._out)
+        for finding in findings:
+            print(file=self._out)
+            if finding.story is not None:
+                for line in finding.story.lines:
+                    print(line, file=self._out)
+            smaller = f", the smallest of {finding.tried} runs" if finding.tried else ""
+            run = f"run {finding.first.choices.run}{smaller}"
+            print(f"{run}: elitescript run --case {finding.case}", file=self._out)
+
+
+class _JsonReport:
+    """Prints one JSON object for each row, in the order of their numbers, then for each failure, then the summary."""
+
+    def __init__(self, plan: Plan) -> None:
+        self._plan = plan
+        self._names = ("type", *columns(plan))
+
+    def row(self, row: Row) -> None:
+        """Print a row."""
+        print(json_line(self._names, ("row", *values(row, self._plan))), flush=True)
+
+    def remembered(self, known: list[Remembered]) -> None:
+        """Print what became of the cases of earlier sweeps."""
+        for case in known:
+            row = case.row
+            _print_json(type="case", case=str(case.path), state=row.state, failed=row.failed, same=case.is_same)
+
+    def end(self, summary: Summary, findings: list[Finding]) -> None:
+        """Print what was found."""
+        for finding in findings:
+            failure = finding.failure
+            _print_json(
+                type="failure",
+                run=finding.first.choices.run,
+                failed=failure.expression,
+                state=failure.state,
+                code=failure.code,
+                line=failure.line,
+                t=failure.t,
+                margin=failure.margin,
+                text=failure.text,
+                values=dict(finding.choices.values),
+                disturbances=[disturbance_data(row) for row in finding.choices.disturbances],
+                story=None if finding.story is None else finding.story.data(),
+                case=str(finding.case),
+            )
+        _print_json(type="summary", digest=plan_digest(self._plan), **summary.as_json())
+
+
+def _print_json(**data: Any) -> None:
+    print(to_text(data), flush=True)
 
 
 def _check_out(options: argparse.Namespace, out: Path | None) -> None:
@@ -207,12 +289,3 @@ def _print_problems(problems: Iterable[Any], plan: Plan) -> None:
     source = SourceFile(plan.program_name, plan.program)
     for problem in problems:
         print(render(problem, source.name, source.line(problem.line)), file=sys.stderr)
-
-
-def _print_row(plan: Plan) -> Any:
-    names = ("type", *columns(plan))
-
-    def show(row: Row) -> None:
-        print(json_line(names, ("row", *values(row, plan))), flush=True)
-
-    return show

@@ -44,7 +44,7 @@ from elitescript.messages.signals import Value
 from elitescript.paths import why_no_file
 from elitescript.records import field, record
 from elitescript.sweep.chaos.applying import check, disturbance_of, in_order, settings_of
-from elitescript.sweep.chaos.kinds import KINDS
+from elitescript.sweep.chaos.kinds import KINDS, is_fault
 from elitescript.sweep.plan import Choices, Disturbance, Failure
 from elitescript.sweep.toml_text import TomlText
 
@@ -211,12 +211,10 @@ def _disturbances(toml: TomlText) -> Iterable[Disturbance]:
         for index, row in enumerate(toml.rows(section)):
             kind = toml.text((section, index, "kind"))
             of_section = [name for name, known in KINDS.items() if known.table == section]
-            if kind not in of_section and not (section == "fault" and kind == "reconnect"):
-                raise (
-                    toml.unknown((section, index, "kind"), of_section)
-                    if kind not in KINDS
-                    else toml.error((section, index, "kind"), f"{kind} belongs into [[{KINDS[kind].table}]]")
-                )
+            if kind in KINDS and kind not in of_section:
+                raise toml.error((section, index, "kind"), f"{kind} belongs into [[{KINDS[kind].table}]]")
+            if kind not in of_section and not (section == "fault" and is_fault(kind)):
+                raise toml.unknown((section, index, "kind"), of_section, kind)
             try:
                 yield check(disturbance_of(row))
             except UsageError as error:

@@ -116,7 +116,9 @@ class Journal:
             if not isinstance(head, dict) or head.get("journal") != _FORMAT:
                 raise UsageError(f"--resume: {self.path} is no journal of a sweep of this version; delete it")
             if head["digest"] != data_digest(parts):
-                raise UsageError(f"--resume: {self.path} was begun with other settings: {difference(head['plan'], parts)}")
+                raise UsageError(
+                    f"--resume: {self.path} was begun with other settings: {difference(head['plan'], parts)}"
+                )
             end = file.tell()
             while (content := _content(file.readline())) is not None:
                 first = content["first"]

@@ -240,4 +240,3 @@ _ROW: Final[Mapping[str, Check]] = {
     "failure": _or_none(_failure),
     "margins": _list(_or_none(_number)),
 }
-

@@ -335,9 +335,9 @@ def _search_number(value: float, target: float, fails: Callable[[Any], bool], *,
         return
     for step in (1.0, 0.1) if is_time else _steps(good):
         candidates = (floor(good / step) * step, ceil(good / step) * step)
-        # The one that is nearer to the target first.
+        # The one that is nearer to the target first; none is beyond the number that there was.
         for candidate in sorted((round(at, 9) for at in candidates), key=lambda at: abs(at - target)):
-            if candidate == good or fails(candidate):
+            if min(value, target) <= candidate <= max(value, target) and (candidate == good or fails(candidate)):
                 return
 
 

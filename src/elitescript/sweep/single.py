@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from base64 import b64decode
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
@@ -26,7 +26,9 @@ from elitescript.messages.signals import SIGNALS
 from elitescript.messages.timing import ticks_for
 from elitescript.models.model import RobotModel, load_model, parse_model
 from elitescript.properties.checks import Checks
+from elitescript.properties.functions_of_files import FunctionMeasure, FunctionProperty
 from elitescript.properties.parsing import parse_measure, parse_property
+from elitescript.properties.verdicts import Measure, Property
 from elitescript.robot import VirtualRobot
 from elitescript.sweep.chaos.properties import BUILT_INS, BuiltInProperty, is_built_in
 from elitescript.sweep.chaos.session import ChaosSession
@@ -46,6 +48,9 @@ if TYPE_CHECKING:
     from elitescript.messages.events import Event
     from elitescript.run import Run
 
+_HERE: Final = "<python>"
+"""Stands for the file of functions that are no text."""
+
 ERROR: Final = "error"
 """State of a run that could not begin, or whose device failed."""
 
@@ -55,9 +60,11 @@ class Runner:
 
     Args:
         plan: of the sweep.
+        functions: properties and measures that are no text, by the text that stands for them in the plan.
 
     Attributes:
         plan: see above.
+        chaos: what goes wrong, and what built-in properties need to know.
         problems: warnings about the program.
 
     Raises:
@@ -65,8 +72,9 @@ class Runner:
         ProgramError: the program does not compile.
     """
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Plan, functions: Mapping[str, Callable[[Run], Any]] | None = None) -> None:
         self.plan = plan
+        self._functions = functions or {}
         self._model = _model_of(plan)
         self._options = {**plan.options, "seed": 0}
         for name in ("model", "model_text"):
@@ -79,7 +87,9 @@ class Runner:
         self._world_path = Path(plan.world_name or "world.toml")
         self._tables = tables_of(self._world_path, plan.world) if plan.world else {}
         if self._tables.get("world", {}).get("network") == REAL:
-            raise UsageError(f"{self._world_path}: [world] network: {REAL!r} is not allowed in a sweep, which is closed")
+            raise UsageError(
+                f"{self._world_path}: [world] network: {REAL!r} is not allowed in a sweep, which is closed"
+            )
         if isinstance(robot := self._tables.get(ROBOT_SECTION), dict) and "model" in robot:
             # It is among the options of the plan.
             self._tables = {**self._tables, ROBOT_SECTION: {key: robot[key] for key in robot if key != "model"}}
@@ -96,9 +106,7 @@ class Runner:
             else:
                 program_names.append(row.name)
         self._fixed_file = self._fixed()
-        self._plain = Choices(
-            0, seed_of_run(plan.seed, 0), {row.name: plain_value(row) for row in plan.variations}
-        )
+        self._plain = Choices(0, seed_of_run(plan.seed, 0), {row.name: plain_value(row) for row in plan.variations})
         robot = self.robot(self._plain)
         self._unit, self._preset_names, self.problems = self._compiled(program_names, robot)
         self.chaos = ChaosSession(plan, self._plain, robot, self._play_plain, self._source_of)
@@ -130,17 +138,31 @@ class Runner:
         names = {*self._unit.global_names, *self._presets, *self._preset_names.values()}
         known = {name for name in names if not name.startswith(MARK)}
         named = {name: partial(_named, self.chaos, name) for name in BUILT_INS}
-        with self._python.importing(plan.python):
-            properties = [
+
+        def property_of(text: str) -> Property:
+            if text in self._functions:
+                return FunctionProperty(text, _HERE, text, self._functions_of)
+            return (
                 self.chaos.property(text)
                 if is_built_in(text)
-                else parse_property(text, known, files=plan.python, named=named)
-                for text in properties_of(plan)
-            ]
-            measures = {
-                name: parse_measure(text, known, files=plan.python) for name, text in plan.measures.items()
-            }
+                else parse_property(text, known, load=self._load, named=named)
+            )
+
+        def measure_of(text: str) -> Measure:
+            if text in self._functions:
+                return FunctionMeasure(text, _HERE, text, self._functions_of)
+            return parse_measure(text, known, load=self._load)
+
+        properties = [property_of(text) for text in properties_of(plan)]
+        measures = {name: measure_of(text) for name, text in plan.measures.items()}
         return Checks(properties, measures, plan.step_s)
+
+    def _functions_of(self, _path: str) -> Mapping[str, Any]:
+        return self._functions
+
+    def _load(self, path: str) -> Mapping[str, Any]:
+        """Return the names of a Python file of the plan, loaded anew."""
+        return vars(self._python.modules([path])[path])
 
     def _check_extremes(self) -> None:
         """Try the ends of each variation before the first run."""

@@ -38,7 +38,9 @@ class Sweeping:
         for row in self.rows():
             self._count(row)
 
-    def go(self, engine: Engine, progress: Progress | None = None, in_order: Callable[[Row], None] | None = None) -> None:
+    def go(
+        self, engine: Engine, progress: Progress | None = None, in_order: Callable[[Row], None] | None = None
+    ) -> None:
         """Run what is missing.
 
         Args:
@@ -97,3 +99,8 @@ class Sweeping:
                 show(row)
                 at = row.choices.run + 1
             yield
+
+
+def is_random(plan: Plan) -> bool:
+    """Return whether anything but the seed of `random()` is drawn at random."""
+    return bool(plan.chaos) or any(row.kind != "grid" for row in plan.variations) or "random" in plan.program

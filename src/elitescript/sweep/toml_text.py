@@ -48,10 +48,10 @@ class TomlText:
             name += f"[{part}]" if isinstance(part, int) else f".{part}" if name else part
         return UsageError(f"{self._file}:{self.line(path)}: {name + ': ' if name else ''}{text}")
 
-    def unknown(self, path: Path, known: Collection[str]) -> UsageError:
-        """Return the error about a key that is none of those that there are."""
-        near = did_you_mean(str(path[-1]), known)
-        return self.error(path, f"is not known; there are {', '.join(known)}{near}")
+    def unknown(self, path: Path, known: Collection[str], name: str = "") -> UsageError:
+        """Return the error about a key, or the name that is its value, that is none of those that there are."""
+        near = did_you_mean(name or str(path[-1]), known)
+        return self.error(path, f"{f'{name!r} ' if name else ''}is not known; there are {', '.join(known)}{near}")
 
     def value(self, path: Path) -> Any:
         """Return what stands at a path; None if nothing does."""

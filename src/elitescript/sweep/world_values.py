@@ -40,7 +40,9 @@ def place_of(name: str, tables: Mapping[str, Any]) -> Path:
     if section not in tables and section not in _TABLES:
         raise UsageError(f"--vary {name}: the world file has no [[{section}]]; it has {_listed(tables) or 'nothing'}")
     if not parts:
-        raise UsageError(f"--vary {name}: write what of {section}, such as {section}.{_listed(_inside(tables[section]))}")
+        raise UsageError(
+            f"--vary {name}: write what of {section}, such as {section}.{_listed(_inside(tables[section]))}"
+        )
     place: Path = (section,)
     value: Any = tables.get(section, {})
     for number, part in enumerate(parts):
