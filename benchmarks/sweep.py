@@ -34,7 +34,9 @@ def naive(seed: int) -> tuple[str, float]:
     return run.state, run.time_s
 
 
-def plan_of(*ensure: str, text: str = TEXT, vary: str = "CLEARANCE=uniform(0.1,0.14)", step_s: float | None = None) -> Plan:
+def plan_of(
+    *ensure: str, text: str = TEXT, vary: str = "CLEARANCE=uniform(0.1,0.14)", step_s: float | None = None
+) -> Plan:
     """Return a plan with one variation."""
     return Plan(text, variations=(parse_variation(vary),), ensure=ensure, step_s=step_s)
 

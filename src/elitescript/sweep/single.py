@@ -126,7 +126,7 @@ class Runner:
         """Return the program, the preset of each name that is varied, and warnings."""
         source = SourceFile(self.plan.program_name, self.plan.program)
         parsed = parse(source, robot.text_options(source))
-        found = put_presets(parsed, names) if parsed.is_complete or not parsed.has_errors else {}
+        found = put_presets(parsed, names) if not parsed.has_errors else {}
         known = {*self._presets, *found.values()}
         checked = check_parsed(parsed, robot.profile, presets=known, arm=robot.model)
         if checked.unit is None or checked.is_refused:
