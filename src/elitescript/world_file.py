@@ -69,9 +69,7 @@ def load_world_file(
     """
     file = Path(path)
     text = world_text(file)
-    return read_tables(
-        file, text, tables_of(file, text), network=network, is_trusted=is_trusted, with_world=with_world
-    )
+    return read_tables(file, text, tables_of(file, text), network=network, is_trusted=is_trusted, with_world=with_world)
 
 
 def world_text(file: Path) -> str:

@@ -69,8 +69,8 @@ def add_sweep(parser: Parser) -> None:
     from elitescript.sweep.executor import MAX_WALL_S
 
     parser.description = (
-        "Run a program many times and say what holds. Exit code: 0 all hold, 1 something failed, 2 usage, 3 the program "
-        "does not compile, 130 Ctrl-C."
+        "Run a program many times and say what holds. Exit code: 0 all hold, 1 something failed, 2 usage, 3 the "
+        "program does not compile, 130 Ctrl-C."
     )
     parser.add_argument("file", metavar="FILE", help="program text, UTF-8")
     parser.add_argument(
@@ -105,6 +105,10 @@ def add_sweep(parser: Parser) -> None:
         "--step", type=float, metavar="SECONDS", help="time between two rows of a moving arm that properties see"
     )
     parser.add_argument("--out", metavar="FILE.csv|jsonl|parquet", help="table of the runs, in their order")
+    parser.add_argument(
+        "--page", metavar="FILE.html", help="a page with plots and failures; replays are in the folder FILE.replays"
+    )
+    parser.add_argument("--only", type=int, metavar="RUN", help="only the run of this number; with --page, its replay")
     parser.add_argument("--resume", action="store_true", help="go on with a sweep that was ended before its table")
     parser.add_argument(
         "--no-cases",
@@ -112,6 +116,17 @@ def add_sweep(parser: Parser) -> None:
         help="write no CASE.toml, and shrink no failure, nor play those that are there",
     )
     parser.add_argument("--jobs", type=int, metavar="N", help="processes (default: one for each processor)")
+    parser.add_argument(
+        "--dask",
+        metavar="tcp://HOST:PORT",
+        help="run on this Dask cluster instead of on this computer; needs the extra `cluster`",
+    )
+    parser.add_argument(
+        "--mixed",
+        action="store_true",
+        help="take workers of the cluster whose processor or C library has another last digit in sine and cosine",
+    )
+    _add_search(parser)
     add_options(parser, "sweep")
     _add_until(parser, "end a run after so much virtual time")
     parser.add_argument(
@@ -132,6 +147,32 @@ def add_sweep(parser: Parser) -> None:
     _add_world(parser, "what is around the robot, as for run")
     _add_color(parser)
     _add_json_lines(parser)
+
+
+def _add_search(parser: Parser) -> None:
+    parser.add_argument(
+        "--minimise",
+        metavar="EXPRESSION",
+        help="look for the values of --over that make this measure smallest, with as "
+        "many runs as --runs says, while every --ensure holds; needs the extra `optimise`",
+    )
+    parser.add_argument("--maximise", metavar="EXPRESSION", help="the same, largest")
+    parser.add_argument(
+        "--over",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="NAME=KIND(...)",
+        help="what may change: named as for --vary; uniform, choice or grid",
+    )
+    parser.add_argument(
+        "--repeat",
+        type=int,
+        default=1,
+        metavar="N",
+        help="runs of each candidate, with other values of --vary and --chaos",
+    )
+    parser.add_argument("--worst", action="store_true", help="of these the worst counts, not the mean")
 
 
 def add_check(parser: Parser) -> None:

@@ -297,7 +297,11 @@ class RobotOptions:
         commands=("run", "sweep", "serve"),
     )
     strict: bool = option(
-        False, "refuse what only warns otherwise", Switch(), flag="--strict", commands=("run", "sweep", "check", "serve")
+        False,
+        "refuse what only warns otherwise",
+        Switch(),
+        flag="--strict",
+        commands=("run", "sweep", "check", "serve"),
     )
     confirms_popups: bool = option(
         False, "confirm popups that block at once; if not, a client of the dashboard does", Switch()

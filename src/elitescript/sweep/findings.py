@@ -13,7 +13,7 @@ from elitescript.sweep.cases import FILE_NAME, SUFFIX, Case, digest_of, is_case,
 from elitescript.sweep.chaos.ground import Ears
 from elitescript.sweep.engine import Engine
 from elitescript.sweep.plan import Choices, Failure, Plan, Row
-from elitescript.sweep.shrinking import BUDGET, is_same, shrink
+from elitescript.sweep.shrinking import BUDGET, Shrunk, is_same, shrink
 from elitescript.sweep.single import ERROR, Runner
 from elitescript.sweep.story import Story, tell
 from elitescript.sweep.variations import plain_value
@@ -83,7 +83,14 @@ class Remembered:
     is_same: bool
 
 
-def find(first: Row, runner: Runner, engine: Engine, places: Places, known: Iterable[Remembered] = ()) -> Finding:
+def find(
+    first: Row,
+    runner: Runner,
+    engine: Engine,
+    places: Places,
+    known: Iterable[Remembered] = (),
+    found: Iterable[Finding] = (),
+) -> Finding:
     """Shrink a run that failed, tell its story, and write its case.
 
     Args:
@@ -92,28 +99,39 @@ def find(first: Row, runner: Runner, engine: Engine, places: Places, known: Iter
         engine: runs the candidates.
         places: of the files.
         known: cases that were played before; one that failed in the same way is not written again.
+        found: what was found before: a smallest run that is the same again is not written again.
 
     Raises:
         UsageError: the case cannot be written.
     """
-    failure = first.failure
-    assert failure is not None
-    choices, tried, story = first.choices, 0, None
+    assert first.failure is not None
+    choices, failure, tried, story = first.choices, first.failure, 0, None
     if first.state not in LOST:
-        plan = runner.plan
-
-        def still_fails(candidate: Choices) -> bool:
-            return is_same(engine.row(plan, candidate).failure, failure)
-
-        shrunk = shrink(choices, still_fails, plain=plain_values(plan), budget=BUDGET)
+        shrunk = _shrunk(choices, failure, runner.plan, engine)
         choices, tried = shrunk.choices, shrunk.runs
         story, failure = _told(runner, choices, failure)
-    same = next((row.path for row in known if is_same(row.row.failure, failure)), None)
-    if same is None:
-        same = _free_name(places.folder)
+    path = next((row.path for row in known if is_same(row.row.failure, failure)), None)
+    if path is None and story is not None:
+        # Other faults may have led to the same mistake.
+        path = next((row.case for row in found if _is_same_run(row, choices, failure)), None)
+    if path is None:
+        path = _free_name(places.folder)
         lines = [failure.text] if story is None else story.lines
-        write_case(same, case_of_run(runner, choices, failure, places), lines)
-    return Finding(first, failure, choices, tried, story, same)
+        write_case(path, case_of_run(runner, choices, failure, places), lines)
+    return Finding(first, failure, choices, tried, story, path)
+
+
+def _shrunk(choices: Choices, failure: Failure, plan: Plan, engine: Engine) -> Shrunk:
+    def still_fails(candidate: Choices) -> bool:
+        return is_same(engine.row(plan, candidate).failure, failure)
+
+    return shrink(choices, still_fails, plain=plain_values(plan), budget=BUDGET)
+
+
+def _is_same_run(finding: Finding, choices: Choices, failure: Failure) -> bool:
+    mine = finding.choices
+    is_equal = (mine.values, mine.disturbances) == (choices.values, choices.disturbances)
+    return is_equal and is_same(finding.failure, failure)
 
 
 def plain_values(plan: Plan) -> dict[str, Any]:
@@ -184,4 +202,3 @@ def remembered(runner: Runner, engine: Engine, places: Places) -> list[Remembere
         row = engine.row(plan, case.choices)
         found.append(Remembered(path, row, is_same(row.failure, case.failure)))
     return found
-

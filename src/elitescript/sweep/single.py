@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from base64 import b64decode
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
@@ -26,7 +26,9 @@ from elitescript.messages.signals import SIGNALS
 from elitescript.messages.timing import ticks_for
 from elitescript.models.model import RobotModel, load_model, parse_model
 from elitescript.properties.checks import Checks
+from elitescript.properties.functions_of_files import FunctionMeasure, FunctionProperty
 from elitescript.properties.parsing import parse_measure, parse_property
+from elitescript.properties.verdicts import Measure, Property
 from elitescript.robot import VirtualRobot
 from elitescript.sweep.chaos.properties import BUILT_INS, BuiltInProperty, is_built_in
 from elitescript.sweep.chaos.session import ChaosSession
@@ -46,6 +48,9 @@ if TYPE_CHECKING:
     from elitescript.messages.events import Event
     from elitescript.run import Run
 
+_HERE: Final = "<python>"
+"""Stands for the file of functions that are no text."""
+
 ERROR: Final = "error"
 """State of a run that could not begin, or whose device failed."""
 
@@ -55,9 +60,11 @@ class Runner:
 
     Args:
         plan: of the sweep.
+        functions: properties and measures that are no text, by the text that stands for them in the plan.
 
     Attributes:
         plan: see above.
+        chaos: what goes wrong, and what built-in properties need to know.
         problems: warnings about the program.
 
     Raises:
@@ -65,8 +72,9 @@ class Runner:
         ProgramError: the program does not compile.
     """
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Plan, functions: Mapping[str, Callable[[Run], Any]] | None = None) -> None:
         self.plan = plan
+        self._functions = functions or {}
         self._model = _model_of(plan)
         self._options = {**plan.options, "seed": 0}
         for name in ("model", "model_text"):
@@ -99,11 +107,11 @@ class Runner:
                 program_names.append(row.name)
         self._fixed_file = self._fixed()
         self._plain = Choices(0, seed_of_run(plan.seed, 0), {row.name: plain_value(row) for row in plan.variations})
+        self._check_extremes()
         robot = self.robot(self._plain)
         self._unit, self._preset_names, self.problems = self._compiled(program_names, robot)
         self.chaos = ChaosSession(plan, self._plain, robot, self._play_plain, self._source_of)
         self._checks = self._checks_of(plan)
-        self._check_extremes()
 
     def _fixed(self) -> WorldFile | None:
         """Return what the world file says of the robot, if that is the same in every run."""
@@ -130,22 +138,39 @@ class Runner:
         names = {*self._unit.global_names, *self._presets, *self._preset_names.values()}
         known = {name for name in names if not name.startswith(MARK)}
         named = {name: partial(_named, self.chaos, name) for name in BUILT_INS}
-        with self._python.importing(plan.python):
-            properties = [
+
+        def property_of(text: str) -> Property:
+            if text in self._functions:
+                return FunctionProperty(text, _HERE, text, self._functions_of)
+            return (
                 self.chaos.property(text)
                 if is_built_in(text)
-                else parse_property(text, known, files=plan.python, named=named)
-                for text in properties_of(plan)
-            ]
-            measures = {name: parse_measure(text, known, files=plan.python) for name, text in plan.measures.items()}
+                else parse_property(text, known, load=self._load, named=named)
+            )
+
+        def measure_of(text: str) -> Measure:
+            if text in self._functions:
+                return FunctionMeasure(text, _HERE, text, self._functions_of)
+            return parse_measure(text, known, load=self._load)
+
+        properties = [property_of(text) for text in properties_of(plan)]
+        measures = {name: measure_of(text) for name, text in plan.measures.items()}
         return Checks(properties, measures, plan.step_s)
 
+    def _functions_of(self, _path: str) -> Mapping[str, Any]:
+        return self._functions
+
+    def _load(self, path: str) -> Mapping[str, Any]:
+        """Return the names of a Python file of the plan, loaded anew."""
+        return vars(self._python.modules([path])[path])
+
     def _check_extremes(self) -> None:
-        """Try the ends of each variation before the first run."""
+        """Try the ends of each variation before the first run, and before them the world as it stands in its file."""
+        self.robot(Choices(0, 0))
         for row in self.plan.variations:
             for value in extremes(row):
                 try:
-                    self.robot(Choices(0, 0, {**self._plain.values, row.name: value}))
+                    self.robot(Choices(0, 0, {row.name: value}))
                 except UsageError as error:
                     raise UsageError(f"--vary {row.name}: {value!r} is not possible: {error}") from error
 
@@ -181,7 +206,8 @@ class Runner:
             robot.cell = file.cell
             robot.set_start(file.signals)
         robot.set_start(self._levels)
-        robot.set_start({name: choices.values[name] for name in self._signal_names})  # type: ignore[misc]
+        levels: dict[str, Any] = {name: choices.values.get(name) for name in self._signal_names}
+        robot.set_start({name: level for name, level in levels.items() if level is not None})
         return robot
 
     def _options_from(self, file: WorldFile) -> dict[str, Any]:
@@ -193,7 +219,8 @@ class Runner:
     def _world_file(self, choices: Choices) -> WorldFile:
         tables = self._tables
         for name, place in self._places.items():
-            tables = with_value(tables, place, choices.values[name])
+            if name in choices.values:
+                tables = with_value(tables, place, choices.values[name])
         if not self._has_world and self._fixed_file is not None:
             return self._fixed_file
         if self._has_world:
@@ -212,7 +239,11 @@ class Runner:
             self._fixed_file.signals,
             self._fixed_file.cell,
         )
-        file.world = build_world(beside, self._world_path.parent, network=VIRTUAL, modules=modules)
+        try:
+            file.world = build_world(beside, self._world_path.parent, network=VIRTUAL, modules=modules)
+        except UsageError:
+            # Read again for the line of the mistake.
+            return read_tables(self._world_path, self.plan.world, tables, network=VIRTUAL, modules=modules)
         file.world.settings = file
         return file
 
@@ -226,6 +257,7 @@ class Runner:
         *,
         before: Callable[[VirtualRobot], None] | None = None,
         trace: Trace | None = None,
+        watch: Callable[[VirtualRobot], None] | None = None,
         on_event: Callable[[Event], None] | None = None,
     ) -> tuple[Row, Run | None]:
         """Run the program once, and look on: for a story, or for a page.
@@ -234,6 +266,7 @@ class Runner:
             choices: of the run.
             before: called with the robot before its program begins.
             trace: receives rows of the arm.
+            watch: called with the robot after each tick that is run.
             on_event: receives every event at the moment it happens.
 
         Returns:
@@ -247,10 +280,8 @@ class Runner:
             if before is not None:
                 before(robot)
             traces = [one for one in (watching.trace, trace) if one]
-            arguments = self.arguments(choices)
-            run = robot.run(
-                **arguments, trace=False if not traces else traces[0] if len(traces) == 1 else _Both(*traces)
-            )
+            seen = False if not traces else traces[0] if len(traces) == 1 else _Both(*traces)
+            run = robot.run(**self.arguments(choices), trace=seen, watch=watch)
         except ElitescriptError as error:
             # The world cannot be made with these values, or one of its devices failed.
             return Row(choices, ERROR, None, failure=Failure(ERROR, ERROR, text=str(error))), run

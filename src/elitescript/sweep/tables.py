@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from itertools import islice
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import IO, Any, Final, Protocol
@@ -103,7 +104,7 @@ def _complete(path: Path) -> Iterator[IO[bytes]]:
     with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as file:
         temporary = Path(file.name)
         try:
-            yield file  # type: ignore[misc]
+            yield file
             file.flush()
         except BaseException:
             temporary.unlink(missing_ok=True)
@@ -170,31 +171,15 @@ def _pyarrow() -> Any:
 def _write_parquet(file: IO[bytes], plan: Plan, rows: Iterable[Row]) -> None:
     arrow = _pyarrow()
     names = columns(plan)
-    schema = None
-    writer = None
-    group: list[tuple[Any, ...]] = []
-
-    def write_group() -> None:
-        nonlocal schema, writer
-        cells = zip(*group, strict=True) if group else [()] * len(names)
-        columns_of_group = dict(zip(names, cells, strict=True))
-        if schema is None:
-            schema = arrow.schema([(name, _arrow_type(arrow, name, plan)) for name in names])
-            writer = arrow.parquet.ParquetWriter(file, schema, compression="zstd")
-        arrays = [
-            arrow.array([_arrow_value(value, field.type, arrow) for value in columns_of_group[field.name]], field.type)
-            for field in schema
-        ]
-        writer.write_table(arrow.Table.from_arrays(arrays, schema=schema))
-        group.clear()
-
-    for row in rows:
-        group.append(values(row, plan))
-        if len(group) == GROUP_ROWS:
-            write_group()
-    if group or writer is None:
-        write_group()
-    writer.close()
+    schema = arrow.schema([(name, _arrow_type(arrow, name, plan)) for name in names])
+    cells = (values(row, plan) for row in rows)
+    with arrow.parquet.ParquetWriter(file, schema, compression="zstd") as writer:
+        while group := list(islice(cells, GROUP_ROWS)):
+            arrays = [
+                arrow.array([_arrow_value(arrow, value, field.type) for value in column], field.type)
+                for column, field in zip(zip(*group, strict=True), schema, strict=True)
+            ]
+            writer.write_table(arrow.Table.from_arrays(arrays, schema=schema))
 
 
 def _arrow_type(arrow: Any, name: str, plan: Plan) -> Any:
@@ -214,7 +199,7 @@ def _arrow_type(arrow: Any, name: str, plan: Plan) -> Any:
     return arrow.string()
 
 
-def _arrow_value(value: Any, kind: Any, arrow: Any) -> Any:
+def _arrow_value(arrow: Any, value: Any, kind: Any) -> Any:
     if value is None:
         return None
     if kind == arrow.float64():

@@ -78,7 +78,8 @@ def checked(variation: Variation, called: str) -> Variation:
     Raises:
         UsageError: they do not.
     """
-    kind, arguments = variation.kind, variation.arguments
+    kind = variation.kind
+    arguments: tuple[Any, ...] = variation.arguments
     if kind not in FORMS:
         raise UsageError(f"{called}: {kind!r} is no kind of variation{did_you_mean(kind, FORMS)}")
     if kind == "choice":
@@ -152,7 +153,8 @@ class Draw:
     def _value(self, row: Variation, run: int) -> Any:
         arguments: Any = row.arguments
         if row.kind == "grid":
-            return _grid_point(*arguments, run // self._grids[row.name] % arguments[2])
+            a, b, points = arguments
+            return _grid_point(a, b, points, run // self._grids[row.name] % points)
         drawn = fraction(self._seed, run, row.name)
         if row.kind == "choice":
             return arguments[int(drawn * len(arguments))]

@@ -1,0 +1,265 @@
+"""`sweep`: many runs of one program from Python, in notebooks and tests."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from elitescript.errors import UsageError
+from elitescript.kernel.options import OPTIONS, Section, accept, check_keywords
+from elitescript.messages.signals import Value
+from elitescript.records import replace
+from elitescript.run import Run
+from elitescript.sweep.engine import Engine
+from elitescript.sweep.executor import MAX_WALL_S
+from elitescript.sweep.here import HereEngine
+from elitescript.sweep.journal import SUFFIX, Journal
+from elitescript.sweep.local import LocalEngine
+from elitescript.sweep.making import make_plan, runs_of
+from elitescript.sweep.plan import Row, Variation
+from elitescript.sweep.single import Runner
+from elitescript.sweep.summary import Summary, summary_of
+from elitescript.sweep.sweeping import Sweeping, is_random
+from elitescript.sweep.tables import columns, format_of, properties_of, values
+from elitescript.sweep.totals import Totals
+from elitescript.sweep.variations import checked, parse_variation
+
+Check = str | Callable[[Run], Any]
+"""A property or measure: an expression, `FILE.py:function`, the name of a built-in property, or a function."""
+
+
+def sweep(
+    program: str | Path,
+    *,
+    vary: Mapping[str, Variation | str | Sequence[Any]] | None = None,
+    runs: int | None = None,
+    seed: int = 0,
+    ensure: Check | Iterable[Check] = (),
+    measure: Mapping[str, Check] | None = None,
+    chaos: str = "",
+    presets: Mapping[str, object] | None = None,
+    signals: Mapping[str, Value] | None = None,
+    world: str | Path | None = None,
+    task_dir: str | Path | None = None,
+    until_s: float | None = None,
+    step_s: float | None = None,
+    margins: bool = False,
+    jobs: int | None = None,
+    engine: Engine | None = None,
+    max_wall_s: float | None = MAX_WALL_S,
+    out: str | Path | None = None,
+    resume: bool = False,
+    on_progress: Callable[[int, int], None] | None = None,
+    model: str | Path | None = None,
+    **options: Any,
+) -> Sweep:
+    """Run a program many times.
+
+    The runs are those of `elitescript sweep` with the same options: the same values, rows and bytes. They are made in
+    processes of their own, so that a run which hangs or crashes costs itself alone.
+
+    Args:
+        program: program text, or path of a file.
+        vary: what is drawn for each run, by name: `uniform(0, 1)` and the others of this package, a text such as
+            `"uniform(0, 1)"`, or a list to choose from.
+        runs: how many; every point of the grids once, else 100, if None.
+        seed: of everything that is drawn.
+        ensure: what must hold in every run. A function is given the `Run`, and returns True or False; with functions
+            all runs are made in this process, one after the other. `never_stuck` and `no_alarm` if there is none.
+        measure: a column of numbers for each name; a function is given the `Run`.
+        chaos: profile of what goes wrong: `channels`, `inputs`, `people`, `all`, or the path of a file.
+        presets: program globals that have a value before the program begins.
+        signals: levels at the start.
+        world: path of the world file.
+        task_dir: folder of which every run has a copy; that of the program's file if None.
+        until_s: limit of virtual time of a run, s.
+        step_s: time between two rows of a moving arm that properties see, s; every tick if None.
+        margins: whether the table has the margin of each property.
+        jobs: processes; one for each processor if None.
+        engine: what runs the runs instead, such as a `ClusterEngine`; it must have been entered.
+        max_wall_s: wall time after which a run is given up, s; None for no limit.
+        out: table of the rows: `.csv`, `.jsonl` or `.parquet`.
+        resume: go on with a sweep that was ended before its table.
+        on_progress: called with the number of runs that are done, and of those that failed.
+        model: arm, as for `VirtualRobot`.
+        **options: of the robot, as for `VirtualRobot`; not the sections of a world file.
+
+    Raises:
+        UsageError: an argument that makes no sense.
+        ProgramError: the program does not compile.
+
+    Example:
+        >>> from elitescript.sweep import sweep, uniform
+        >>> result = sweep('''
+        ... def p():
+        ...   pause_s = 0.5
+        ...   sleep(pause_s)
+        ... end
+        ... ''', vary={"pause_s": uniform(0, 1)}, runs=20, ensure="time_s < 0.9", jobs=1)
+        >>> len(result), [row.choices.run for row in result.failures]
+        (20, [5])
+    """
+    checks = [ensure] if isinstance(ensure, str) or callable(ensure) else list(ensure)
+    functions: dict[str, Callable[[Run], Any]] = {}
+    table = None if out is None else Path(out)
+    part = None if table is None else table.with_name(table.name + SUFFIX)
+    if table is None and resume:
+        raise UsageError("resume goes with out, beside which the rows so far are kept")
+    if table is not None:
+        format_of(table)
+    plan = make_plan(
+        program,
+        world=world,
+        task_dir=task_dir,
+        options=_options(model, options),
+        settings=[f"{name}={value!r}" for name, value in {**(signals or {}), **(presets or {})}.items()],
+        variations=[_variation(name, given) for name, given in (vary or {}).items()],
+        seed=seed,
+        until_s=until_s,
+        ensure=[_text(check, functions) for check in checks],
+        measures={name: _text(check, functions) for name, check in (measure or {}).items()},
+        chaos=chaos,
+        step_s=step_s,
+        has_margins=margins,
+        without_files=[path for path in (table, part) if path is not None],
+    )
+    count = runs_of(plan.variations, runs)
+    runner = Runner(plan, functions)
+    if functions and (engine is not None or jobs not in (None, 1)):
+        raise UsageError(
+            "functions are called in this process, so jobs must be 1 and there is no engine; "
+            "for several processes write them into a file: 'checks.py:is_stacked'"
+        )
+    if jobs is not None and jobs < 1:
+        raise UsageError(f"jobs must be >= 1, got {jobs}")
+    home = TemporaryDirectory(prefix="elitescript-sweep-", ignore_cleanup_errors=True)
+    kept = Path(home.name, "journal")
+    totals = Totals(plan.variations, properties_of(plan), tuple(plan.measures))
+    with Journal(part or kept, plan, resumes=resume) as journal:
+        sweeping = Sweeping(plan, count, journal)
+        if functions:
+            sweeping.go(HereEngine(runner), on_progress)
+        elif engine is not None:
+            sweeping.go(engine, on_progress)
+        else:
+            with LocalEngine(jobs or cores(), max_wall_s=max_wall_s) as own:
+                sweeping.go(own, on_progress)
+        sweeping.finish(table, totals.add)
+    if part is not None:
+        shutil.move(part, kept)
+        journal.path = kept
+    return Sweep(sweeping, runner, summary_of(totals, is_random=is_random(plan)), home)
+
+
+class Sweep:
+    """What came of many runs; iterating over it gives their rows, in the order of their numbers.
+
+    Attributes:
+        plan: everything that determines the rows.
+        summary: what was found, in words (`summary.lines()`) and as JSON.
+        problems: warnings about the program.
+    """
+
+    def __init__(self, sweeping: Sweeping, runner: Runner, summary: Summary, home: TemporaryDirectory[str]) -> None:
+        self.plan = sweeping.plan
+        self.summary = summary
+        self.problems = runner.problems
+        self._sweeping = sweeping
+        self._runner = runner
+        self._home = home
+
+    @property
+    def holds(self) -> bool:
+        """Whether everything held in every run."""
+        return not self._sweeping.failed
+
+    @property
+    def failures(self) -> list[Row]:
+        """The rows of the runs that failed."""
+        return [row for row in self if row.failure is not None]
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Names of the columns of the table."""
+        return columns(self.plan)
+
+    def records(self) -> Iterator[dict[str, Any]]:
+        """Yield the rows of the table, as `pandas.DataFrame(result.records())` takes them."""
+        names = self.columns
+        for row in self:
+            yield dict(zip(names, values(row, self.plan), strict=True))
+
+    def play(self, row: Row) -> Run:
+        """Run one of its rows again, in this process, and return the record.
+
+        Raises:
+            UsageError: the run could not begin.
+        """
+        _, run = self._runner.play(row.choices)
+        if run is None:
+            assert row.failure is not None
+            raise UsageError(row.failure.text)
+        return run
+
+    def __iter__(self) -> Iterator[Row]:
+        return self._sweeping.rows()
+
+    def __len__(self) -> int:
+        return self._sweeping.done
+
+    def __bool__(self) -> bool:
+        return True
+
+    def __repr__(self) -> str:
+        return "\n".join(self.summary.lines())
+
+
+def cores() -> int:
+    """Return the number of processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _variation(name: str, given: Variation | str | Sequence[Any]) -> Variation:
+    if isinstance(given, str):
+        return parse_variation(f"{name}={given}", "vary")
+    if not isinstance(given, Variation):
+        given = Variation("", "choice", tuple(given))
+    return checked(replace(given, name=name), f"vary {name}")
+
+
+def _text(check: Check, functions: dict[str, Callable[[Run], Any]]) -> str:
+    """Return a check as text; a function is put among the others, by a name that is its text."""
+    if isinstance(check, str):
+        return check
+    if not callable(check):
+        raise UsageError(f"{check!r} is neither an expression nor a function")
+    called = getattr(check, "__name__", type(check).__name__)
+    name, number = called, 2
+    while functions.get(name, check) is not check:
+        name, number = f"{called} {number}", number + 1
+    functions[name] = check
+    return name
+
+
+def _options(model: str | Path | None, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return options of the robot as JSON has them.
+
+    Raises:
+        UsageError: a value that an option does not take, or one that only a world file can describe.
+    """
+    check_keywords(given)
+    found: dict[str, Any] = {} if model is None else {"model": os.fspath(model)}
+    for name, value in given.items():
+        if value is None:
+            continue
+        if isinstance(OPTIONS[name].kind, Section):
+            raise UsageError(f"{name}: write it into the world file, as [{name}]; a sweep is made of texts")
+        accepted = accept(name, value, name)
+        found[name] = list(accepted) if isinstance(accepted, tuple) else accepted
+    return found
