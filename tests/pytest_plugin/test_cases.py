@@ -46,4 +46,4 @@ def test_a_case_that_makes_no_sense_says_where(pytester: pytest.Pytester) -> Non
 
 
 def test_the_names_are_those_of_sweeps() -> None:
-    assert CASE_FILES == (FILE_NAME, f"*{SUFFIX}")
+    assert (FILE_NAME, f"*{SUFFIX}") == CASE_FILES
