@@ -73,7 +73,13 @@ def test_the_digest_does_not_depend_on_line_ends() -> None:
 
 @pytest.mark.parametrize(
     ("name", "expected"),
-    [("CASE.toml", True), ("CASE-2.case.toml", True), ("cell.1.case.toml", True), ("cell.toml", False), ("case.toml", False)],
+    [
+        ("CASE.toml", True),
+        ("CASE-2.case.toml", True),
+        ("cell.1.case.toml", True),
+        ("cell.toml", False),
+        ("case.toml", False),
+    ],
 )
 def test_cases_have_names(name: str, expected: bool) -> None:
     assert is_case(name) is expected

@@ -13,7 +13,7 @@ from elitescript.records import NamedTuple, record
 from elitescript.sweep.chaos.applying import STOP_REASON, fault_of, in_order
 from elitescript.sweep.chaos.ground import Ground
 from elitescript.sweep.chaos.kinds import is_fault
-from elitescript.sweep.chaos.properties import STUCK
+from elitescript.sweep.chaos.properties import STUCK, waited_for
 from elitescript.sweep.plan import Choices, Disturbance, Failure
 
 if TYPE_CHECKING:
@@ -222,7 +222,7 @@ def _end(failure: Failure, run: Run) -> Moment:
     if failure.state in ("stuck", "time_limit") and run.threads and failure.expression == "never_stuck":
         waits = [
             f"{'the program' if row.name == 'main' else f'thread {row.name}'} waited in line {row.line}"
-            + (f" for {row.waits_for}" if row.waits_for else "")
+            + (f" for {waited_for(row.waits_for)}" if row.waits_for else "")
             for row in run.threads
         ]
         first = run.threads[0]
