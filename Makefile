@@ -17,6 +17,7 @@ help:
 	@echo "make coverage    the tests with branch coverage: a table by package, and what no test reaches"
 	@echo "make flips       change random constants of tables; prints the changes that no test notices (an hour)"
 	@echo "make invariants  the long random sweeps; writes their result into docs/explanation/motion.md"
+	@echo "make chaos       random sessions for SECONDS=600, from SEED on: programs, devices, faults, people and clients"
 	@echo "make peers       install other people's packages and compare with them; writes the result there too"
 	@echo "make dap-test    the debug adapter with the test kit of VS Code's makers (needs Node)"
 	@echo "make bench       the table of measured times; python -m benchmarks --against CHECKOUT compares two working copies"

@@ -19,6 +19,7 @@ from elitescript.messages.timing import PERIOD_S, seconds
 from elitescript.models.model import RobotModel, load_model
 from elitescript.records import NamedTuple
 from elitescript.runtime.environment import EmptyEnvironment
+from tests.chaos import rare
 from tests.chaos.sessions import TICKS, Act, Session
 from tests.invariants.random_devices import RPC_S, random_fault, random_world
 
@@ -51,6 +52,12 @@ MODELS: dict[str, RobotModel] = {}
 def failure_of(session: Session) -> tuple[str, int, int]:
     """Return what does not hold, empty if all does; ticks that were run in the first play, and in all of them."""
     ticks: list[int] = []
+    if session["kind"] in rare.KINDS:
+        try:
+            count_of = rare.KINDS[session["kind"]](session)
+        except Exception as error:
+            return f"{session['kind']}: {_place(error)}", 0, 0
+        return "", count_of, 2 * count_of
 
     def count(steps: bool) -> Played:
         played = play(session, steps=steps)

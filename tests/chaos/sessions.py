@@ -11,10 +11,14 @@ from random import Random
 from typing import Any
 
 from elitescript.protocol.dashboard.verbs import VERBS
+from tests.chaos import rare
 from tests.debugger import random_programs as threads_programs
 from tests.invariants.random_devices import random_secondary, random_talk
 from tests.invariants.random_programs import random_program
 from tests.protocol import modbus_client, rtsi_client
+
+RARE_SHARE = 0.06
+"""Of the sessions: journals and debuggers, which take long."""
 
 TICKS = 1000
 """Ticks in which something is done; the program goes on a little longer."""
@@ -49,6 +53,9 @@ PROGRAMS: dict[str, Callable[[Random], str]] = {
 def drawn(seed: int) -> Session:
     """Return the session of a seed."""
     chance = Random(f"session {seed}")
+    kinds = Random(f"kind {seed}")
+    if kinds.random() < RARE_SHARE:
+        return rare.drawn(seed, kinds.choice(list(rare.KINDS)))
     kind = chance.choice(("moves", "moves", "threads", "talk"))
     acts: list[Act] = []
     # Each session has some kinds of acts and not the others, so that rare combinations occur.
