@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint types coverage flips invariants peers bench quoted figures picture studio-pictures reference docs golden studio studio-test vscode vscode-test dap-test dist lock clean
+.PHONY: chaos help demo test lint types coverage flips invariants peers bench quoted figures picture studio-pictures reference docs golden studio studio-test vscode vscode-test dap-test dist lock clean
 
 help:
 	@echo "make demo        install, then run an example program"
@@ -138,6 +138,11 @@ invariants: $(READY)
 	ELITESCRIPT_INVARIANTS=$(CASES) ELITESCRIPT_RECORD=docs/explanation/invariants.json \
 	    $(BIN)/python -m pytest -m "invariants or slow" --timeout 7200
 	$(BIN)/python -m tools.draw_motion
+
+# Random sessions, each in leaps and tick by tick; what breaks is made short and written to build/chaos/.
+SECONDS ?= 600
+chaos: $(READY)
+	$(BIN)/python -m tests.chaos --seconds $(SECONDS) $(if $(SEED),--seed $(SEED))
 
 # Other people's packages go into .venv too, where `make test` and `make bench` find them from then on.
 PEERS := eaik pin pymodbus roboticstoolbox-python ruckig scipy

@@ -86,7 +86,9 @@ def test_a_journal_without_its_first_line_begins_anew(tmp_path: Path) -> None:
         ({"files": {"a.txt": "YQ=="}}, "a.txt of the task folder"),
     ],
 )
-def test_another_plan_is_refused_by_its_first_difference(changes: dict[str, object], words: str, tmp_path: Path) -> None:
+def test_another_plan_is_refused_by_its_first_difference(
+    changes: dict[str, object], words: str, tmp_path: Path
+) -> None:
     other = replace(PLAN, **changes)
     assert difference(plan_parts(PLAN), plan_parts(other)).startswith(words)
     with Journal(tmp_path / "out.part", PLAN, resumes=False):

@@ -55,7 +55,7 @@ def test_what_is_no_plan_is_refused(change: dict[str, Any], words: str) -> None:
 def test_what_is_no_row_is_refused() -> None:
     with pytest.raises(UsageError, match="row: a list of 7"):
         row_of([1])
-    with pytest.raises(UsageError, match="row.state"):
+    with pytest.raises(UsageError, match=r"row\.state"):
         row_of([choices_data(Choices(0, 0)), 1, 0.0, {}, "", None, []])
     with pytest.raises(UsageError, match="plan: seed is missing"):
         plan_of({name: value for name, value in plan_data(PLAN).items() if name != "seed"})

@@ -15,14 +15,20 @@ from elitescript.sweep.tables import columns, csv_line, format_of, write_table
 
 PLAN = Plan(
     "",
-    variations=(Variation("r", "uniform", (0, 1)), Variation("m", "choice", ("a", [1, 2])), Variation("n", "grid", (0, 2, 3))),
+    variations=(
+        Variation("r", "uniform", (0, 1)),
+        Variation("m", "choice", ("a", [1, 2])),
+        Variation("n", "grid", (0, 2, 3)),
+    ),
     measures={"top": "max_of(tcp[2])"},
     ensure=("time_s < 3, really",),
     has_margins=True,
 )
 ROWS = [
     Row(Choices(0, 17, {"r": 0.1, "m": 'say "a", b', "n": 0}), "finished", 2.5, {"top": 1e-17}, "ab", None, (0.5,)),
-    Row(Choices(1, 18, {"r": 1.0, "m": [1, 2], "n": 1}), "hung", None, {}, "", Failure("time_s < 3, really", "hung"), ()),
+    Row(
+        Choices(1, 18, {"r": 1.0, "m": [1, 2], "n": 1}), "hung", None, {}, "", Failure("time_s < 3, really", "hung"), ()
+    ),
 ]
 NAMES = ("run", "seed", "r", "m", "n", "state", "time_s", "top", "margin of time_s < 3, really", "failed", "digest")
 

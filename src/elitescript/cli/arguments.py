@@ -116,6 +116,17 @@ def add_sweep(parser: Parser) -> None:
         help="write no CASE.toml, and shrink no failure, nor play those that are there",
     )
     parser.add_argument("--jobs", type=int, metavar="N", help="processes (default: one for each processor)")
+    parser.add_argument(
+        "--dask",
+        metavar="tcp://HOST:PORT",
+        help="run on this Dask cluster instead of on this computer; needs the extra `cluster`",
+    )
+    parser.add_argument(
+        "--mixed",
+        action="store_true",
+        help="take workers of the cluster whose processor or C library has another last digit in sine and cosine",
+    )
+    _add_search(parser)
     add_options(parser, "sweep")
     _add_until(parser, "end a run after so much virtual time")
     parser.add_argument(
@@ -136,6 +147,32 @@ def add_sweep(parser: Parser) -> None:
     _add_world(parser, "what is around the robot, as for run")
     _add_color(parser)
     _add_json_lines(parser)
+
+
+def _add_search(parser: Parser) -> None:
+    parser.add_argument(
+        "--minimise",
+        metavar="EXPRESSION",
+        help="look for the values of --over that make this measure smallest, with as "
+        "many runs as --runs says, while every --ensure holds; needs the extra `optimise`",
+    )
+    parser.add_argument("--maximise", metavar="EXPRESSION", help="the same, largest")
+    parser.add_argument(
+        "--over",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="NAME=KIND(...)",
+        help="what may change: named as for --vary; uniform, choice or grid",
+    )
+    parser.add_argument(
+        "--repeat",
+        type=int,
+        default=1,
+        metavar="N",
+        help="runs of each candidate, with other values of --vary and --chaos",
+    )
+    parser.add_argument("--worst", action="store_true", help="of these the worst counts, not the mean")
 
 
 def add_check(parser: Parser) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
 
+from elitescript.cli.optimise import search_values, searches
 from elitescript.cli.output.screen import progress_on
 from elitescript.cli.output.writable import Writable
 from elitescript.cli.robot_options import options_from
@@ -73,6 +74,8 @@ def sweep(options: argparse.Namespace) -> int:
         has_margins=options.margins,
         without_files=[path for path in (out, part, options.page and Path(options.page)) if path],
     )
+    if searches(options):
+        return search_values(options, plan, _engine(options), out)
     runs = runs_of(variations, options.runs)
     first = 0
     if options.only is not None:
@@ -187,6 +190,20 @@ def _engine(options: argparse.Namespace) -> Engine:
     if options.max_wall is not None and not options.max_wall > 0.0:
         raise UsageError(f"--max-wall must be > 0 s, got {options.max_wall:g}")
     memory_bytes = parse_size(options.memory_limit, "--memory-limit")
+    if options.dask is not None:
+        if options.jobs is not None:
+            raise UsageError("--jobs is for this computer; with --dask the cluster says how many workers there are")
+        from elitescript.sweep.cluster import ClusterEngine
+
+        return ClusterEngine(
+            options.dask,
+            max_wall_s=options.max_wall,
+            memory_bytes=memory_bytes,
+            is_mixed=options.mixed,
+            note=lambda text: print(f"elitescript sweep: {text}", file=sys.stderr),
+        )
+    if options.mixed:
+        raise UsageError("--mixed goes with --dask")
     return LocalEngine(jobs, max_wall_s=options.max_wall, memory_bytes=memory_bytes)
 
 

@@ -112,7 +112,9 @@ def test_a_contact_has_a_depth_and_a_clearance_a_distance() -> None:
     def found(height: float) -> Verdict:
         robot = VirtualRobot(MODEL)
         robot.cell = read_cell({"box": [{"name": "post", "size": [0.4, 0.4, height], "pose": [0.5, 0.2, height / 2]}]})
-        return verdict("no_contact", "def p():\n  movej([0.6, -1.2, 1.4, -1.2, 1.5, 0], a=2, v=2)\nend", robot=robot)[0]
+        return verdict("no_contact", "def p():\n  movej([0.6, -1.2, 1.4, -1.2, 1.5, 0], a=2, v=2)\nend", robot=robot)[
+            0
+        ]
 
     low, high = found(0.02), found(0.9)
     assert low.holds
