@@ -93,7 +93,7 @@ def _run_here(arguments: list[str], start_again: Callable[[], Never] | None = No
             stream.reconfigure(encoding="utf-8", errors="backslashreplace")
     options = _parsed(arguments)
     options.parsed = None
-    options.arguments = arguments
+    options.command_line = arguments
     if start_again is not None:
         from elitescript.cli.hash_seed import program_of_any_seed
 

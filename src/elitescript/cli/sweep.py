@@ -165,7 +165,7 @@ def _write_pages(
     """Write the page of the sweep and its replays."""
     progress = progress_on(sys.stderr)
     target = Path(options.page)
-    command = shlex.join(["elitescript", *_without(options.arguments, "--page", "--only", "--out", "--jobs")])
+    command = shlex.join(["elitescript", *_without(options.command_line, "--page", "--only", "--out", "--jobs")])
     note = progress.note if progress is not None else lambda _: None
     write_pages(target, runner, totals, summary, findings, command, note)
     if not options.json:

@@ -10,7 +10,7 @@ from elitescript.sweep.effects import Effect, Region, effects_of, regions_of
 from elitescript.sweep.plan import Failure, Row
 from elitescript.sweep.sketches import Distribution
 from elitescript.sweep.statistics import share_interval
-from elitescript.sweep.totals import ROWS_OF_KIND, Group, Nearest, Totals
+from elitescript.sweep.totals import ROWS_OF_KIND, SAMPLE, Group, Nearest, Totals
 
 KINDS_SHOWN: Final = 5
 RUNS_SHOWN: Final = 5
@@ -187,7 +187,7 @@ class Summary:
             if len(effects) > EFFECTS_SHOWN:
                 lines.append(f"  {_outcome_words(outcome)}: {len(effects) - EFFECTS_SHOWN} more")
         if self.sampled < self.runs:
-            lines.append(f"  (from a sample of {self.sampled:,} runs)")
+            lines.append(f"  (effects and regions are from a sample of {self.sampled:,} runs)")
         return lines
 
 
@@ -214,7 +214,7 @@ def summary_of(totals: Totals, is_random: bool = True) -> Summary:
         kinds=tuple(_kind_of(groups, regions.get(place)) for place, groups in enumerate(totals.alike())),
         other_kinds=totals.other_kinds,
         effects=effects_of(totals),
-        sampled=len(totals.holding_sample) + len(totals.failing_sample),
+        sampled=sum(len(kept.at_most(SAMPLE)[0]) for kept in (totals.holding_sample, totals.failing_sample)),
     )
 
 
