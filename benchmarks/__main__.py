@@ -30,6 +30,7 @@ MODULES = (
     "studio",
     "plot",
     "cluster",
+    "sweep",
 )
 LONG = ("growth",)
 """Measured only by name: it takes ten minutes."""

@@ -79,19 +79,23 @@ def _place(error: BaseException) -> str:
 def _same(name: str, first: Played, other: Played) -> None:
     for what, a, b in zip(("state", "end", "outcomes", "received", "events"), first.record, other.record, strict=True):
         if a != b:
-            raise Broken(f"{name}: another {what}: {_difference(a, b)}")
+            raise Broken(f"{name}: another {what}, {_difference(a, b)}")
     if first.rows != other.rows:
         at = next((index for index, (a, b) in enumerate(zip(first.rows, other.rows, strict=False)) if a != b), -1)
         raise Broken(f"{name}: another row: {at}")
 
 
 def _difference(a: Any, b: Any) -> str:
-    if isinstance(a, list | tuple) and isinstance(b, list | tuple):
-        for index, (one, two) in enumerate(zip(a, b, strict=False)):
-            if one != two:
-                return f"{index}: {str(one)[:300]} | {str(two)[:300]}"
-        return f"{len(a)} | {len(b)}"
-    return f"{str(a)[:300]} | {str(b)[:300]}"
+    """Return the first difference, behind the kind of what differs."""
+    if isinstance(a, dict):
+        number = next(key for key in a if a[key] != b.get(key))
+        at = next((i for i, (x, y) in enumerate(zip(a[number], b[number], strict=False)) if x != y), -1)
+        return f"bytes: of client {number} at {at}: {a[number][at : at + 80]!r} | {b[number][at : at + 80]!r}"
+    if isinstance(a, list):
+        at = next((i for i, (x, y) in enumerate(zip(a, b, strict=False)) if x != y), min(len(a), len(b)))
+        one, two = ((items[at : at + 1] or ["nothing"])[0] for items in (a, b))
+        return f"{one.partition('(')[0]}, {two.partition('(')[0]}: at {at}: {one[:300]} | {two[:300]}"
+    return f"{a[:300]} | {b[:300]}"
 
 
 class _CountingKernel:

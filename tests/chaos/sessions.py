@@ -19,7 +19,19 @@ from tests.protocol import modbus_client, rtsi_client
 TICKS = 1000
 """Ticks in which something is done; the program goes on a little longer."""
 
-PORTS = ("primary", "primary", "secondary", "readonly", "dashboard", "dashboard", "rtsi", "rtsi", "interpreter", "query", "modbus")
+PORTS = (
+    "primary",
+    "primary",
+    "secondary",
+    "readonly",
+    "dashboard",
+    "dashboard",
+    "rtsi",
+    "rtsi",
+    "interpreter",
+    "query",
+    "modbus",
+)
 
 Act = list[Any]
 """Tick, name, arguments."""
@@ -109,7 +121,9 @@ def _number(chance: Random, tick: int) -> list[Act]:
 
 
 def _safety(chance: Random, tick: int) -> list[Act]:
-    name = chance.choice(("safeguard_stop", "safeguard_stop", "reduced_mode", "emergency_stop", "system_emergency_stop"))
+    name = chance.choice(
+        ("safeguard_stop", "safeguard_stop", "reduced_mode", "emergency_stop", "system_emergency_stop")
+    )
     return [[tick, "signal", name, True], [tick + chance.choice((1, 2, 30, 300)), "signal", name, False]]
 
 
@@ -196,8 +210,27 @@ _ARGUMENTS = ("-s", "-m", "-on", "-off", "-p", "-r", "-a", "50", "x.task", "safe
 
 
 def _dashboard(chance: Random) -> bytes:
-    verb = chance.choice(list(VERBS)) if chance.random() < 0.5 else chance.choice(
-        ("robotMode", "status", "play", "pause", "stop", "robotControl -on", "robotControl -off", "brakeRelease", "speed -v 30", "speed -v 100", "unlockProtectiveStop", "safety -s", "help", "closeSafetyDialog")
+    verb = (
+        chance.choice(list(VERBS))
+        if chance.random() < 0.5
+        else chance.choice(
+            (
+                "robotMode",
+                "status",
+                "play",
+                "pause",
+                "stop",
+                "robotControl -on",
+                "robotControl -off",
+                "brakeRelease",
+                "speed -v 30",
+                "speed -v 100",
+                "unlockProtectiveStop",
+                "safety -s",
+                "help",
+                "closeSafetyDialog",
+            )
+        )
     )
     arguments = [chance.choice(_ARGUMENTS) for _ in range(chance.randrange(3))] if chance.random() < 0.4 else []
     # A controller that restarts ends every connection, which is a session of its own.

@@ -33,17 +33,24 @@ def fewest(items: list[Any], fails: Callable[[list[Any]], bool]) -> list[Any]:
 
 def shortest(session: Session, breaks: Callable[[Session], bool]) -> Session:
     """Return the shortest session that still breaks the same."""
-    while True:
+    before: Session = {}
+    while session != before:
         before = session
-        acts = fewest(session["acts"], lambda acts: breaks({**session, "acts": acts}))
-        session = {**session, "acts": acts}
-        lines = fewest(
-            session["program"].splitlines(keepends=True), lambda rows: breaks({**session, "program": "".join(rows)})
-        )
-        session = {**session, "program": "".join(lines)}
+        session = _with_fewest_acts(session, breaks)
+        session = _with_fewest_lines(session, breaks)
         for name in list(session["options"]):
             options = {key: value for key, value in session["options"].items() if key != name}
             if breaks({**session, "options": options}):
                 session = {**session, "options": options}
-        if session == before:
-            return session
+    return session
+
+
+def _with_fewest_acts(session: Session, breaks: Callable[[Session], bool]) -> Session:
+    acts = fewest(session["acts"], lambda acts: breaks({**session, "acts": acts}))
+    return {**session, "acts": acts}
+
+
+def _with_fewest_lines(session: Session, breaks: Callable[[Session], bool]) -> Session:
+    lines = session["program"].splitlines(keepends=True)
+    lines = fewest(lines, lambda rows: breaks({**session, "program": "".join(rows)}))
+    return {**session, "program": "".join(lines)}

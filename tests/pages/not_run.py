@@ -9,6 +9,7 @@ NOT_RUN: Final[dict[str, str]] = {
     r"elitescript devices .*": "opens the ports that the page names, which another process may have",
     r"elitescript studio .*--connect 192.*": "needs a controller on the network; tests/studio/connected has some",
     r"elitescript studio \w+\.script( --world cell\.toml)?": "tests/studio_page runs it, with the built page",
+    r"elitescript sweep .* --page \w+\.html": "needs the built page; tests/sweep/test_replays.py writes one",
     r"elitescript serve --studio": "needs the built page; tests/studio/connected runs it where that is there",
     r"elitescript serve --ssh.*": "needs the extra `ssh`; tests/services runs it",
     r"elitescript run .* --serial .*": "needs a serial port of this computer",

@@ -593,3 +593,14 @@ def test_a_change_of_speed_between_two_ticks_is_shown_to_a_client_that_sends_nex
     client.send(b"stopj(2)\n")
     robot.advance(0.1)
     assert client.receive()
+
+
+@pytest.mark.parametrize("pace", [None, lambda tick: None], ids=["leaps", "every tick"])
+def test_a_client_does_not_get_what_happened_before_it_came(pace) -> None:
+    robot = VirtualRobot("CS66")
+    robot.connect("primary").close()
+    robot.start("def p():\n  sleep(0.1)\n  textmsg('before')\n  sleep(9)\nend")
+    robot.advance(1.0, pace=pace)
+    client = robot.connect("primary")
+    robot.advance(0.2, pace=pace)
+    assert b"before" not in client.receive()

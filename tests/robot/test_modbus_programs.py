@@ -583,7 +583,8 @@ def test_an_answer_of_another_slave_is_an_error_of_the_signal():
 @pytest.mark.parametrize("pace", [None, lambda tick: None], ids=["leaps", "every tick"])
 def test_a_connection_is_closed_in_the_tick_after_its_last_signal_is_deleted(pace):
     cell = Cell()
-    run = cell.robot.start(f'def main():\n  {ADD}0, 3, "x")\n  sleep(0.51)\n  modbus_delete_signal("x")\n  sleep(1)\nend')
+    lines = (f'{ADD}0, 3, "x")', "sleep(0.51)", 'modbus_delete_signal("x")', "sleep(1)")
+    run = cell.robot.start("def main():\n  " + "\n  ".join(lines) + "\nend\n")
     cell.robot.advance(2.0, pace=pace)
     changes = [event for event in run.events if isinstance(event, ChannelActivity)]
     assert (changes[-1].what, changes[-1].tick) == ("closed", 129)

@@ -27,9 +27,10 @@ def add_run(parser: Parser) -> None:
         "Run a program to its end in virtual time. Exit code: 0 finished or stopped, 1 alarm, 2 usage, 3 the program "
         "does not compile, 4 time limit, 5 stuck, 130 Ctrl-C."
     )
-    parser.add_argument("file", metavar="FILE", help="program text, UTF-8")
+    parser.add_argument("file", nargs="?", metavar="FILE", help="program text, UTF-8; with --case that of the case")
     clock = "controller clock at the start: seconds since 1970 or ISO 8601"
     add_options(parser, "run", epoch_s={"help": clock})
+    _add_case(parser)
     parser.add_argument("--realtime", action="store_true", help="one tick per 4 ms of wall time")
     _add_until(parser)
     parser.add_argument("--max-wall", type=float, metavar="SECONDS", help="stop after so much wall time")
@@ -104,6 +105,10 @@ def add_sweep(parser: Parser) -> None:
         "--step", type=float, metavar="SECONDS", help="time between two rows of a moving arm that properties see"
     )
     parser.add_argument("--out", metavar="FILE.csv|jsonl|parquet", help="table of the runs, in their order")
+    parser.add_argument(
+        "--page", metavar="FILE.html", help="a page with plots and failures; replays are in the folder FILE.replays"
+    )
+    parser.add_argument("--only", type=int, metavar="RUN", help="only the run of this number; with --page, its replay")
     parser.add_argument("--resume", action="store_true", help="go on with a sweep that was ended before its table")
     parser.add_argument(
         "--no-cases",
@@ -226,8 +231,11 @@ def add_plot(parser: Parser) -> None:
         "time by line. Runs of more than 800 s are sampled less often than every control period. Exit code of a "
         "program: as for run."
     )
-    parser.add_argument("file", metavar="FILE", help="a program, or a trace: OUT.csv or OUT.jsonl of run --trace")
+    parser.add_argument(
+        "file", nargs="?", metavar="FILE", help="a program, or a trace: OUT.csv or OUT.jsonl of run --trace"
+    )
     parser.add_argument("-o", "--output", metavar="OUT.html", help="the page (default: NAME.plot.html, in this folder)")
+    _add_case(parser)
     add_options(parser, "plot", model={"help": "arm whose limits are drawn, or its file (default CS66)"})
     _add_until(parser, "stop after so much virtual time (default 300)")
     parser.add_argument("--task-dir", metavar="DIR", help=FOLDER_OF_FILE)
@@ -532,6 +540,12 @@ def _add_json_lines(parser: Parser) -> None:
 
 def _add_until(parser: Parser, text: str = "stop after so much virtual time") -> None:
     parser.add_argument("--until", type=float, metavar="SECONDS", help=text)
+
+
+def _add_case(parser: Parser) -> None:
+    parser.add_argument(
+        "--case", metavar="CASE.toml", help="play a run again that failed in a sweep, with all that went wrong in it"
+    )
 
 
 def _add_set(parser: Parser, text: str) -> None:
