@@ -29,6 +29,7 @@ MODULES = (
     "debugger",
     "studio",
     "plot",
+    "cluster",
     "sweep",
 )
 LONG = ("growth",)

@@ -26,6 +26,9 @@ MODULES = (
     "pygls.lsp.server",
     "mcp.server.mcpserver",
     "websockets.asyncio.server",
+    "distributed",
+    "optuna",
+    "pyarrow",
 )
 JAIL = """
 from time import perf_counter, process_time

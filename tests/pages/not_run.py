@@ -17,6 +17,8 @@ NOT_RUN: Final[dict[str, str]] = {
     r"elitescript serve --host .*": "opens ports at an address that this computer does not have",
     r"code --install-extension .*": "needs VS Code",
     r"mbpoll .*": "a program of somebody else",
+    r"elitescript sweep .* --dask tcp://10.*": "needs a cluster; tests/sweep/test_cluster.py has one",
+    r"elitescript sweep examples/transfer\.script .* --minimise .*": "takes seconds; tests/sweep runs it",
     r"pip install .*": "installs from a package index",
     r"python3 -m venv .*|\. .*/bin/activate": "the page runs in the environment of the tests",
     r"sudo .*": "changes the system",

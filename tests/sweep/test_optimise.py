@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import random
+import shlex
 from collections.abc import Sequence
+from pathlib import Path
 from statistics import mean
 
 import pytest
 
+from elitescript.cli.main import main
 from elitescript.errors import UsageError
 from elitescript.sweep.local import LocalEngine
 from elitescript.sweep.optimise import BATCH, Candidate, Outcome, Search, check_search, optimise, rounded
@@ -16,6 +20,7 @@ from elitescript.sweep.variations import parse_variation
 
 pytest.importorskip("optuna", reason="extra `optimise`")
 
+ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = """\
 def cell():
   global cost
@@ -185,3 +190,53 @@ def test_values_have_few_digits(low: float, high: float, value: float, near: flo
 def test_rounded_values_stay_in_their_range():
     assert rounded(Variation("a", "uniform", (0.12344, 1.0)), 0.12344) == 0.12344
     assert rounded(Variation("a", "uniform", (2.0, 2.0)), 2.0) == 2.0
+
+
+@pytest.mark.slow
+def test_the_page_shows_what_is_found(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
+    page = (ROOT / "docs/how-to/optimise.md").read_text(encoding="utf-8")
+    command, _, shown = page.partition("```console\n$ ")[2].partition("```")[0].partition("\n")
+    monkeypatch.chdir(ROOT)
+    assert main(shlex.split(command)[1:]) == 0
+    assert capsys.readouterr().out == shown
+
+
+def test_a_search_from_the_command_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(tmp_path)
+    Path("cell.script").write_text(PROGRAM)
+    call = ["sweep", "cell.script", "--minimise", "globals['cost']", "--runs", "9", "--jobs", "1"]
+    over = ["--over", "A=uniform(0.5, 3)", "MODE=choice('slow', 'fast')"]
+    assert main([*call, *over, "--json", "--out", "rows.csv"]) == 0
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [line["type"] for line in lines] == ["candidate"] * 9 + ["summary"]
+    assert lines[-1]["baseline"]["objective"] == pytest.approx(6.44)
+    assert lines[-1]["best"]["objective"] == min(line["objective"] for line in lines[:-1])
+    rows = Path("rows.csv").read_text().splitlines()
+    assert rows[0].startswith("run,seed,A,MODE,state,time_s,objective,")
+    assert len(rows) == 10
+    # Nothing holds.
+    assert main([*call, *over, "--ensure", "globals['cost'] < -1"]) == 1
+    assert "no candidate holds" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["--minimise", "time_s", "--maximise", "time_s", "--over", "A=uniform(0, 1)"], "name one measure only"),
+        (["--minimise", "time_s"], "--over"),
+        (["--over", "A=uniform(0, 1)"], "--over goes with --minimise"),
+        (["--repeat", "3"], "--repeat goes with --minimise"),
+        (["--minimise", "time", "--over", "A=uniform(0, 1)"], "time_s"),
+        (["--mixed"], "--mixed goes with --dask"),
+        (["--dask", "tcp://h:1", "--jobs", "2"], "--jobs is for this computer"),
+    ],
+)
+def test_options_that_do_not_go_together_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], words: list[str], text: str
+):
+    program = tmp_path / "cell.script"
+    program.write_text(PROGRAM)
+    assert main(["sweep", str(program), *words]) == 2
+    assert text in capsys.readouterr().err
