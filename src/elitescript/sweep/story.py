@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.devices.channels.faults import LINE, TABLE, is_of_input, place_of
-from elitescript.devices.channels.faulty_channels import Passing
 from elitescript.messages.events import DeviceNoted, Warned
+from elitescript.messages.faults import Passing
 from elitescript.messages.timing import seconds
 from elitescript.records import NamedTuple, record
 from elitescript.sweep.chaos.applying import STOP_REASON, fault_of, in_order
