@@ -25,8 +25,8 @@ from tests.invariants.random_devices import RPC_S, random_fault, random_world
 
 END_TICKS = TICKS + 300
 """Then a program that still runs is stopped."""
-REST_S = 8.0
-"""After which everything rests: a stop takes 5 s until it may be unlocked."""
+REST_S = 3.0
+"""After which everything rests, *assumed*: the arm has braked, and what was sent has arrived or was given up."""
 
 SPEED_TOLERANCE = 2e-3
 JUMP_TOLERANCE = 0.06
