@@ -21,6 +21,7 @@ from elitescript.audit.motion import (
     root_mean_square,
 )
 from elitescript.audit.series import Mark, Series
+from elitescript.messages.machine import WriteSignal
 from elitescript.messages.signals import Value, parse_signal_name
 from elitescript.messages.timing import PERIOD_S
 from elitescript.records import NamedTuple, field, record
@@ -364,7 +365,12 @@ class Comparer:
 
     def _compare_piece(self, begin: int, end: int, its_begin: int, its_end: int, *, is_last: bool) -> None:
         recorded, other, tolerance = self._recorded, self._other, self._tolerance
-        motion = compare_motion(recorded, begin, end, other, its_begin, its_end, tolerance)
+        is_disturbed = any(
+            begin <= arrival.row <= end and not isinstance(arrival.request, WriteSignal) for arrival in self._arrivals
+        )
+        motion = compare_motion(
+            recorded, begin, end, other, its_begin, its_end, tolerance, is_disturbed=is_disturbed
+        )
         self._motions.append(motion)
         lasts_s = recorded.t[end] - recorded.t[begin]
         its_s = other.t[its_end] - other.t[its_begin]
@@ -473,13 +479,12 @@ class Comparer:
                     self._find(t, mark.line, f"{name} is {here:g}, simulated {there:g}", "signal")
 
     def _name_gaps(self) -> None:
-        t, lost = self._recorded.t, 0
+        t = self._recorded.t
         for row in range(1, len(t)):
             gap_s = t[row] - t[row - 1] - PERIOD_S
             if gap_s > LONG_GAP_S:
                 lines = f"lines {self._recorded.lines[row - 1]} to {self._recorded.lines[row]}"
                 self._notes.append(f"{t[row - 1]:.3f} to {t[row]:.3f} s ({lines}): the recording has no rows")
-            lost += gap_s > 0.5 * PERIOD_S
 
     def _joints(self) -> Largest | None:
         if not self._motions:

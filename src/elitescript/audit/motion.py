@@ -15,7 +15,7 @@ from typing import Final
 
 from elitescript.audit.series import STANDS_RAD_S, Series
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
-from elitescript.records import NamedTuple, record
+from elitescript.records import NamedTuple, record, replace
 
 _SAME: Final = 1e-12
 _FINE: Final = 1e-5
@@ -71,7 +71,15 @@ _PLACES_MAX: Final = 200
 
 
 def compare_motion(
-    recorded: Series, begin: int, end: int, other: Series, its_begin: int, its_end: int, tolerance: Tolerance
+    recorded: Series,
+    begin: int,
+    end: int,
+    other: Series,
+    its_begin: int,
+    its_end: int,
+    tolerance: Tolerance,
+    *,
+    is_disturbed: bool = False,
 ) -> Motion:
     """Compare the rows of a piece, first and last included.
 
@@ -81,6 +89,8 @@ def compare_motion(
         other: the simulated run, with a row for each control period.
         its_begin, its_end: rows of it.
         tolerance: what does not count.
+        is_disturbed: whether something from outside stopped the arm or changed its speed: when it came is known to a
+            control period, and how far the arm got before with it.
     """
     count = end - begin + 1
     every = max(1, count // _PLACES_MAX)
@@ -93,7 +103,10 @@ def compare_motion(
     points = [*zip(*(column[begin : end + 1] for column in recorded.q), strict=True)]
     path = [*zip(*(column[its_begin : its_end + 1] for column in other.q), strict=True)]
     late_s = recorded.waited_s(begin)
-    off_time = _off_time(points, recorded, begin, path, tolerance, late_s)
+    joints = tolerance.joints
+    if is_disturbed:
+        joints += tolerance.time_s * max(max(map(abs, column[begin : end + 1])) for column in recorded.qd)
+    off_time = _off_time(points, recorded, begin, path, replace(tolerance, joints=joints), late_s)
     nearest = _projected(points, path, late_s)
     squares, largest, joint, row = 0.0, 0.0, 1, begin
     off_path = None

@@ -14,6 +14,7 @@ from elitescript.controller.views.trace_signals import TraceSignals
 from elitescript.environment.program_file import source_of
 from elitescript.errors import ScriptError, UsageError
 from elitescript.language.text.source import SourceFile
+from elitescript.models.model import RobotModel
 from elitescript.paths import why_no_file
 from elitescript.records import NamedTuple, record
 from elitescript.robot import Watch, VirtualRobot
@@ -34,7 +35,7 @@ class Cell:
 
     Attributes:
         source: text of the program.
-        model: name of the arm, or the path of its file; None for that of the world file.
+        model: the arm, its name or the path of its file; None for that of the world file.
         world: path of the world file; None if there is none.
         task_files: of the program's folder, by name.
         options: further options of the robot.
@@ -42,7 +43,7 @@ class Cell:
     """
 
     source: SourceFile
-    model: str | None = None
+    model: str | RobotModel | None = None
     world: str | None = None
     task_files: Mapping[str, bytes] | None = None
     options: Mapping[str, Any] | None = None
@@ -159,7 +160,7 @@ def started_robot(cell: Cell, inputs: Inputs) -> tuple[VirtualRobot, tuple[str, 
 
 def cell_of(
     program: str | Path | SourceFile,
-    model: str | None = None,
+    model: str | RobotModel | None = None,
     world: str | Path | None = None,
     options: Mapping[str, Any] | None = None,
     presets: Mapping[str, object] | None = None,
