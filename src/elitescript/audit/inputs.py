@@ -69,6 +69,7 @@ class Inputs:
     """All of one run.
 
     Attributes:
+        begin_s: of the program, s since the start of the controller.
         joints: at the start, rad.
         speed: slider at the start; None if it is not known.
         levels: of signals at the start, of inputs and outputs.
@@ -77,6 +78,7 @@ class Inputs:
         unknown: what cannot be given to a simulated robot, for people.
     """
 
+    begin_s: float
     joints: Six
     speed: float | None
     levels: Mapping[str, Value]
@@ -116,7 +118,7 @@ def inputs_of(recording: Recording, rows: range, series: Series, driven: Collect
     arrivals.sort(key=lambda arrival: arrival.row)
     levels = {name: level for name, level in series.levels.items() if name not in driven}
     return Inputs(
-        series.joints(0), speed, levels, tuple(_requests(recording, rows)), tuple(arrivals), tuple(unknown)
+        recording.t[rows.start], series.joints(0), speed, levels, tuple(_requests(recording, rows)), tuple(arrivals), tuple(unknown)
     )
 
 

@@ -11,13 +11,15 @@ from elitescript.audit.series import Mark, Series, simulated
 from elitescript.controller.views.trace import Trace
 from elitescript.controller.views.trace_rows import TraceRecorder
 from elitescript.controller.views.trace_signals import TraceSignals
+from elitescript.devices.device import Device
 from elitescript.environment.program_file import source_of
 from elitescript.errors import ScriptError, UsageError
 from elitescript.language.text.source import SourceFile
+from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.models.model import RobotModel
 from elitescript.paths import why_no_file
 from elitescript.records import NamedTuple, record
-from elitescript.robot import Watch, VirtualRobot
+from elitescript.robot import VirtualRobot, Watch
 from elitescript.run import Run
 from elitescript.world_file import closed_world
 
@@ -25,6 +27,8 @@ LONGER_S: Final = 1.0
 """How long the simulated run goes on behind the end of a recording that ends while the program runs."""
 _LIMIT: Final = (2.0, 30.0)
 """A simulated run ends after so many times the recorded one and so many seconds more."""
+_SETTLING_MAX_S: Final = 3600.0
+"""Time of the controller before the program, up to which devices go through it (*assumed*)."""
 TASK_FILES_BYTES: Final = 32 << 20
 """Files beside a program that a simulated run gets, in all (*assumed*)."""
 
@@ -60,9 +64,14 @@ class Cell:
 
     def driven(self) -> frozenset[str]:
         """Return the inputs of the robot that devices of the world set."""
-        return frozenset(
-            name for device in closed_world(self.world, is_trusted=True).devices for name in device.driven_inputs
-        )
+        return frozenset(name for device in self._devices() for name in device.driven_inputs)
+
+    def has_devices(self) -> bool:
+        """Return whether there are devices, which may act before the program begins."""
+        return bool(self._devices())
+
+    def _devices(self) -> Sequence[Device]:
+        return closed_world(self.world, is_trusted=True).devices
 
 
 class Simulated(NamedTuple):
@@ -143,6 +152,9 @@ def started_robot(cell: Cell, inputs: Inputs) -> tuple[VirtualRobot, tuple[str, 
     if inputs.speed is not None:
         options["speed"] = inputs.speed
     robot = cell.robot(**options)
+    if inputs.begin_s <= _SETTLING_MAX_S and cell.has_devices():
+        # What devices do by themselves counts from the start of the controller.
+        robot.advance(seconds(round(inputs.begin_s * TICKS_PER_S)))
     refused: list[str] = []
     for name, level in inputs.levels.items():
         if robot.signals[name] != level:
