@@ -101,9 +101,8 @@ def _print(model: RobotModel, fitted: LengthFit) -> None:
     count = f"{fitted.used} point{'' if fitted.used == 1 else 's'}"
     print(f"{model.name} against {count} with joints and pose:")
     print("\n".join(table(fitted.parameters)))
-    print(
-        f"positions: {1e3 * fitted.rms_before:.6g} mm rms from the model, {1e3 * fitted.rms_after:.6g} mm with what was found"
-    )
+    before, after = 1e3 * fitted.rms_before, 1e3 * fitted.rms_after
+    print(f"positions: {before:.6g} mm rms from the model, {after:.6g} mm with what was found")
     for words in fitted.words:
         print(f"- {words}")
     for words in fitted.left_out:

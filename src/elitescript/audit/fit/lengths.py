@@ -37,12 +37,13 @@ UNDETERMINED_SIGMA: Final = 1e-3
 """Standard deviation, m or rad, above which a direction counts as not determined."""
 
 ORIENTATION_TOLERANCE_RAD: Final = 2e-3
-"""Angle between the orientation of a pose and that of its joints above which they are not of one point. Orientation does
-not depend on lengths, so this needs no fit; with `zeros` the tolerance is `ZERO_TOLERANCE_RAD`."""
+"""Angle between the orientation of a pose and that of its joints above which they are not of one point. Orientation
+does not depend on lengths, so this needs no fit; with `zeros` the tolerance is `ZERO_TOLERANCE_RAD`."""
 ZERO_TOLERANCE_RAD: Final = 0.05
 POSITION_TOLERANCE_M: Final = 0.05
 """Distance of a pose from that of the model above which joints and pose are not of one point."""
 
+GAUSS_NEWTON_STEPS: Final = 8
 NOTABLE_SHARE: Final = 0.05
 """Share of a parameter in a direction below which the words leave it out."""
 FLOOR: Final = 1e-12
@@ -146,12 +147,13 @@ def _agreeing(points: Points, arm: Arm, tolerance: float) -> tuple[list[Point], 
         distance = _norm([a - b for a, b in zip(point.pose, T[9:], strict=False)])
         if angle > tolerance:
             left_out.append(
-                f"{point.name}: the pose is turned {angle:.3g} rad against the joints, so these are a hint (`qnear`) or "
-                f"the TCP is another one"
+                f"{point.name}: the pose is turned {angle:.3g} rad against the joints, so these are a hint (`qnear`) "
+                f"or the TCP is another one"
             )
         elif distance > POSITION_TOLERANCE_M:
             left_out.append(
-                f"{point.name}: the pose is {1e3 * distance:.0f} mm away from the joints: a hint (`qnear`) or another TCP"
+                f"{point.name}: the pose is {1e3 * distance:.0f} mm away from the joints, so these are a hint "
+                f"(`qnear`) or the TCP is another one"
             )
         elif point.q in best and best[point.q][0] <= distance:
             left_out.append(_same_joints(point))
@@ -199,7 +201,8 @@ class _Fit:
         """Return the solution, whose values are the differences to the model, and the points."""
         values = [0.0] * len(self.names)
         # Linear in the lengths; joint zeros need Gauss-Newton, which converges quadratically.
-        for _ in range(8 if self.zeros else 1):
+        steps = GAUSS_NEWTON_STEPS if self.zeros else 1
+        while True:
             rows: list[list[float]] = []
             rest: list[float] = []
             arm, shift = self._shifted(values)
@@ -207,9 +210,9 @@ class _Fit:
                 self.equations(point, arm, shift, rows, rest)
             solution = solve(rows, rest)
             values = [a + b for a, b in zip(values, solution.values, strict=True)]
-            if self.zeros and max(map(abs, solution.values)) < 1e-13:
-                break
-        return replace(solution, values=tuple(values)), list(points)
+            steps -= 1
+            if steps == 0 or max(map(abs, solution.values)) < 1e-13:
+                return replace(solution, values=tuple(values)), list(points)
 
     def _shifted(self, values: Sequence[float]) -> tuple[Arm, Sequence[float]]:
         lengths = {name: getattr(self.arm, name) + change for name, change in zip(LENGTHS, values, strict=False)}
@@ -335,7 +338,8 @@ def _statement(
         )
     if fitted.zeros:
         words.append(
-            "the zero of joint 1 and a turn of the base, the zero of joint 6 and a turn of the tool are the same in poses"
+            "the zero of joint 1 and a turn of the base are the same in poses, so are the zero of joint 6 and a turn "
+            "of the tool"
         )
     else:
         words.append("joint zeros are taken as exact (--zeros finds them too)")

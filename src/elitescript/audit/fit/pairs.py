@@ -132,8 +132,8 @@ class _ProgramReader:
     def tcp_words(self) -> str:
         if not self._tcps:
             return (
-                "the program sets no TCP, so poses are taken as those of the flange: an offset along its z axis that the "
-                "installation sets is part of d6"
+                "the program sets no TCP, so poses are taken as those of the flange: an offset along its z axis that "
+                "the installation sets is part of d6"
             )
         lines = ", ".join(str(line) for line, _ in self._tcps[:3])
         if any(tcp is None for _, tcp in self._tcps):
@@ -188,7 +188,7 @@ def _six(node: ast.expr) -> Six | None:
         sign = 1.0
         if isinstance(element, ast.UnaryOp) and isinstance(element.op, ast.USub | ast.UAdd):
             sign = -1.0 if isinstance(element.op, ast.USub) else 1.0
-            element = element.operand  # noqa: PLW2901
+            element = element.operand
         if not isinstance(element, ast.Constant) or isinstance(element.value, bool):
             return None
         if not isinstance(element.value, int | float):
