@@ -9,10 +9,15 @@ from elitescript.recorder.recording import Message
 
 CONFIGURATION: Final = "configuration"
 CARTESIAN: Final = "cartesian"
+ROBOT_MODE: Final = "robot mode"
+SAFETY: Final = "safety"
 ANSWER: Final = "answer"
 CONNECTED: Final = "connected"
 CLOCK: Final = "clock"
 """Types of messages."""
+
+STATES: Final = (CONFIGURATION, CARTESIAN, ROBOT_MODE, SAFETY)
+"""Types of messages of the primary port that hold until the next of the same type."""
 
 QUESTIONS: Final = {
     "robot -t": "model",
@@ -30,6 +35,11 @@ def facts_of(messages: Iterable[Message]) -> dict[str, Any]:
         for name, value in _facts(message.data).items():
             found.setdefault(name, value)
     return found
+
+
+def task_of(answer: str) -> str:
+    """Return the path of a task from the answer of the dashboard; empty if none is loaded."""
+    return answer.partition(":")[2].strip()
 
 
 def _facts(data: Any) -> dict[str, Any]:
@@ -54,7 +64,9 @@ def _facts(data: Any) -> dict[str, Any]:
     if kind == CARTESIAN:
         return {"tcp_offset": data["TCP offset"]}
     if kind == ANSWER and data.get("question") in QUESTIONS:
-        return {QUESTIONS[data["question"]]: data["answer"]}
+        name = QUESTIONS[data["question"]]
+        answer = data["answer"]
+        return {name: task_of(answer) if name == "task" else answer}
     if kind == CONNECTED and "version" in data:
         return {"version": data["version"]}
     if kind == CLOCK:
