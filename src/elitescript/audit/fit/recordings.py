@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import isnan, sqrt
+from math import inf, isnan, sqrt
 from typing import Any, Final
 
 from elitescript.audit.fit.least_squares import NORMAL_95, solve, student_quantile
@@ -25,6 +25,9 @@ LENGTH_ROWS: Final = 60
 """Rows that the lengths are fitted to."""
 LENGTH_DISTANCE_RAD: Final = 0.02
 """Distance between two of them, sum over the joints."""
+
+TCP_CHANGE_S: Final = 0.4
+"""Time around a change of the TCP offset in which no row counts: the primary port shows it ten times a second."""
 
 LAG_ROWS: Final = 10
 """Fewest rows of a cruise, behind the transient, for the lag."""
@@ -113,11 +116,8 @@ def _lengths(recording: Recording, model: RobotModel, words: list[str]) -> Lengt
     _compare_reported(recording, model, words)
     if q is None or pose is None or model.arm.calibration is not None:
         return None
-    offset = recording.facts.get("tcp_offset")
-    tcp: Six = NO_TCP
-    if isinstance(offset, Sequence) and len(offset) == 6:
-        a, b, c, d, e, f = map(float, offset)
-        tcp = (a, b, c, d, e, f)
+    offsets = _tcp_offsets(recording)
+    if offsets:
         said = "the TCP offset is the one that the controller shows"
     else:
         said = "the controller showed no TCP offset, so poses are taken as those of the flange: one is part of d6"
@@ -126,7 +126,8 @@ def _lengths(recording: Recording, model: RobotModel, words: list[str]) -> Lengt
     for index, t in enumerate(recording.t):
         joints = [column[index] for column in q]
         place = [column[index] for column in pose]
-        if any(map(isnan, joints)) or any(map(isnan, place)):
+        tcp = _tcp_at(offsets, t) if offsets else NO_TCP
+        if tcp is None or any(map(isnan, joints)) or any(map(isnan, place)):
             continue
         if last is not None and sum(abs(a - b) for a, b in zip(joints, last, strict=True)) < LENGTH_DISTANCE_RAD:
             continue
@@ -145,17 +146,47 @@ def _lengths(recording: Recording, model: RobotModel, words: list[str]) -> Lengt
         return None
 
 
+def _tcp_offsets(recording: Recording) -> list[tuple[float, Six]]:
+    """Return the TCP offsets that the controller showed, each with the time from which on it did, s."""
+    shown = [(message.t, message.data["TCP offset"]) for message in recording.messages if "TCP offset" in message.data]
+    if not shown and "tcp_offset" in recording.facts:
+        shown = [(-inf, recording.facts["tcp_offset"])]
+    found: list[tuple[float, Six]] = []
+    for t, (a, b, c, d, e, f) in shown:
+        offset = (float(a), float(b), float(c), float(d), float(e), float(f))
+        if not found:
+            found.append((-inf, offset))
+        elif found[-1][1] != offset:
+            found.append((t, offset))
+    return found
+
+
+def _tcp_at(offsets: Sequence[tuple[float, Six]], t: float) -> Six | None:
+    """Return the TCP offset at a time; None near a change, whose moment the primary port tells only roughly."""
+    if any(abs(t - since) < TCP_CHANGE_S for since, _ in offsets):
+        return None
+    return [offset for since, offset in offsets if since <= t][-1]
+
+
 def _compare_reported(recording: Recording, model: RobotModel, words: list[str]) -> None:
-    """Say where the lengths in the controller's own configuration are others than the model's."""
-    reported = recording.facts.get("lengths")
-    if not isinstance(reported, dict):
-        return
-    for key, own in zip(("a", "d", "alpha"), model.arm.modified_dh, strict=True):
-        for index, (theirs, ours) in enumerate(zip(reported.get(key, own), own, strict=False)):
-            if abs(theirs - ours) > 1e-9:
-                words.append(
-                    f"the controller's configuration has {key}[{index}] = {theirs:.9g}, the model has {ours:.9g}"
-                )
+    """Say where the controller's own configuration differs from the model."""
+    lengths, limits, defaults = (recording.facts.get(name, {}) for name in ("lengths", "limits", "defaults"))
+    a, d, alpha = model.arm.modified_dh
+    joints = model.joints
+    rows: dict[str, tuple[Sequence[float] | None, Sequence[float]]] = {
+        "a": (lengths.get("a"), a),
+        "d": (lengths.get("d"), d),
+        "alpha": (lengths.get("alpha"), alpha),
+        "qd_max": (limits.get("qd_max"), [joint.qd_max for joint in joints]),
+    }
+    for name, (theirs, ours) in rows.items():
+        if theirs is not None and any(abs(x - y) > 1e-6 for x, y in zip(theirs, ours, strict=False)):
+            values = ", ".join(f"{value:.6g}" for value in theirs)
+            words.append(f"the controller's own configuration has {name} = [{values}], which the model has not")
+    for name, value in defaults.items():
+        own = getattr(model, f"default_{name}", None)
+        if own is not None and abs(value - own) > 1e-6:
+            words.append(f"the controller's own configuration has default_{name} = {value:.6g}, the model {own:.6g}")
 
 
 # ---------------------------------------------------------------- defaults and limits
@@ -424,12 +455,14 @@ def _payload_of_torques(recording: Recording, model: RobotModel) -> Parameter:
         mass_chain(model.arm, massless, RigidBody(1.0, com))
         for com in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     ]
+    # Only rows with the payload of the last one: it is part of the torques.
+    carried = None if reported is None else [value == reported[-1] for value in reported]
     still = (0.0,) * 6
     rows: list[list[float]] = []
     values: list[float] = []
     poses, last, since = 0, None, None
     for index, t in enumerate(recording.t):
-        if any(abs(column[index]) > 0.0 for column in qd):
+        if any(abs(column[index]) > 0.0 for column in qd) or not (carried is None or carried[index]):
             since = None
             continue
         if since is None or t < since:
