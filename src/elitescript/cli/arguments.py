@@ -375,6 +375,32 @@ def add_studio(parser: Parser) -> None:
     )
 
 
+def add_fit(parser: Parser) -> None:
+    parser.description = (
+        "Find the lengths of an arm from points that are known as joints and as pose: those of programs "
+        "(get_inverse_kin(pose, qnear=joints), pick_q and pick_p), or of a file. Exit code: 0 the model agrees, 1 it "
+        "differs, 2 usage."
+    )
+    parser.add_argument("files", nargs="*", metavar="FILE", help="programs of one arm")
+    parser.add_argument(
+        "--pairs",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="points of the same arm: CSV with q1 to q6 (rad) and x, y, z, rx, ry, rz (m, rad), or JSON with a list of "
+        '{"q": [...], "pose": [...]}; may be repeated',
+    )
+    parser.add_argument(
+        "--robot", default="CS66", metavar="MODEL", help="model to begin with, or its file (default %(default)s)"
+    )
+    parser.add_argument(
+        "--tcp", metavar="X,Y,Z,RX,RY,RZ", help="TCP offset of the poses, m and rad (default: set_tcp of the program)"
+    )
+    parser.add_argument("--zeros", action="store_true", help="find the zeros of the joints as well")
+    parser.add_argument("--out", metavar="MY_ARM.toml", help="write an arm file for --robot")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+
+
 def add_record(parser: Parser) -> None:
     parser.description = (
         "Write down what a controller shows: RTSI, states and messages of the primary port, answers of the dashboard, "
@@ -446,6 +472,7 @@ COMMANDS: Final[dict[str, tuple[str, Callable[[Parser], None]]]] = {
     "lsp": ("what editors show of programs, by the Language Server Protocol", add_lsp),
     "mcp": ("check, run and step through programs for agents", add_mcp),
     "studio": ("a page that shows the program while it is written, or a controller", add_studio),
+    "fit": ("lengths of an arm from points with joints and pose", add_fit),
     "commands": ("the catalogue of robot commands", add_commands),
     "completion": ("completion of calls for bash, zsh and fish", add_completion),
 }
