@@ -99,6 +99,11 @@ class Audit:
         return next((run for run in self.runs if run.comparison.findings), self.runs[0])
 
     @property
+    def arm_file(self) -> str:
+        """Name of the arm file that the recording holds; empty if it holds none."""
+        return _arm_file(self.recording)
+
+    @property
     def divergence(self) -> Finding | None:
         """The first difference of target joints, durations or signals; None if there is none."""
         return self.first.comparison.divergence
@@ -249,19 +254,25 @@ def _program(recording: Recording, program: str | Path | SourceFile | None) -> s
     return SourceFile(f"<{names[0]}>", recording.attachments[names[0]].decode("utf-8", "replace"))
 
 
-def _recorded_arm(recording: Recording, folder: Path) -> RobotModel | None:
-    """Return the arm of a recording: the file that it holds, else the model that the controller named."""
+def _arm_file(recording: Recording) -> str:
+    """Return the name of the arm file that a recording holds; empty if it holds none."""
     import tomllib
 
     for name, data in recording.attachments.items():
         try:
-            is_arm = name.endswith(".toml") and "base" in tomllib.loads(data.decode())
+            if name.endswith(".toml") and "base" in tomllib.loads(data.decode()):
+                return name
         except ValueError:
             continue
-        if is_arm:
-            path = folder / Path(name).name
-            path.write_bytes(data)
-            return load_model(str(path))
+    return ""
+
+
+def _recorded_arm(recording: Recording, folder: Path) -> RobotModel | None:
+    """Return the arm of a recording: the file that it holds, else the model that the controller named."""
+    if file := _arm_file(recording):
+        path = folder / Path(file).name
+        path.write_bytes(recording.attachments[file])
+        return load_model(str(path))
     name = str(recording.facts.get("model", "")).strip()
     try:
         return load_model(name) if name else None
@@ -280,7 +291,7 @@ def _not_compared(recording: Recording, cell: Cell) -> Iterable[str]:
             yield f"devices ({', '.join(found)}): those of the world file answered, not the recorded ones"
     if cell.world is None:
         for name in recording.attachments:
-            if name.endswith(".toml"):
+            if name.endswith(".toml") and name != _arm_file(recording):
                 yield f"{name}, which the recording holds: as a world it is given with --world"
     if _FORCES in families:
         yield "forces at the TCP: the simulated arm has only those of the world file"

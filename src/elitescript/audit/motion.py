@@ -98,7 +98,8 @@ def compare_motion(
         column[begin : end + 1] == its[its_begin : its_end + 1]
         for column, its in zip(recorded.q, other.q, strict=True)
     ):
-        places = _places(recorded, range(begin, end + 1, every), other, range(its_begin, its_end + 1, every))
+        its_rows = [(row, 0.0) for row in range(its_begin, its_end + 1, every)]
+        places = _places(recorded, range(begin, end + 1, every), other, its_rows)
         return Motion(0.0, count, 0.0, 1, begin, None, None, 0.0, tuple(places))
     points = [*zip(*(column[begin : end + 1] for column in recorded.q), strict=True)]
     path = [*zip(*(column[its_begin : its_end + 1] for column in other.q), strict=True)]
@@ -110,32 +111,48 @@ def compare_motion(
     nearest = _projected(points, path, late_s)
     squares, largest, joint, row = 0.0, 0.0, 1, begin
     off_path = None
-    for place, (apart, which, _) in enumerate(nearest):
+    for place, (apart, which, *_) in enumerate(nearest):
         squares += apart * apart
         if apart > largest:
             largest, joint, row = apart, which, begin + place
         if apart > tolerance.joints and off_path is None:
             off_path = begin + place
     rows = range(begin, end + 1, every)
-    places = _places(recorded, rows, other, [its_begin + nearest[row - begin][2] for row in rows])
-    if row not in rows:
-        places += _places(recorded, [row], other, [its_begin + nearest[row - begin][2]])
+    chosen = list(rows) if row in rows else [*rows, row]
+    feet = [nearest[its - begin] for its in chosen]
+    places = _places(recorded, chosen, other, [(its_begin + foot.row, foot.share) for foot in feet])
     ends_apart = _apart(points[-1], path[-1])
     if off_time is not None:
         off_time += begin
     return Motion(squares, count, largest, joint, row, off_path, off_time, ends_apart, tuple(places))
 
 
+class _Foot(NamedTuple):
+    """The nearest place on a path."""
+
+    apart: float
+    """Distance of the joint that is furthest away, rad."""
+    joint: int
+    """That joint, from 1 on."""
+    row: int
+    """Row of the path before the place."""
+    share: float
+    """Where the place is on the way to the next row, 0 to 1."""
+
+
 def _places(
-    recorded: Series, rows: Sequence[int], other: Series, its_rows: Sequence[int]
+    recorded: Series, rows: Sequence[int], other: Series, its_rows: Sequence[tuple[int, float]]
 ) -> list[tuple[int, float]]:
+    """Return rows and how far the TCP is from the other run's, whose rows have shares of the way to the next one."""
     if recorded.places is None or other.places is None:
         return []
-    (x, y, z), (u, v, w) = recorded.places, other.places
-    return [
-        (row, dist((x[row], y[row], z[row]), (u[its], v[its], w[its])))
-        for row, its in zip(rows, its_rows, strict=False)
-    ]
+    x, y, z = recorded.places
+    found = []
+    for row, (its, share) in zip(rows, its_rows, strict=False):
+        later = min(its + 1, len(other) - 1)
+        place = [axis[its] + share * (axis[later] - axis[its]) for axis in other.places]
+        found.append((row, dist((x[row], y[row], z[row]), place)))
+    return found
 
 
 def _apart(point: Sequence[float], other: Sequence[float]) -> float:
@@ -175,19 +192,21 @@ def _between(
 ) -> bool:
     """Return whether a point is on the path between two of its rows: a fast joint goes further in a period than that."""
     return any(
-        _apart(point, _foot(point, path[row], path[row + 1])) <= joints for row in range(min(low, len(path) - 1), high)
+        _apart(point, _foot(point, path[row], path[row + 1])[0]) <= joints for row in range(min(low, len(path) - 1), high)
     )
 
 
-def _foot(point: Sequence[float], begin: Sequence[float], end: Sequence[float]) -> Sequence[float]:
-    """Return the nearest place on the straight line between two others."""
+def _foot(
+    point: Sequence[float], begin: Sequence[float], end: Sequence[float]
+) -> tuple[Sequence[float], float]:
+    """Return the nearest place on the straight line between two others, and its share of that way."""
     way = [b - a for a, b in zip(begin, end, strict=True)]
-    squared = sum(step * step for step in way)
+    squared = sum([step * step for step in way])
     if squared < _SAME * _SAME:
-        return begin
-    share = sum((p - a) * step for p, a, step in zip(point, begin, way, strict=True)) / squared
+        return begin, 0.0
+    share = sum([(p - a) * step for p, a, step in zip(point, begin, way, strict=True)]) / squared
     share = min(max(share, 0.0), 1.0)
-    return [a + share * step for a, step in zip(begin, way, strict=True)]
+    return [a + share * step for a, step in zip(begin, way, strict=True)], share
 
 
 def _lengths(points: Sequence[Sequence[float]]) -> list[float]:
@@ -200,10 +219,10 @@ def _lengths(points: Sequence[Sequence[float]]) -> list[float]:
 
 def _projected(
     points: Sequence[Sequence[float]], path: Sequence[Sequence[float]], late_s: float
-) -> list[tuple[float, int, int]]:
-    """Return for each point the distance from the path, rad, of the joint furthest away, that joint, and the row.
+) -> list[_Foot]:
+    """Return the nearest place on the path for each point.
 
-    The place on the path is about as far from its begin as the point is from that of the points.
+    It is about as far from its begin as the point is from that of the points.
     """
     rows = [0]
     for row in range(1, len(path)):
@@ -212,34 +231,37 @@ def _projected(
     nodes = [path[row] for row in rows]
     gone, its = _lengths(points), _lengths(nodes)
     step = max((b - a for a, b in pairwise(its)), default=0.0)
-    found: list[tuple[float, int, int]] = []
+    found: list[_Foot] = []
     at, last = 0, len(nodes) - 1
     for point, far in zip(points, gone, strict=True):
         while at < last and its[at + 1] <= far:
             at += 1
         # Where it should be; else as far around it as the tolerance of time reaches.
-        apart, where, node = _nearest(point, nodes, at, at)
+        apart, where, node, share = _nearest(point, nodes, at, at)
         if apart > _FINE:
             reach = step * (_NEAR_ROWS + late_s * TICKS_PER_S) + 0.01 * far
             low, high = bisect_left(its, far - reach), bisect_right(its, far + reach)
-            apart, where, node = _nearest(point, nodes, max(min(low, at) - 1, 0), min(max(high, at), last))
+            first, final = max(min(low, at) - 1, 0), min(max(high, at), last)
+            apart, where, node, share = _nearest(point, nodes, first, final)
         gaps = [abs(a - b) for a, b in zip(point, where, strict=True)]
         widest = max(gaps)
-        found.append((widest, gaps.index(widest) + 1, rows[node]))
+        # Behind a node the path stands for as long as the rows are the same.
+        row = rows[node + 1] - 1 if share and node < last else rows[node]
+        found.append(_Foot(widest, gaps.index(widest) + 1, row, share))
     return found
 
 
 def _nearest(
     point: Sequence[float], nodes: Sequence[Sequence[float]], low: int, high: int
-) -> tuple[float, Sequence[float], int]:
-    """Return distance, place and node of the nearest place on the path behind the nodes `low` to `high`."""
-    best, where, found = inf, nodes[low], low
+) -> tuple[float, Sequence[float], int, float]:
+    """Return distance, place, node and share of the way to the next node, of the nearest place on the path behind the nodes `low` to `high`."""
+    best, where, found, share = inf, nodes[low], low, 0.0
     for node in range(low, high + 1):
-        foot = nodes[node] if node == len(nodes) - 1 else _foot(point, nodes[node], nodes[node + 1])
+        foot, its = (nodes[node], 0.0) if node == len(nodes) - 1 else _foot(point, nodes[node], nodes[node + 1])
         apart = dist(point, foot)
         if apart < best:
-            best, where, found = apart, foot, node
-    return best, where, found
+            best, where, found, share = apart, foot, node, its
+    return best, where, found, share
 
 
 class Profile(NamedTuple):

@@ -5,17 +5,19 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from elitescript.audit import Tolerance
 from elitescript.audit.auditing import ALL, Audit
 from elitescript.audit.auditing import audit as audited
+from elitescript.audit.fit.arm_file import arm_text
 from elitescript.cli.output.screen import palette_of, rendered
 from elitescript.cli.robot_options import options_from
-from elitescript.cli.settings import parse_settings_of_globals
 from elitescript.environment.program_file import source_of
 from elitescript.errors import ProgramError, UsageError, did_you_mean
 from elitescript.language.text.source import SourceFile
+from elitescript.models.datafile import parsed, read_text
+from elitescript.models.model import is_model_file
 from elitescript.page import NOT_BUILT, is_built
 from elitescript.paths import why_no_file
 
@@ -34,6 +36,8 @@ _TOLERANCES: Final = {"joints": "joints", "time": "time_s", "share": "share"}
 def audit(options: argparse.Namespace) -> int:
     """Audit the recording of the command line; return the exit code."""
     path = Path(options.file)
+    if options.fit is not None and not is_model_file(options.fit):
+        raise UsageError(f"--fit {options.fit}: the name of an arm file ends in .toml")
     for flag, target in (("--page", options.page), ("--fit", options.fit)):
         if target is not None and Path(target).exists() and path.exists() and Path(target).samefile(path):
             raise UsageError(f"{flag} {target}: this is the recording")
@@ -49,7 +53,6 @@ def audit(options: argparse.Namespace) -> int:
             world=options.world,
             run=_run(options.run),
             tolerance=tolerance,
-            presets=parse_settings_of_globals(options.set),
             fit=options.fit is not None,
             **given,
         )
@@ -57,7 +60,7 @@ def audit(options: argparse.Namespace) -> int:
         _print_problems(options.program, error)
         return USAGE
     if options.fit is not None:
-        _write(options.fit, "--fit", _arm_text(found))
+        _write(options.fit, "--fit", _arm_text(found, getattr(options, "model", None)))
     if options.page is not None:
         from elitescript.audit.page import audit_page
 
@@ -120,8 +123,20 @@ def _print_problems(path: str | None, error: ProgramError) -> None:
         print(rendered(problem, source, palette_of(sys.stderr)), file=sys.stderr)
 
 
-def _arm_text(found: Audit) -> str:
-    raise NotImplementedError(found)
+def _arm_text(found: Audit, robot: str | None) -> str:
+    """Return an arm file with what the fit has found; it goes on from the arm file that was given, or recorded."""
+    assert found.fit is not None
+    base: dict[str, Any] = {"base": found.model.name}
+    if robot is not None and is_model_file(robot):
+        base = parsed(robot, read_text(Path(robot)))
+    elif (name := found.arm_file) and robot is None:
+        base = parsed(name, found.recording.attachments[name].decode())
+    return arm_text(
+        base,
+        found.fit.parameters,
+        [joint.qd_max for joint in found.model.joints],
+        about="fitted to a recording of its controller",
+    )
 
 
 def _write(path: str, flag: str, text: str) -> None:
