@@ -29,6 +29,10 @@ from elitescript.records import NamedTuple, field, record
 SHARE_SAME = 0.02
 """Share by which speeds and accelerations may differ and are the same."""
 
+_SLOWEST = 0.05
+"""Speed slider below which a change that comes late is not made up for any more."""
+_ROUNDING_S = 1e-9
+
 LONG_GAP_S = 0.1
 """A stretch without rows that is named; in it nothing is compared."""
 
@@ -139,8 +143,10 @@ class Comparer:
     __slots__ = (
         "_arrivals",
         "_causes",
+        "_compared",
         "_ending",
         "_findings",
+        "_is_over",
         "_marks",
         "_motions",
         "_notes",
@@ -149,7 +155,6 @@ class Comparer:
         "_recorded",
         "_signals",
         "_tolerance",
-        "_unmatched",
     )
 
     def __init__(
@@ -175,7 +180,8 @@ class Comparer:
         self._notes: list[str] = []
         self._motions: list[Motion] = []
         self._causes: dict[int, dict[str, float]] = {}
-        self._unmatched = False
+        self._is_over = False
+        self._compared = -1
 
     def compare(self, signals: Sequence[str]) -> Comparison:
         """Return everything that differs.
@@ -187,7 +193,11 @@ class Comparer:
         if not pairs:
             self._nothing_in_common()
         for stretch in self._stretches(pairs):
+            if self._is_over or (stretch.end is None and self._is_end(stretch.begin.first)):
+                # Behind the end of the program the arm only comes to rest.
+                break
             self._compare_stretch(stretch)
+            self._compared = stretch.begin.first
         self._compare_numbers(pairs, signals)
         self._name_gaps()
         self._findings.sort(key=lambda finding: finding.t)
@@ -206,7 +216,6 @@ class Comparer:
     # ---------------------------------------------------------------- alignment
 
     def _nothing_in_common(self) -> None:
-        self._unmatched = True
         line = self._marks[0].line if self._marks else 0
         self._find(0.0, line, "no line of the recording is one of the simulated run: it is another program", "program")
 
@@ -220,6 +229,9 @@ class Comparer:
             yield _Stretch(
                 begin, end, [*range(begin.first + 1, first_end)], [*range(begin.second + 1, second_end)]
             )
+
+    def _is_end(self, mark: int) -> bool:
+        return mark >= 0 and self._marks[mark].key == ("line", 0)
 
     def _row(self, mark: int) -> int:
         return self._marks[mark].row if mark >= 0 else 0
@@ -241,7 +253,8 @@ class Comparer:
         if only_simulated and not only_recorded and self._is_in_gap(begin, end, only_simulated, its_end):
             only_simulated = []
         if not only_recorded and not only_simulated:
-            self._compare_piece(begin, end, its_begin, its_end, is_last=is_last)
+            is_cut = is_last and (recorded.is_open or other.is_open)
+            self._compare_piece(begin, end, its_begin, its_end, is_cut=is_cut)
         elif not self._is_stopped_from_outside(stretch, only_recorded, only_simulated):
             self._part_ways(stretch, only_recorded, only_simulated)
 
@@ -268,18 +281,33 @@ class Comparer:
     def _is_in_gap(self, begin: int, end: int, only_simulated: Sequence[int], its_end: int) -> bool:
         """Return whether marks of the simulated run can be in a gap of the recording."""
         widest_s = max((self._recorded.waited_s(row) for row in range(begin, end + 1)), default=0.0)
-        if widest_s <= 0.0:
+        if widest_s == 0.0:
             return False
-        rows = [self._other_marks[mark].row for mark in only_simulated]
-        lasts = [later - row for row, later in pairwise([*rows, its_end])]
-        # The longest of them may be the one that the recording shows under the line before or behind it.
-        return min(sum(lasts), sum(lasts) - lasts[-1]) * PERIOD_S <= widest_s + PERIOD_S
+        shortest = round(widest_s / PERIOD_S) + 1
+        by_name: dict[str, list[int]] = {}
+        for mark in only_simulated:
+            by_name.setdefault(self._other_marks[mark].key[0], []).append(mark)
+        return all(self._is_brief(marks, shortest, its_end) for marks in by_name.values())
+
+    def _is_brief(self, marks: Sequence[int], rows: int, its_end: int) -> bool:
+        """Return whether what these marks of one signal, or of lines, begin is over after so many rows each."""
+        its = self._other_marks
+        name = its[marks[0]].key[0]
+        for mark in marks:
+            begin, value = its[mark].row, its[mark].key[1]
+            ends = (later.row for later in its[mark + 1 :] if later.key[0] == name)
+            if next(ends, its_end) - begin <= rows:
+                continue
+            is_back = isinstance(value, bool) and mark == marks[-1] and len(marks) % 2 == 0
+            if not is_back:
+                return False
+        return True
 
     def _is_stopped_from_outside(
         self, stretch: _Stretch, only_recorded: Sequence[int], only_simulated: Sequence[int]
     ) -> bool:
         """Return whether the recorded program ends in the middle of a line; compare what there is of that line."""
-        if only_recorded or stretch.end is None or self._marks[stretch.end.first].key != ("line", 0):
+        if only_recorded or stretch.end is None or not self._is_end(stretch.end.first):
             return False
         begin, its_begin = self._row(stretch.begin.first), self._its_row(stretch.begin.second)
         end, its_end = self._row(stretch.end.first), self._other_marks[only_simulated[0]].row
@@ -292,7 +320,8 @@ class Comparer:
             f"the recorded program was ended at {self._recorded.t[end]:.3f} s in line {line}, by a stop or an alarm; "
             "what follows in the simulated run is not compared"
         )
-        self._compare_piece(begin, end, its_begin, its_end, is_last=True)
+        self._compare_piece(begin, end, its_begin, its_end, is_cut=True)
+        self._is_over = True
         return True
 
     def _part_ways(self, stretch: _Stretch, only_recorded: Sequence[int], only_simulated: Sequence[int]) -> None:
@@ -323,6 +352,14 @@ class Comparer:
             ).setdefault("program", 0.0)
         self._find(t, marks[first].line if first is not None else line, *self._in_words(stretch, only_recorded, only_simulated))
 
+    @staticmethod
+    def _once_more(lines: Sequence[int], others: Sequence[Mark]) -> str:
+        """Return how much oftener one run goes through lines that the other has as well; empty if it has not."""
+        if not {*lines} <= {mark.line for mark in others} or 0 in lines:
+            return ""
+        times = lines.count(lines[0])
+        return " once more" if times == 1 else f" {times} times more"
+
     def _recorded_time(self, stretch: _Stretch, its_row: int) -> float:
         """Return when a row of the simulated run would be in the recording."""
         begin, end = self._row(stretch.begin.first), len(self._recorded) - 1
@@ -341,29 +378,37 @@ class Comparer:
         lines, its_lines = _lines_of(recorded), _lines_of(simulated)
         if edges and not lines and not its_lines:
             mark = edges[0]
-            which = "recording" if recorded else "simulated run"
-            both = recorded and any(mark.key[0] == its.key[0] for its in simulated)
-            text = f"{mark.key[0]} becomes {_level(mark.key[1])} " + (
-                "at another time" if both else f"in the {which} only"
-            )
+            text = f"{mark.key[0]} becomes {_level(mark.key[1])}"
+            its = next((its for its in simulated if its.key[0] == mark.key[0]), None)
+            if not recorded or its is None:
+                return f"{text} in the {'recording' if recorded else 'simulated run'} only", "signal"
+            if its.key == mark.key:
+                return f"{text} at another time", "signal"
+            text += f", simulated {_level(its.key[1])}"
             return text, "signal"
         if not lines and not its_lines:
             return "the arm stands and moves at other times", "waiting"
+        if its_lines and not lines and stretch.end is not None and self._is_end(stretch.end.first):
+            line = self._marks[stretch.begin.first].line if stretch.begin.first >= 0 else 0
+            return f"the recorded program ends behind line {line}, the simulated one goes on with {_named(its_lines)}", "program"
         if its_lines and not lines:
             if its_lines == [0]:
                 return f"the simulated program ends here{self._ending}", "program"
-            return f"the simulated run goes through {_named(its_lines)}, the recording does not", "program"
+            more = self._once_more(its_lines, self._marks)
+            return f"the simulated run goes through {_named(its_lines)}{more}, the recording does not", "program"
         if lines and not its_lines:
             if lines[0] == 0:
                 return "the recorded program ends here, the simulated one does not", "program"
             why = f": it {self._ending}" if self._ending and stretch.end is None else ""
-            return f"the recording goes through {_named(lines)}, the simulated run does not{why}", "program"
+            more = self._once_more(lines, self._other_marks)
+            return f"the recording goes through {_named(lines)}{more}, the simulated run does not{why}", "program"
         ends = f" (it {self._ending})" if its_lines[0] == 0 and self._ending else ""
         return f"the recording goes on with {_named(lines)}, the simulated run with {_named(its_lines)}{ends}", "program"
 
     # ---------------------------------------------------------------- one piece
 
-    def _compare_piece(self, begin: int, end: int, its_begin: int, its_end: int, *, is_last: bool) -> None:
+    def _compare_piece(self, begin: int, end: int, its_begin: int, its_end: int, *, is_cut: bool) -> None:
+        """Compare motion and duration; of a piece that is cut off in one run only what both have."""
         recorded, other, tolerance = self._recorded, self._other, self._tolerance
         is_disturbed = any(
             begin <= arrival.row <= end and not isinstance(arrival.request, WriteSignal) for arrival in self._arrivals
@@ -375,13 +420,17 @@ class Comparer:
         lasts_s = recorded.t[end] - recorded.t[begin]
         its_s = other.t[its_end] - other.t[its_begin]
         allowed_s = tolerance.of(max(lasts_s, its_s)) + recorded.waited_s(begin) + recorded.waited_s(end)
+        if is_disturbed:
+            # A speed that changes a control period later takes so much longer as it is slower.
+            slowest = 1.0 if recorded.slider is None else min(recorded.slider[begin : end + 1])
+            allowed_s += tolerance.time_s / max(slowest, _SLOWEST)
+        allowed_s += _ROUNDING_S
         excess_s = lasts_s - its_s
-        if is_last and (recorded.is_open or other.is_open):
-            # One of both goes on; only what both have is compared.
+        if is_cut:
             excess_s = 0.0
         line = recorded.lines[begin]
         off = motion.off_time
-        if is_last and other.is_open and off is not None and recorded.t[off] - recorded.t[begin] > its_s:
+        if is_cut and off is not None and recorded.t[off] - recorded.t[begin] > its_s:
             off = None
         is_off_path = motion.off_path is not None and (off is not None or abs(excess_s) > allowed_s)
         if abs(excess_s) <= allowed_s and off is None:
@@ -411,6 +460,8 @@ class Comparer:
         begins_moving = not (recorded.stands(begin) and other.stands(its_begin))
         begins_apart = max(abs(a - b) for a, b in zip(recorded.joints(begin), other.joints(its_begin), strict=True))
         if motion.ends_apart > 10.0 * self._tolerance.joints and ends_moving and not is_off_path:
+            return "blend", ": the blend into the next move begins elsewhere"
+        if is_off_path and motion.is_beyond and ends_moving:
             return "blend", ": the blend into the next move begins elsewhere"
         if is_off_path:
             if begins_moving and begins_apart > self._tolerance.joints and motion.ends_apart <= begins_apart:
@@ -464,9 +515,11 @@ class Comparer:
         changes = [[change for change in its.changes if change.name in names] for its in (self._recorded, self._other)]
         places, differing = [0, 0], set[str]()
         for first, second in pairs:
+            if self._is_over and first > self._compared:
+                break
             for which, row in enumerate((self._row(first), self._its_row(second))):
                 found = changes[which]
-                while places[which] < len(found) and found[places[which]].row < row:
+                while places[which] < len(found) and found[places[which]].row <= row:
                     change = found[places[which]]
                     runs[which][change.name] = change.value
                     places[which] += 1

@@ -30,7 +30,7 @@ from elitescript.messages.machine import (
 from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value, parse_signal_name
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
-from elitescript.records import record
+from elitescript.records import NamedTuple, record
 from elitescript.recorder.recording import Recording
 from elitescript.robot import VirtualRobot
 
@@ -45,23 +45,23 @@ _STOPS: Final = {
     SafetyMode.REDUCED: "reduced_mode",
 }
 """Signals that bring the safety system into a mode."""
+_SAFETY_ROWS: Final = 3
+"""Rows after a pause within which the safety mode shows that it was the cause."""
+_RELEASES: Final = (signal_write("safeguard_stop", False),)
+"""What ends a stop so that the simulated program goes on."""
 
 
-@record
-class Arrival:
-    """Something that came from outside while the program ran.
-
-    Attributes:
-        t: s since the program's begin.
-        row: first row of the run that shows it.
-        request: that does the same to a simulated robot.
-        text: for people.
-    """
+class Arrival(NamedTuple):
+    """Something that came from outside while the program ran."""
 
     t: float
+    """s since the program's begin."""
     row: int
+    """First row of the run that shows it."""
     request: MachineRequest
+    """That does the same to a simulated robot."""
     text: str
+    """For people."""
 
 
 @record
@@ -111,9 +111,8 @@ def inputs_of(recording: Recording, rows: range, series: Series, driven: Collect
         ]
     elif speed is None:
         unknown.append("the speed slider: the recording has neither it nor the speed scaling")
-    arrivals += _pauses(recording, rows, series)
     safety, why = _safety(recording, rows, series)
-    arrivals += safety
+    arrivals += _with_pauses(safety, recording, rows, series)
     unknown += why
     arrivals.sort(key=lambda arrival: arrival.row)
     levels = {name: level for name, level in series.levels.items() if name not in driven}
@@ -144,20 +143,44 @@ def _changes(values: Sequence[float]) -> Iterator[tuple[int, float]]:
             yield row, now
 
 
-def _pauses(recording: Recording, rows: range, series: Series) -> list[Arrival]:
+def _with_pauses(
+    safety: Sequence[Arrival], recording: Recording, rows: range, series: Series
+) -> list[Arrival]:
+    """Return what came from the safety system, and the pauses that it does not explain.
+
+    A stop of the safety system pauses the program by itself. The simulated one lets it go on when the stop is over, so
+    it is over for it when the recorded program went on.
+    """
     states = recording.columns.get(STATE, array("d"))[rows.start : rows.stop]
-    found: list[Arrival] = []
+    modes = _modes(recording, rows)
+    found = list(safety)
+    is_paused_by_safety = False
     for row, state in _changes(states):
         if state == TaskState.PAUSED:
-            found.append(Arrival(series.t[row], row, PauseTask(), "paused"))
+            near = modes[row : row + _SAFETY_ROWS]
+            is_paused_by_safety = any(mode not in (SafetyMode.NORMAL, SafetyMode.REDUCED) for mode in near)
+            if not is_paused_by_safety:
+                found.append(Arrival(series.t[row], row, PauseTask(), "paused"))
         elif state == TaskState.PLAYING and states[row - 1] == TaskState.PAUSED:
-            found.append(Arrival(series.t[row], row, ResumeTask(), "resumed"))
+            if not is_paused_by_safety:
+                found.append(Arrival(series.t[row], row, ResumeTask(), "resumed"))
+                continue
+            last = max((its.row for its in found if its.row <= row and its.request in _RELEASES), default=None)
+            found = [
+                its._replace(row=row, t=series.t[row]) if its.row == last and its.request in _RELEASES else its
+                for its in found
+            ]
     return found
 
 
-def _safety(recording: Recording, rows: range, series: Series) -> tuple[list[Arrival], list[str]]:
+def _modes(recording: Recording, rows: range) -> array[float]:
+    """Return the safety mode of each row; empty if it is not recorded."""
     name = next((name for name in _SAFETY if name in recording.columns), "")
-    modes = recording.columns.get(name, array("d"))[rows.start : rows.stop]
+    return recording.columns.get(name, array("d"))[rows.start : rows.stop]
+
+
+def _safety(recording: Recording, rows: range, series: Series) -> tuple[list[Arrival], list[str]]:
+    modes = _modes(recording, rows)
     found: list[Arrival] = []
     unknown: list[str] = []
     for row, number in [(0, modes[0])] * bool(modes) + list(_changes(modes)):

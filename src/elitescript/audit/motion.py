@@ -10,7 +10,7 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from itertools import pairwise
-from math import dist, inf, sqrt
+from math import ceil, dist, inf, sqrt
 from typing import Final
 
 from elitescript.audit.series import STANDS_RAD_S, Series
@@ -62,6 +62,8 @@ class Motion(NamedTuple):
     """First row at which the simulated arm is elsewhere at that time."""
     ends_apart: float
     """Distance of the joints in the last row, rad."""
+    is_beyond: bool
+    """Whether only places behind the end of the other path are off it."""
     places: tuple[tuple[int, float], ...]
     """Rows and distances of the TCP there, m, of some rows."""
 
@@ -100,31 +102,40 @@ def compare_motion(
     ):
         its_rows = [(row, 0.0) for row in range(its_begin, its_end + 1, every)]
         places = _places(recorded, range(begin, end + 1, every), other, its_rows)
-        return Motion(0.0, count, 0.0, 1, begin, None, None, 0.0, tuple(places))
+        return Motion(0.0, count, 0.0, 1, begin, None, None, 0.0, False, tuple(places))
     points = [*zip(*(column[begin : end + 1] for column in recorded.q), strict=True)]
-    path = [*zip(*(column[its_begin : its_end + 1] for column in other.q), strict=True)]
-    late_s = recorded.waited_s(begin)
+    # A mark may be seen so much later in one run; what the other arm does until then belongs to the piece.
+    late_s, later_s = recorded.waited_s(begin), recorded.waited_s(end)
+    low = max(0, its_begin - ceil(tolerance.time_s * TICKS_PER_S))
+    high = min(len(other) - 1, its_end + ceil((tolerance.time_s + later_s) * TICKS_PER_S))
+    path = [*zip(*(column[low : high + 1] for column in other.q), strict=True)]
+    start = its_begin - low
     joints = tolerance.joints
     if is_disturbed:
         joints += tolerance.time_s * max(max(map(abs, column[begin : end + 1])) for column in recorded.qd)
-    off_time = _off_time(points, recorded, begin, path, replace(tolerance, joints=joints), late_s)
-    nearest = _projected(points, path, late_s)
+    off_time = _off_time(points, recorded, begin, path, start, replace(tolerance, joints=joints), late_s)
+    nearest = _projected(points, path, start, late_s)
     squares, largest, joint, row = 0.0, 0.0, 1, begin
     off_path = None
+    gone = its_length = 0.0
+    for before, now in pairwise(path[start : its_end - low + 1]):
+        its_length += dist(before, now)
     for place, (apart, which, *_) in enumerate(nearest):
         squares += apart * apart
         if apart > largest:
             largest, joint, row = apart, which, begin + place
         if apart > tolerance.joints and off_path is None:
             off_path = begin + place
+            gone = sum(dist(before, now) for before, now in pairwise(points[: place + 1]))
     rows = range(begin, end + 1, every)
     chosen = list(rows) if row in rows else [*rows, row]
     feet = [nearest[its - begin] for its in chosen]
-    places = _places(recorded, chosen, other, [(its_begin + foot.row, foot.share) for foot in feet])
-    ends_apart = _apart(points[-1], path[-1])
+    places = _places(recorded, chosen, other, [(low + foot.row, foot.share) for foot in feet])
+    ends_apart = _apart(points[-1], path[its_end - low])
     if off_time is not None:
         off_time += begin
-    return Motion(squares, count, largest, joint, row, off_path, off_time, ends_apart, tuple(places))
+    is_beyond = off_path is not None and gone >= its_length
+    return Motion(squares, count, largest, joint, row, off_path, off_time, ends_apart, is_beyond, tuple(places))
 
 
 class _Foot(NamedTuple):
@@ -164,15 +175,19 @@ def _off_time(
     recorded: Series,
     begin: int,
     path: Sequence[Sequence[float]],
+    start: int,
     tolerance: Tolerance,
     late_s: float,
 ) -> int | None:
-    """Return the place of the first point at which the other arm is not within the tolerance of that time."""
+    """Return the place of the first point at which the other arm is not within the tolerance of that time.
+
+    The path has a row for each control period; its row `start` is of the time of the first point.
+    """
     last = len(path) - 1
     t0 = recorded.t[begin]
     for place, point in enumerate(points):
         elapsed_s = recorded.t[begin + place] - t0
-        at = elapsed_s * TICKS_PER_S
+        at = start + elapsed_s * TICKS_PER_S
         near = min(round(at), last)
         if _apart(point, path[near]) <= tolerance.joints:
             continue
@@ -218,18 +233,20 @@ def _lengths(points: Sequence[Sequence[float]]) -> list[float]:
 
 
 def _projected(
-    points: Sequence[Sequence[float]], path: Sequence[Sequence[float]], late_s: float
+    points: Sequence[Sequence[float]], path: Sequence[Sequence[float]], start: int, late_s: float
 ) -> list[_Foot]:
     """Return the nearest place on the path for each point.
 
-    It is about as far from its begin as the point is from that of the points.
+    It is about as far from the row `start` of the path as the point is from the first point.
     """
     rows = [0]
     for row in range(1, len(path)):
         if dist(path[row], path[rows[-1]]) > _SAME:
             rows.append(row)
     nodes = [path[row] for row in rows]
-    gone, its = _lengths(points), _lengths(nodes)
+    its = _lengths(nodes)
+    ahead = its[bisect_right(rows, start) - 1]
+    gone = [ahead + far for far in _lengths(points)]
     step = max((b - a for a, b in pairwise(its)), default=0.0)
     found: list[_Foot] = []
     at, last = 0, len(nodes) - 1
@@ -239,7 +256,7 @@ def _projected(
         # Where it should be; else as far around it as the tolerance of time reaches.
         apart, where, node, share = _nearest(point, nodes, at, at)
         if apart > _FINE:
-            reach = step * (_NEAR_ROWS + late_s * TICKS_PER_S) + 0.01 * far
+            reach = step * (_NEAR_ROWS + late_s * TICKS_PER_S) + 0.01 * (far - ahead)
             low, high = bisect_left(its, far - reach), bisect_right(its, far + reach)
             first, final = max(min(low, at) - 1, 0), min(max(high, at), last)
             apart, where, node, share = _nearest(point, nodes, first, final)

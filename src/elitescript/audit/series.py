@@ -48,7 +48,7 @@ class Mark(NamedTuple):
     key: tuple[str, Value]
     """`line` and its number, `moves` and whether the arm does, or an output and its level."""
     line: int
-    """Of the program from this row on."""
+    """Of the program from this row on; of an edge the one before, which has caused it."""
 
 
 class Series:
@@ -132,7 +132,8 @@ class Series:
 
     def waited_s(self, row: int) -> float:
         """Return the time without rows before a row, beyond a control period: how much later it may show something."""
-        return max(0.0, self.t[row] - self.t[row - 1] - PERIOD_S) if row else 0.0
+        more_s = self.t[row] - self.t[row - 1] - PERIOD_S if row else 0.0
+        return more_s if more_s > 0.5 * PERIOD_S else 0.0
 
 
 def runs_of(recording: Recording) -> list[range]:
@@ -207,7 +208,7 @@ def recorded(recording: Recording, rows: range) -> Series:
     )
 
 
-def simulated(rows: TraceRows, joints: Six, *, is_open: bool) -> Series:
+def simulated(rows: TraceRows, joints: Six, place: Six, *, is_open: bool) -> Series:
     """Return a run of the simulated robot.
 
     A row of a trace has the joints at the end of its tick, which clients of the robot are given with the next one; so
@@ -216,6 +217,7 @@ def simulated(rows: TraceRows, joints: Six, *, is_open: bool) -> Series:
     Args:
         rows: with every control period, and with all signals that are compared.
         joints: target positions at the start, rad.
+        place: TCP there.
         is_open: whether the program did not come to its end.
     """
     t0 = rows.times[0]
@@ -246,7 +248,7 @@ def simulated(rows: TraceRows, joints: Six, *, is_open: bool) -> Series:
         [moved(f"q{joint}", joints[joint - 1]) for joint in range(1, 7)],
         [moved(f"qd{joint}", 0.0) for joint in range(1, 7)],
         actual=actual,
-        places=[moved(axis, rows.column(axis)[0]) for axis in ("x", "y", "z")],
+        places=[moved(axis, first) for axis, first in zip(("x", "y", "z"), place, strict=False)],
         levels=levels,
         changes=changes,
         is_open=is_open,
@@ -262,7 +264,7 @@ def marks_of(series: Series, outputs: Collection[str], *, by_lines: bool) -> lis
         by_lines: whether changes of the line are; else those from standing to moving and back.
     """
     found = [
-        Mark(change.row, (change.name, change.value), series.lines[change.row])
+        Mark(change.row, (change.name, change.value), series.lines[max(change.row - 1, 0)])
         for change in series.changes
         if change.name in outputs
     ]

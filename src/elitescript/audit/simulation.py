@@ -109,8 +109,9 @@ def simulate(
     """
     trace = TraceRecorder(signals=TraceSignals(signals))
     robot, refused = started_robot(cell, inputs)
+    place = robot.state.tcp_pose_target
     _, run = play(cell, inputs, recorded, marks, trace, by_lines=by_lines, robot=robot)
-    series = simulated(trace.rows, inputs.joints, is_open=run.state in ("time_limit", "stuck"))
+    series = simulated(trace.rows, inputs.joints, place, is_open=run.state in ("time_limit", "stuck"))
     return Simulated(series, run, robot, refused)
 
 
