@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from array import array
 from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 from elitescript.client.rtsi_messages import FrameReader, OutputLayout, message, output_request
@@ -30,7 +31,12 @@ VARIABLES = (
     *(name for name in POINTS if "_register" not in name),
     "output_bit_registers0_to_31",
     "input_bit_registers0_to_31",
-    *(f"{side}_{kind}_register{index}" for side in ("input", "output") for kind in ("int", "double") for index in (0, 1, 5)),
+    *(
+        f"{side}_{kind}_register{index}"
+        for side in ("input", "output")
+        for kind in ("int", "double")
+        for index in (0, 1, 5)
+    ),
 )
 
 
@@ -111,6 +117,6 @@ def record_run(
                 column[row] = value + draw.gauss(0.0, noise_rad)
     t = array("d", [row["timestamp"] + phase_s for row in rows])
     arrived = array("d", [time - t[0] + draw.random() * jitter_s for time in t])
-    gaps = tuple((before, now) for before, now in zip(t, t[1:], strict=False) if now - before > 1.5 / hz)
+    gaps = tuple((before, now) for before, now in pairwise(t) if now - before > 1.5 / hz)
     assert run.state, program
     return Recording(t, arrived, columns, hz, gaps, facts={"model": robot.model.name, **(facts or {})})

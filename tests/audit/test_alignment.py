@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from itertools import pairwise
 from time import process_time
 
 import pytest
@@ -54,7 +55,7 @@ class TestMatched:
             b = [draw.randrange(4) for _ in range(draw.randrange(14))]
             pairs = matched(a, b)
             assert all(a[x] == b[y] for x, y in pairs)
-            assert all(x < u and y < v for (x, y), (u, v) in zip(pairs, pairs[1:], strict=False))
+            assert all(x < u and y < v for (x, y), (u, v) in pairwise(pairs))
             assert len(pairs) == common(a, b), (a, b)
 
     def test_beyond_the_largest_distance_what_is_common_at_both_ends_is_still_found(self):

@@ -5,8 +5,6 @@ from __future__ import annotations
 from functools import cache
 
 import pytest
-from tests.audit.programs import GRIPPER, LOOP, MOVES
-from tests.audit.recording_runs import VARIABLES, record_run
 
 from elitescript.audit import Tolerance, audit
 from elitescript.errors import UsageError
@@ -14,6 +12,8 @@ from elitescript.messages.plant import PlantConfig
 from elitescript.recorder.recording import Recording
 from elitescript.records import replace
 from elitescript.testing.world import Wire, World
+from tests.audit.programs import GRIPPER, LOOP, MOVES
+from tests.audit.recording_runs import VARIABLES, record_run
 
 ACKNOWLEDGED = ((0.4, "standard_digital_in[2]", True), (0.9, "standard_digital_in[2]", False))
 
@@ -64,15 +64,21 @@ class TestAgreement:
         assert all(line.recorded_s == pytest.approx(line.simulated_s) for line in comparison.lines)
 
     def test_inputs_come_where_they_belong_in_the_program_not_at_their_time(self):
-        slower = changed(GRIPPER, "movej([0.1, -1.5, -1.5, -1.5, 1.5, 0.2], a=10, v=1.5)",
-                         "movej([0.1, -1.5, -1.5, -1.5, 1.5, 0.2], a=2, v=0.5)")
-        found = audit(record_run(slower, at=((0.9, "standard_digital_in[2]", True), (1.3, "standard_digital_in[2]", False))), GRIPPER)
+        slower = changed(
+            GRIPPER,
+            "movej([0.1, -1.5, -1.5, -1.5, 1.5, 0.2], a=10, v=1.5)",
+            "movej([0.1, -1.5, -1.5, -1.5, 1.5, 0.2], a=2, v=0.5)",
+        )
+        found = audit(
+            record_run(slower, at=((0.9, "standard_digital_in[2]", True), (1.3, "standard_digital_in[2]", False))),
+            GRIPPER,
+        )
         assert [(finding.line, finding.cause) for finding in found.first.comparison.findings] == [(2, "acceleration")]
 
     def test_a_stop_from_outside_is_named_and_no_difference(self):
         found = audit(record_run(MOVES, acts={0.4: lambda robot: robot.stop()}), MOVES)
         assert found.agrees
-        assert "was ended at 0.404 s in line 5" in str(found)
+        assert "was ended at 0.404 s in line 4" in str(found)
 
     def test_a_recording_that_begins_in_the_middle_is_compared_from_there(self):
         whole = undisturbed(LOOP)
@@ -104,7 +110,16 @@ PLANTED = [
     (MOVES, "sleep(0.1)", "sleep(0.01)", 4, "waiting", "waits less", 0.2, 0.4),
     (MOVES, "out(3, False)", "out(5, True)", 6, "signal", "standard_digital_out[5] becomes on", 0.5, 1.2),
     (MOVES, "(1, 2.5)", "(1, 2.6)", 6, "signal", "output_float_register[1] is 2.6, simulated 2.5", 0.5, 1.2),
-    (LOOP, "out(4, True)", "out(4, False)", 4, "signal", "standard_digital_out[4] becomes on in the simulated run only", 0.0, 0.3),
+    (
+        LOOP,
+        "out(4, True)",
+        "out(4, False)",
+        4,
+        "signal",
+        "standard_digital_out[4] becomes on in the simulated run only",
+        0.0,
+        0.3,
+    ),
     (LOOP, "i < 3", "i < 4", 4, "program", "lines 4, 6, 7 once more, the simulated run does not", 0.5, 2.0),
     (LOOP, "i < 3", "i < 2", 7, "program", "lines 4, 6, 7 once more, the recording does not", 0.3, 1.5),
     (LOOP, "if get", "if not get", 12, "program", "line 12, the simulated run with line 14", 0.5, 2.0),
@@ -223,6 +238,8 @@ class TestRuns:
             audit(replace(whole, columns=columns), LOOP)
 
     def test_devices_that_a_recording_does_not_show_are_named(self):
-        program = 'def main():\n  socket_open("10.0.0.9", 5000)\n  movej([0.1, -1.5, -1.5, -1.5, 1.5, 0.2])\nend\nmain()\n'
+        program = (
+            'def main():\n  socket_open("10.0.0.9", 5000)\n  movej([0.1, -1.5, -1.5, -1.5, 1.5, 0.2])\nend\nmain()\n'
+        )
         found = audit(record_run(program, world=World()), program)
         assert "devices (socket): what they answered is not in a recording; --world gives them" in str(found)

@@ -92,9 +92,7 @@ def _walked_back(history: list[dict[int, int]], x: int, y: int, x0: int, y0: int
     for step in range(distance, 0, -1):
         reach = history[step]
         diagonal = x - y
-        is_down = diagonal == -step or (
-            diagonal != step and reach.get(diagonal - 1, -1) < reach.get(diagonal + 1, -1)
-        )
+        is_down = diagonal == -step or (diagonal != step and reach.get(diagonal - 1, -1) < reach.get(diagonal + 1, -1))
         before = diagonal + 1 if is_down else diagonal - 1
         x_before = reach.get(before, 0)
         y_before = x_before - before

@@ -19,8 +19,8 @@ from elitescript.errors import UsageError
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.signals import SIGNALS
 from elitescript.models.model import load_model
-from elitescript.records import record, replace
 from elitescript.recorder.recording import Recording
+from elitescript.records import record, replace
 
 if TYPE_CHECKING:
     from elitescript.audit.fit.recordings import RecordingFit
@@ -297,4 +297,3 @@ def _not_compared(recording: Recording, cell: Cell) -> Iterable[str]:
         yield "forces at the TCP: the simulated arm has only those of the world file"
     for rows in (gap for gap in recording.gaps if gap[1] - gap[0] > 1.0):
         yield f"{rows[0]:.3f} to {rows[1]:.3f} s of the controller: no rows"
-

@@ -1,8 +1,8 @@
 """What differs between a recorded run and the simulated one: pieces between marks, motion, times, signals.
 
-The two runs are cut at their marks, and the marks that belong together are found (`alignment`). A piece lies between two
-such marks. Where one run has marks that the other does not have, they took different ways; unless the recording has no
-rows there.
+The two runs are cut at their marks, and the marks that belong together are found (`alignment`). A piece lies between
+two such marks. Where one run has marks that the other does not have, they took different ways; unless the recording has
+no rows there.
 """
 
 from __future__ import annotations
@@ -226,9 +226,7 @@ class Comparer:
             assert begin is not None
             first_end = len(self._marks) if end is None else end.first
             second_end = len(self._other_marks) if end is None else end.second
-            yield _Stretch(
-                begin, end, [*range(begin.first + 1, first_end)], [*range(begin.second + 1, second_end)]
-            )
+            yield _Stretch(begin, end, [*range(begin.first + 1, first_end)], [*range(begin.second + 1, second_end)])
 
     def _is_end(self, mark: int) -> bool:
         return mark >= 0 and self._marks[mark].key == ("line", 0)
@@ -347,10 +345,12 @@ class Comparer:
         else:
             t = self._recorded.t[-1]
         for mark in (*only_recorded, *only_simulated):
-            self._causes.setdefault(
-                (marks[mark] if mark in only_recorded else its_marks[mark]).line, {}
-            ).setdefault("program", 0.0)
-        self._find(t, marks[first].line if first is not None else line, *self._in_words(stretch, only_recorded, only_simulated))
+            self._causes.setdefault((marks[mark] if mark in only_recorded else its_marks[mark]).line, {}).setdefault(
+                "program", 0.0
+            )
+        self._find(
+            t, marks[first].line if first is not None else line, *self._in_words(stretch, only_recorded, only_simulated)
+        )
 
     @staticmethod
     def _once_more(lines: Sequence[int], others: Sequence[Mark]) -> str:
@@ -390,7 +390,10 @@ class Comparer:
             return "the arm stands and moves at other times", "waiting"
         if its_lines and not lines and stretch.end is not None and self._is_end(stretch.end.first):
             line = self._marks[stretch.begin.first].line if stretch.begin.first >= 0 else 0
-            return f"the recorded program ends behind line {line}, the simulated one goes on with {_named(its_lines)}", "program"
+            return (
+                f"the recorded program ends behind line {line}, the simulated one goes on with {_named(its_lines)}",
+                "program",
+            )
         if its_lines and not lines:
             if its_lines == [0]:
                 return f"the simulated program ends here{self._ending}", "program"
@@ -403,7 +406,10 @@ class Comparer:
             more = self._once_more(lines, self._other_marks)
             return f"the recording goes through {_named(lines)}{more}, the simulated run does not{why}", "program"
         ends = f" (it {self._ending})" if its_lines[0] == 0 and self._ending else ""
-        return f"the recording goes on with {_named(lines)}, the simulated run with {_named(its_lines)}{ends}", "program"
+        return (
+            f"the recording goes on with {_named(lines)}, the simulated run with {_named(its_lines)}{ends}",
+            "program",
+        )
 
     # ---------------------------------------------------------------- one piece
 
@@ -413,9 +419,7 @@ class Comparer:
         is_disturbed = any(
             begin <= arrival.row <= end and not isinstance(arrival.request, WriteSignal) for arrival in self._arrivals
         )
-        motion = compare_motion(
-            recorded, begin, end, other, its_begin, its_end, tolerance, is_disturbed=is_disturbed
-        )
+        motion = compare_motion(recorded, begin, end, other, its_begin, its_end, tolerance, is_disturbed=is_disturbed)
         self._motions.append(motion)
         lasts_s = recorded.t[end] - recorded.t[begin]
         its_s = other.t[its_end] - other.t[its_begin]
@@ -509,8 +513,7 @@ class Comparer:
         """Compare outputs with numbers where marks belong together."""
         names = {name for name in signals if _is_number(name)}
         runs = [
-            {name: levels.get(name, 0.0) for name in names}
-            for levels in (self._recorded.levels, self._other.levels)
+            {name: levels.get(name, 0.0) for name in names} for levels in (self._recorded.levels, self._other.levels)
         ]
         changes = [[change for change in its.changes if change.name in names] for its in (self._recorded, self._other)]
         places, differing = [0, 0], set[str]()
@@ -542,7 +545,7 @@ class Comparer:
     def _joints(self) -> Largest | None:
         if not self._motions:
             return None
-        count = sum(motion.count for motion in self._motions)
+        count = sum(motion.rows for motion in self._motions)
         squares = sum(motion.sum_of_squares for motion in self._motions)
         worst = max(self._motions, key=lambda motion: motion.largest)
         return self._largest(root_mean_square(squares, count), worst.largest, worst.row)

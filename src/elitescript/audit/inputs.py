@@ -30,8 +30,8 @@ from elitescript.messages.machine import (
 from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value, parse_signal_name
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
-from elitescript.records import NamedTuple, record
 from elitescript.recorder.recording import Recording
+from elitescript.records import NamedTuple, record
 from elitescript.robot import VirtualRobot
 
 _SAFETY: Final = ("safety_status", "safety_mode")
@@ -117,7 +117,13 @@ def inputs_of(recording: Recording, rows: range, series: Series, driven: Collect
     arrivals.sort(key=lambda arrival: arrival.row)
     levels = {name: level for name, level in series.levels.items() if name not in driven}
     return Inputs(
-        recording.t[rows.start], series.joints(0), speed, levels, tuple(_requests(recording, rows)), tuple(arrivals), tuple(unknown)
+        recording.t[rows.start],
+        series.joints(0),
+        speed,
+        levels,
+        tuple(_requests(recording, rows)),
+        tuple(arrivals),
+        tuple(unknown),
     )
 
 
@@ -143,9 +149,7 @@ def _changes(values: Sequence[float]) -> Iterator[tuple[int, float]]:
             yield row, now
 
 
-def _with_pauses(
-    safety: Sequence[Arrival], recording: Recording, rows: range, series: Series
-) -> list[Arrival]:
+def _with_pauses(safety: Sequence[Arrival], recording: Recording, rows: range, series: Series) -> list[Arrival]:
     """Return what came from the safety system, and the pauses that it does not explain.
 
     A stop of the safety system pauses the program by itself. The simulated one lets it go on when the stop is over, so
@@ -317,4 +321,3 @@ class Schedule:
 def _nothing(robot: VirtualRobot) -> MachineRequest:
     """Return a request that changes nothing: a tick is run for it."""
     return signal_write("encoder_speed[0]", robot.signals["encoder_speed[0]"])
-

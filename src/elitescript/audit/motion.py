@@ -48,8 +48,8 @@ class Motion(NamedTuple):
 
     sum_of_squares: float
     """Of the distances from the path, rad^2, of the joint that is furthest away."""
-    count: int
-    """Rows that were compared."""
+    rows: int
+    """How many were compared."""
     largest: float
     """Distance from the path of the joint that is furthest away, rad."""
     joint: int
@@ -97,8 +97,7 @@ def compare_motion(
     count = end - begin + 1
     every = max(1, count // _PLACES_MAX)
     if count == its_end - its_begin + 1 and all(
-        column[begin : end + 1] == its[its_begin : its_end + 1]
-        for column, its in zip(recorded.q, other.q, strict=True)
+        column[begin : end + 1] == its[its_begin : its_end + 1] for column, its in zip(recorded.q, other.q, strict=True)
     ):
         its_rows = [(row, 0.0) for row in range(its_begin, its_end + 1, every)]
         places = _places(recorded, range(begin, end + 1, every), other, its_rows)
@@ -192,28 +191,20 @@ def _off_time(
         if _apart(point, path[near]) <= tolerance.joints:
             continue
         reach = (tolerance.of(elapsed_s) + PERIOD_S) * TICKS_PER_S
-        low = max(0, int(at - reach))
+        low = min(max(0, int(at - reach)), last)
         high = min(last, int(at + reach + late_s * TICKS_PER_S))
-        if low > last or all(_apart(point, path[row]) > tolerance.joints for row in range(low, high + 1)):
-            if low > last and _apart(point, path[last]) <= tolerance.joints:
-                continue
-            if not _between(point, path, low, high, tolerance.joints):
-                return place
+        is_there = any(_apart(point, path[row]) <= tolerance.joints for row in range(low, high + 1))
+        if not is_there and not _between(point, path, low, high, tolerance.joints):
+            return place
     return None
 
 
-def _between(
-    point: Sequence[float], path: Sequence[Sequence[float]], low: int, high: int, joints: float
-) -> bool:
-    """Return whether a point is on the path between two of its rows: a fast joint goes further in a period than that."""
-    return any(
-        _apart(point, _foot(point, path[row], path[row + 1])[0]) <= joints for row in range(min(low, len(path) - 1), high)
-    )
+def _between(point: Sequence[float], path: Sequence[Sequence[float]], low: int, high: int, joints: float) -> bool:
+    """Return whether a point is on the path between two of its rows: a fast joint goes far in a control period."""
+    return any(_apart(point, _foot(point, path[row], path[row + 1])[0]) <= joints for row in range(low, high))
 
 
-def _foot(
-    point: Sequence[float], begin: Sequence[float], end: Sequence[float]
-) -> tuple[Sequence[float], float]:
+def _foot(point: Sequence[float], begin: Sequence[float], end: Sequence[float]) -> tuple[Sequence[float], float]:
     """Return the nearest place on the straight line between two others, and its share of that way."""
     way = [b - a for a, b in zip(begin, end, strict=True)]
     squared = sum([step * step for step in way])
@@ -271,7 +262,11 @@ def _projected(
 def _nearest(
     point: Sequence[float], nodes: Sequence[Sequence[float]], low: int, high: int
 ) -> tuple[float, Sequence[float], int, float]:
-    """Return distance, place, node and share of the way to the next node, of the nearest place on the path behind the nodes `low` to `high`."""
+    """Return the nearest place on the path behind the nodes `low` to `high`.
+
+    Returns:
+        its distance, the place, the node before it, and its share of the way to the next node.
+    """
     best, where, found, share = inf, nodes[low], low, 0.0
     for node in range(low, high + 1):
         foot, its = (nodes[node], 0.0) if node == len(nodes) - 1 else _foot(point, nodes[node], nodes[node + 1])
@@ -304,14 +299,10 @@ def profile_of(series: Series, begin: int, end: int) -> Profile:
             moving_s += step_s
         speed = max(speed, now, later)
         if 0.0 < step_s < 1.5 * PERIOD_S:
-            acceleration = max(
-                acceleration, max(abs(column[row + 1] - column[row]) for column in series.qd) / step_s
-            )
+            acceleration = max(acceleration, max(abs(column[row + 1] - column[row]) for column in series.qd) / step_s)
     return Profile(moving_s, t[end] - t[begin] - moving_s, speed, acceleration)
 
 
 def root_mean_square(sum_of_squares: float, count: int) -> float:
     """Return the square root of a mean of squares; 0 of nothing."""
     return sqrt(sum_of_squares / count) if count else 0.0
-
-

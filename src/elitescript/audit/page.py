@@ -62,7 +62,11 @@ def rows_of(recording: Recording, run: AuditedRun, audit: Audit, begin_s: float)
             x, y, z, rx, ry, rz = (recording.columns[name][first + row] for name in names)
             poses.append((x, y, z, rx, ry, rz))
     else:
-        poses = list(tcp_poses(audit.model.arm, [series.joints(row) for row in rows], run.simulated.robot.controller.setup.T_flange_tcp))
+        poses = list(
+            tcp_poses(
+                audit.model.arm, [series.joints(row) for row in rows], run.simulated.robot.controller.setup.T_flange_tcp
+            )
+        )
     states = recording.columns.get(STATE)
     levels, changes, at = dict(series.levels), list(series.changes), 0
     shown = SignalLevels(dict(levels))
@@ -93,5 +97,3 @@ def rows_of(recording: Recording, run: AuditedRun, audit: Audit, begin_s: float)
             )
         )
     return found
-
-

@@ -16,8 +16,8 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value, parse_signal_name
 from elitescript.messages.timing import PERIOD_S
-from elitescript.records import NamedTuple
 from elitescript.recorder.recording import Recording
+from elitescript.records import NamedTuple
 
 STANDS_RAD_S: Final = 1e-3
 """Largest target speed of a joint of an arm that stands."""
@@ -187,6 +187,7 @@ def recorded(recording: Recording, rows: range) -> Series:
     if LINE in columns:
         lines = array("l", [int(line) if isfinite(line) else 0 for line in columns[LINE][begin:end]])
     levels, changes = _signals(columns, rows)
+
     def one(name: str) -> array[float] | None:
         found = columns[name][begin:end] if name in columns else None
         return found if found and isfinite(sum(found)) else None
@@ -323,8 +324,9 @@ def _signals(columns: Mapping[str, array[float]], rows: range) -> tuple[dict[str
 def _slopes(t: array[float], values: array[float]) -> array[float]:
     slopes = array("d", [0.0])
     slopes.extend(
-        [(now - before) / max(t_now - t_before, 1e-9) for (t_before, t_now), (before, now) in zip(
-            pairwise(t), pairwise(values), strict=True
-        )]
+        [
+            (now - before) / max(t_now - t_before, 1e-9)
+            for (t_before, t_now), (before, now) in zip(pairwise(t), pairwise(values), strict=True)
+        ]
     )
     return slopes

@@ -141,9 +141,7 @@ def play(
 
     factor, more_s = _LIMIT
     until_s = factor * recorded.t[-1] + more_s
-    run = robot.run(
-        robot.compile(cell.source), until_s=until_s, presets=cell.presets, trace=trace, watch=watch_all
-    )
+    run = robot.run(robot.compile(cell.source), until_s=until_s, presets=cell.presets, trace=trace, watch=watch_all)
     return robot, run
 
 

@@ -48,6 +48,7 @@ POINTS: Final[dict[str, tuple[str, ...]]] = {
 """For each variable that shows signals their names: one, or of a word one for each bit, the lowest first; empty for a
 bit without a signal."""
 
+
 def levels_of(variable: str, number: float) -> dict[str, Value]:
     """Return the signals that a value of a variable shows, each in the form of its kind.
 
@@ -60,4 +61,3 @@ def levels_of(variable: str, number: float) -> dict[str, Value]:
         return {name: bool(word >> bit & 1) for bit, name in enumerate(points) if name}
     kind = parse_signal_name(points[0])[0].kind
     return {points[0]: bool(number) if kind == "bool" else round(number) if kind == "int" else float(number)}
-

@@ -225,7 +225,14 @@ class RobotOptions:
         flag="--firmware",
         commands=("run", "plot", "check", "serve", "studio", "audit"),
     )
-    seed: int = option(0, "seed of random()", Whole(), flag="--seed", metavar="N", commands=("run", "plot", "serve", "audit"))
+    seed: int = option(
+        0,
+        "seed of random()",
+        Whole(),
+        flag="--seed",
+        metavar="N",
+        commands=("run", "plot", "serve", "audit"),
+    )
     first_tick: int = option(0, "number of the first tick; of a robot that goes on where another one ended")
     epoch_s: float = option(
         1_704_067_200.0,
