@@ -385,7 +385,10 @@ def _opened(path: Path) -> BinaryIO:
 
 def _records(file: BinaryIO, path: Path) -> Iterator[tuple[int, int, bytes]]:
     """Yield offset, code and body of each whole record; one that ends behind the file is left out."""
-    if file.read(len(_MAGIC)) != _MAGIC:
+    begin = file.read(len(_MAGIC))
+    if not begin:
+        raise UsageError(f"{path} is empty: its recorder was ended within its first second")
+    if begin != _MAGIC:
         raise UsageError(f"{path} is no MCAP file")
     at = len(_MAGIC)
     size = path.stat().st_size
