@@ -2,8 +2,8 @@
 
 A robot in memory moves for 20 s, and what its RTSI port sends for the recipes of the recorder is kept. A server on
 loopback then gives these bytes to the product's own session as fast as it reads them: with no sink, and with the one
-that writes MCAP. CPU is that of one process, so the server's part is in both; at 250 Hz a session wakes for each package
-instead, which `elitescript record` beside a `serve` shows.
+that writes MCAP. CPU is that of one process, so the server's part is in both. At 250 Hz a session wakes for each
+package instead: `elitescript record` beside a `serve` shows that.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def _each(whole: Time, count: int) -> Time:
 
 
 def _captured() -> tuple[bytes, bytes, int]:
-    """Return the answers of an RTSI port to the set-up of the recorder, the packages after it, and how many have rows."""
+    """Return an RTSI port's answers to the set-up of the recorder, the packages after it, and how many have rows."""
     from elitescript import VirtualRobot
     from elitescript.client.rtsi_messages import message, output_request, version_request
     from elitescript.recorder.channels import GROUPS
