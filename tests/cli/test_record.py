@@ -55,7 +55,7 @@ def test_it_records_for_a_time(tmp_path, capsys):
     assert capsys.readouterr().out.startswith(f"{out}: 300 rows at 250 Hz, no gaps; ")
     found = read_recording(out)
     assert list(found.t) == ticks(1.0, 300)
-    assert found.facts["host"] == HOST
+    assert (found.facts["host"], found.facts["program"]) == (HOST, "cell.script")
     assert found.attachments == {"cell.script": b"x = 1\n"}
 
 
@@ -119,6 +119,7 @@ def test_nobody_is_an_error_of_the_call(tmp_path, capsys):
         (["--instance", "900"], "an instance is a number from 0 to 200, not 900"),
         (["--program", "none.script"], "--program: none.script: No such file"),
         (["--world", "."], "--world: . is a folder, not a file"),
+        (["--world", "there.mcap", "--program", "there.mcap"], "another file of the recording has the name there.mcap"),
     ],
 )
 def test_what_is_refused_before_anything_is_connected(tmp_path, monkeypatch, capsys, words, text):

@@ -262,6 +262,8 @@ class TestStoring:
         assert len(models) == 1
         assert whole.arrived_s[0] >= 0.0
         assert list(whole.arrived_s) == sorted(whole.arrived_s)
+        (tmp_path / "run.0003.mcap").write_bytes(b"")
+        assert len(read_recording(path).t) == 1000
         last = read_recording(tmp_path / "run.0002.mcap")
         assert list(last.t) == times[800:]
         assert set(last.columns["output_int_register3"]) == {6.0}

@@ -107,7 +107,8 @@ def _gaps(session: Session) -> str:
     pace = session.pace
     if not pace.gaps:
         return "no gaps"
-    return f"{pace.gaps} gap{'s' if pace.gaps > 1 else ''} ({pace.missing:,} rows)"
+    rows = f"{pace.missing:,} row{'s' if pace.missing > 1 else ''}"
+    return f"{pace.gaps:,} gap{'s' if pace.gaps > 1 else ''} ({rows})"
 
 
 def _say(text: str) -> None:
@@ -160,5 +161,8 @@ def _attachments(options: argparse.Namespace) -> dict[str, bytes]:
             data = Path(path).read_bytes()
         except OSError as error:
             raise UsageError(f"--{kind}: {path}: {error.strerror or error}") from None
-        found[_name_of(path)] = data
+        name = _name_of(path)
+        if name in found:
+            raise UsageError(f"--{kind}: another file of the recording has the name {name} too")
+        found[name] = data
     return found

@@ -46,7 +46,8 @@ class Recording:
         facts: what is known of the controller, each missing where it was not shown: `model`, `version`, `serial`,
             `task`, `tcp_offset`; of the primary port's configuration `lengths` (a, d, alpha), `limits` (q_min, q_max,
             qd_max, qdd_max), `defaults` (joint_speed, joint_acceleration, tool_speed, tool_acceleration); of the
-            recorder `host` as it was given, `begin_ns` (UTC, ns since 1970), `clock_offset_s` (UTC less the time of the
+            recorder `host`, and `program`, `world`, `robot` as they were given (names of attachments; of a robot the
+            model, if it was no file), `begin_ns` (UTC, ns since 1970), `clock_offset_s` (UTC less the time of the
             controller, at the first row).
         attachments: program, world and arm files that were given, by name.
     """

@@ -174,6 +174,8 @@ class McapSink:
             if channel not in (CHANGES, SLOW):
                 said = {**said, "repeated": True}
             file.message(channel, said, now_ns, self._time_ns)
+        # So that there is hardly a moment in which a file is there that cannot be read.
+        file.flush()
         return file
 
     def _finish(self, file: RecordingFile) -> None:
