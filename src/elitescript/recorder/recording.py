@@ -19,7 +19,7 @@ class Message:
     Attributes:
         t: time of the controller, s, of the row before it; of the first row if it came before.
         arrived_s: when it came, s since the begin of the recording, by the clock of the recorder.
-        channel: `primary`, `dashboard`, `events` (of the recorder: lost, back, gaps).
+        channel: `primary`, `dashboard`, `events` (of the recorder: connected, lost, gap, restart, clock).
         data: the record as JSON has it, with its `type`.
     """
 
