@@ -298,7 +298,9 @@ class _Reading:
                 column = f"{name}.{place}" if isinstance(value, list) else name
                 if self._wanted is None or column in self._wanted or name in self._wanted:
                     number = nan if part is None else float(part)
-                    self._steps.setdefault(column, []).append((count, since_s, number))
+                    steps = self._steps.setdefault(column, [])
+                    if not steps or steps[-1][2] != number:
+                        steps.append((count, since_s, number))
 
     # ---------------------------------------------------------------- the whole
 
