@@ -84,6 +84,11 @@ class McapSink:
         self._standing: dict[tuple[str, str], dict[str, Any]] = {}
         """The newest of each kind of message that a further file begins with."""
 
+    def add_attachment(self, name: str, data: bytes, role: str) -> None:
+        """Add a file before the recording begins; `role` is a fact, such as `program`."""
+        self._attachments[name] = data
+        self._about[role] = name
+
     @property
     def size(self) -> int:
         """Bytes of all files."""
