@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import errno
 import struct
+import time
 
 import pytest
 
@@ -278,6 +279,21 @@ class TestStoring:
         assert set(last.columns["output_int_register3"]) == {6.0}
         assert last.facts["model"] == "CS66"
         assert last.attachments == {"cell.script": b"x = 1\n"}
+
+    def test_the_metadata_says_version_recipes_and_clock(self, tmp_path):
+        from mcap.reader import make_reader
+
+        path = tmp_path / "run.mcap"
+        sink = ByRows(path, {"host": "robot.local"})
+        record(FakeController(ticks(1.0, 30), missing=set(OUTPUTS) - {"timestamp", "robot_mode"}), sink, 30)
+        sink.close()
+        with path.open("rb") as file:
+            found = {item.name: item.metadata for item in make_reader(file).iter_metadata()}
+        assert found["elitescript"]["host"] == "robot.local"
+        assert found["controller"] == {"version": "2.14.0.1", "/rows": "timestamp,robot_mode"}
+        offset_s = float(found["clock"]["offset_s"])
+        assert offset_s == pytest.approx(read_recording(path).facts["clock_offset_s"], abs=1e-5)
+        assert abs(offset_s - time.time()) < 60.0
 
     def test_files_that_are_there_are_not_touched(self, tmp_path):
         later = tmp_path / "run.0001.mcap"
