@@ -40,6 +40,7 @@ class FakeController:
         values: of variables at a time; of all others 0.
         missing: variables that it does not have.
         recipes_max: recipes of a connection; at a further one it hangs up.
+        asks_first: whether rows come only when the dashboard has been asked everything once.
         got: bytes by port.
     """
 
@@ -52,6 +53,7 @@ class FakeController:
         closes: bool = True,
         after: bytes = b"",
         primary: bytes = b"",
+        asks_first: bool = False,
     ) -> None:
         self.connections = [list(times) for times in connections]
         self.values = values
@@ -60,6 +62,8 @@ class FakeController:
         self.closes = closes
         self.after = after
         self.primary = primary
+        self.asks_first = asks_first
+        self.asked = asyncio.Event()
         self.got = {"rtsi": bytearray(), "primary": bytearray(), "dashboard": bytearray()}
         self.opened = dict.fromkeys(self.got, 0)
 
@@ -90,6 +94,8 @@ class FakeController:
             elif letter == "S":
                 writer.write(message("S", b"\x01"))
                 break
+        if self.asks_first:
+            await self.asked.wait()
         fastest = max(hz for hz, _ in recipes)
         for index, t in enumerate(times):
             for number, (hz, names) in enumerate(recipes, 1):
@@ -122,6 +128,8 @@ class FakeController:
         writer.write(GREETING)
         while line := await reader.readline():
             self.got["dashboard"] += line
+            if line == b"remoteControl -s\n":
+                self.asked.set()
             writer.write(ANSWERS.get(line.decode().strip(), "fine").encode() + b"\r\n")
 
 

@@ -157,6 +157,9 @@ def test_what_is_no_recording_is_refused_in_words(tmp_path):
         read_recording(path)
     with pytest.raises(UsageError, match="is a folder, not a file"):
         read_recording(tmp_path)
+    path.write_bytes(b"")
+    with pytest.raises(UsageError, match=r"other\.mcap is empty"):
+        read_recording(path)
     path.write_bytes(b"PK\x03\x04 something else")
     with pytest.raises(UsageError, match=r"other\.mcap is no MCAP file"):
         read_recording(path)

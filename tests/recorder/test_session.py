@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import errno
 import struct
+import time
 
 import pytest
 
@@ -122,7 +123,7 @@ def test_what_the_ports_say_reaches_the_sinks():
     assert heard.of(PRIMARY) == [{"type": "text", "source": 104, "timestamp": 1_000_000, "text": "hello"}]
     assert {"type": "answer", "question": "robot -t", "answer": "CS66"} in heard.of(DASHBOARD)
     assert session.task == "cells/pick.task"
-    (connected,) = [data for data in heard.of(EVENTS, "connected") if data["port"] == "rtsi"]
+    connected = next(data for data in heard.of(EVENTS, "connected") if data["port"] == "rtsi")
     assert connected["version"] == "2.14.0.1"
     assert connected["missing"] == []
     assert said == []
@@ -213,7 +214,7 @@ def test_an_older_controller_with_fewer_variables():
     heard = Heard()
     record(FakeController(ticks(1.0, 30), missing=set(OUTPUTS) - has), heard, 30)
     assert heard.layouts[0].names == ("timestamp", "robot_mode", "actual_joint_positions")
-    (connected,) = [data for data in heard.of(EVENTS, "connected") if data["port"] == "rtsi"]
+    connected = next(data for data in heard.of(EVENTS, "connected") if data["port"] == "rtsi")
     assert connected["missing"] == sorted(set(OUTPUTS) - has)
 
 
@@ -234,23 +235,32 @@ def test_a_controller_that_hangs_up_at_a_further_recipe_gets_one_less():
     assert controller.opened["rtsi"] == 3
 
 
+class ByRows(McapSink):
+    """Has its ticks after rows, not after seconds."""
+
+    every = 400
+
+    def row(self, t, flat, arrived_ns):
+        super().row(t, flat, arrived_ns)
+        if self.rows % self.every == 0:
+            super().tick(arrived_ns)
+
+    def tick(self, now_ns):
+        pass
+
+
 class TestStoring:
     def test_the_files_of_a_rotation_are_one_recording_and_each_opens_alone(self, tmp_path):
         path = tmp_path / "run.mcap"
-        sink = McapSink(path, {"host": HOST}, {"cell.script": b"x = 1\n"}, Rotation(size=1))
-        heard = sink.row
-
-        def row(t, flat, arrived_ns):
-            heard(t, flat, arrived_ns)
-            if sink.rows % 400 == 0:
-                sink.tick(arrived_ns)
-
-        sink.row = row
+        sink = ByRows(path, {"host": HOST}, {"cell.script": b"x = 1\n"}, Rotation(size=1))
         times = ticks(1.0, 1000)
         controller = FakeController(
-            times, values=lambda t: {"output_int_register3": 5 + int(t > 4.0), "actual_joint_positions": (t,) * 6}
+            times,
+            values=lambda t: {"output_int_register3": 5 + int(t > 4.0), "actual_joint_positions": (t,) * 6},
+            asks_first=True,
         )
-        record(controller, sink, 1000, also=lambda: sink.files == 3)
+        record(controller, sink, 1000)
+        assert sink.files == 3
         sink.close()
         assert files_of(path) == [path, tmp_path / "run.0001.mcap", tmp_path / "run.0002.mcap"]
         whole = read_recording(path)
@@ -262,11 +272,28 @@ class TestStoring:
         assert len(models) == 1
         assert whole.arrived_s[0] >= 0.0
         assert list(whole.arrived_s) == sorted(whole.arrived_s)
+        (tmp_path / "run.0003.mcap").write_bytes(b"")
+        assert len(read_recording(path).t) == 1000
         last = read_recording(tmp_path / "run.0002.mcap")
         assert list(last.t) == times[800:]
         assert set(last.columns["output_int_register3"]) == {6.0}
         assert last.facts["model"] == "CS66"
         assert last.attachments == {"cell.script": b"x = 1\n"}
+
+    def test_the_metadata_says_version_recipes_and_clock(self, tmp_path):
+        from mcap.reader import make_reader
+
+        path = tmp_path / "run.mcap"
+        sink = ByRows(path, {"host": "robot.local"})
+        record(FakeController(ticks(1.0, 30), missing=set(OUTPUTS) - {"timestamp", "robot_mode"}), sink, 30)
+        sink.close()
+        with path.open("rb") as file:
+            found = {item.name: item.metadata for item in make_reader(file).iter_metadata()}
+        assert found["elitescript"]["host"] == "robot.local"
+        assert found["controller"] == {"version": "2.14.0.1", "/rows": "timestamp,robot_mode"}
+        offset_s = float(found["clock"]["offset_s"])
+        assert offset_s == pytest.approx(read_recording(path).facts["clock_offset_s"], abs=1e-5)
+        assert abs(offset_s - time.time()) < 60.0
 
     def test_files_that_are_there_are_not_touched(self, tmp_path):
         later = tmp_path / "run.0001.mcap"
@@ -279,22 +306,20 @@ class TestStoring:
 
     def test_a_full_disk_ends_the_session_and_leaves_what_there_is(self, tmp_path, monkeypatch):
         path = tmp_path / "run.mcap"
-        sink = McapSink(path, {})
+        sink = ByRows(path, {})
         plain = RecordingFile.row
 
         def row(self, numbers, arrived_ns, time_ns):
             if sink.rows == 600:
                 raise OSError(errno.ENOSPC, "No space left on device")
             plain(self, numbers, arrived_ns, time_ns)
-            if sink.rows == 499:
-                self.flush()
 
         monkeypatch.setattr(RecordingFile, "row", row)
         with pytest.raises(StorageError, match=r"run\.mcap: No space left on device; what was written before"):
             record(FakeController(ticks(1.0, 700)), sink, 700)
         sink.close()
         assert list(tmp_path.iterdir()) == [path]
-        assert list(read_recording(path).t) == ticks(1.0, 500)
+        assert list(read_recording(path).t) == ticks(1.0, 400)
 
     def test_a_new_firmware_after_a_lost_connection_has_other_columns(self, tmp_path):
         path = tmp_path / "run.mcap"

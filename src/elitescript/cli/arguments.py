@@ -443,6 +443,14 @@ def add_record(parser: Parser) -> None:
         "--for", dest="seconds", type=float, metavar="SECONDS", help="end so long after the first connection"
     )
     parser.add_argument("--program", metavar="FILE", help="the program that runs there, to be kept in the recording")
+    parser.add_argument(
+        "--fetch-program",
+        metavar="PATH",
+        help="read the program from this path of the controller instead, by SFTP (extra `ssh`); needs --ssh-password",
+    )
+    parser.add_argument(
+        "--ssh-password", metavar="TEXT|@FILE", help="of the user root of the controller, for --fetch-program"
+    )
     parser.add_argument("--world", metavar="FILE.toml", help="what is around the robot, to be kept in the recording")
     parser.add_argument(
         "--robot", metavar="MODEL", help="model of the arm, or its file, which is kept in the recording"

@@ -7,13 +7,15 @@ import re
 import signal
 import sys
 from contextlib import suppress
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Final
 
 from elitescript.cli.output.screen import ScreenStream, StatusLine
+from elitescript.cli.ssh_login import checked_password
 from elitescript.environment.allowance import shown_size
 from elitescript.errors import UsageError
 from elitescript.paths import why_no_file
+from elitescript.recorder.fetching import fetch_program
 from elitescript.recorder.session import PORTS, Session, Target
 from elitescript.recorder.storing import McapSink, Rotation
 from elitescript.services.port_numbers import port_numbers
@@ -38,7 +40,12 @@ def record(options: argparse.Namespace) -> int:
             raise UsageError(f"--{name} {value:g}: a number above 0 is needed")
     if not RATE_MIN_HZ <= options.rate <= RATE_MAX_HZ:
         raise UsageError(f"--rate {options.rate:g}: a controller sends from {RATE_MIN_HZ:g} to {RATE_MAX_HZ:g} Hz")
-    ports = port_numbers(options.instance, _chosen(options.port))
+    fetches = options.fetch_program is not None
+    if fetches and options.program is not None:
+        raise UsageError("--program and --fetch-program are two programs; write one of them")
+    if fetches != (options.ssh_password is not None):
+        raise UsageError("--fetch-program PATH and --ssh-password TEXT|@FILE go together")
+    ports = port_numbers(options.instance, _chosen(options.port, fetches=fetches), has_ssh=fetches)
     attachments = _attachments(options)
     about = {
         "host": host,
@@ -47,6 +54,10 @@ def record(options: argparse.Namespace) -> int:
         **{name: _name_of(value) for name, value in _files(options).items() if value},
     }
     sink = McapSink(Path(options.out), about, attachments, _rotation(options.rotate))
+    if fetches:
+        name = PurePosixPath(options.fetch_program).name
+        data = fetch_program(host, ports["ssh"], checked_password(options.ssh_password), options.fetch_program)
+        sink.add_attachment(name, data, "program")
     session = Session(Target(host, ports, options.rate), [sink], _say)
     try:
         asyncio.run(_record(session, sink, options.seconds))
@@ -107,21 +118,23 @@ def _gaps(session: Session) -> str:
     pace = session.pace
     if not pace.gaps:
         return "no gaps"
-    return f"{pace.gaps} gap{'s' if pace.gaps > 1 else ''} ({pace.missing:,} rows)"
+    rows = f"{pace.missing:,} row{'s' if pace.missing > 1 else ''}"
+    return f"{pace.gaps:,} gap{'s' if pace.gaps > 1 else ''} ({rows})"
 
 
 def _say(text: str) -> None:
     print(f"elitescript record: {text}", file=sys.stderr, flush=True)
 
 
-def _chosen(given: list[str]) -> dict[str, int]:
+def _chosen(given: list[str], *, fetches: bool) -> dict[str, int]:
+    known = (*PORTS, "ssh") if fetches else PORTS
     chosen: dict[str, int] = {}
     for text in given:
         name, equals, number = text.partition("=")
         if not equals or not number.isdecimal():
             raise UsageError(f"--port {text}: write NAME=NUMBER, such as rtsi=40004")
-        if name not in PORTS:
-            raise UsageError(f"--port {text}: record reads the ports {', '.join(PORTS)}")
+        if name not in known:
+            raise UsageError(f"--port {text}: record reads the ports {', '.join(known)}")
         chosen[name] = int(number)
     return chosen
 
@@ -160,5 +173,8 @@ def _attachments(options: argparse.Namespace) -> dict[str, bytes]:
             data = Path(path).read_bytes()
         except OSError as error:
             raise UsageError(f"--{kind}: {path}: {error.strerror or error}") from None
-        found[_name_of(path)] = data
+        name = _name_of(path)
+        if name in found:
+            raise UsageError(f"--{kind}: another file of the recording has the name {name} too")
+        found[name] = data
     return found

@@ -39,6 +39,8 @@ _PERIODS: Final = 2000
 _SLACK: Final = 1.5
 """Periods from which on the time between two rows is a gap."""
 _NS: Final = 1e-9
+GIVEN: Final = ("host", "program", "world", "robot")
+"""Facts that the call of the recorder has given."""
 
 
 def read_recording(path: str | Path, columns: Collection[str] | None = None) -> Recording:
@@ -59,7 +61,9 @@ def read_recording(path: str | Path, columns: Collection[str] | None = None) -> 
         _check_columns(columns)
     reading = _Reading(columns)
     for file in files_of(first):
-        reading.take_file(file)
+        # The recorder may have been ended as it began a further file.
+        if file == first or file.stat().st_size:
+            reading.take_file(file)
     return reading.recording()
 
 
@@ -173,8 +177,7 @@ class _Reading:
             if self._begin_ns is None:
                 self._facts["begin_ns"] = self._begin_ns = int(data.get("begin_ns", "0"))
                 self._rate_hz = float(data["rate_hz"]) if "rate_hz" in data else None
-                if data.get("host"):
-                    self._facts["host"] = data["host"]
+                self._facts.update({name: data[name] for name in GIVEN if data.get(name)})
         elif name == FACTS:
             self._facts.update({key: json.loads(value) for key, value in data.items()})
 
@@ -295,7 +298,9 @@ class _Reading:
                 column = f"{name}.{place}" if isinstance(value, list) else name
                 if self._wanted is None or column in self._wanted or name in self._wanted:
                     number = nan if part is None else float(part)
-                    self._steps.setdefault(column, []).append((count, since_s, number))
+                    steps = self._steps.setdefault(column, [])
+                    if not steps or steps[-1][2] != number:
+                        steps.append((count, since_s, number))
 
     # ---------------------------------------------------------------- the whole
 
@@ -385,7 +390,10 @@ def _opened(path: Path) -> BinaryIO:
 
 def _records(file: BinaryIO, path: Path) -> Iterator[tuple[int, int, bytes]]:
     """Yield offset, code and body of each whole record; one that ends behind the file is left out."""
-    if file.read(len(_MAGIC)) != _MAGIC:
+    begin = file.read(len(_MAGIC))
+    if not begin:
+        raise UsageError(f"{path} is empty: its recorder was ended within its first second")
+    if begin != _MAGIC:
         raise UsageError(f"{path} is no MCAP file")
     at = len(_MAGIC)
     size = path.stat().st_size

@@ -19,7 +19,7 @@ class Message:
     Attributes:
         t: time of the controller, s, of the row before it; of the first row if it came before.
         arrived_s: when it came, s since the begin of the recording, by the clock of the recorder.
-        channel: `primary`, `dashboard`, `events` (of the recorder: lost, back, gaps).
+        channel: `primary`, `dashboard`, `events` (of the recorder: connected, lost, gap, restart, clock).
         data: the record as JSON has it, with its `type`.
     """
 
@@ -46,7 +46,8 @@ class Recording:
         facts: what is known of the controller, each missing where it was not shown: `model`, `version`, `serial`,
             `task`, `tcp_offset`; of the primary port's configuration `lengths` (a, d, alpha), `limits` (q_min, q_max,
             qd_max, qdd_max), `defaults` (joint_speed, joint_acceleration, tool_speed, tool_acceleration); of the
-            recorder `host` as it was given, `begin_ns` (UTC, ns since 1970), `clock_offset_s` (UTC less the time of the
+            recorder `host`, and `program`, `world`, `robot` as they were given (names of attachments; of a robot the
+            model, if it was no file), `begin_ns` (UTC, ns since 1970), `clock_offset_s` (UTC less the time of the
             controller, at the first row).
         attachments: program, world and arm files that were given, by name.
     """

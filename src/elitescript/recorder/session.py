@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Iterator, Mapping, Sequence
 from typing import Any, Final
 
 from elitescript.client.connecting import BACKOFF_S, keep_connected
@@ -201,7 +201,7 @@ class Session:
             while True:
                 found = await client.packages()
                 arrived_ns = self.now_ns()
-                for layout, payload in found:
+                for layout, payload in _rows_last(found, rows):
                     take = takers.get(layout.ident)
                     if take is not None:
                         take(layout, payload, arrived_ns)
@@ -232,10 +232,10 @@ class Session:
         t = float(flat[1])
         if self._is_clock_new:
             self._is_clock_new = False
-            self._message(EVENTS, {"type": facts.CLOCK, "offset_s": arrived_ns * 1e-9 - t, "t": t})
+            self._message(EVENTS, {"type": facts.CLOCK, "offset_s": arrived_ns * 1e-9 - t, "t": t}, arrived_ns)
         shown = self.pace.take(t)
         if shown is not None:
-            self._note(shown)
+            self._note(shown, arrived_ns)
         for sink in self._sinks:
             sink.row(t, flat, arrived_ns)
 
@@ -244,12 +244,12 @@ class Session:
         for sink in self._sinks:
             sink.message(SLOW, values, arrived_ns)
 
-    def _note(self, shown: Gap | Restart) -> None:
+    def _note(self, shown: Gap | Restart, at_ns: int | None = None) -> None:
         if isinstance(shown, Gap):
             self._gaps.append(shown)
-            self._message(EVENTS, {"type": "gap", **shown._asdict()})
+            self._message(EVENTS, {"type": "gap", **shown._asdict()}, at_ns)
         else:
-            self._message(EVENTS, {"type": "restart", **shown._asdict()})
+            self._message(EVENTS, {"type": "restart", **shown._asdict()}, at_ns)
             self._say(f"the controller's time began anew: {shown.after_s:.3f} s after {shown.before_s:.3f} s")
 
     def _tell_gaps(self) -> None:
@@ -305,10 +305,10 @@ class Session:
             self._said[key] = data
             self._message(channel, data)
 
-    def _message(self, channel: str, data: Mapping[str, Any]) -> None:
-        now_ns = self.now_ns()
+    def _message(self, channel: str, data: Mapping[str, Any], at_ns: int | None = None) -> None:
+        arrived_ns = self.now_ns() if at_ns is None else at_ns
         for sink in self._sinks:
-            sink.message(channel, data, now_ns)
+            sink.message(channel, data, arrived_ns)
 
 
 class _Changes:
@@ -332,6 +332,22 @@ class _Changes:
         changed = {name: value for name, value in values.items() if name == TIME or before.get(name) != value}
         for sink in self._session._sinks:
             sink.message(CHANGES, changed, arrived_ns)
+
+
+def _rows_last(packages: list[tuple[OutputLayout, bytes]], rows: OutputLayout) -> Iterator[tuple[OutputLayout, bytes]]:
+    """Yield packages with the row of a tick behind the others of the tick, so that what changed is known by then."""
+    held: bytes | None = None
+    for layout, payload in packages:
+        # The time stands behind the number of the recipe.
+        if held is not None and (layout is rows or payload[1:9] != held[1:9]):
+            yield rows, held
+            held = None
+        if layout is rows:
+            held = payload
+        else:
+            yield layout, payload
+    if held is not None:
+        yield rows, held
 
 
 def _text_record(message: RobotText) -> dict[str, Any]:

@@ -84,6 +84,11 @@ class McapSink:
         self._standing: dict[tuple[str, str], dict[str, Any]] = {}
         """The newest of each kind of message that a further file begins with."""
 
+    def add_attachment(self, name: str, data: bytes, role: str) -> None:
+        """Add a file before the recording begins; `role` is a fact, such as `program`."""
+        self._attachments[name] = data
+        self._about[role] = name
+
     @property
     def size(self) -> int:
         """Bytes of all files."""
@@ -118,6 +123,9 @@ class McapSink:
         self._remember(channel, data)
         try:
             file.message(channel, data, arrived_ns, self._time_ns)
+            if channel == EVENTS:
+                for name, values in _metadata_of(data).items():
+                    file.note(name, values)
             line = _log_of(channel, data, arrived_ns)
             if line is not None:
                 file.message(channels.LOG, line, arrived_ns, self._time_ns)
@@ -174,6 +182,8 @@ class McapSink:
             if channel not in (CHANGES, SLOW):
                 said = {**said, "repeated": True}
             file.message(channel, said, now_ns, self._time_ns)
+        # So that there is hardly a moment in which a file is there that cannot be read.
+        file.flush()
         return file
 
     def _finish(self, file: RecordingFile) -> None:
@@ -228,6 +238,16 @@ _JOINTS, _SPEEDS, _TORQUES, _POSE = _VIEWED = (
     "actual_joint_torques",
     "actual_TCP_pose",
 )
+
+
+def _metadata_of(event: Mapping[str, Any]) -> dict[str, dict[str, str]]:
+    """Return the metadata records that tell other tools the same as an event: version, recipes, clock."""
+    if event["type"] == CLOCK:
+        return {"clock": {"offset_s": f"{event['offset_s']:.6f}", "meaning": "UTC less the time of the controller"}}
+    if event["type"] == CONNECTED and "recipes" in event:
+        recipes = {channel: ",".join(names) for channel, names in event["recipes"].items()}
+        return {"controller": {"version": str(event["version"]), **recipes}}
+    return {}
 
 
 def _log_of(channel: str, data: Mapping[str, Any], time_ns: int) -> dict[str, Any] | None:
