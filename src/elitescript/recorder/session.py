@@ -202,7 +202,9 @@ class Session:
                 found = await client.packages()
                 arrived_ns = self.now_ns()
                 for layout, payload in found:
-                    takers[layout.ident](layout, payload, arrived_ns)
+                    take = takers.get(layout.ident)
+                    if take is not None:
+                        take(layout, payload, arrived_ns)
                 while client.texts:
                     level, text = client.texts.popleft()
                     self._message(EVENTS, {"type": "text", "port": "rtsi", "level": level, "text": text})
