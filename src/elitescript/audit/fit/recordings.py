@@ -490,14 +490,14 @@ def _payload_of_torques(recording: Recording, model: RobotModel) -> Parameter:
         )
     solution = solve(rows, values)
     # Joints of one moment err together, since one encoder moves the weights on all joints below it.
-    half = _clustered_sigma(solution, rows, 5) * student_quantile(max(solution.freedom, 1))
+    half = clustered_sigma(solution, rows, 5) * student_quantile(max(solution.freedom, 1))
     if not half < 0.5:
         return not_determined(name, "kg", ours, "the attitudes at rest are too much alike")
     why = f"torques in {poses} attitudes at rest, relative to the links of the model; dry friction would add to it"
     return determined(name, "kg", ours, solution.values[0], max(half, 1e-6), why)
 
 
-def _clustered_sigma(solution: Solution, rows: Sequence[Sequence[float]], size: int) -> float:
+def clustered_sigma(solution: Solution, rows: Sequence[Sequence[float]], size: int) -> float:
     """Return the standard deviation of the first unknown if errors hang together within blocks of equations.
 
     Covariance of Liang and Zeger (1986): the sum of the squares of what each block adds to the unknown.
