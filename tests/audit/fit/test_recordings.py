@@ -11,6 +11,7 @@ from elitescript.audit.fit.program_moves import moves_of
 from elitescript.audit.fit.recordings import clustered_sigma, fit_recording, summary
 from elitescript.models.model import load_model, parse_model
 from elitescript.recorder.recording import Recording
+from elitescript.records import replace
 from tests.audit.fit import hidden_arms
 
 CS66 = load_model("CS66")
@@ -165,6 +166,21 @@ def test_rows_without_a_variable_do_no_harm():
     for joint in range(6):
         recording.columns[f"target_TCP_pose.{joint}"] = array("d", [nan] * len(recording.t))
     assert of(recording, None)["d6"].state == "not determined"
+
+
+def test_rows_that_a_late_controller_repeats_count_once():
+    recording = by_hand(0.8, 1.6, 2.0)
+    doubled = replace(
+        recording,
+        t=array("d", [t for t in recording.t for _ in range(12)]),
+        arrived_s=array("d", [t for t in recording.t for _ in range(12)]),
+        columns={
+            name: array("d", [x for x in column for _ in range(12)]) for name, column in recording.columns.items()
+        },
+    )
+    text = "def f():\n  movej(q)\nend"
+    assert of(doubled, text) == of(recording, text)
+    assert any("repeat the time" in words for words in fit_recording(doubled, CS66, text).words)
 
 
 def test_moves_by_line_and_what_they_give():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Iterable, Sequence
 from math import inf, isnan, sqrt
 from typing import Any, Final
@@ -83,6 +84,7 @@ def fit_recording(recording: Recording, model: RobotModel, program: str | None =
             defaults, and which were limited.
     """
     words: list[str] = []
+    recording = _rising(recording, words)
     lengths = _lengths(recording, model, words)
     moves = recorded_moves(recording)
     texts = {} if program is None else moves_of(program, "program")
@@ -106,6 +108,24 @@ def fit_recording(recording: Recording, model: RobotModel, program: str | None =
     parameters.extend(_reported(recording, words))
     parameters.append(_payload_of_torques(recording, model))
     return RecordingFit(tuple(parameters), tuple(dict.fromkeys(words)), lengths)
+
+
+def _rising(recording: Recording, words: list[str]) -> Recording:
+    """Return a recording without rows that repeat the time of the row before: a controller that is late sends some."""
+    t = recording.t
+    restarts = set(recording.restarts)
+    kept = [index for index in range(len(t)) if index == 0 or t[index] > t[index - 1] or index in restarts]
+    if len(kept) == len(t):
+        return recording
+    words.append(f"{len(t) - len(kept)} of {len(t)} rows repeat the time of the row before and are left out")
+    place = {index: number for number, index in enumerate(kept)}
+    return replace(
+        recording,
+        t=array("d", [t[index] for index in kept]),
+        arrived_s=array("d", [recording.arrived_s[index] for index in kept]),
+        columns={name: array("d", [column[index] for index in kept]) for name, column in recording.columns.items()},
+        restarts=tuple(place[index] for index in recording.restarts),
+    )
 
 
 # ---------------------------------------------------------------- lengths
