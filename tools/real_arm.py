@@ -13,16 +13,17 @@ import asyncio
 import contextlib
 import random
 import re
+import signal
 import struct
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import AsyncIterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
-from math import comb
+from math import comb, inf
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 from elitescript import VirtualRobot
 from elitescript.audit.fit.lengths import fit_lengths
@@ -30,6 +31,7 @@ from elitescript.audit.fit.pairs import points_of_file
 from elitescript.audit.fit.recordings import fit_recording
 from elitescript.kinematics.transforms import pose_from_transform
 from elitescript.models.model import load_model, parse_model
+from elitescript.protocol.rtsi.recipes import DATA_PACKAGE
 from elitescript.recorder.mcap_file import read_recording
 from elitescript.recorder.recording import Recording
 from elitescript.records import replace
@@ -44,6 +46,8 @@ LATE: Final = 0.02
 """Share of packages that come late, with all behind them."""
 LATE_S: Final = 0.03
 """Longest delay."""
+PATIENCE_S: Final = 300.0
+"""Longest wall time of a wait."""
 BEHIND_S: Final = 2.0
 """Time of a recording behind the end of the program."""
 ODDS: Final = 1e-3
@@ -77,8 +81,9 @@ def main() -> int:
         folder = Path(name)
         served = list(range(options.seed, options.seed + options.network))
         in_memory = list(range(options.seed + options.network, options.seed + options.network + options.memory))
-        network = asyncio.run(_served(served, folder, options.at_once))
+        asyncio.run(_served(served, folder, options.at_once))
         with ProcessPoolExecutor(options.jobs) as pool:
+            network = list(pool.map(partial(served_result, folder=name), served))
             memory = list(pool.map(partial(in_memory_result, folder=name), in_memory))
     points = [points_result(seed) for seed in (*served, *in_memory)]
     lines, is_good = report(network, memory, points, time.monotonic() - begin)
@@ -132,23 +137,29 @@ def points_result(seed: int) -> Result:
 # ---------------------------------------------------------------- over the network
 
 
-async def _served(seeds: Sequence[int], folder: Path, at_once: int) -> list[Result]:
+async def _served(seeds: Sequence[int], folder: Path, at_once: int) -> None:
     free = asyncio.Semaphore(at_once)
     done = 0
 
-    async def one(seed: int) -> Result:
+    async def one(seed: int) -> None:
         nonlocal done
         async with free:
-            result = await served_result(hidden_arm(seed), folder)
+            await record_served(hidden_arm(seed), folder)
         done += 1
         print(f"{done} of {len(seeds)} served arms", file=sys.stderr, flush=True)
-        return result
 
-    return list(await asyncio.gather(*map(one, seeds)))
+    async with asyncio.TaskGroup() as group:
+        for seed in seeds:
+            group.create_task(one(seed))
 
 
-async def served_result(hidden: HiddenArm, folder: Path) -> Result:
-    """Serve an arm, record it through the relay while its program runs, and return what a fit finds."""
+def served_result(seed: int, folder: str) -> Result:
+    """Return the result of one arm that `record_served` has recorded."""
+    return result_of(hidden_arm(seed), read_recording(Path(folder) / f"served{seed}.mcap"))
+
+
+async def record_served(hidden: HiddenArm, folder: Path) -> None:
+    """Serve an arm, and record it through the relay while its program runs."""
     arm, text = folder / f"served{hidden.seed}.toml", folder / f"served{hidden.seed}.script"
     arm.write_text(hidden.arm_file, encoding="utf-8")
     text.write_text(hidden.true_program, encoding="utf-8")
@@ -167,26 +178,28 @@ async def served_result(hidden: HiddenArm, folder: Path) -> Result:
     )
     try:
         ports = await _ports(server)
-        async with _relay(ports["rtsi"], hidden.seed) as relayed:
+        async with _relay(ports["rtsi"], hidden.seed) as relay:
             recorder = await asyncio.create_subprocess_exec(
-                *(*command, "record", "127.0.0.1", "--out", str(out), "--for", f"{lasts_s + BEHIND_S:.1f}"),
-                *("--port", f"rtsi={relayed}", "--port", f"primary={ports['primary']}"),
+                *(*command, "record", "127.0.0.1", "--out", str(out)),
+                *("--port", f"rtsi={relay.port}", "--port", f"primary={ports['primary']}"),
                 *("--port", f"dashboard={ports['dashboard']}"),
                 stdout=asyncio.subprocess.DEVNULL,
                 stderr=asyncio.subprocess.DEVNULL,
             )
-            await asyncio.sleep(1.0)
+            # A busy computer serves time late: what counts is the time of the robot.
+            await relay.passes(0.5)
             _, writer = await asyncio.open_connection("127.0.0.1", ports["primary"])
             writer.write(text.read_bytes())
             await writer.drain()
-            if await asyncio.wait_for(recorder.wait(), lasts_s + 60.0) != 0:
+            await relay.passes(lasts_s + BEHIND_S)
+            recorder.send_signal(signal.SIGINT)
+            if await asyncio.wait_for(recorder.wait(), PATIENCE_S) != 0:
                 raise RuntimeError(f"record has failed for arm {hidden.seed}")
             writer.close()
     finally:
         with contextlib.suppress(ProcessLookupError):
             server.terminate()
         await server.wait()
-    return result_of(hidden, read_recording(out))
 
 
 async def _ports(server: asyncio.subprocess.Process) -> dict[str, int]:
@@ -197,46 +210,76 @@ async def _ports(server: asyncio.subprocess.Process) -> dict[str, int]:
     raise RuntimeError("serve has ended before it was ready")
 
 
-@contextlib.asynccontextmanager
-async def _relay(port: int, seed: int) -> Any:
-    """Listen on a free port and pass the RTSI port on, with packages lost and late; yield the number."""
-    rng = random.Random(seed)
-    tasks: set[asyncio.Task[Any]] = set()
+class Relay:
+    """Passes the packages of an RTSI port on, but for those that it loses, some of them late."""
 
-    async def down(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+    def __init__(self, port: int, seed: int) -> None:
+        self._robot_port = port
+        self._rng = random.Random(seed)
+        self._tasks: set[asyncio.Task[None]] = set()
+        self.port = 0
+        """Where it listens."""
+        self.robot_s = -inf
+        """Time of the robot in the newest package."""
+
+    async def passes(self, seconds: float) -> None:
+        """Wait until so much time of the robot has passed."""
+        async with asyncio.timeout(PATIENCE_S):
+            while self.robot_s == -inf:
+                await asyncio.sleep(0.1)
+            end = self.robot_s + seconds
+            while self.robot_s < end:
+                await asyncio.sleep(0.1)
+
+    async def client(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        try:
+            robot_reader, robot_writer = await asyncio.open_connection("127.0.0.1", self._robot_port)
+        except OSError:
+            writer.close()
+            return
+        for work in (self._down(robot_reader, writer), self._up(reader, robot_writer)):
+            self._tasks.add(asyncio.create_task(work))
+
+    async def _down(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         with contextlib.suppress(asyncio.IncompleteReadError, ConnectionError):
             while True:
                 head = await reader.readexactly(3)
                 size, letter = struct.unpack(">HB", head)
                 body = await reader.readexactly(size - 3)
-                if letter == ord("U"):
-                    if rng.random() < LOST:
+                if letter == DATA_PACKAGE:
+                    if body[0] == 1:
+                        # The recorder asks for its rows first, and for the time first of all.
+                        (self.robot_s,) = struct.unpack_from(">d", body, 1)
+                    if self._rng.random() < LOST:
                         continue
-                    if rng.random() < LATE:
-                        await asyncio.sleep(rng.uniform(0.0, LATE_S))
+                    if self._rng.random() < LATE:
+                        await asyncio.sleep(self._rng.uniform(0.0, LATE_S))
                 writer.write(head + body)
                 await writer.drain()
         writer.close()
 
-    async def up(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+    async def _up(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         with contextlib.suppress(ConnectionError):
             while data := await reader.read(4096):
                 writer.write(data)
         writer.close()
 
-    async def client(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        robot_reader, robot_writer = await asyncio.open_connection("127.0.0.1", port)
-        for work in (down(robot_reader, writer), up(reader, robot_writer)):
-            task = asyncio.create_task(work)
-            tasks.add(task)
+    def stop(self) -> None:
+        for task in self._tasks:
+            task.cancel()
 
-    listener = await asyncio.start_server(client, "127.0.0.1", 0)
+
+@contextlib.asynccontextmanager
+async def _relay(port: int, seed: int) -> AsyncIterator[Relay]:
+    """Listen on a free port and pass the RTSI port on."""
+    relay = Relay(port, seed)
+    listener = await asyncio.start_server(relay.client, "127.0.0.1", 0)
+    relay.port = listener.sockets[0].getsockname()[1]
     try:
-        yield listener.sockets[0].getsockname()[1]
+        yield relay
     finally:
         listener.close()
-        for task in tasks:
-            task.cancel()
+        relay.stop()
 
 
 # ---------------------------------------------------------------- the report

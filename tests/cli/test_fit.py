@@ -55,10 +55,14 @@ def test_json_has_the_parameters(cell, capsys):
         ([], "name programs with points"),
         (["none.script"], "none.script: cannot be read"),
         (["CELL", "--tcp", "1,2"], "--tcp 1,2: write six numbers in m and rad"),
+        (["CELL", "--tcp", "0,0,nan,0,0,0"], "--tcp 0,0,nan,0,0,0: six finite numbers are needed"),
+        (["NONE", "NONE"], "no point is known both as joints and as pose"),
         (["CELL", "--out", "arm.json"], "ends in .toml"),
         (["CELL", "--robot", "CS99"], "CS99"),
     ],
 )
-def test_wrong_usage_is_two(arguments, words, cell, capsys):
-    assert main(["fit", *(str(cell) if word == "CELL" else word for word in arguments)]) == 2
+def test_wrong_usage_is_two(arguments, words, cell, tmp_path, capsys):
+    (tmp_path / "none.script").write_text("textmsg(1)\n", encoding="utf-8")
+    files = {"CELL": str(cell), "NONE": str(tmp_path / "none.script")}
+    assert main(["fit", *(files.get(word, word) for word in arguments)]) == 2
     assert words in capsys.readouterr().err

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import sys
+from math import isfinite
 from pathlib import Path
 from typing import Any, Final
 
 from elitescript.audit.fit.arm_file import arm_text
 from elitescript.audit.fit.lengths import LengthFit, fit_lengths
-from elitescript.audit.fit.pairs import Point, Points, points_of_file, points_of_program
+from elitescript.audit.fit.pairs import ARITHMETIC, Point, Points, points_of_file, points_of_program
 from elitescript.audit.fit.words import table
 from elitescript.cli.settings import parse_six
 from elitescript.errors import UsageError
@@ -34,6 +35,8 @@ def fit(options: argparse.Namespace) -> int:
         raise UsageError("name programs with points, or --pairs FILE with joints and poses")
     model = load_model(options.robot)
     tcp = None if options.tcp is None else parse_six("--tcp", options.tcp, "m and rad")
+    if tcp is not None and not all(map(isfinite, tcp)):
+        raise UsageError(f"--tcp {options.tcp}: six finite numbers are needed")
     points = _all_points(options.files, options.pairs, tcp)
     fitted = fit_lengths(points, model.arm, zeros=options.zeros)
     if options.out is not None:
@@ -60,9 +63,10 @@ def _all_points(programs: list[str], files: list[str], tcp: Six | None) -> Point
         tcp_words="; ".join(
             dict.fromkeys(f"{name}: {part.tcp_words}" if many else part.tcp_words for name, part in parts)
         ),
-        q_step=max(part.q_step for _, part in parts if part.points or not many),
-        position_step=max(part.position_step for _, part in parts if part.points or not many),
-        angle_step=max(part.angle_step for _, part in parts if part.points or not many),
+        # The digits of the coarsest file: all weigh alike.
+        q_step=max((part.q_step for _, part in parts if part.points), default=ARITHMETIC),
+        position_step=max((part.position_step for _, part in parts if part.points), default=ARITHMETIC),
+        angle_step=max((part.angle_step for _, part in parts if part.points), default=ARITHMETIC),
     )
 
 

@@ -1,15 +1,17 @@
 """Parameters from recordings: arms with hidden parameters, and recordings made by hand."""
 
 from array import array
-from math import nan
+from math import nan, sqrt
 
 import pytest
 
 from elitescript.audit.fit.arm_file import arm_text
+from elitescript.audit.fit.least_squares import solve
 from elitescript.audit.fit.program_moves import moves_of
-from elitescript.audit.fit.recordings import fit_recording, summary
+from elitescript.audit.fit.recordings import clustered_sigma, fit_recording, summary
 from elitescript.models.model import load_model, parse_model
 from elitescript.recorder.recording import Recording
+from elitescript.records import replace
 from tests.audit.fit import hidden_arms
 
 CS66 = load_model("CS66")
@@ -166,6 +168,21 @@ def test_rows_without_a_variable_do_no_harm():
     assert of(recording, None)["d6"].state == "not determined"
 
 
+def test_rows_that_a_late_controller_repeats_count_once():
+    recording = by_hand(0.8, 1.6, 2.0)
+    doubled = replace(
+        recording,
+        t=array("d", [t for t in recording.t for _ in range(12)]),
+        arrived_s=array("d", [t for t in recording.t for _ in range(12)]),
+        columns={
+            name: array("d", [x for x in column for _ in range(12)]) for name, column in recording.columns.items()
+        },
+    )
+    text = "def f():\n  movej(q)\nend"
+    assert of(doubled, text) == of(recording, text)
+    assert any("repeat the time" in words for words in fit_recording(doubled, CS66, text).words)
+
+
 def test_moves_by_line_and_what_they_give():
     moves = moves_of(
         "def f():\n  movej(q, 1.0, t=2)\n  movel(p); movel(q)\n  movel(\n    p,\n    v=x)\nend", "f.script"
@@ -176,3 +193,13 @@ def test_moves_by_line_and_what_they_give():
     assert not moves[2].has_default("v")
     assert moves[4].has_default("a")
     assert not moves[4].has_default("v")
+
+
+def test_equations_that_are_written_twice_say_no_more_than_once():
+    rows, values = [[1.0], [1.0], [1.0], [1.0]], [1.0, 2.0, 4.0, 5.0]
+    once = solve(rows, values)
+    twice = solve([row for row in rows for _ in range(2)], [value for value in values for _ in range(2)])
+    alone = clustered_sigma(once, rows, 1)
+    assert clustered_sigma(twice, [row for row in rows for _ in range(2)], 2) == pytest.approx(alone)
+    # The residuals are -2, -1, 1, 2, each with the weight 1/4.
+    assert alone == pytest.approx(sqrt(10.0) / 4.0)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Iterable, Sequence
 from math import inf, isnan, sqrt
 from typing import Any, Final
 
-from elitescript.audit.fit.least_squares import NORMAL_95, solve, student_quantile
+from elitescript.audit.fit.least_squares import NORMAL_95, Solution, solve, student_quantile
 from elitescript.audit.fit.lengths import LENGTHS, LengthFit, fit_lengths
 from elitescript.audit.fit.moves import RESOLUTION, Estimate, RecordedMove, recorded_moves, six_columns
 from elitescript.audit.fit.pairs import ARITHMETIC, NO_TCP, Point, Points
@@ -83,6 +84,7 @@ def fit_recording(recording: Recording, model: RobotModel, program: str | None =
             defaults, and which were limited.
     """
     words: list[str] = []
+    recording = _rising(recording, words)
     lengths = _lengths(recording, model, words)
     moves = recorded_moves(recording)
     texts = {} if program is None else moves_of(program, "program")
@@ -106,6 +108,24 @@ def fit_recording(recording: Recording, model: RobotModel, program: str | None =
     parameters.extend(_reported(recording, words))
     parameters.append(_payload_of_torques(recording, model))
     return RecordingFit(tuple(parameters), tuple(dict.fromkeys(words)), lengths)
+
+
+def _rising(recording: Recording, words: list[str]) -> Recording:
+    """Return a recording without rows that repeat the time of the row before: a controller that is late sends some."""
+    t = recording.t
+    restarts = set(recording.restarts)
+    kept = [index for index in range(len(t)) if index == 0 or t[index] > t[index - 1] or index in restarts]
+    if len(kept) == len(t):
+        return recording
+    words.append(f"{len(t) - len(kept)} of {len(t)} rows repeat the time of the row before and are left out")
+    place = {index: number for number, index in enumerate(kept)}
+    return replace(
+        recording,
+        t=array("d", [t[index] for index in kept]),
+        arrived_s=array("d", [recording.arrived_s[index] for index in kept]),
+        columns={name: array("d", [column[index] for index in kept]) for name, column in recording.columns.items()},
+        restarts=tuple(place[index] for index in recording.restarts),
+    )
 
 
 # ---------------------------------------------------------------- lengths
@@ -348,7 +368,9 @@ def _lag(
             if len(kept) < LAG_ROWS:
                 continue
             for joint in range(6):
-                if abs(qd[joint][kept[0]]) > 0.02:
+                # On a bent path one joint may have a constant speed for a while, the others not.
+                of_joint = [qd[joint][i] for i in kept]
+                if min(map(abs, of_joint)) > 0.02 and max(of_joint) - min(of_joint) <= 1e-4 * abs(of_joint[0]):
                     rows.extend((qd[joint][i], target[joint][i] - actual[joint][i]) for i in kept)
         if not rows:
             break
@@ -487,12 +509,30 @@ def _payload_of_torques(recording: Recording, model: RobotModel) -> Parameter:
             name, "kg", ours, f"the arm rests in {poses} attitude{'' if poses == 1 else 's'}, needs two"
         )
     solution = solve(rows, values)
-    spread = sqrt(solution.chi_square / max(solution.freedom, 1))
-    half = solution.sigma_of(0) * spread * student_quantile(max(solution.freedom, 1))
+    # Joints of one moment err together, since one encoder moves the weights on all joints below it.
+    half = clustered_sigma(solution, rows, 5) * student_quantile(max(solution.freedom, 1))
     if not half < 0.5:
         return not_determined(name, "kg", ours, "the attitudes at rest are too much alike")
     why = f"torques in {poses} attitudes at rest, relative to the links of the model; dry friction would add to it"
     return determined(name, "kg", ours, solution.values[0], max(half, 1e-6), why)
+
+
+def clustered_sigma(solution: Solution, rows: Sequence[Sequence[float]], size: int) -> float:
+    """Return the standard deviation of the first unknown if errors hang together within blocks of equations.
+
+    Covariance of Liang and Zeger (1986): the sum of the squares of what each block adds to the unknown.
+    """
+    if any(direction.sigma == inf for direction in solution.directions):
+        return inf
+    weights = [
+        sum(direction.vector[0] * direction.sigma**2 * direction.vector[index] for direction in solution.directions)
+        for index in range(len(rows[0]))
+    ]
+    total = 0.0
+    for begin in range(0, len(rows), size):
+        block = zip(rows[begin : begin + size], solution.residuals[begin : begin + size], strict=True)
+        total += sum(rest * sum(w * x for w, x in zip(weights, row, strict=True)) for row, rest in block) ** 2
+    return sqrt(total)
 
 
 def summary(fit: RecordingFit) -> list[str]:
