@@ -145,6 +145,15 @@ class TestPlanted:
         assert words in str(found)
         assert found.json()["divergence"]["line"] == line
 
+    def test_a_line_more_in_the_recorded_program(self):
+        found = audit(record_run(changed(LOOP, "  i = 0\n", "  i = 0\n  sleep(0.2)\n")), LOOP)
+        assert "lines of the recording are 1 higher than those of the program" in str(found)
+
+    def test_what_happens_again_and_again_is_said_once(self):
+        found = audit(record_run(changed(LOOP, "    sleep(0.05)", "    sleep(0.15)")), LOOP)
+        assert len(found.first.comparison.findings) == 3
+        assert "the same in this line 2 times more" in str(found)
+
     def test_a_slider_is_an_input_and_its_share_of_the_time_is_said(self):
         found = audit(record_run(MOVES, speed=0.5), MOVES)
         assert found.agrees

@@ -7,6 +7,7 @@ no rows there.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
@@ -32,6 +33,10 @@ SHARE_SAME = 0.02
 _SLOWEST = 0.05
 """Speed slider below which a change that comes late is not made up for any more."""
 _ROUNDING_S = 1e-9
+SHIFT_MARKS = 300
+"""Marks behind the first difference among which a shift of all lines is looked for."""
+_SHIFT_LINES = 8
+"""Lines there of which one gives the shift."""
 
 LONG_GAP_S = 0.1
 """A stretch without rows that is named; in it nothing is compared."""
@@ -201,6 +206,11 @@ class Comparer:
         self._compare_numbers(pairs, signals)
         self._name_gaps()
         self._findings.sort(key=lambda finding: finding.t)
+        if self._findings and self._findings[0].cause == "program" and (shift := self._shift_of_lines(pairs)):
+            higher = "higher" if shift > 0 else "lower"
+            self._notes.insert(
+                0, f"lines of the recording are {abs(shift)} {higher} than those of the program: one of both was edited"
+            )
         changed = {change.name for series in (self._recorded, self._other) for change in series.changes}
         return Comparison(
             tuple(self._findings),
@@ -352,6 +362,22 @@ class Comparer:
             t, marks[first].line if first is not None else line, *self._in_words(stretch, only_recorded, only_simulated)
         )
 
+    def _shift_of_lines(self, pairs: Sequence[Match]) -> int:
+        """Return how much higher the recorded lines are than those of the program; 0 if they are not, all alike."""
+        together = next((place for place, pair in enumerate(pairs) if pair != (place, place)), len(pairs))
+        first = [mark.key for mark in self._marks[together : together + SHIFT_MARKS]]
+        second = [mark.key for mark in self._other_marks[together : together + SHIFT_MARKS]]
+        lines, its_lines = ([int(value) for name, value in keys if name == "line"] for keys in (first, second))
+        shifts = Counter(
+            line - its for line in lines[:_SHIFT_LINES] for its in its_lines[:_SHIFT_LINES] if line and its != line
+        )
+        least = max(0.8 * min(len(first), len(second)), 2.0 + len(matched(first, second)))
+        for shift, _ in shifts.most_common(_SHIFT_LINES):
+            moved = [(name, int(value) - shift) if name == "line" and value else (name, value) for name, value in first]
+            if len(matched(moved, second)) >= least:
+                return shift
+        return 0
+
     @staticmethod
     def _once_more(lines: Sequence[int], others: Sequence[Mark]) -> str:
         """Return how much oftener one run goes through lines that the other has as well; empty if it has not."""
@@ -500,6 +526,9 @@ class Comparer:
             return "acceleration", f": acceleration {accelerations}{more}"
         if is_other_speed:
             return "speed", f": speed {speeds}"
+        if there.usual_speed and abs(here.usual_speed / there.usual_speed - 1.0) > SHARE_SAME:
+            # A blend can bring more speed into a move than it has itself.
+            return "speed", f": speed {here.usual_speed:.3g} instead of {there.usual_speed:.3g} rad/s"
         return "", ""
 
     def _input_at(self, row: int) -> str:

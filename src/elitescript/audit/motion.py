@@ -11,6 +11,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from itertools import pairwise
 from math import ceil, dist, inf, sqrt
+from statistics import median
 from typing import Final
 
 from elitescript.audit.series import STANDS_RAD_S, Series
@@ -285,11 +286,14 @@ class Profile(NamedTuple):
     """Largest target speed of a joint, rad/s."""
     acceleration: float
     """Largest change of a target speed, rad/s^2."""
+    usual_speed: float
+    """Median of the largest target speed while the arm moves, rad/s; 0 if it does not."""
 
 
 def profile_of(series: Series, begin: int, end: int) -> Profile:
     """Return how the arm moves from a row to another one."""
     moving_s = speed = acceleration = 0.0
+    speeds: list[float] = []
     t = series.t
     for row in range(begin, end):
         step_s = t[row + 1] - t[row]
@@ -297,10 +301,11 @@ def profile_of(series: Series, begin: int, end: int) -> Profile:
         later = max(abs(column[row + 1]) for column in series.qd)
         if now > STANDS_RAD_S or later > STANDS_RAD_S:
             moving_s += step_s
+            speeds.append(now)
         speed = max(speed, now, later)
         if 0.0 < step_s < 1.5 * PERIOD_S:
             acceleration = max(acceleration, max(abs(column[row + 1] - column[row]) for column in series.qd) / step_s)
-    return Profile(moving_s, t[end] - t[begin] - moving_s, speed, acceleration)
+    return Profile(moving_s, t[end] - t[begin] - moving_s, speed, acceleration, median(speeds) if speeds else 0.0)
 
 
 def root_mean_square(sum_of_squares: float, count: int) -> float:

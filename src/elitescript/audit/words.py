@@ -129,9 +129,17 @@ def _arm(audit: Audit) -> Iterator[str]:
 
 def _run(run: AuditedRun) -> Iterator[str]:
     found = run.comparison
-    for finding in found.findings[1:SHOWN]:
-        yield f"  then {finding.t:.3f} s, line {finding.line}: {finding.what}"
-    yield from _left_out(found.findings[SHOWN:], "further difference", "further differences")
+    kinds: dict[tuple[int, str], list[Finding]] = {}
+    for finding in found.findings:
+        kinds.setdefault((finding.line, finding.cause), []).append(finding)
+    further = list(kinds.values())
+    for number, alike in enumerate(further[:SHOWN]):
+        first, more = alike[0], f", {len(alike) - 1} times more" if len(alike) > 1 else ""
+        if number:
+            yield f"  then {first.t:.3f} s, line {first.line}: {first.what}{more}"
+        elif more:
+            yield f"  the same in this line {len(alike) - 1} times more, up to {alike[-1].t:.3f} s"
+    yield from _left_out(further[SHOWN:], "further difference", "further differences")
     for name, error, factor, unit in (
         ("joints along the path", found.joints, 1.0, "rad"),
         ("TCP along the path", found.path, 1000.0, "mm"),
