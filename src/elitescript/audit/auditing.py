@@ -8,12 +8,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final
 
-from elitescript.audit.configuration import ArmDifference, arm_differences
-from elitescript.audit.differences import Comparer, Comparison, Finding
-from elitescript.audit.inputs import Inputs, inputs_of
+from elitescript.audit.configuration import arm_differences
+from elitescript.audit.differences import Comparer
+from elitescript.audit.findings import AuditedRun, AuditFindings, arm_file_of
+from elitescript.audit.inputs import inputs_of
 from elitescript.audit.motion import Tolerance
-from elitescript.audit.series import Mark, Series, is_edge, marks_of, recorded, recorded_signals, runs_of
+from elitescript.audit.series import is_edge, marks_of, recorded, recorded_signals, runs_of
 from elitescript.audit.simulation import Cell, Simulated, cell_of, simulate
+from elitescript.audit.words import audit_as_json, audit_in_words
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.errors import UsageError
 from elitescript.language.text.source import SourceFile
@@ -23,7 +25,6 @@ from elitescript.recorder.recording import Recording
 from elitescript.records import record, replace
 
 if TYPE_CHECKING:
-    from elitescript.audit.fit.recordings import RecordingFit
     from elitescript.models.model import RobotModel
 
 ALL: Final = "all"
@@ -37,86 +38,14 @@ _CALL: Final = re.compile(r"\b([A-Za-z_]\w*)\s*\(")
 
 
 @record
-class AuditedRun:
-    """One run of a program in a recording.
-
-    Attributes:
-        number: from 1 on.
-        begin_s, end_s: in the time of the controller.
-        comparison: what was found.
-        inputs: what came from outside.
-        recorded: its numbers.
-        marks: by which it was aligned.
-        by_lines: whether lines are among the marks.
-        simulated: the simulated run.
-    """
-
-    number: int
-    begin_s: float
-    end_s: float
-    comparison: Comparison
-    inputs: Inputs
-    recorded: Series
-    marks: tuple[Mark, ...]
-    by_lines: bool
-    simulated: Simulated
-
-
-@record
-class Audit:
-    """What an audit has found.
-
-    Attributes:
-        recording: that was audited.
-        cell: program, arm and world of the simulated robot.
-        model: its arm.
-        runs: that were compared, in order.
-        runs_in_all: in the recording.
-        arm: numbers of the arm that differ from the model.
-        not_compared: what could not be compared, in words, for all runs.
-        lost: rows that are missing in the recording.
-        fit: what the recording says of the arm; None unless it was asked for.
-    """
-
-    recording: Recording
-    cell: Cell
-    model: RobotModel
-    runs: tuple[AuditedRun, ...]
-    runs_in_all: int
-    arm: tuple[ArmDifference, ...]
-    not_compared: tuple[str, ...]
-    lost: int
-    fit: RecordingFit | None = None
-
-    @property
-    def agrees(self) -> bool:
-        """Whether every run agrees, and the arm has the lengths of the model."""
-        return not any(run.comparison.findings for run in self.runs) and not any(its.is_geometry for its in self.arm)
-
-    @property
-    def first(self) -> AuditedRun:
-        """The first run that differs; the first of all if none does."""
-        return next((run for run in self.runs if run.comparison.findings), self.runs[0])
-
-    @property
-    def arm_file(self) -> str:
-        """Name of the arm file that the recording holds; empty if it holds none."""
-        return _arm_file(self.recording)
-
-    @property
-    def divergence(self) -> Finding | None:
-        """The first difference of target joints, durations or signals; None if there is none."""
-        return self.first.comparison.divergence
+class Audit(AuditFindings):
+    """What an audit has found, in words (`str`) and as JSON has it (`json`)."""
 
     def json(self) -> dict[str, Any]:
-        """Return the audit as JSON has it."""
-        from elitescript.audit.words import audit_as_json
-
+        """Return the audit as JSON has it; see docs/how-to/audit.md."""
         return audit_as_json(self)
 
     def __str__(self) -> str:
-        from elitescript.audit.words import audit_in_words
-
         return audit_in_words(self)
 
 
@@ -254,22 +183,9 @@ def _program(recording: Recording, program: str | Path | SourceFile | None) -> s
     return SourceFile(f"<{names[0]}>", recording.attachments[names[0]].decode("utf-8", "replace"))
 
 
-def _arm_file(recording: Recording) -> str:
-    """Return the name of the arm file that a recording holds; empty if it holds none."""
-    import tomllib
-
-    for name, data in recording.attachments.items():
-        try:
-            if name.endswith(".toml") and "base" in tomllib.loads(data.decode()):
-                return name
-        except ValueError:
-            continue
-    return ""
-
-
 def _recorded_arm(recording: Recording, folder: Path) -> RobotModel | None:
     """Return the arm of a recording: the file that it holds, else the model that the controller named."""
-    if file := _arm_file(recording):
+    if file := arm_file_of(recording):
         path = folder / Path(file).name
         path.write_bytes(recording.attachments[file])
         return load_model(str(path))
@@ -291,7 +207,7 @@ def _not_compared(recording: Recording, cell: Cell) -> Iterable[str]:
             yield f"devices ({', '.join(found)}): those of the world file answered, not the recorded ones"
     if cell.world is None:
         for name in recording.attachments:
-            if name.endswith(".toml") and name != _arm_file(recording):
+            if name.endswith(".toml") and name != arm_file_of(recording):
                 yield f"{name}, which the recording holds: as a world it is given with --world"
     if _FORCES in families:
         yield "forces at the TCP: the simulated arm has only those of the world file"

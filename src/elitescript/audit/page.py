@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from elitescript.audit.auditing import Audit, AuditedRun
+from elitescript.audit.findings import AuditedRun, AuditFindings
 from elitescript.audit.series import STATE
 from elitescript.audit.simulation import play, started_robot
 from elitescript.controller.views.trace import TraceRow
@@ -17,7 +17,7 @@ from elitescript.plotting.sampling import ROWS_MAX, Sampling
 from elitescript.recorder.recording import Recording
 
 
-def audit_page(audit: Audit, title: str) -> Page:
+def audit_page(audit: AuditFindings, title: str) -> Page:
     """Return the page of the first run that differs, or of the first.
 
     Args:
@@ -42,7 +42,7 @@ def audit_page(audit: Audit, title: str) -> Page:
     return page_of(simulated, Plotted(title, audit.model, rows_of(audit.recording, run, audit, begin_s)))
 
 
-def rows_of(recording: Recording, run: AuditedRun, audit: Audit, begin_s: float) -> list[TraceRow]:
+def rows_of(recording: Recording, run: AuditedRun, audit: AuditFindings, begin_s: float) -> list[TraceRow]:
     """Return the recorded run as rows of a trace.
 
     Args:

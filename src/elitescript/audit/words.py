@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Iterator
 from typing import Any, Final
 
-from elitescript.audit.auditing import Audit, AuditedRun
 from elitescript.audit.differences import Finding, Largest
+from elitescript.audit.findings import AuditedRun, AuditFindings
 from elitescript.json_records.jsonlines import plain
 from elitescript.messages.signals import Value
 
@@ -15,12 +15,12 @@ SHOWN: Final = 6
 """Rows of each list; what is left out is counted."""
 
 
-def audit_in_words(audit: Audit) -> str:
+def audit_in_words(audit: AuditFindings) -> str:
     """Return the audit for people."""
     return "\n".join([*_head(audit), *_arm(audit), *_run(audit.first), *_others(audit), *_fit(audit), *_rest(audit)])
 
 
-def audit_as_json(audit: Audit) -> dict[str, Any]:
+def audit_as_json(audit: AuditFindings) -> dict[str, Any]:
     """Return the audit as JSON has it; times are s since the begin of the run, in the recording."""
     first = audit.first
     return {
@@ -106,7 +106,7 @@ def _largest(error: Largest | None) -> dict[str, Any] | None:
 # ---------------------------------------------------------------- words
 
 
-def _head(audit: Audit) -> Iterator[str]:
+def _head(audit: AuditFindings) -> Iterator[str]:
     rows, run = len(audit.recording.t), audit.first
     lost = f", {audit.lost} lost" if audit.lost else ""
     runs = "" if audit.runs_in_all == 1 else f", {audit.runs_in_all} runs"
@@ -120,7 +120,7 @@ def _head(audit: Audit) -> Iterator[str]:
         yield "target joints, times and signals agree, the arm does not:"
 
 
-def _arm(audit: Audit) -> Iterator[str]:
+def _arm(audit: AuditFindings) -> Iterator[str]:
     for its in audit.arm[:SHOWN]:
         factor, unit = (1000.0, "mm") if its.unit == "m" else (1.0, its.unit)
         yield f"  {its.name}: {its.recorded * factor:.7g} {unit}, model {its.model * factor:.7g} {unit}"
@@ -158,9 +158,9 @@ def _run(run: AuditedRun) -> Iterator[str]:
     if not found.signals and found.compared_signals:
         yield f"signals                the edges of {found.compared_signals} come in the same order"
     if run.inputs.arrivals:
-        kinds = Counter(arrival.text for arrival in run.inputs.arrivals)
-        shown = [f"{text} ({count} times)" if count > 1 else text for text, count in kinds.most_common(4)]
-        more = f", and {len(kinds) - 4} more" if len(kinds) > 4 else ""
+        texts = Counter(arrival.text for arrival in run.inputs.arrivals)
+        shown = [f"{text} ({count} times)" if count > 1 else text for text, count in texts.most_common(4)]
+        more = f", and {len(texts) - 4} more" if len(texts) > 4 else ""
         yield f"inputs from outside    {', '.join(shown)}{more}"
     if run.inputs.speed is not None and run.inputs.speed < 1.0:
         yield f"speed slider           {run.inputs.speed:.0%} at the start, in the simulated run too"
@@ -184,7 +184,7 @@ def _lines(run: AuditedRun) -> Iterator[str]:
         yield from _left_out(times[SHOWN:], "further line", "further lines")
 
 
-def _others(audit: Audit) -> Iterator[str]:
+def _others(audit: AuditFindings) -> Iterator[str]:
     for run in audit.runs:
         if run is not audit.first:
             finding = run.comparison.divergence
@@ -192,7 +192,7 @@ def _others(audit: Audit) -> Iterator[str]:
             yield f"run {run.number} at {run.begin_s:.3f} s: {what}"
 
 
-def _fit(audit: Audit) -> Iterator[str]:
+def _fit(audit: AuditFindings) -> Iterator[str]:
     if audit.fit is not None:
         from elitescript.audit.fit.words import table
 
@@ -200,7 +200,7 @@ def _fit(audit: Audit) -> Iterator[str]:
         yield from audit.fit.words
 
 
-def _rest(audit: Audit) -> Iterator[str]:
+def _rest(audit: AuditFindings) -> Iterator[str]:
     notes = [*dict.fromkeys((*audit.first.comparison.notes, *audit.not_compared))]
     if notes:
         yield "not compared:"
