@@ -183,6 +183,11 @@ def test_rows_that_a_late_controller_repeats_count_once():
     assert any("repeat the time" in words for words in fit_recording(doubled, CS66, text).words)
 
 
+def test_only_ramps_of_joint_moves_have_a_shape():
+    assert of(by_hand(0.8, 1.6, 2.0), "def f():\n  movej(q)\nend")["jerk"].why == "ramps are straight (trapezoid)"
+    assert of(by_hand(0.8, 1.6, 2.0), "def f():\n  movel(q)\nend")["jerk"].why == "no ramp of a movej has ten rows"
+
+
 def test_moves_by_line_and_what_they_give():
     moves = moves_of(
         "def f():\n  movej(q, 1.0, t=2)\n  movel(p); movel(q)\n  movel(\n    p,\n    v=x)\nend", "f.script"

@@ -103,7 +103,7 @@ def fit_recording(recording: Recording, model: RobotModel, program: str | None =
         )
     parameters.extend(_defaults(moves, texts, model, words))
     parameters.extend(_limits(recording, moves, texts, model))
-    parameters.append(_ramp_shape(moves, words))
+    parameters.append(_ramp_shape(moves, texts, words))
     parameters.extend(_drives(recording, moves, model))
     parameters.extend(_reported(recording, words))
     parameters.append(_payload_of_torques(recording, model))
@@ -315,11 +315,13 @@ def _limits(
             yield not_determined(key, "rad/s", ours, f"{name} did not move")
 
 
-def _ramp_shape(moves: Sequence[RecordedMove], words: list[str]) -> Parameter:
+def _ramp_shape(moves: Sequence[RecordedMove], texts: dict[int, ProgramMove], words: list[str]) -> Parameter:
     """Return the jerk of the ramps; a trapezoid shows none."""
-    bends = [move.bend for move in moves if move.bend is not None]
+    # The joints of a straight line of the tool bend whatever the ramp is.
+    joint_moves = [move for move in moves if move.line in texts and texts[move.line].is_joint]
+    bends = [move.bend for move in joint_moves if move.bend is not None]
     if not bends:
-        return not_determined("jerk", "rad/s^3", None, "no ramp has ten rows")
+        return not_determined("jerk", "rad/s^3", None, "no ramp of a movej has ten rows")
     if sorted(bends)[len(bends) // 2] <= TRAPEZOID_BEND:
         words.append("ramps are straight: a trapezoid, with no limit of the jerk that 250 Hz shows")
         return not_determined("jerk", "rad/s^3", None, "ramps are straight (trapezoid)")
