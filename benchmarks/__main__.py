@@ -31,6 +31,7 @@ MODULES = (
     "plot",
     "cluster",
     "sweep",
+    "record",
 )
 LONG = ("growth",)
 """Measured only by name: it takes ten minutes."""

@@ -29,6 +29,7 @@ MODULES = (
     "distributed",
     "optuna",
     "pyarrow",
+    "mcap.writer",
 )
 JAIL = """
 from time import perf_counter, process_time
