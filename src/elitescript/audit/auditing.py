@@ -21,6 +21,7 @@ from elitescript.errors import UsageError
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.signals import SIGNALS
 from elitescript.models.model import load_model
+from elitescript.protocol.primary.messages import SCRIPT_EXCEPTION
 from elitescript.recorder.recording import Recording
 from elitescript.records import record, replace
 
@@ -34,6 +35,8 @@ PROGRAMS: Final = (".script", ".txt")
 _CHANNELS: Final = frozenset({"socket", "serial", "modbus", "modbus_rtu", "rpc"})
 """Families of commands that speak to devices; what these say is not in a recording."""
 _FORCES: Final = "force"
+_EXCEPTION_S: Final = 0.1
+"""Time between the end of a program and the message about its cause, at most (*assumed*)."""
 _CALL: Final = re.compile(r"\b([A-Za-z_]\w*)\s*\(")
 
 
@@ -136,6 +139,7 @@ def _audited(recording: Recording, cell: Cell, number: int, rows: range, toleran
         arrivals=inputs.arrivals,
         tolerance=tolerance,
         ending=_ending(made),
+        recorded_ending=_exception(recording, recording.t[rows.stop - 1]),
     )
     comparison = comparer.compare(signals)
     notes = [*comparison.notes, *inputs.unknown, *made.refused]
@@ -168,6 +172,17 @@ def _ending(made: Simulated) -> str:
         verb = "waits for ever" if run.state == "stuck" else "ends with an alarm"
         return f"{verb} in line {alarm.line}: {alarm.text}"
     return "goes on" if run.state == "time_limit" else ""
+
+
+def _exception(recording: Recording, end_s: float) -> str:
+    """Return the exception that a controller has told of when a program ended, with its line; empty if it has not."""
+    for message in recording.messages:
+        data = message.data
+        if message.channel == "primary" and data.get("type") == SCRIPT_EXCEPTION.name:
+            t = data["timestamp"] * 1e-6 if "timestamp" in data else message.t
+            if abs(t - end_s) < _EXCEPTION_S:
+                return f"line {data.get('line', 0)}: {data.get('text', '')}"
+    return ""
 
 
 def _program(recording: Recording, program: str | Path | SourceFile | None) -> str | Path | SourceFile:

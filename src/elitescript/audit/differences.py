@@ -143,6 +143,7 @@ class Comparer:
         arrivals: inputs of the recorded run.
         tolerance: what does not count.
         ending: how the simulated run ended, in words; empty if its program came to its end.
+        recorded_ending: the exception that ended the recorded program, in words; empty if none is known.
     """
 
     __slots__ = (
@@ -158,6 +159,7 @@ class Comparer:
         "_other",
         "_other_marks",
         "_recorded",
+        "_recorded_ending",
         "_signals",
         "_tolerance",
     )
@@ -172,6 +174,7 @@ class Comparer:
         arrivals: Sequence[Arrival] = (),
         tolerance: Tolerance | None = None,
         ending: str = "",
+        recorded_ending: str = "",
     ) -> None:
         self._recorded = recorded
         self._other = simulated
@@ -180,6 +183,7 @@ class Comparer:
         self._arrivals = arrivals
         self._tolerance = tolerance or Tolerance()
         self._ending = ending
+        self._recorded_ending = recorded_ending
         self._findings: list[Finding] = []
         self._signals: list[SignalDifference] = []
         self._notes: list[str] = []
@@ -315,7 +319,7 @@ class Comparer:
         self, stretch: _Stretch, only_recorded: Sequence[int], only_simulated: Sequence[int]
     ) -> bool:
         """Return whether the recorded program ends in the middle of a line; compare what there is of that line."""
-        if only_recorded or stretch.end is None or not self._is_end(stretch.end.first):
+        if only_recorded or stretch.end is None or not self._is_end(stretch.end.first) or self._recorded_ending:
             return False
         begin, its_begin = self._row(stretch.begin.first), self._its_row(stretch.begin.second)
         end, its_end = self._row(stretch.end.first), self._other_marks[only_simulated[0]].row
@@ -416,10 +420,9 @@ class Comparer:
             return "the arm stands and moves at other times", "waiting"
         if its_lines and not lines and stretch.end is not None and self._is_end(stretch.end.first):
             line = self._marks[stretch.begin.first].line if stretch.begin.first >= 0 else 0
-            return (
-                f"the recorded program ends behind line {line}, the simulated one goes on with {_named(its_lines)}",
-                "program",
-            )
+            why = f" ({self._recorded_ending})" if self._recorded_ending else ""
+            goes_on = f"the simulated one goes on with {_named(its_lines)}"
+            return f"the recorded program ends behind line {line}{why}, {goes_on}", "program"
         if its_lines and not lines:
             if its_lines == [0]:
                 return f"the simulated program ends here{self._ending}", "program"
