@@ -116,7 +116,7 @@ def _audit(recording: Recording, cell: Cell, run: int | str, tolerance: Toleranc
         runs,
         len(ranges),
         tuple(arm_differences(recording.facts, model)),
-        tuple(_not_compared(recording, cell)),
+        tuple(_not_compared(recording, cell, model)),
         lost,
         fit,
     )
@@ -130,6 +130,9 @@ def _audited(recording: Recording, cell: Cell, number: int, rows: range, toleran
     edges = {name for name in signals if is_edge(name)} | {name for name in driven if _is_level(name)}
     by_lines = series.has_lines
     marks = marks_of(series, edges, by_lines=by_lines)
+    if series.is_headless:
+        # Where the recording begins nothing has happened.
+        marks = [mark for mark in marks if mark.row]
     made = simulate(cell, inputs, series, marks, signals, by_lines=by_lines)
     comparer = Comparer(
         series,
@@ -171,7 +174,10 @@ def _ending(made: Simulated) -> str:
         alarm = run.alarms[-1]
         verb = "waits for ever" if run.state == "stuck" else "ends with an alarm"
         return f"{verb} in line {alarm.line}: {alarm.text}"
-    return "goes on" if run.state == "time_limit" else ""
+    if run.state != "time_limit":
+        return ""
+    lines = [line for line in made.series.lines[-2:] if line]
+    return f"is still in line {lines[-1]} at {made.series.t[-1]:.3f} s" if lines else "goes on"
 
 
 def _exception(recording: Recording, end_s: float) -> str:
@@ -211,7 +217,7 @@ def _recorded_arm(recording: Recording, folder: Path) -> RobotModel | None:
         return None
 
 
-def _not_compared(recording: Recording, cell: Cell) -> Iterable[str]:
+def _not_compared(recording: Recording, cell: Cell, model: RobotModel) -> Iterable[str]:
     families = {
         command.family for name in _CALL.findall(cell.source.text) if (command := CATALOGUE.get(name)) is not None
     }
@@ -220,6 +226,9 @@ def _not_compared(recording: Recording, cell: Cell) -> Iterable[str]:
             yield f"devices ({', '.join(found)}): what they answered is not in a recording; --world gives them"
         else:
             yield f"devices ({', '.join(found)}): those of the world file answered, not the recorded ones"
+    named = str(recording.facts.get("model", "")).strip()
+    if named and named != model.name and not model.name.startswith(named):
+        yield f"the arm of the recording, {named}: the simulated one is {model.name}"
     if cell.world is None:
         for name in recording.attachments:
             if name.endswith(".toml") and name != arm_file_of(recording):

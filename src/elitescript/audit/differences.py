@@ -179,7 +179,9 @@ class Comparer:
         self._recorded = recorded
         self._other = simulated
         self._marks = recorded_marks
-        self._other_marks = simulated_marks
+        # A run that was given up has no end that could be one of the recording.
+        is_given_up = simulated.is_open and bool(simulated_marks) and simulated_marks[-1].key == ("line", 0)
+        self._other_marks = simulated_marks[:-1] if is_given_up else simulated_marks
         self._arrivals = arrivals
         self._tolerance = tolerance or Tolerance()
         self._ending = ending
@@ -594,10 +596,11 @@ class Comparer:
         theirs = other.actual or other.q
         if recorded.actual is None:
             return None
-        squares, count, largest, worst = 0.0, 0, 0.0, 0
+        squares, count, largest, worst, shift = 0.0, 0, 0.0, 0, 0.0
         for begin, end in pairwise(pairs):
             row0, its0 = self._row(begin.first), self._its_row(begin.second)
-            shift = other.t[its0] - recorded.t[row0]
+            if not recorded.waited_s(row0):
+                shift = other.t[its0] - recorded.t[row0]
             last = self._its_row(end.second)
             for row in range(row0, self._row(end.first)):
                 its = min(round((recorded.t[row] + shift) / PERIOD_S), last)
