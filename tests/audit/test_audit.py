@@ -9,7 +9,7 @@ import pytest
 from elitescript.audit import Tolerance, audit
 from elitescript.errors import UsageError
 from elitescript.messages.plant import PlantConfig
-from elitescript.recorder.recording import Recording
+from elitescript.recorder.recording import Message, Recording
 from elitescript.records import replace
 from elitescript.testing.world import Wire, World
 from tests.audit.programs import GRIPPER, LOOP, MOVES
@@ -79,6 +79,13 @@ class TestAgreement:
         found = audit(record_run(MOVES, acts={0.4: lambda robot: robot.stop()}), MOVES)
         assert found.agrees
         assert "was ended at 0.404 s in line 4" in str(found)
+
+    def test_an_exception_that_the_controller_told_of_is_a_difference(self):
+        recording = record_run(changed(LOOP, "(5, i)", "(5, 1 / 0)"))
+        end_s = recording.t[-5]
+        data = {"type": "script exception", "timestamp": round(1e6 * end_s), "line": 16, "column": 1, "text": "1 / 0"}
+        told = replace(recording, messages=(Message(end_s, end_s, "primary", data),))
+        assert "ends behind line 14 (line 16: 1 / 0), the simulated one goes on with line 17" in str(audit(told, LOOP))
 
     def test_a_recording_that_begins_in_the_middle_is_compared_from_there(self):
         whole = undisturbed(LOOP)

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import random
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 from elitescript.audit import audit
+from elitescript.world_file import closed_world
 from tests.audit.recording_runs import record_run
 from tests.invariants.cases import CASES
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 HEAD = "def main():\n"
 TAIL = "end\nmain()\n"
@@ -72,3 +77,26 @@ def test_random_programs(seed: int) -> None:
         return
     # A blend belongs to the lines on both sides of it.
     assert abs(divergence.line - (at + 2)) <= 1, f"{name} in line {at + 2}\n{text}\n{divergence}"
+
+
+NOT_MOVING = {"parse_sensor"}
+"""Examples whose program ends in the control period in which it begins."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lossy", [False, True])
+@pytest.mark.parametrize(
+    "path",
+    [path for path in sorted(EXAMPLES.glob("*.script")) if path.stem not in NOT_MOVING],
+    ids=lambda path: path.stem,
+)
+def test_every_example_agrees_with_itself(path: Path, lossy: bool) -> None:
+    file = path.with_suffix(".toml")
+    world = str(file) if file.exists() else None
+    settings: dict[str, Any] = {"wait_s": 0.06}
+    if lossy:
+        settings = {"wait_s": 0.132, "phase_s": 0.0013, "lost": 0.01, "noise_rad": 1e-4, "jitter_s": 0.01, "seed": 3}
+    around = closed_world(world, is_trusted=True)
+    recording = record_run(path, until_s=300.0, world=around, task_dir=EXAMPLES, **settings)
+    found = audit(recording, path, world=world)
+    assert found.agrees, str(found)

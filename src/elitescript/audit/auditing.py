@@ -21,6 +21,7 @@ from elitescript.errors import UsageError
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.signals import SIGNALS
 from elitescript.models.model import load_model
+from elitescript.protocol.primary.messages import SCRIPT_EXCEPTION
 from elitescript.recorder.recording import Recording
 from elitescript.records import record, replace
 
@@ -34,6 +35,8 @@ PROGRAMS: Final = (".script", ".txt")
 _CHANNELS: Final = frozenset({"socket", "serial", "modbus", "modbus_rtu", "rpc"})
 """Families of commands that speak to devices; what these say is not in a recording."""
 _FORCES: Final = "force"
+_EXCEPTION_S: Final = 0.1
+"""Time between the end of a program and the message about its cause, at most (*assumed*)."""
 _CALL: Final = re.compile(r"\b([A-Za-z_]\w*)\s*\(")
 
 
@@ -113,7 +116,7 @@ def _audit(recording: Recording, cell: Cell, run: int | str, tolerance: Toleranc
         runs,
         len(ranges),
         tuple(arm_differences(recording.facts, model)),
-        tuple(_not_compared(recording, cell)),
+        tuple(_not_compared(recording, cell, model)),
         lost,
         fit,
     )
@@ -127,6 +130,9 @@ def _audited(recording: Recording, cell: Cell, number: int, rows: range, toleran
     edges = {name for name in signals if is_edge(name)} | {name for name in driven if _is_level(name)}
     by_lines = series.has_lines
     marks = marks_of(series, edges, by_lines=by_lines)
+    if series.is_headless:
+        # Where the recording begins nothing has happened.
+        marks = [mark for mark in marks if mark.row]
     made = simulate(cell, inputs, series, marks, signals, by_lines=by_lines)
     comparer = Comparer(
         series,
@@ -136,6 +142,7 @@ def _audited(recording: Recording, cell: Cell, number: int, rows: range, toleran
         arrivals=inputs.arrivals,
         tolerance=tolerance,
         ending=_ending(made),
+        recorded_ending=_exception(recording, recording.t[rows.stop - 1]),
     )
     comparison = comparer.compare(signals)
     notes = [*comparison.notes, *inputs.unknown, *made.refused]
@@ -167,7 +174,21 @@ def _ending(made: Simulated) -> str:
         alarm = run.alarms[-1]
         verb = "waits for ever" if run.state == "stuck" else "ends with an alarm"
         return f"{verb} in line {alarm.line}: {alarm.text}"
-    return "goes on" if run.state == "time_limit" else ""
+    if run.state != "time_limit":
+        return ""
+    lines = [line for line in made.series.lines[-2:] if line]
+    return f"is still in line {lines[-1]} at {made.series.t[-1]:.3f} s" if lines else "goes on"
+
+
+def _exception(recording: Recording, end_s: float) -> str:
+    """Return the exception that a controller has told of when a program ended, with its line; empty if it has not."""
+    for message in recording.messages:
+        data = message.data
+        if message.channel == "primary" and data.get("type") == SCRIPT_EXCEPTION.name:
+            t = data["timestamp"] * 1e-6 if "timestamp" in data else message.t
+            if abs(t - end_s) < _EXCEPTION_S:
+                return f"line {data.get('line', 0)}: {data.get('text', '')}"
+    return ""
 
 
 def _program(recording: Recording, program: str | Path | SourceFile | None) -> str | Path | SourceFile:
@@ -196,7 +217,7 @@ def _recorded_arm(recording: Recording, folder: Path) -> RobotModel | None:
         return None
 
 
-def _not_compared(recording: Recording, cell: Cell) -> Iterable[str]:
+def _not_compared(recording: Recording, cell: Cell, model: RobotModel) -> Iterable[str]:
     families = {
         command.family for name in _CALL.findall(cell.source.text) if (command := CATALOGUE.get(name)) is not None
     }
@@ -205,6 +226,9 @@ def _not_compared(recording: Recording, cell: Cell) -> Iterable[str]:
             yield f"devices ({', '.join(found)}): what they answered is not in a recording; --world gives them"
         else:
             yield f"devices ({', '.join(found)}): those of the world file answered, not the recorded ones"
+    named = str(recording.facts.get("model", "")).strip()
+    if named and named != model.name and not model.name.startswith(named):
+        yield f"the arm of the recording, {named}: the simulated one is {model.name}"
     if cell.world is None:
         for name in recording.attachments:
             if name.endswith(".toml") and name != arm_file_of(recording):

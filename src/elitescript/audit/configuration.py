@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import dist, isfinite
+from math import isfinite
 from typing import Any, Final
 
-from elitescript.audit.series import Series
-from elitescript.kinematics.tcp import tcp_poses
-from elitescript.kinematics.transforms import Transform
 from elitescript.models.model import RobotModel
 from elitescript.records import NamedTuple
 
@@ -25,8 +22,6 @@ _DEFAULTS: Final = {
     "tool_acceleration": "default_tool_acceleration",
 }
 _LIMITS: Final = ("q_min", "q_max", "qd_max", "qdd_max")
-_POSES: Final = 20
-"""Rows whose poses are compared."""
 
 
 class ArmDifference(NamedTuple):
@@ -68,22 +63,3 @@ def arm_differences(facts: Mapping[str, Any], model: RobotModel) -> Iterator[Arm
         if found and isfinite(found) and abs(found - value) > _SHARE * value:
             unit = ("rad" if name.startswith("joint") else "m") + ("/s" if name.endswith("speed") else "/s^2")
             yield ArmDifference(attribute, unit, found, value, False)
-
-
-def pose_error(series: Series, model: RobotModel, T_flange_tcp: Transform) -> float | None:
-    """Return how far the recorded TCP is from that of the model for the same joints, m: the largest of some rows.
-
-    Args:
-        series: recorded run.
-        model: the arm.
-        T_flange_tcp: TCP of these rows.
-
-    Returns:
-        None if the recording has no poses.
-    """
-    if series.places is None:
-        return None
-    rows = range(0, len(series), max(1, len(series) // _POSES))
-    poses = tcp_poses(model.arm, [series.joints(row) for row in rows], T_flange_tcp)
-    x, y, z = series.places
-    return max(dist(pose[:3], (x[row], y[row], z[row])) for row, pose in zip(rows, poses, strict=True))

@@ -143,6 +143,7 @@ class Comparer:
         arrivals: inputs of the recorded run.
         tolerance: what does not count.
         ending: how the simulated run ended, in words; empty if its program came to its end.
+        recorded_ending: the exception that ended the recorded program, in words; empty if none is known.
     """
 
     __slots__ = (
@@ -158,6 +159,7 @@ class Comparer:
         "_other",
         "_other_marks",
         "_recorded",
+        "_recorded_ending",
         "_signals",
         "_tolerance",
     )
@@ -172,14 +174,18 @@ class Comparer:
         arrivals: Sequence[Arrival] = (),
         tolerance: Tolerance | None = None,
         ending: str = "",
+        recorded_ending: str = "",
     ) -> None:
         self._recorded = recorded
         self._other = simulated
         self._marks = recorded_marks
-        self._other_marks = simulated_marks
+        # A run that was given up has no end that could be one of the recording.
+        is_given_up = simulated.is_open and bool(simulated_marks) and simulated_marks[-1].key == ("line", 0)
+        self._other_marks = simulated_marks[:-1] if is_given_up else simulated_marks
         self._arrivals = arrivals
         self._tolerance = tolerance or Tolerance()
         self._ending = ending
+        self._recorded_ending = recorded_ending
         self._findings: list[Finding] = []
         self._signals: list[SignalDifference] = []
         self._notes: list[str] = []
@@ -315,7 +321,7 @@ class Comparer:
         self, stretch: _Stretch, only_recorded: Sequence[int], only_simulated: Sequence[int]
     ) -> bool:
         """Return whether the recorded program ends in the middle of a line; compare what there is of that line."""
-        if only_recorded or stretch.end is None or not self._is_end(stretch.end.first):
+        if only_recorded or stretch.end is None or not self._is_end(stretch.end.first) or self._recorded_ending:
             return False
         begin, its_begin = self._row(stretch.begin.first), self._its_row(stretch.begin.second)
         end, its_end = self._row(stretch.end.first), self._other_marks[only_simulated[0]].row
@@ -416,10 +422,9 @@ class Comparer:
             return "the arm stands and moves at other times", "waiting"
         if its_lines and not lines and stretch.end is not None and self._is_end(stretch.end.first):
             line = self._marks[stretch.begin.first].line if stretch.begin.first >= 0 else 0
-            return (
-                f"the recorded program ends behind line {line}, the simulated one goes on with {_named(its_lines)}",
-                "program",
-            )
+            why = f" ({self._recorded_ending})" if self._recorded_ending else ""
+            goes_on = f"the simulated one goes on with {_named(its_lines)}"
+            return f"the recorded program ends behind line {line}{why}, {goes_on}", "program"
         if its_lines and not lines:
             if its_lines == [0]:
                 return f"the simulated program ends here{self._ending}", "program"
@@ -591,10 +596,11 @@ class Comparer:
         theirs = other.actual or other.q
         if recorded.actual is None:
             return None
-        squares, count, largest, worst = 0.0, 0, 0.0, 0
+        squares, count, largest, worst, shift = 0.0, 0, 0.0, 0, 0.0
         for begin, end in pairwise(pairs):
             row0, its0 = self._row(begin.first), self._its_row(begin.second)
-            shift = other.t[its0] - recorded.t[row0]
+            if not recorded.waited_s(row0):
+                shift = other.t[its0] - recorded.t[row0]
             last = self._its_row(end.second)
             for row in range(row0, self._row(end.first)):
                 its = min(round((recorded.t[row] + shift) / PERIOD_S), last)
