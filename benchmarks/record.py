@@ -77,7 +77,7 @@ def _captured() -> tuple[bytes, bytes, int]:
     client.send(message("S"))
     robot.run(MOVING, until_s=SECONDS)
     stream = client.receive()
-    return answers, stream, sum(ident == 1 for ident in _idents(stream))
+    return answers, stream, sum(ident == len(GROUPS) for ident in _idents(stream))
 
 
 def _idents(stream: bytes) -> list[int]:

@@ -148,6 +148,9 @@ async def served(controller: FakeController, *names: str) -> AsyncIterator[Targe
                     try:
                         with contextlib.suppress(OSError, EOFError):
                             await handler(reader, writer)
+                            # What was written still arrives.
+                            writer.close()
+                            await writer.wait_closed()
                     finally:
                         writer.transport.abort()
 

@@ -83,7 +83,7 @@ def test_the_protobuf_package_reads_a_row():
     pytest.importorskip("google.protobuf")
     from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 
-    names = GROUPS[0].variables
+    names = GROUPS[-1].variables
     layout = RowLayout(row_fields(names, [OUTPUTS[name].type for name in names]))
     found = descriptor_pb2.FileDescriptorSet.FromString(layout.descriptor("elitescript", "Row"))
     assert found.SerializeToString() == layout.descriptor("elitescript", "Row")

@@ -99,7 +99,7 @@ def test_nothing_is_sent_but_questions_and_output_recipes():
     recipes = [
         (struct.unpack(">d", body[:8])[0], body[8:].decode().split(",")) for letter, body in asked if letter == "O"
     ]
-    assert [hz for hz, _ in recipes] == [250.0, 250.0, 10.0]
+    assert [hz for hz, _ in recipes] == [250.0, 10.0, 250.0]
     assert all(names[0] == "timestamp" for _, names in recipes)
     assert sorted({name for _, names in recipes for name in names}) == sorted(OUTPUTS)
 
@@ -190,7 +190,7 @@ def test_a_connection_that_falls_silent_is_given_up(monkeypatch):
     ("garbage", "text"),
     [
         (b"\0\1U", "a message says that it has 1 bytes"),
-        (message("U", b"\x01short"), "a package of recipe 1 has 6 bytes"),
+        (message("U", b"\x03short"), "a package of recipe 3 has 6 bytes"),
     ],
 )
 def test_garbage_ends_a_connection_and_no_more(garbage, text):
@@ -229,10 +229,14 @@ def test_a_controller_without_time_is_not_recorded():
 def test_a_controller_that_hangs_up_at_a_further_recipe_gets_one_less():
     heard = Heard()
     controller = FakeController(ticks(1.0, 30), recipes_max=1)
-    record(controller, heard, 30)
+    _, said = record(controller, heard, 30)
     assert heard.rows == ticks(1.0, 30)
-    assert heard.of(CHANGES) == []
-    assert controller.opened["rtsi"] == 3
+    assert heard.of(CHANGES) == heard.of(SLOW) == []
+    assert controller.opened["rtsi"] == 5
+    assert [text.split(":")[1] for text in said if "without" in text] == [
+        " going on without /slow",
+        " going on without /changes",
+    ]
 
 
 class ByRows(McapSink):

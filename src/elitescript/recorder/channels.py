@@ -89,16 +89,16 @@ _SLOW_VARIABLES: Final = (
 )
 
 GROUPS: Final = (
-    Group(ROWS, _ROW_VARIABLES, is_needed=True),
     Group(
         CHANGES,
         (TIME, *(name for name in OUTPUTS if name not in {*_ROW_VARIABLES, *_SLOW_VARIABLES})),
         only_changes=True,
     ),
     Group(SLOW, (TIME, *_SLOW_VARIABLES), hz=SLOW_HZ),
+    Group(ROWS, _ROW_VARIABLES, is_needed=True),
 )
 """Every variable of the table of RTSI once, and the time in each: registers and settings are written down where they
-change, what only drifts ten times a second."""
+change, what only drifts ten times a second. The rows are last, so that those of a tick come behind what has changed."""
 
 _SCALARS: Final = {
     "d": DOUBLE,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Awaitable, Callable, Iterator, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from typing import Any, Final
 
 from elitescript.client.connecting import BACKOFF_S, keep_connected
@@ -34,6 +34,8 @@ AGAIN: Final = ("task", "task -s", "robotMode", "safety -m", "speed", "remoteCon
 """Questions to the dashboard once a second; answers are passed on where they differ from the ones before."""
 ASK_S: Final = 1.0
 TICK_S: Final = 1.0
+_ENDS_MAX: Final = 2
+"""So often a recipe may seem to be why a controller ends the connection; then it is asked for no more."""
 RATE_HZ: Final = 250.0
 
 _PARTS: Final[tuple[tuple[SubMessage, str, tuple[str, ...]], ...]] = (
@@ -85,8 +87,11 @@ class Session:
         self._say = say
         self._lost_at_ns: dict[str, int] = {}
         """When each service that is not there went, or was first missed."""
-        self._refused: set[str] = set()
-        """Channels whose recipes made the controller end the connection."""
+        self._wanted = target.wanted
+        self._asked_for: Group | None = None
+        """What was asked for when the connection ended; None if all was set up."""
+        self._ends = 0
+        """How often it ended like that, one time after the other."""
         self._said: dict[str, Any] = {}
         self._gaps: list[Gap] = []
         """Since the last tick."""
@@ -179,7 +184,7 @@ class Session:
             takers: dict[int, Callable[[OutputLayout, bytes, int], None]] = {}
             recipes: dict[str, list[str]] = {}
             rows: OutputLayout | None = None
-            for group in target.wanted:
+            for group in self._groups():
                 layout = await self._set_up(client, group)
                 if layout is None:
                     continue
@@ -190,6 +195,7 @@ class Session:
                 else:
                     takers[layout.ident] = _Changes(self, group).take if group.only_changes else self._take_slow
             assert rows is not None
+            self._asked_for, self._ends = None, 0
             missing = sorted(
                 {name for group in target.wanted for name in group.variables}.difference(*recipes.values())
             )
@@ -201,7 +207,7 @@ class Session:
             while True:
                 found = await client.packages()
                 arrived_ns = self.now_ns()
-                for layout, payload in _rows_last(found, rows):
+                for layout, payload in found:
                     take = takers.get(layout.ident)
                     if take is not None:
                         take(layout, payload, arrived_ns)
@@ -209,13 +215,22 @@ class Session:
                     level, text = client.texts.popleft()
                     self._message(EVENTS, {"type": "text", "port": "rtsi", "level": level, "text": text})
 
+    def _groups(self) -> tuple[Group, ...]:
+        """Return what to ask for: one recipe less where the connection ends again and again as they are set up."""
+        if self._asked_for is not None:
+            self._ends += 1
+        if self._ends >= _ENDS_MAX:
+            self._ends = 0
+            there = [group for group in self._wanted if not group.is_needed]
+            culprit = self._asked_for if self._asked_for in there else next(reversed(there), None)
+            if culprit is not None:
+                self._wanted = tuple(group for group in self._wanted if group is not culprit)
+                self._say(f"rtsi: going on without {culprit.channel}: the controller ends the connection at so much")
+        return self._wanted
+
     async def _set_up(self, client: RtsiClient, group: Group) -> OutputLayout | None:
         """Return the layout of a group; None if the controller has nothing of it that can be recorded."""
-        if group.channel in self._refused:
-            return None
-        if not group.is_needed:
-            # A controller that ends the connection because of so many names is not asked again.
-            self._refused.add(group.channel)
+        self._asked_for = group
         try:
             layout = await client.set_up_outputs(group.variables, group.hz or self.target.rate_hz)
         except PeerError:
@@ -224,7 +239,6 @@ class Session:
             return None
         if layout.names[0] != TIME:
             raise PeerError(f"RTSI: the controller has no {TIME}")
-        self._refused.discard(group.channel)
         return None if len(layout.names) == 1 else layout
 
     def _take_row(self, layout: OutputLayout, payload: bytes, arrived_ns: int) -> None:
@@ -332,22 +346,6 @@ class _Changes:
         changed = {name: value for name, value in values.items() if name == TIME or before.get(name) != value}
         for sink in self._session._sinks:
             sink.message(CHANGES, changed, arrived_ns)
-
-
-def _rows_last(packages: list[tuple[OutputLayout, bytes]], rows: OutputLayout) -> Iterator[tuple[OutputLayout, bytes]]:
-    """Yield packages with the row of a tick behind the others of the tick, so that what changed is known by then."""
-    held: bytes | None = None
-    for layout, payload in packages:
-        # The time stands behind the number of the recipe.
-        if held is not None and (layout is rows or payload[1:9] != held[1:9]):
-            yield rows, held
-            held = None
-        if layout is rows:
-            held = payload
-        else:
-            yield layout, payload
-    if held is not None:
-        yield rows, held
 
 
 def _text_record(message: RobotText) -> dict[str, Any]:
