@@ -20,6 +20,7 @@ NOT_RUN: Final[dict[str, str]] = {
     r"code --install-extension .*": "needs VS Code",
     r"mbpoll .*": "a program of somebody else",
     r"elitescript sweep .* --dask tcp://10.*": "needs a cluster; tests/sweep/test_cluster.py has one",
+    r"elitescript sweep examples/pick_and_place\.script .*": "takes seconds; tests/sweep runs sweeps",
     r"elitescript sweep examples/transfer\.script .* --minimise .*": "takes seconds; tests/sweep runs it",
     r"pip install .*": "installs from a package index",
     r"python3 -m venv .*|\. .*/bin/activate": "the page runs in the environment of the tests",
