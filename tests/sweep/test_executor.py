@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import random
 import signal
+import time
 from pathlib import Path
 from typing import Any
 
@@ -43,13 +44,13 @@ def test_every_number_comes_once_whatever_is_killed_from_outside() -> None:
 
 def test_what_ends_its_process_is_found_and_costs_itself_alone(tmp_path: Path) -> None:
     found = squares_of([range(40)], kills=[7], kills_once=[20], folder=str(tmp_path))
-    assert found.pop(7) == Result(7, None, "crashed")
+    assert found.pop(7) == Result(7, "about 7", "crashed")
     assert found == {number: Result(number, number * number) for number in range(40) if number != 7}
 
 
 def test_what_hangs_is_found_and_costs_itself_alone() -> None:
     found = squares_of([range(12)], max_wall_s=0.3, hangs=[2])
-    assert found.pop(2) == Result(2, None, "hung")
+    assert found.pop(2) == Result(2, "about 2", "hung")
     assert found == {number: Result(number, number * number) for number in range(12) if number != 2}
 
 
@@ -58,6 +59,46 @@ def test_work_without_a_number() -> None:
         assert executor.result_of({"of": 5}) == Result(-1, 25)
         assert executor.result_of({"of": 3}) == Result(-1, None, "hung")
         assert executor.results_of([{"of": 6}, {"of": 7}]) == [Result(-1, 36), Result(-1, 49)]
+        assert executor.about(3) == Result(-1, "about 3")
+
+
+class Child:
+    """A child that has been silent for long."""
+
+    is_busy = True
+
+    def __init__(self, since_s: float) -> None:
+        self.since_s = since_s
+
+    def is_late(self, now_s: float, max_wall_s: float) -> bool:
+        return now_s - self.since_s >= max_wall_s
+
+
+def test_what_has_come_while_this_process_did_something_else_is_read_before_a_child_is_late() -> None:
+    executor = Executor(JOB, {}, jobs=1, max_wall_s=0.3)
+    child: Any = Child(time.monotonic() - 5.0)
+    executor._children = [child]
+    executor._news.put((child, [["value", 1]]))
+    assert executor._next_news() == (child, [["value", 1]], "")
+    assert executor._next_news() == (child, [], "hung")
+    executor._news.put((child, None))
+    assert executor._next_news() == (child, [], "crashed")
+
+
+def test_time_in_which_this_process_was_stopped_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    executor = Executor(JOB, {}, jobs=1, max_wall_s=0.3)
+    now_s = iter((10.0, 90.0, 90.0, 90.1))
+    child: Any = Child(9.9)
+    executor._children = [child]
+
+    def late_news() -> float:
+        if child.since_s > 80.0:
+            executor._news.put((child, [["value", 1]]))
+        return next(now_s)
+
+    monkeypatch.setattr("elitescript.sweep.executor.time.monotonic", late_news)
+    assert executor._next_news() == (child, [["value", 1]], "")
+    assert child.since_s == 90.0
 
 
 def test_a_job_that_refuses_or_has_a_mistake_ends_all() -> None:

@@ -22,10 +22,10 @@ from typing import TYPE_CHECKING, Any, Final
 from elitescript import __version__
 from elitescript.errors import InternalError, UsageError
 from elitescript.records import NamedTuple
-from elitescript.sweep.cluster_worker import platform_here, run_order, run_range, work_bytes
+from elitescript.sweep.cluster_worker import platform_here, run_about, run_order, run_range, work_bytes
 from elitescript.sweep.engine import JOB, row_of_result, rows_of_results
-from elitescript.sweep.executor import CRASHED, MAX_WALL_S, Result
-from elitescript.sweep.plan import Choices, Plan, Row
+from elitescript.sweep.executor import MAX_WALL_S, Result
+from elitescript.sweep.plan import CRASHED, Choices, Plan, Row
 from elitescript.sweep.plan_json import choices_data, plan_data
 from elitescript.sweep.reference import Platform, versions_here
 from elitescript.sweep.variations import Draw
@@ -228,7 +228,14 @@ class Cluster:
                 suspects.append(numbers)
         for numbers in suspects:
             for _, answer in self._answers(work, Pieces([numbers])):
-                yield answer.results or [Result(numbers.start, None, CRASHED)]
+                yield answer.results or [Result(numbers.start, self._about(work, numbers), CRASHED)]
+
+    def _about(self, work: bytes, number: range) -> Any:
+        """Return what the job says about a number that has ended every worker; None if nothing."""
+        with _Tasks(self._connected(), work, self._lost) as tasks:
+            tasks.add(number, run_about, number.start)
+            results = self._answer(tasks.next()[1]).results
+        return results[0].value if results else None
 
     def results_of(self, work: bytes, orders: Sequence[Any]) -> list[Result]:
         """Return what came of work that has no number, in its order: each, JSON-able, is given to the job."""

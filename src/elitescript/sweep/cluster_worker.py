@@ -50,6 +50,11 @@ def run_order(work: bytes, order: bytes) -> bytes:
     return _answer(work, lambda executor: [executor.result_of(json.loads(order))])
 
 
+def run_about(work: bytes, number: int) -> bytes:
+    """Return what is known of a number without doing it, in the same way."""
+    return _answer(work, lambda executor: [executor.about(number)])
+
+
 def end_children() -> None:
     """End the children of this process that have no work."""
     _CHILDREN.end(older_than_s=0.0)

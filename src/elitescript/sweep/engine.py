@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from typing import Final, Protocol
 
 from elitescript.sweep.executor import Result
-from elitescript.sweep.plan import Choices, Failure, Plan, Row
-from elitescript.sweep.plan_json import row_of
+from elitescript.sweep.plan import HUNG, Choices, Failure, Plan, Row
+from elitescript.sweep.plan_json import choices_of, row_of
 from elitescript.sweep.seeds import seed_of_run
 from elitescript.sweep.variations import Draw
 
@@ -59,6 +59,8 @@ def row_of_result(plan: Plan, draw: Draw, result: Result) -> Row:
     """
     if not result.lost:
         return row_of(result.value)
+    if result.value is not None:
+        return lost_row(choices_of(result.value), result.lost)
     run = result.number
     return lost_row(Choices(run, seed_of_run(plan.seed, run), draw.values(run)), result.lost)
 
@@ -76,5 +78,5 @@ def lost_row(choices: Choices, state: str) -> Row:
         choices: of the run.
         state: `hung` or `crashed`.
     """
-    text = "it did not come back within --max-wall" if state == "hung" else "its process died, twice"
+    text = "it did not come back within --max-wall" if state == HUNG else "its process died, twice"
     return Row(choices, state, None, failure=Failure(state, state, text=text))

@@ -20,18 +20,25 @@ from elitescript.environment.process import Life, module_command, module_environ
 from elitescript.errors import ElitescriptError, PeerError, UsageError
 from elitescript.records import NamedTuple
 from elitescript.sweep.frames import Frames, framed
+from elitescript.sweep.plan import CRASHED, HUNG
 
 MAX_WALL_S: Final = 60.0
 """Wall time of one piece of work after which its process is ended, *assumed*."""
-
-HUNG: Final = "hung"
-CRASHED: Final = "crashed"
 
 DEATHS_MAX: Final = 2
 """Times that a piece of work that is done alone may end its process."""
 
 STARTS_MAX: Final = 3
 """Processes, one after the other, that may die before they have done anything."""
+
+LATER_STARTS_MAX: Final = 30
+"""The same once one has begun: the job can be done, and something outside ends processes."""
+
+LOOK_S: Final = 1.0
+"""Wall time between two looks at the clock: on Windows, Ctrl-C waits for the next one."""
+
+STOPPED_S: Final = 1.0
+"""A wait that takes this much longer than it should: this process was stopped (Ctrl-Z), or had no processor."""
 
 RANGE_S: Final = 0.5
 """Wall time that a range shall take: long enough that nobody waits, short enough that all end together."""
@@ -50,7 +57,7 @@ class Result(NamedTuple):
 
     Attributes:
         number: of it; -1 of an order.
-        value: what the job returned; None if it did not.
+        value: what the job returned; if it did not, what it has said about this number; None if nothing.
         lost: empty if it did; `hung` if it took too long, `crashed` if its process died twice.
     """
 
@@ -63,7 +70,8 @@ class Executor:
     """Starts child processes and gives them work. Used as a context manager: leaving it ends them.
 
     A child imports `job`, `module:function`, calls it once with `description`, and calls what that returns for each
-    piece of work: with its number, or with what `result_of` is given. What it returns must be JSON-able.
+    piece of work: with its number, or with what `result_of` is given. What it returns must be JSON-able. If it has an
+    attribute `about`, that is called with a number before the work that may be given up, and says what is known of it.
 
     Args:
         job: `module:function`.
@@ -90,6 +98,7 @@ class Executor:
         self._children: list[_Child] = []
         self._news: SimpleQueue[tuple[_Child, list[Any] | None]] = SimpleQueue()
         self._dead_starts = 0
+        self._has_begun = False
         self._each_s = 0.0
         """Wall time of one piece of work, about; 0 before the first."""
 
@@ -118,10 +127,9 @@ class Executor:
         work = _Work(wanted)
         while not work.is_done:
             self._give_out(work)
-            child, messages = self._next_news()
-            if messages is None:
-                lost = HUNG if child.is_late(time.monotonic(), self._max_wall_s) else CRASHED
-                results = work.lost(child.unfinished, lost)
+            child, messages, lost = self._next_news()
+            if lost:
+                results = work.lost(child.unfinished, lost, child.about)
                 child.unfinished = range(0)
                 self._remove(child)
                 if results:
@@ -146,20 +154,33 @@ class Executor:
             UsageError: see `results`.
             ElitescriptError: see there.
         """
+        return self._results_of([["order", order] for order in orders])
+
+    def about(self, number: int) -> Result:
+        """Return what the job says about a number, without doing it.
+
+        Raises:
+            UsageError: see `results`.
+            ElitescriptError: see there.
+        """
+        return self._results_of([["about", number]])[0]
+
+    def _results_of(self, questions: Sequence[list[Any]]) -> list[Result]:
+        """Return what comes of messages that have one answer each, in their order."""
         found: dict[int, Result] = {}
-        waiting = deque(range(len(orders)))
+        waiting = deque(range(len(questions)))
         under_way: dict[_Child, int] = {}
         deaths: Counter[int] = Counter()
-        while len(found) < len(orders):
+        while len(found) < len(questions):
             for child in self._children:
                 if child.is_free and waiting:
                     under_way[child] = waiting.popleft()
-                    child.send(["order", orders[under_way[child]]])
+                    child.orders += 1
+                    child.send(questions[under_way[child]])
             for _ in range(min(self._jobs - len(self._children), len(waiting) - self._starting)):
                 self._start()
-            child, messages = self._next_news()
-            if messages is None:
-                lost = HUNG if child.is_late(time.monotonic(), self._max_wall_s) else CRASHED
+            child, messages, lost = self._next_news()
+            if lost:
                 index = under_way.pop(child, -1)
                 self._remove(child)
                 if index >= 0:
@@ -168,12 +189,12 @@ class Executor:
                         found[index] = Result(-1, None, lost)
                     else:
                         waiting.appendleft(index)
-            for message in messages or ():
+            for message in messages:
                 self._note(child, message)
-                if message[0] == "value":
+                if message[0] in ("value", "about"):
                     child.orders -= 1
                     found[under_way.pop(child)] = Result(-1, message[1])
-        return [found[index] for index in range(len(orders))]
+        return [found[index] for index in range(len(questions))]
 
     # ---------------------------------------------------------------- children
 
@@ -193,9 +214,9 @@ class Executor:
         self._children.remove(child)
         if not child.is_ready:
             self._dead_starts += 1
-            if self._dead_starts >= STARTS_MAX:
+            if self._dead_starts >= (LATER_STARTS_MAX if self._has_begun else STARTS_MAX):
                 raise ElitescriptError(
-                    f"{STARTS_MAX} processes have died before they did anything, with exit code {child.exit_code}"
+                    f"{self._dead_starts} processes have died before they did anything, with exit code {child.exit_code}"
                 )
 
     def _give_out(self, work: _Work) -> None:
@@ -204,27 +225,37 @@ class Executor:
             if child.is_free and work.waiting:
                 size = min(RANGE_MAX, int(RANGE_S / self._each_s)) if self._each_s else FIRST_RANGE
                 child.unfinished = numbers = work.next_range(max(1, min(size, -(-work.waiting // (2 * self._jobs)))))
+                child.about = None
+                if len(numbers) == 1:
+                    child.send(["about", numbers.start])
                 child.send(["range", numbers.start, numbers.stop])
         for _ in range(min(self._jobs - len(self._children), work.waiting - self._starting)):
             self._start()
 
-    def _next_news(self) -> tuple[_Child, list[Any] | None]:
-        """Return a child and its messages; None if it has died, or was ended because it hangs."""
+    def _next_news(self) -> tuple[_Child, list[Any], str]:
+        """Return a child, its messages, and how it is lost: empty, `hung` or `crashed`.
+
+        A child hangs only if nothing has come after a wait: what it has said while this process did something else, or
+        was stopped, comes first.
+        """
         while True:
-            timeout_s = None
+            began_s = time.monotonic()
+            wait_s = LOOK_S
             if self._max_wall_s is not None:
+                since_s = min((child.since_s for child in self._children if child.is_busy), default=began_s)
+                wait_s = min(LOOK_S, max(0.0, since_s + self._max_wall_s - began_s) + 0.01)
+            try:
+                child, messages = self._news.get(timeout=wait_s)
+            except Empty:
                 now_s = time.monotonic()
                 for child in self._children:
-                    if child.is_late(now_s, self._max_wall_s):
-                        return child, None
-                busy = [child.since_s for child in self._children if child.is_busy]
-                timeout_s = max(0.0, min(busy) + self._max_wall_s - now_s) + 0.001 if busy else None
-            try:
-                child, messages = self._news.get(timeout=timeout_s)
-            except Empty:
+                    if now_s - began_s > wait_s + STOPPED_S:
+                        child.since_s = now_s
+                    elif child.is_late(now_s, self._max_wall_s):
+                        return child, [], HUNG
                 continue
             if child in self._children:
-                return child, messages
+                return child, messages or [], CRASHED if messages is None else ""
 
     def _values(self, child: _Child, message: list[Any], work: _Work) -> Iterator[list[Result]]:
         now_s = time.monotonic()
@@ -237,6 +268,8 @@ class Executor:
             assert is_done is not bool(child.unfinished)
             work.done(numbers)
             yield [Result(number, value) for number, value in zip(numbers, values, strict=True)]
+        elif message[0] == "about":
+            child.about = message[1]
         self._note(child, message)
         child.since_s = now_s
 
@@ -245,6 +278,7 @@ class Executor:
             child.is_ready = True
             child.since_s = time.monotonic()
             self._dead_starts = 0
+            self._has_begun = True
         elif message[0] == "error":
             _, kind, text = message
             if kind == "usage":
@@ -258,12 +292,13 @@ class _Child:
     Attributes:
         unfinished: numbers that it has, and that have not come back.
         orders: that it has, and that have not come back.
+        about: what it has said about the one number that it has; None if nothing.
         since_s: when it last said something, by the clock of `time.monotonic`.
         is_ready: whether it has begun.
         exit_code: of the process, once it has ended.
     """
 
-    __slots__ = ("_life", "_process", "_thread", "exit_code", "is_ready", "orders", "since_s", "unfinished")
+    __slots__ = ("_life", "_process", "_thread", "about", "exit_code", "is_ready", "orders", "since_s", "unfinished")
 
     def __init__(
         self,
@@ -274,6 +309,7 @@ class _Child:
     ) -> None:
         self.unfinished = range(0)
         self.orders = 0
+        self.about: Any = None
         self.since_s = time.monotonic()
         self.is_ready = False
         self.exit_code: int | None = None
@@ -311,7 +347,6 @@ class _Child:
 
     def send(self, message: list[Any]) -> None:
         """Give it work; one that has died meanwhile takes none, which its thread reports."""
-        self.orders += message[0] == "order"
         self.since_s = time.monotonic()
         assert self._process.stdin is not None
         with suppress(OSError):
@@ -385,8 +420,14 @@ class _Work:
         """Note that numbers have come back."""
         self._left -= len(numbers)
 
-    def lost(self, numbers: range, lost: str) -> list[Result]:
-        """Take numbers back from a process that has ended; return what came of those that are given up."""
+    def lost(self, numbers: range, lost: str, about: Any = None) -> list[Result]:
+        """Take numbers back from a process that has ended; return what came of those that are given up.
+
+        Args:
+            numbers: that it had.
+            lost: `hung` or `crashed`.
+            about: what is known of the number, if it is one.
+        """
         if not numbers:
             return []
         if len(numbers) == 1:
@@ -394,7 +435,7 @@ class _Work:
             self._deaths[number] += 1
             if lost == HUNG or self._deaths[number] >= DEATHS_MAX:
                 self._left -= 1
-                return [Result(number, None, lost)]
+                return [Result(number, about, lost)]
         self._alone.extend(numbers[:ALONE])
         if rest := numbers[ALONE:]:
             self._ranges.appendleft(rest)

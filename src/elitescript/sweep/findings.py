@@ -12,9 +12,9 @@ from elitescript.records import field, record
 from elitescript.sweep.cases import FILE_NAME, SUFFIX, Case, digest_of, is_case, read_case, relative_to, write_case
 from elitescript.sweep.chaos.ground import Ears
 from elitescript.sweep.engine import Engine
-from elitescript.sweep.plan import Choices, Failure, Plan, Row
+from elitescript.sweep.plan import LOST, Choices, Failure, Plan, Row
 from elitescript.sweep.shrinking import BUDGET, Shrunk, is_same, shrink
-from elitescript.sweep.single import ERROR, Runner
+from elitescript.sweep.single import Runner
 from elitescript.sweep.story import Story, tell
 from elitescript.sweep.variations import plain_value
 
@@ -23,9 +23,6 @@ KINDS_MAX: Final = 5
 
 CASES_MAX: Final = 100
 """Cases of one folder that are played before a sweep, and names that are tried for a new one."""
-
-LOST: Final = ("hung", "crashed", ERROR)
-"""States of runs that are not run again to be shrunk: there is nothing to compare, or each one takes --max-wall."""
 
 
 @record
@@ -106,6 +103,7 @@ def find(
     """
     assert first.failure is not None
     choices, failure, tried, story = first.choices, first.failure, 0, None
+    # Of those there is nothing to compare, or each candidate takes --max-wall.
     if first.state not in LOST:
         shrunk = _shrunk(choices, failure, runner.plan, engine)
         choices, tried = shrunk.choices, shrunk.runs

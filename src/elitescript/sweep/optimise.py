@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 from elitescript.errors import UsageError
 from elitescript.records import field, record, replace
 from elitescript.sweep.engine import Engine
-from elitescript.sweep.plan import Choices, Plan, Row, Variation
+from elitescript.sweep.plan import LOST, Choices, Plan, Row, Variation
 from elitescript.sweep.seeds import seed_of_run
 from elitescript.sweep.single import Runner
 from elitescript.sweep.variations import Draw
@@ -43,7 +43,7 @@ LOCAL_SHARE: Final = 0.25
 LEAST_STEP: Final = 0.002
 """Share of its range below which a step is no step."""
 
-UNACCEPTABLE: Final = ("alarm", "stuck", "error", "crashed", "hung")
+UNACCEPTABLE: Final = ("alarm", "stuck", *LOST)
 """States that no objective can make good."""
 
 

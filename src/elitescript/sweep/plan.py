@@ -7,11 +7,24 @@ the row, on any computer of one platform.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
 from elitescript import __version__
 from elitescript.messages.signals import Value
 from elitescript.records import field, record
+
+
+HUNG: Final = "hung"
+"""State of a run that did not come back in time."""
+
+CRASHED: Final = "crashed"
+"""State of a run whose process died."""
+
+ERROR: Final = "error"
+"""State of a run that could not begin, or whose device failed."""
+
+LOST: Final = (HUNG, CRASHED, ERROR)
+"""States of runs of which there is no record. Each is also what is written as the property that did not hold."""
 
 
 @record

@@ -13,7 +13,7 @@ from elitescript.records import NamedTuple
 from elitescript.sweep.cases import Case, digest_of, read_case
 from elitescript.sweep.chaos.ground import Ears
 from elitescript.sweep.making import make_plan
-from elitescript.sweep.plan import Plan, Row, Variation
+from elitescript.sweep.plan import LOST, Plan, Row, Variation
 from elitescript.sweep.shrinking import is_same
 from elitescript.sweep.single import Runner
 from elitescript.sweep.story import Story, tell
@@ -106,7 +106,8 @@ class Replay:
         row, run = self.runner.play(self.case.choices, before=prepare, trace=trace, on_event=on_event)
         expected, found = self.case.failure, row.failure
         if found is None:
-            return Played(row, run, f"the failure did not come again: {expected.expression} holds now", None)
+            holds = "the run comes back now" if expected.state in LOST else f"{expected.expression} holds now"
+            return Played(row, run, f"the failure did not come again: {holds}", None)
         words = f"{expected.expression} does not hold"
         if is_same(found, expected):
             words = f"the failure came again: {words}"
@@ -145,7 +146,7 @@ def plan_of(case: Case, folder: Path, program: Path) -> Plan:
         variations=[_variation(case, name, value) for name, value in case.values.items()],
         seed=case.sweep_seed,
         until_s=case.until_s,
-        ensure=[text],
+        ensure=[] if case.failure.state in LOST else [text],
         step_s=case.step_s,
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from base64 import b64decode
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -32,8 +33,8 @@ from elitescript.properties.verdicts import Measure, Property
 from elitescript.robot import VirtualRobot
 from elitescript.sweep.chaos.properties import BUILT_INS, BuiltInProperty, is_built_in
 from elitescript.sweep.chaos.session import ChaosSession
-from elitescript.sweep.plan import Choices, Failure, Plan, Row
-from elitescript.sweep.plan_json import choices_of, plan_of, row_data
+from elitescript.sweep.plan import CRASHED, ERROR, Choices, Failure, Plan, Row
+from elitescript.sweep.plan_json import choices_data, choices_of, plan_of, row_data
 from elitescript.sweep.program_values import MARK, put_presets
 from elitescript.sweep.python_files import PythonFiles
 from elitescript.sweep.seeds import seed_of_name, seed_of_run
@@ -50,9 +51,6 @@ if TYPE_CHECKING:
 
 _HERE: Final = "<python>"
 """Stands for the file of functions that are no text."""
-
-ERROR: Final = "error"
-"""State of a run that could not begin, or whose device failed."""
 
 
 class Runner:
@@ -363,15 +361,40 @@ def _rounded(value: Any) -> Any:
 # ---------------------------------------------------------------- in a child process
 
 
-def job(description: Any) -> Callable[[Any], Any]:
+def job(description: Any) -> _Job:
     """Return what a child process does: rows as JSON has them, for numbers of runs or for choices.
 
     Args:
         description: a plan as JSON has it.
     """
-    runner = Runner(plan_of(description))
+    return _Job(Runner(plan_of(description)))
 
-    def row(order: Any) -> list[Any]:
-        return row_data(runner.run(runner.choices_of(order) if isinstance(order, int) else choices_of(order)))
 
-    return row
+class _Job:
+    """Runs what it is given; a mistake in the product itself costs one run too.
+
+    Args:
+        runner: of the plan.
+    """
+
+    __slots__ = ("_runner",)
+
+    def __init__(self, runner: Runner) -> None:
+        self._runner = runner
+
+    def __call__(self, order: Any) -> list[Any]:
+        """Return the row of a number, or of choices, as JSON has it."""
+        choices = self._runner.choices_of(order) if isinstance(order, int) else choices_of(order)
+        try:
+            row = self._runner.run(choices)
+        except MemoryError:
+            raise
+        except Exception as error:
+            traceback.print_exc()
+            text = f"elitescript has failed: {type(error).__name__}: {error}"
+            row = Row(choices, CRASHED, None, failure=Failure(CRASHED, CRASHED, text=text))
+        return row_data(row)
+
+    def about(self, number: int) -> dict[str, Any]:
+        """Return the choices of a run, as JSON has them."""
+        return choices_data(self._runner.choices_of(number))

@@ -5,12 +5,14 @@ standard output, as `frames`; what the work prints goes to standard error. The f
 the job gets. Then there come
 
     ["range", FIRST, STOP]   numbers FIRST to STOP - 1, one after the other
+    ["about", NUMBER]        what is known of a number before it is done: asked for before a range of that number alone
     ["order", DATA]          one piece of work without a number
 
 and go
 
     ["ready"]
     ["values", FIRST, VALUES, IS_DONE]   of numbers from FIRST on; IS_DONE with the last ones of the range
+    ["about", VALUE]                     what the job says about that number; None if it says nothing about any
     ["value", VALUE]                     of an order
     ["error", KIND, TEXT]                the job refuses: KIND is `usage`, `program` or `fault`; the process ends
 """
@@ -82,6 +84,9 @@ def _serve(job: str, send: Callable[..., None]) -> None:
     for message in messages:
         if message[0] == "order":
             send("value", work(message[1]))
+        elif message[0] == "about":
+            about = getattr(work, "about", None)
+            send("about", None if about is None else about(message[1]))
         else:
             _, first, stop = message
             _work_through(range(first, stop), work, send)

@@ -1,0 +1,70 @@
+"""Runs that do not come back: their rows have what was drawn for them, and their cases can be played."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from elitescript.sweep.cases import read_case
+from elitescript.sweep.engine import row_of_result
+from elitescript.sweep.executor import Result
+from elitescript.sweep.findings import Places, find
+from elitescript.sweep.here import HereEngine
+from elitescript.sweep.making import make_plan
+from elitescript.sweep.plan import CRASHED, HUNG, Choices, Disturbance, Failure, Plan, Row
+from elitescript.sweep.plan_json import choices_data, plan_data, row_of
+from elitescript.sweep.replay import Replay
+from elitescript.sweep.single import Runner, job
+from elitescript.sweep.variations import Draw, parse_variation
+
+PROGRAM = "def p():\n  n = 1\n  sleep(0.1)\nend\n"
+VARIED = (parse_variation("n=grid(0, 2, 3)"),)
+
+
+def test_a_row_has_the_values_and_the_disturbances_of_its_run() -> None:
+    plan = Plan(PROGRAM, variations=VARIED)
+    draw = Draw(plan.variations, plan.seed)
+    choices = Choices(1, 5953918811640664, {"n": 1}, (Disturbance("push", "", 0.5),))
+    row = row_of_result(plan, draw, Result(1, choices_data(choices), HUNG))
+    assert (row.choices, row.state, row.time_s, row.failed) == (choices, "hung", None, "hung")
+    # What ended every process before it could say anything: at least what its number says.
+    assert row_of_result(plan, draw, Result(1, None, CRASHED)).choices == Choices(1, 5953918811640664, {"n": 1})
+
+
+def test_a_child_says_what_is_drawn_for_a_run_before_it() -> None:
+    plan = Plan(PROGRAM, variations=VARIED)
+    assert job(plan_data(plan)).about(2) == choices_data(Runner(plan).choices_of(2))
+
+
+def test_a_mistake_of_the_product_costs_one_run(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    work = job(plan_data(Plan(PROGRAM, variations=VARIED)))
+    run = Runner.run
+
+    def fails(runner: Runner, choices: Choices) -> Row:
+        return run(runner, choices) if choices.run else [][choices.run]
+
+    monkeypatch.setattr(Runner, "run", fails)
+    first, second = row_of(work(0)), row_of(work(1))
+    assert first.failure == Failure(
+        "crashed", "crashed", text="elitescript has failed: IndexError: list index out of range"
+    )
+    assert (first.choices.values, second.state) == ({"n": 0}, "finished")
+    assert "Traceback" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("state", ["hung", "crashed", "error"])
+def test_the_case_of_a_lost_run_can_be_played(state: str, tmp_path: Path) -> None:
+    program = tmp_path / "p.script"
+    program.write_text(PROGRAM)
+    plan = make_plan(program, variations=VARIED)
+    runner = Runner(plan)
+    choices = runner.choices_of(2)
+    row = Row(choices, state, None, failure=Failure(state, state, text="it is lost"))
+    engine: Any = HereEngine(runner)
+    found = find(row, runner, engine, Places(tmp_path, str(program)))
+    assert read_case(found.case).failure.state == state
+    assert Replay(found.case).play().words == "the failure did not come again: the run comes back now"
