@@ -215,9 +215,8 @@ class Executor:
         if not child.is_ready:
             self._dead_starts += 1
             if self._dead_starts >= (LATER_STARTS_MAX if self._has_begun else STARTS_MAX):
-                raise ElitescriptError(
-                    f"{self._dead_starts} processes have died before they did anything, with exit code {child.exit_code}"
-                )
+                died = f"{self._dead_starts} processes have died before they did anything"
+                raise ElitescriptError(f"{died}, with exit code {child.exit_code}")
 
     def _give_out(self, work: _Work) -> None:
         """Give work to every child that has none, and start children while there is more than they can have."""

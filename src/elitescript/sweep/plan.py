@@ -13,7 +13,6 @@ from elitescript import __version__
 from elitescript.messages.signals import Value
 from elitescript.records import field, record
 
-
 HUNG: Final = "hung"
 """State of a run that did not come back in time."""
 
