@@ -63,6 +63,8 @@ def test_arguments_that_make_no_sense() -> None:
         sweep(PROGRAM, ensure=[3])  # type: ignore[list-item]
     with pytest.raises(UsageError, match=r"vary pause_s=uniform\(1\): 1 value given"):
         sweep(PROGRAM, vary={"pause_s": "uniform(1)"})
+    with pytest.raises(UsageError, match="max_wall_s must be > 0 s, got 0"):
+        sweep(PROGRAM, max_wall_s=0)
     with pytest.raises(UsageError, match="resume goes with out"):
         sweep(PROGRAM, resume=True)
     with pytest.raises(TypeError, match="did you mean 'speed'"):

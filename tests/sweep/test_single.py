@@ -242,3 +242,9 @@ def test_properties_measures_and_margins() -> None:
     assert [row.measures["twice"] for row in rows] == [0.504, 1.0, 1.504]
     with pytest.raises(UsageError, match="tim_s"):
         Runner(replace(plan, ensure=("tim_s < 1",)))
+
+
+def test_a_measure_that_no_table_takes_is_none() -> None:
+    plan = Plan("def p():\n  global x\n  x = 10 ** 400\nend\n", measures={"m": 'globals["x"]', "i": "1e308 * 1e10"})
+    runner = Runner(plan)
+    assert runner.run(runner.choices_of(0)).measures == {"m": None, "i": None}

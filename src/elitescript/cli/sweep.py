@@ -54,8 +54,8 @@ def sweep(options: argparse.Namespace) -> int:
     """Run the sweep of the command line; return the exit code."""
     variations = [parse_variation(text) for text in options.vary]
     out = None if options.out is None else Path(options.out)
-    part = None if out is None else out.with_name(out.name + SUFFIX)
     _check_out(options, out)
+    part = None if out is None else out.with_name(out.name + SUFFIX)
     if options.page is not None and not is_built():
         raise UsageError(f"--page: {NOT_BUILT}")
     plan = make_plan(
@@ -74,6 +74,8 @@ def sweep(options: argparse.Namespace) -> int:
         has_margins=options.margins,
         without_files=[path for path in (out, part, options.page and Path(options.page)) if path],
     )
+    if options.json and "type" in columns(plan):
+        raise UsageError("--json: a column called 'type' would hide what each line is; choose another name")
     if searches(options):
         return search_values(options, plan, _engine(options), out)
     runs = runs_of(variations, options.runs)

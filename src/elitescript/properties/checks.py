@@ -14,6 +14,7 @@ Example:
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import isfinite
 from typing import Literal
 
 from elitescript.controller.views.trace import step_ticks
@@ -97,4 +98,15 @@ class Watching:
         verdicts = tuple(watch.verdict(run, end_tick) for watch in self._watches)
         measures = {name: watch.value(run, end_tick) for name, watch in self._measures.items()}
         reasons = {name: watch.reason for name, watch in self._measures.items() if watch.reason}
+        for name, value in measures.items():
+            if value is not None and not _fits(value):
+                measures[name], reasons[name] = None, "the number is too large"
         return Results(verdicts, measures, reasons)
+
+
+def _fits(value: Value) -> bool:
+    """Return whether a number can be added to others and written into a table of floating-point numbers."""
+    try:
+        return isfinite(value)
+    except OverflowError:
+        return False

@@ -26,6 +26,9 @@ from elitescript.world_file import tables_of, world_text
 RUNS: Final = 100
 """Runs of a sweep without a grid, unless it is said."""
 
+RUNS_MAX: Final = 10**12
+"""Runs of a sweep at most: those of a thousand processors in thirty years."""
+
 _FILE_WORDS: Final = re.compile(r"\b(open|get_task_path|import|\w*file\w*|\w*micro\w*)\b")
 """What a program has that reaches its task folder."""
 
@@ -34,13 +37,15 @@ def runs_of(variations: Sequence[Variation], runs: int | None) -> int:
     """Return the number of runs: what is asked for, else every point of the grids once, else `RUNS`.
 
     Raises:
-        UsageError: less than one.
+        UsageError: less than one, or more than anybody will see.
     """
     if runs is None:
         has_grid = any(row.kind == "grid" for row in variations)
         return grid_size(variations) if has_grid else RUNS
     if runs < 1:
         raise UsageError(f"--runs must be 1 or more, got {runs}")
+    if runs > RUNS_MAX:
+        raise UsageError(f"--runs must be {RUNS_MAX} at most, got {runs}")
     return runs
 
 

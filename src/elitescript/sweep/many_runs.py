@@ -107,11 +107,11 @@ def sweep(
     checks = [ensure] if isinstance(ensure, str) or callable(ensure) else list(ensure)
     functions: dict[str, Callable[[Run], Any]] = {}
     table = None if out is None else Path(out)
-    part = None if table is None else table.with_name(table.name + SUFFIX)
     if table is None and resume:
         raise UsageError("resume goes with out, beside which the rows so far are kept")
     if table is not None:
         format_of(table)
+    part = None if table is None else table.with_name(table.name + SUFFIX)
     plan = make_plan(
         program,
         world=world,
@@ -137,6 +137,8 @@ def sweep(
         )
     if jobs is not None and jobs < 1:
         raise UsageError(f"jobs must be >= 1, got {jobs}")
+    if max_wall_s is not None and not max_wall_s > 0.0:
+        raise UsageError(f"max_wall_s must be > 0 s, got {max_wall_s:g}")
     result = Sweep(runner)
     kept = result.journal
     totals = Totals(plan.variations, properties_of(plan), tuple(plan.measures))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import isfinite
+from math import inf, isfinite
 from typing import Any, Final
 
 from elitescript.environment.start_values import literal_of
@@ -18,6 +18,9 @@ FORMS: Final = {
     "grid": "grid(a, b, points)",
 }
 """Kinds of variations, and how each is written."""
+
+LARGEST: Final = 1e300
+"""Size of a number: distances and spreads are finite too."""
 
 GRID_MAX: Final = 10**12
 """Points of all grids together at most."""
@@ -90,7 +93,10 @@ def checked(variation: Variation, called: str) -> Variation:
     if len(arguments) != (3 if kind == "grid" else 2):
         raise UsageError(f"{called}: {len(arguments)} value{'' if len(arguments) == 1 else 's'} given; {form}")
     for value in arguments:
-        if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        if is_number and LARGEST < abs(value) < inf:
+            raise UsageError(f"{called}: a number is too large; at most {LARGEST:g} makes sense")
+        if not is_number or not isfinite(value):
             raise UsageError(f"{called}: {value!r} is no number; {form}")
     a, b = arguments[:2]
     if kind == "uniform" and not a <= b:
