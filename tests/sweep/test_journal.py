@@ -29,14 +29,41 @@ def test_rows_come_back_in_their_order(tmp_path: Path) -> None:
         assert journal.missing(5) == [range(2, 4)]
         assert list(journal.rows(10)) == [row(run) for run in (0, 1, 4, 5, 6, 7)]
         assert list(journal.rows(5)) == [row(run) for run in (0, 1, 4)]
-        assert list(journal.rows_from(4)) == [row(run) for run in (4, 5, 6, 7)]
-        assert list(journal.rows_from(2)) == []
+        assert list(journal.rows_from(4, 10)) == [row(run) for run in (4, 5, 6, 7)]
+        assert list(journal.rows_from(4, 7)) == [row(run) for run in (4, 5, 6)]
+        assert list(journal.rows_from(2, 10)) == []
     with Journal(journal.path, PLAN, resumes=True) as journal:
         assert journal.done == 6
         journal.add([row(2), row(3)])
-        assert list(journal.rows_from(0)) == [row(run) for run in range(8)]
+        assert list(journal.rows_from(0, 10)) == [row(run) for run in range(8)]
     with Journal(journal.path, PLAN, resumes=False) as journal:
         assert journal.missing(3) == [range(3)]
+
+
+def test_a_journal_belongs_to_one_sweep_at_a_time(tmp_path: Path) -> None:
+    path = tmp_path / "out.csv.part"
+    with Journal(path, PLAN, resumes=False) as journal:
+        journal.add([row(0)])
+        for resumes in (False, True):
+            with pytest.raises(UsageError, match="another sweep writes it"):
+                Journal(path, PLAN, resumes=resumes)
+        journal.add([row(1)])
+        assert list(journal.rows(2)) == [row(0), row(1)]
+    with Journal(path, PLAN, resumes=True) as journal:
+        assert journal.done == 2
+        journal.delete()
+    assert not path.exists()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
+def test_a_disk_that_is_full_is_said(tmp_path: Path) -> None:
+    with Journal(tmp_path / "out.csv.part", PLAN, resumes=False) as journal:
+        journal.add([row(0)])
+        whole, journal._file = journal._file, open("/dev/full", "wb")  # noqa: SIM115
+        with pytest.raises(UsageError, match=r"out\.csv\.part: No space left .*; --resume goes on with what is there"):
+            journal.add([row(1)])
+        assert list(journal.rows(2)) == [row(0)]
+        whole.close()
 
 
 def test_a_torn_line_and_what_follows_it_are_dropped(tmp_path: Path) -> None:

@@ -139,7 +139,7 @@ def _go(options: argparse.Namespace, sweeping: Sweeping, runner: Runner, out: Pa
         print(f"elitescript sweep: ended by Ctrl-C; {done}; {rest}", file=sys.stderr)
         return INTERRUPTED
     if out is not None:
-        sweeping.journal.path.unlink()
+        sweeping.journal.delete()
     return FAILS if sweeping.failed or any(row.row.failure is not None for row in known) else HOLDS
 
 

@@ -76,6 +76,8 @@ class Disk:
             if sys.platform == "win32":
                 import msvcrt
 
+                # Behind everything that is in the file: nobody else can write the byte that is locked.
+                os.lseek(file.fileno(), 1 << 40, os.SEEK_SET)
                 try:
                     msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
                 except OSError as error:

@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any, Final
 from zlib import crc32
 
+from elitescript.environment.state_file import Disk
 from elitescript.errors import UsageError
 from elitescript.sweep.plan import Plan, Row
 from elitescript.sweep.plan_json import data_digest, plan_data, row_data, row_of
@@ -35,7 +37,8 @@ class Journal:
         path: see above.
 
     Raises:
-        UsageError: the file belongs to another plan, or is no journal; the text names the first difference.
+        UsageError: another sweep writes this file, or it belongs to another plan, or is no journal; the text names the
+            first difference.
     """
 
     def __init__(self, path: Path, plan: Plan, *, resumes: bool) -> None:
@@ -43,19 +46,33 @@ class Journal:
         self._places: dict[int, tuple[int, int]] = {}
         """Where the rows of a range begin, by its first number: offset in the file, and the number behind the last."""
         parts = plan_parts(plan)
-        end = self._read(parts) if resumes and path.exists() else 0
-        self._file: IO[bytes] = path.open("r+b" if end else "w+b")
+        self._lock = _locked(path)
+        try:
+            end = self._read(parts) if resumes and path.exists() else 0
+            self._file: IO[bytes] = path.open("r+b" if end else "w+b")
+        except BaseException:
+            self._lock.close()
+            raise
         self._file.truncate(end)
         self._file.seek(end)
         if not end:
             self._write({"journal": _FORMAT, "digest": data_digest(parts), "plan": parts})
-            self._file.flush()
 
     def __enter__(self) -> Journal:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._file.close()
+        try:
+            # What could not be written is no news.
+            with suppress(OSError):
+                self._file.close()
+        finally:
+            self._lock.close()
+
+    def delete(self) -> None:
+        """Close the file and delete it; it may be gone."""
+        self.__exit__()
+        self.path.unlink(missing_ok=True)
 
     @property
     def done(self) -> int:
@@ -75,11 +92,14 @@ class Journal:
         return [numbers for numbers in found if numbers]
 
     def add(self, rows: list[Row]) -> None:
-        """Write down the rows of runs whose numbers follow each other."""
+        """Write down the rows of runs whose numbers follow each other.
+
+        Raises:
+            UsageError: they cannot be written; those before are kept.
+        """
         first = rows[0].choices.run
         offset = self._file.tell()
         self._write({"first": first, "rows": [row_data(row) for row in rows]})
-        self._file.flush()
         self._places[first] = (offset, first + len(rows))
 
     def rows(self, runs: int) -> Iterator[Row]:
@@ -94,18 +114,28 @@ class Journal:
                     if row.choices.run < runs:
                         yield row
 
-    def rows_from(self, first: int) -> Iterator[Row]:
-        """Yield the rows from a number on, the first of a range that was added, up to the first that is missing."""
-        while first in self._places:
+    def rows_from(self, first: int, runs: int) -> Iterator[Row]:
+        """Yield the rows from a number on, the first of a range that was added, up to the first that is missing.
+
+        Args:
+            first: the number.
+            runs: no row of this number, or above, is yielded.
+        """
+        while first < runs and first in self._places:
             offset, stop = self._places[first]
             with self.path.open("rb") as file:
                 file.seek(offset)
-                yield from map(row_of, _content(file.readline())["rows"])
+                rows = _content(file.readline())["rows"]
+            yield from map(row_of, rows[: runs - first])
             first = stop
 
     def _write(self, content: Any) -> None:
         text = json.dumps(content, separators=(",", ":"), check_circular=False).encode("ascii")
-        self._file.write(b"%b %08x\n" % (text, crc32(text)))
+        try:
+            self._file.write(b"%b %08x\n" % (text, crc32(text)))
+            self._file.flush()
+        except OSError as error:
+            raise UsageError(f"{self.path}: {error.strerror or error}; --resume goes on with what is there") from error
 
     def _read(self, parts: Mapping[str, Any]) -> int:
         """Take in what is in the file; return where its last complete line ends."""
@@ -138,6 +168,22 @@ def _content(line: bytes) -> Any:
         return json.loads(text)
     except ValueError:
         return None
+
+
+def _locked(path: Path) -> IO[bytes]:
+    """Return what keeps a file for this process until it is closed; it is made if there is none.
+
+    Raises:
+        UsageError: another process has it.
+        OSError: it cannot be opened.
+    """
+    try:
+        return Disk().lock(path)
+    except BlockingIOError:
+        raise UsageError(f"{path}: another sweep writes it; wait for it, or give --out another name") from None
+    except OSError:
+        # Some file systems of clusters have no locks.
+        return path.open("ab")
 
 
 # ---------------------------------------------------------------- plans compared

@@ -70,7 +70,7 @@ class Sweeping:
         return self.journal.rows(self.runs)
 
     def finish(self, out: Path | None, look: Callable[[Row], None] | None = None) -> None:
-        """Write the table, and delete the journal; every row is looked at on the way.
+        """Write the table; every row is looked at on the way.
 
         Args:
             out: the table; None for none.
@@ -97,7 +97,7 @@ class Sweeping:
         """Show the rows of the journal as far as none is missing; each step goes on from there."""
         at = self._first
         while True:
-            for row in self.journal.rows_from(at):
+            for row in self.journal.rows_from(at, self.runs):
                 show(row)
                 at = row.choices.run + 1
             yield
