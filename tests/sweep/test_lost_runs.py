@@ -10,7 +10,7 @@ import pytest
 from elitescript.sweep.cases import read_case
 from elitescript.sweep.engine import row_of_result
 from elitescript.sweep.executor import Result
-from elitescript.sweep.findings import Places, find
+from elitescript.sweep.findings import Places, find, remembered
 from elitescript.sweep.here import HereEngine
 from elitescript.sweep.making import make_plan
 from elitescript.sweep.plan import CRASHED, HUNG, Choices, Disturbance, Failure, Plan, Row
@@ -68,3 +68,19 @@ def test_the_case_of_a_lost_run_can_be_played(state: str, tmp_path: Path) -> Non
     found = find(row, runner, engine, Places(tmp_path, str(program)))
     assert read_case(found.case).failure.state == state
     assert Replay(found.case).play().words == "the failure did not come again: the run comes back now"
+
+
+def test_a_case_that_cannot_be_read_is_said_and_left_out(tmp_path: Path) -> None:
+    program = tmp_path / "p.script"
+    program.write_text(PROGRAM)
+    places = Places(tmp_path, str(program))
+    runner = Runner(make_plan(program, variations=VARIED))
+    engine: Any = HereEngine(runner)
+    row = Row(runner.choices_of(2), "crashed", None, failure=Failure("crashed", "crashed", text="it is lost"))
+    first, second = find(row, runner, engine, places).case, find(row, runner, engine, places).case
+    first.write_text("program = 3\n")
+    notes: list[str] = []
+    assert [case.path for case in remembered(runner, engine, places, notes.append)] == [second]
+    assert len(notes) == 1
+    assert notes[0].startswith(f"{first}:1: expect: is missing")
+    assert notes[0].endswith("; this case is not played")

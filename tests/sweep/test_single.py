@@ -206,8 +206,12 @@ def test_the_task_folder_is_a_copy_for_each_run(tmp_path: Path) -> None:
     (tmp_path / "large").write_bytes(b"\0" * 10_000_001)
     with pytest.raises(UsageError, match="more than 10 MB"):
         make_plan(tmp_path / "p.script")
-    (tmp_path / "p.script").write_text("def p():\n  sleep(1)\nend\n")
+    (tmp_path / "p.script").write_text("def p():\n  # open the file\n  textmsg('open the gripper')\nend\n")
     assert make_plan(tmp_path / "p.script").files == {}
+    (tmp_path / "large").unlink()
+    for text in ("from math import pi", "exec('f = op' + 'en(name)')", "x = read_file_of('n')"):
+        (tmp_path / "p.script").write_text(f"def p():\n  {text}\nend\n")
+        assert sorted(make_plan(tmp_path / "p.script", without_files=[tmp_path / "out.csv.part"]).files) != []
 
 
 def test_a_row_is_that_of_the_same_run_alone() -> None:

@@ -95,9 +95,10 @@ def sweep(options: argparse.Namespace) -> int:
     with ExitStack() as stack:
         if part is None:
             part = Path(stack.enter_context(TemporaryDirectory(prefix="elitescript-sweep-"))) / "journal"
-        elif part.exists() and not options.resume:
-            print(f"elitescript sweep: {part} is written anew; --resume would have gone on with it", file=sys.stderr)
+        is_overwritten = part.exists() and not options.resume
         journal = stack.enter_context(Journal(part, plan, resumes=options.resume))
+        if is_overwritten:
+            _note(f"{part} is written anew; --resume would have gone on with it")
         sweeping = Sweeping(plan, runs, journal, first)
         if sweeping.done and not options.json:
             print(f"{sweeping.done:,} of {runs:,} runs are there already", file=sys.stderr)
@@ -120,7 +121,7 @@ def _go(options: argparse.Namespace, sweeping: Sweeping, runner: Runner, out: Pa
     is_interrupted = False
     with _engine(options) as engine:
         try:
-            known = [] if options.no_cases or options.only is not None else remembered(runner, engine, places)
+            known = [] if options.no_cases or options.only is not None else remembered(runner, engine, places, _note)
             reports.remembered(known)
             sweeping.go(engine, _Meter(sweeping).update, reports.row)
         except KeyboardInterrupt:
@@ -202,11 +203,15 @@ def _engine(options: argparse.Namespace) -> Engine:
             max_wall_s=options.max_wall,
             memory_bytes=memory_bytes,
             is_mixed=options.mixed,
-            note=lambda text: print(f"elitescript sweep: {text}", file=sys.stderr),
+            note=_note,
         )
     if options.mixed:
         raise UsageError("--mixed goes with --dask")
     return LocalEngine(jobs, max_wall_s=options.max_wall, memory_bytes=memory_bytes)
+
+
+def _note(text: str) -> None:
+    print(f"elitescript sweep: {text}", file=sys.stderr)
 
 
 class _Meter:

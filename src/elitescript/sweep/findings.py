@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -180,18 +180,25 @@ def _free_name(folder: Path) -> Path:
     raise UsageError(f"{folder}: there are {CASES_MAX} cases already; delete those that hold")
 
 
-def remembered(runner: Runner, engine: Engine, places: Places) -> list[Remembered]:
+def remembered(runner: Runner, engine: Engine, places: Places, note: Callable[[str], None]) -> list[Remembered]:
     """Play the cases of earlier sweeps of a program again, as far as they vary what is varied now.
 
-    Raises:
-        UsageError: a case cannot be read.
+    Args:
+        runner: of the plan.
+        engine: runs the cases.
+        places: of the files.
+        note: called with a text for each case that cannot be read, and is left out.
     """
     plan = runner.plan
     names = {row.name for row in plan.variations}
     found = []
     files = sorted(path for path in places.folder.iterdir() if path.is_file() and is_case(path.name))
     for path in files[:CASES_MAX]:
-        case = read_case(path)
+        try:
+            case = read_case(path)
+        except UsageError as error:
+            note(f"{error}; this case is not played")
+            continue
         program = (path.parent / case.program).resolve()
         world = (path.parent / case.world).resolve() if case.world else None
         is_ours = program == Path(places.program).resolve() and set(case.values) == names

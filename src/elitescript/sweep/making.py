@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from base64 import b64encode
 from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -14,6 +15,8 @@ from elitescript.environment.program_file import source_of
 from elitescript.errors import UsageError
 from elitescript.kernel.arm import named_model
 from elitescript.kernel.options import ROBOT_SECTION
+from elitescript.language.parser import parse
+from elitescript.language.text.source import SourceFile
 from elitescript.properties.parsing import function_place
 from elitescript.sweep.cases import is_case
 from elitescript.sweep.page import REPLAYS
@@ -29,8 +32,8 @@ RUNS: Final = 100
 RUNS_MAX: Final = 10**12
 """Runs of a sweep at most: those of a thousand processors in thirty years."""
 
-_FILE_WORDS: Final = re.compile(r"\b(open|get_task_path|import|\w*file\w*|\w*micro\w*)\b")
-"""What a program has that reaches its task folder."""
+_FILE_NAMES: Final = re.compile(r"\b(open|get_task_path|import|eval|exec|\w*file\w*|\w*micro\w*)\b")
+"""Names of a program that reach its task folder."""
 
 
 def runs_of(variations: Sequence[Variation], runs: int | None) -> int:
@@ -111,7 +114,7 @@ def make_plan(
     measures = {name: _with_files(text, python) for name, text in (measures or {}).items()}
     folder = Path(task_dir) if task_dir is not None else path.resolve().parent if is_file else None
     files: dict[str, str] = {}
-    if folder is not None and (task_dir is not None or _FILE_WORDS.search(source.text)):
+    if folder is not None and (task_dir is not None or _reaches_files(source)):
         files = _task_files(folder, {*map(Path.resolve, without_files)})
     plan = Plan(
         program=source.text,
@@ -133,6 +136,18 @@ def make_plan(
     )
     columns(plan)
     return plan
+
+
+def _reaches_files(source: SourceFile) -> bool:
+    """Return whether a program has a name that reaches its task folder; texts and comments do not count."""
+    parsed = parse(source)
+    if parsed.has_errors:
+        return bool(_FILE_NAMES.search(source.text))
+    for node in ast.walk(parsed.tree):
+        name = node.id if isinstance(node, ast.Name) else node.attr if isinstance(node, ast.Attribute) else ""
+        if _FILE_NAMES.fullmatch(name) or isinstance(node, ast.Import | ast.ImportFrom):
+            return True
+    return False
 
 
 def _with_files(expression: str, python: dict[str, str]) -> str:
