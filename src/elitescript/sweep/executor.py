@@ -29,10 +29,10 @@ DEATHS_MAX: Final = 2
 """Times that a piece of work that is done alone may end its process."""
 
 STARTS_MAX: Final = 3
-"""Processes, one after the other, that may die before they have done anything."""
+"""Processes, one after the other, that may end before they have done anything."""
 
-LATER_STARTS_MAX: Final = 30
-"""The same once one has begun: the job can be done, and something outside ends processes."""
+KILLED_STARTS_MAX: Final = 30
+"""The same if a signal ends them, or if one has begun before: something outside ends processes."""
 
 LOOK_S: Final = 1.0
 """Wall time between two looks at the clock: on Windows, Ctrl-C waits for the next one."""
@@ -214,7 +214,8 @@ class Executor:
         self._children.remove(child)
         if not child.is_ready:
             self._dead_starts += 1
-            if self._dead_starts >= (LATER_STARTS_MAX if self._has_begun else STARTS_MAX):
+            is_killed = self._has_begun or (child.exit_code or 0) < 0
+            if self._dead_starts >= (KILLED_STARTS_MAX if is_killed else STARTS_MAX):
                 died = f"{self._dead_starts} processes have died before they did anything"
                 raise ElitescriptError(f"{died}, with exit code {child.exit_code}")
 

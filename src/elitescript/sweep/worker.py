@@ -58,6 +58,8 @@ def _main(job: str, life: int, memory_bytes: int) -> None:
         _serve(job, send)
     except MemoryError:
         os._exit(OUT_OF_MEMORY)
+    except BrokenPipeError:
+        pass  # the parent has gone
     except UsageError as error:
         send("error", "usage", str(error))
     except ProgramError as error:
@@ -74,8 +76,12 @@ def _messages() -> Iterator[Any]:
 
 def _serve(job: str, send: Callable[..., None]) -> None:
     messages = _messages()
+    description = next(messages, None)
+    if description is None:
+        # The parent has gone before it could say anything.
+        return
     module, _, function = job.partition(":")
-    work: Callable[[Any], Any] = getattr(import_module(module), function)(next(messages))
+    work: Callable[[Any], Any] = getattr(import_module(module), function)(description)
     # What is there now stays; what a piece of work leaves behind is looked at between two of them.
     gc.collect()
     gc.freeze()
