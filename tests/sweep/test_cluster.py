@@ -8,8 +8,9 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -17,6 +18,7 @@ import pytest
 from elitescript.errors import UsageError
 from elitescript.sweep import cluster, cluster_worker
 from elitescript.sweep.cluster import ClusterEngine, Pace, Pieces, check_address
+from elitescript.sweep.executor import Result
 from elitescript.sweep.local import LocalEngine
 from elitescript.sweep.plan import Plan, Row, Variation
 from elitescript.sweep.plan_json import row_data
@@ -91,6 +93,24 @@ def test_a_plan_that_makes_no_sense_is_refused_as_here(here: str):
 
 
 OURS = ["0.1.0", "3.11", "3.1", "0" * 16]
+
+
+class Disordered:
+    """An executor whose child has died once: its numbers come after others."""
+
+    def results(self, wanted: list[range]) -> Iterator[list[Result]]:
+        assert wanted == [range(5, 9)]
+        yield [Result(7, "c"), Result(8, "d")]
+        yield [Result(6, "about 6", "hung")]
+        yield [Result(5, "a")]
+
+
+def test_a_task_gives_its_numbers_in_order_whatever_its_child_did(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(cluster_worker, "platform_here", lambda: OURS)
+    monkeypatch.setattr("distributed.get_worker", lambda: SimpleNamespace(address="tcp://a:1"))
+    monkeypatch.setattr(cluster_worker, "_CHILDREN", SimpleNamespace(one=lambda work: nullcontext(Disordered())))
+    answer = json.loads(cluster_worker.run_range(b"", 5, 4))
+    assert answer["results"] == [[5, "a", ""], [6, "about 6", "hung"], [7, "c", ""], [8, "d", ""]]
 
 
 @pytest.mark.parametrize(

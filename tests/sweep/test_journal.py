@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from elitescript.errors import UsageError
+from elitescript.errors import InternalError, UsageError
 from elitescript.records import replace
 from elitescript.sweep.journal import Journal, difference, plan_parts
 from elitescript.sweep.plan import Choices, Disturbance, Failure, Plan, Row, Variation
@@ -38,6 +38,14 @@ def test_rows_come_back_in_their_order(tmp_path: Path) -> None:
         assert list(journal.rows_from(0, 10)) == [row(run) for run in range(8)]
     with Journal(journal.path, PLAN, resumes=False) as journal:
         assert journal.missing(3) == [range(3)]
+
+
+def test_rows_that_do_not_follow_each_other_are_refused(tmp_path: Path) -> None:
+    with Journal(tmp_path / "out.csv.part", PLAN, resumes=False) as journal:
+        for runs in ((1, 0), (0, 2), (0, 0)):
+            with pytest.raises(InternalError, match="are not those of runs that follow each other"):
+                journal.add([row(run) for run in runs])
+        assert journal.done == 0
 
 
 def test_a_journal_belongs_to_one_sweep_at_a_time(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from hashlib import sha256
+from operator import attrgetter
 from threading import Lock, Timer
 from time import monotonic
 from typing import Any, Final
@@ -37,10 +38,12 @@ def platform_here() -> list[str]:
 
 
 def run_range(work: bytes, first: int, count: int) -> bytes:
-    """Do so many numbered pieces of work, and return them as `answer_of` reads them."""
+    """Do so many numbered pieces of work, and return what came of them in the order of their numbers."""
 
     def do(executor: Executor) -> list[Result]:
-        return [result for results in executor.results([range(first, first + count)]) for result in results]
+        results = [result for piece in executor.results([range(first, first + count)]) for result in piece]
+        # Those of a child that has died come again after others.
+        return sorted(results, key=attrgetter("number"))
 
     return _answer(work, do)
 

@@ -15,7 +15,7 @@ from typing import IO, Any, Final
 from zlib import crc32
 
 from elitescript.environment.state_file import Disk
-from elitescript.errors import UsageError
+from elitescript.errors import InternalError, UsageError
 from elitescript.sweep.plan import Plan, Row
 from elitescript.sweep.plan_json import data_digest, plan_data, row_data, row_of
 
@@ -96,8 +96,11 @@ class Journal:
 
         Raises:
             UsageError: they cannot be written; those before are kept.
+            InternalError: the numbers do not follow each other.
         """
         first = rows[0].choices.run
+        if [row.choices.run for row in rows] != list(range(first, first + len(rows))):
+            raise InternalError(f"rows from {first} on are not those of runs that follow each other")
         offset = self._file.tell()
         self._write({"first": first, "rows": [row_data(row) for row in rows]})
         self._places[first] = (offset, first + len(rows))
