@@ -172,6 +172,8 @@ def test_candidates_are_run_with_the_same_variations():
         (OVER, {"repeats": 0}, "--repeat 0"),
         (OVER, {"repeats": 101}, "from 1 to --runs, 100"),
         ((Variation("AA", "uniform", (0, 1)),), {}, "the program has no such name"),
+        ((OVER[0], OVER[0]), {}, f"--over {OVER[0].name}: it is chosen twice"),
+        ((Variation("A", "grid", (0, 1, 10**9)),), {}, "1000000000 points"),
     ],
 )
 def test_what_cannot_be_searched_is_refused(over: tuple[Variation, ...], settings: dict[str, int], text: str):
@@ -229,6 +231,8 @@ def test_a_search_from_the_command_line(
         (["--over", "A=uniform(0, 1)"], "--over goes with --minimise"),
         (["--repeat", "3"], "--repeat goes with --minimise"),
         (["--minimise", "time", "--over", "A=uniform(0, 1)"], "time_s"),
+        (["--minimise", "time_s", "--page", "x.html"], "--page is of a sweep"),
+        (["--minimise", "time_s", "--only", "0"], "--only is of a sweep"),
         (["--mixed"], "--mixed goes with --dask"),
         (["--dask", "tcp://h:1", "--jobs", "2"], "--jobs is for this computer"),
     ],

@@ -43,6 +43,9 @@ def searches(options: argparse.Namespace) -> bool:
     if asked:
         if options.resume:
             raise UsageError(f"--resume: a search is not gone on with; --{asked[0]} begins anew and finds the same")
+        for name in ("page", "only"):
+            if getattr(options, name) is not None:
+                raise UsageError(f"--{name} is of a sweep, and does not go with --{asked[0]}")
         return True
     for name in ("over", "worst"):
         if getattr(options, name):

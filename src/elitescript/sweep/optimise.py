@@ -40,6 +40,9 @@ STEP: Final = 0.1
 LOCAL_SHARE: Final = 0.25
 """Share of the candidates that are steps from the best one, in one value each: TPE ends near an optimum, not in it."""
 
+POINTS_MAX: Final = 10_000
+"""Points of a grid: beyond, its values have more digits than `DIGITS` anyway."""
+
 LEAST_STEP: Final = 0.002
 """Share of its range below which a step is no step."""
 
@@ -174,6 +177,10 @@ def check_search(search: Search) -> Sequence[Any]:
             raise UsageError(f"--over {row.name}: normal has no ends; write uniform, choice or grid")
         if row.name in varied:
             raise UsageError(f"--over {row.name}: --vary draws it; it cannot be chosen as well")
+        if sum(row.name == other.name for other in search.over) > 1:
+            raise UsageError(f"--over {row.name}: it is chosen twice")
+        if row.kind == "grid" and row.arguments[2] > POINTS_MAX:
+            raise UsageError(f"--over {row.name}: {row.arguments[2]} points; write uniform for more than {POINTS_MAX}")
     if not 1 <= search.repeats <= search.runs:
         raise UsageError(f"--repeat {search.repeats}: write a whole number from 1 to --runs, {search.runs}")
     if OBJECTIVE in search.plan.measures:
