@@ -65,6 +65,13 @@ def test_arguments_that_make_no_sense() -> None:
         sweep(PROGRAM, vary={"pause_s": "uniform(1)"})
     with pytest.raises(UsageError, match="max_wall_s must be > 0 s, got 0"):
         sweep(PROGRAM, max_wall_s=0)
+    with pytest.raises(UsageError, match="there is no folder nowhere"):
+        sweep(PROGRAM, out="nowhere/out.csv")
+    with pytest.raises(UsageError, match=r"vary pause_s: .* or a list to choose from, not 3"):
+        sweep(PROGRAM, vary={"pause_s": 3})  # type: ignore[dict-item]
+    for value in (None, {1: 2}, [object()]):
+        with pytest.raises(UsageError, match="is neither a number, a text, true or false, nor a list of them"):
+            sweep(PROGRAM, vary={"pause_s": [1, value]})
     with pytest.raises(UsageError, match="resume goes with out"):
         sweep(PROGRAM, resume=True)
     with pytest.raises(TypeError, match="did you mean 'speed'"):

@@ -35,7 +35,7 @@ from elitescript.sweep.replays import write_pages
 from elitescript.sweep.single import Runner
 from elitescript.sweep.summary import Summary, summary_of
 from elitescript.sweep.sweeping import Sweeping, is_random
-from elitescript.sweep.tables import columns, format_of, json_line, properties_of, values
+from elitescript.sweep.tables import check_table, columns, json_line, properties_of, values
 from elitescript.sweep.totals import SAMPLE, Totals
 from elitescript.sweep.variations import grid_size, parse_variation
 
@@ -313,11 +313,7 @@ def _check_out(options: argparse.Namespace, out: Path | None) -> None:
         if options.resume:
             raise UsageError("--resume goes with --out, beside which the rows so far are kept")
         return
-    format_of(out)
-    if not out.parent.is_dir():
-        raise UsageError(f"--out {out}: there is no folder {out.parent}")
-    if out.is_dir():
-        raise UsageError(f"--out {out}: it is a folder")
+    check_table(out)
 
 
 def _check_only(options: argparse.Namespace, runs: int) -> None:

@@ -320,6 +320,8 @@ class _Child:
             stdout=subprocess.PIPE,
             bufsize=0,
             env=module_environment(),
+            # On Windows, Ctrl-C would reach it too.
+            creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
             **self._life.options,
         )
         self._life.started()

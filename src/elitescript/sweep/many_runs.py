@@ -25,7 +25,7 @@ from elitescript.sweep.plan import Row, Variation
 from elitescript.sweep.single import Runner
 from elitescript.sweep.summary import Summary, summary_of
 from elitescript.sweep.sweeping import Sweeping, is_random
-from elitescript.sweep.tables import columns, format_of, properties_of, values
+from elitescript.sweep.tables import check_table, columns, properties_of, values
 from elitescript.sweep.totals import Totals
 from elitescript.sweep.variations import checked, parse_variation
 
@@ -110,7 +110,7 @@ def sweep(
     if table is None and resume:
         raise UsageError("resume goes with out, beside which the rows so far are kept")
     if table is not None:
-        format_of(table)
+        check_table(table)
     part = None if table is None else table.with_name(table.name + SUFFIX)
     plan = make_plan(
         program,
@@ -240,6 +240,8 @@ def _variation(name: str, given: Variation | str | Sequence[Any]) -> Variation:
     if isinstance(given, str):
         return parse_variation(f"{name}={given}", "vary")
     if not isinstance(given, Variation):
+        if not isinstance(given, Iterable):
+            raise UsageError(f"vary {name}: write uniform(a, b) or the like, or a list to choose from, not {given!r}")
         given = Variation("", "choice", tuple(given))
     return checked(replace(given, name=name), f"vary {name}")
 

@@ -179,7 +179,7 @@ def check_search(search: Search) -> Sequence[Any]:
             raise UsageError(f"--over {row.name}: --vary draws it; it cannot be chosen as well")
         if sum(row.name == other.name for other in search.over) > 1:
             raise UsageError(f"--over {row.name}: it is chosen twice")
-        if row.kind == "grid" and row.arguments[2] > POINTS_MAX:
+        if row.kind == "grid" and int(row.arguments[2]) > POINTS_MAX:
             raise UsageError(f"--over {row.name}: {row.arguments[2]} points; write uniform for more than {POINTS_MAX}")
     if not 1 <= search.repeats <= search.runs:
         raise UsageError(f"--repeat {search.repeats}: write a whole number from 1 to --runs, {search.runs}")

@@ -39,6 +39,19 @@ def format_of(path: Path) -> str:
     return found
 
 
+def check_table(path: Path) -> None:
+    """Refuse a table that could not be written, before the first run.
+
+    Raises:
+        UsageError: no such format or folder, or the library for the format is missing.
+    """
+    format_of(path)
+    if not path.parent.is_dir():
+        raise UsageError(f"--out {path}: there is no folder {path.parent}")
+    if path.is_dir():
+        raise UsageError(f"--out {path}: it is a folder")
+
+
 USUAL: Final = ("never_stuck", "no_alarm")
 """Properties of a sweep that names none and has no chaos."""
 
@@ -104,13 +117,14 @@ def _complete(path: Path) -> Iterator[IO[bytes]]:
     with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as file:
         temporary = Path(file.name)
         try:
-            yield file
-            file.flush()
+            with file:
+                yield file
+            # Closed: Windows neither moves nor deletes a file that is open.
+            temporary.chmod(_mode(path))
+            temporary.replace(path)
         except BaseException:
             temporary.unlink(missing_ok=True)
             raise
-    temporary.chmod(_mode(path))
-    temporary.replace(path)
 
 
 def _mode(path: Path) -> int:

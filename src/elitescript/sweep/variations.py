@@ -88,6 +88,9 @@ def checked(variation: Variation, called: str) -> Variation:
     if kind == "choice":
         if not arguments:
             raise UsageError(f"{called}: there is nothing to choose from: {FORMS[kind]}")
+        for value in arguments:
+            if not _is_value(value):
+                raise UsageError(f"{called}: {value!r} is neither a number, a text, true or false, nor a list of them")
         return variation
     form = f"write {FORMS[kind]}"
     if len(arguments) != (3 if kind == "grid" else 2):
@@ -106,6 +109,12 @@ def checked(variation: Variation, called: str) -> Variation:
     if kind == "grid" and not (isinstance(arguments[2], int) and arguments[2] >= 1):
         raise UsageError(f"{called}: {arguments[2]!r} points; {form} with a whole number >= 1")
     return variation
+
+
+def _is_value(value: Any) -> bool:
+    if isinstance(value, list | tuple):
+        return all(map(_is_value, value))
+    return isinstance(value, bool | int | float | str)
 
 
 def check_names(variations: Sequence[Variation]) -> None:
