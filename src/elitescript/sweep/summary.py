@@ -152,7 +152,8 @@ class Summary:
         if len(self.measures) > MEASURES_SHOWN:
             lines.append(f"({len(self.measures) - MEASURES_SHOWN} more measures)")
         for text, nearest in zip(self.properties, self.nearest, strict=True):
-            if nearest is not None:
+            # An equality that holds has a margin of 0 in every run: that says nothing.
+            if nearest is not None and nearest.margin > 0.0:
                 lines.append(f"nearest to failing: run {nearest.run}, {_number(nearest.margin)} left of {text}")
         return lines
 
