@@ -129,7 +129,9 @@ class Summary:
     def _head(self) -> list[str]:
         holding = self.runs - self.failed
         if self.failed == 0:
-            first = f"all {_count(self.runs, 'run')} hold" if self.runs else "no run"
+            first = (
+                f"all {_count(self.runs, 'run')} hold" if self.runs > 1 else "the run holds" if self.runs else "no run"
+            )
         else:
             share = _percent(self.failed / self.runs)
             first = f"{holding:,} of {_count(self.runs, 'run')} hold, {self.failed:,} fail ({share})"

@@ -408,7 +408,7 @@ def is_built_in(text: str) -> bool:
 
 
 def has_limit(text: str) -> bool:
-    """Return whether a text of `--ensure` is the name of a built-in property that keeps a limit, such as `joint_range`."""
+    """Return whether a text of `--ensure` names a built-in property that keeps a limit, as `joint_range` does."""
     found = _FORM.fullmatch(text)
     return found is not None and found[1] in BUILT_INS and BUILT_INS[found[1]].limit is not None
 
