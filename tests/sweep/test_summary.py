@@ -20,6 +20,15 @@ def test_all_hold():
     assert lines[2:] == ["nearest to failing: run 0, 0.1 left of always(ok)"]
 
 
+def test_one_run_is_told_as_one():
+    assert summary_of(swept(1, lambda run, v, _: row(run, v))).lines()[0].startswith("the run holds")
+
+
+def test_an_equality_that_holds_is_never_near_to_failing():
+    lines = summary_of(swept(20, lambda run, v, _: row(run, v, margins=(0.0,)))).lines()
+    assert not any(line.startswith("nearest") for line in lines)
+
+
 def test_a_grid_is_no_estimate():
     summary = summary_of(swept(100, lambda run, v, _: row(run, v)), is_random=False)
     assert summary.interval is None

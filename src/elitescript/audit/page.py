@@ -8,6 +8,7 @@ from elitescript.audit.simulation import play, started_robot
 from elitescript.controller.views.trace import TraceRow
 from elitescript.controller.views.trace_signals import SignalLevels
 from elitescript.kinematics.tcp import tcp_poses
+from elitescript.language.text.source import SourceFile
 from elitescript.messages.enums import TaskState
 from elitescript.messages.motion import Six
 from elitescript.plotting.page import Page, page_of
@@ -39,7 +40,18 @@ def audit_page(audit: AuditFindings, title: str) -> Page:
     )
     simulated = recorder.recording(f"{audit.cell.source.name}, simulated", robot, audit.cell.source, made)
     begin_s = simulated.rows[0].t
-    return page_of(simulated, Plotted(title, audit.model, rows_of(audit.recording, run, audit, begin_s)))
+    rows = rows_of(audit.recording, run, audit, begin_s)
+    return page_of(simulated, Plotted(title, audit.model, rows, recorded_source(audit)))
+
+
+def recorded_source(audit: AuditFindings) -> SourceFile:
+    """Return the text of recorded lines: the program kept in the recording, else the one that was simulated.
+
+    Without it no line of one run is found in the other.
+    """
+    name = str(audit.recording.facts.get("program", ""))
+    data = audit.recording.attachments.get(name)
+    return audit.cell.source if data is None else SourceFile(f"<{name}>", data.decode("utf-8", "replace"))
 
 
 def rows_of(recording: Recording, run: AuditedRun, audit: AuditFindings, begin_s: float) -> list[TraceRow]:

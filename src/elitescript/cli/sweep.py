@@ -256,7 +256,7 @@ class _TextReport:
             if finding.story is not None:
                 for line in finding.story.lines:
                     print(line, file=self._out)
-            smaller = f", the smallest of {finding.tried} runs" if finding.tried else ""
+            smaller = f", made smaller in {finding.tried} tries" if finding.tried else ""
             run = f"run {finding.first.choices.run}{smaller}"
             print(f"{run}: elitescript run --case {finding.case}", file=self._out)
             if same:

@@ -152,7 +152,7 @@ class PropertyWatch(_ExpressionWatch):
         ((key, margin),) = margins.items()
         its_unit = unit_text(key.unit)
         if not holds:
-            words += f"; by {abs(margin):.6g}{' ' if its_unit else ''}{its_unit}"
+            words += f", missed by {abs(margin):.6g}{' ' if its_unit else ''}{its_unit}"
             if t is not None and any(self._parsed.calls[index].name in _WORST for index in clause.calls):
                 words += f" at {t:.3f} s, the worst moment"
         return Verdict(holds, margin, its_unit, t, words)

@@ -13,7 +13,7 @@ from elitescript.records import NamedTuple, record
 from elitescript.sweep.chaos.applying import STOP_REASON, fault_of, in_order
 from elitescript.sweep.chaos.ground import Ground
 from elitescript.sweep.chaos.kinds import is_fault
-from elitescript.sweep.chaos.properties import STUCK, waited_for
+from elitescript.sweep.chaos.properties import STUCK, has_limit, is_built_in, waited_for
 from elitescript.sweep.plan import Choices, Disturbance, Failure
 
 if TYPE_CHECKING:
@@ -105,12 +105,13 @@ def tell(
     moments.append(end)
     moments.sort(key=lambda moment: moment.t)
     values = ", ".join(f"{name} = {_shown(value)}" for name, value in choices.values.items())
-    if values and not causes:
+    with_values = bool(values) and not causes
+    if with_values:
         causes.append(f"with {values}")
     text = "; ".join([*causes, end.text])
     source = run.unit.source
     lines = [text[:1].upper() + text[1:] + "."]
-    if values:
+    if values and not with_values:
         lines.append(f"Varied: {values}.")
     for moment in moments:
         lines.append(f"{moment.t:9.3f} s  {moment.text}")
@@ -237,8 +238,10 @@ def _end(failure: Failure, run: Run) -> Moment:
         if failure.text and failure.expression != "no_alarm" and text not in failure.text:
             words += f"; {failure.text}"
         return Moment(t, words, alarm.line)
-    words = failure.text or f"{failure.expression} did not hold"
-    if failure.margin is not None:
+    words = failure.text or f"{failure.expression} does not hold"
+    if failure.text and not is_built_in(failure.expression):
+        words = f"`{failure.expression}` does not hold: {words}"
+    if failure.margin is not None and has_limit(failure.expression):
         words += f" (by {abs(failure.margin):.4g})"
     contacts = [event for event in run.events if isinstance(event, Warned) and event.code == "W273"]
     line = contacts[0].line if contacts and failure.expression == "no_contact" else failure.line

@@ -129,7 +129,9 @@ class Summary:
     def _head(self) -> list[str]:
         holding = self.runs - self.failed
         if self.failed == 0:
-            first = f"all {_count(self.runs, 'run')} hold" if self.runs else "no run"
+            first = (
+                f"all {_count(self.runs, 'run')} hold" if self.runs > 1 else "the run holds" if self.runs else "no run"
+            )
         else:
             share = _percent(self.failed / self.runs)
             first = f"{holding:,} of {_count(self.runs, 'run')} hold, {self.failed:,} fail ({share})"
@@ -152,7 +154,8 @@ class Summary:
         if len(self.measures) > MEASURES_SHOWN:
             lines.append(f"({len(self.measures) - MEASURES_SHOWN} more measures)")
         for text, nearest in zip(self.properties, self.nearest, strict=True):
-            if nearest is not None:
+            # An equality that holds has a margin of 0 in every run: that says nothing.
+            if nearest is not None and nearest.margin > 0.0:
                 lines.append(f"nearest to failing: run {nearest.run}, {_number(nearest.margin)} left of {text}")
         return lines
 

@@ -121,7 +121,8 @@ def fit_lengths(points: Points, arm: Arm, *, zeros: bool = False, is_noise_known
     agreeing, left_out = _agreeing(points, arm, ZERO_TOLERANCE_RAD if zeros else ORIENTATION_TOLERANCE_RAD)
     if not agreeing:
         reasons = f": {left_out[0]}" if left_out else ""
-        raise UsageError(f"no point is known both as joints and as pose{reasons}")
+        hint = reasons or "; a point is pick_q and pick_p, get_inverse_kin(pose, qnear=joints), or a row of --pairs"
+        raise UsageError(f"no point is known both as joints and as pose{hint}")
     fitted = _Fit(points, arm, zeros)
     solution, kept = fitted.of(agreeing)
     while len(kept) > 3:

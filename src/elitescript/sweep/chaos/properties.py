@@ -407,6 +407,12 @@ def is_built_in(text: str) -> bool:
     return found is not None and found[1] in BUILT_INS
 
 
+def has_limit(text: str) -> bool:
+    """Return whether a text of `--ensure` names a built-in property that keeps a limit, as `joint_range` does."""
+    found = _FORM.fullmatch(text)
+    return found is not None and found[1] in BUILT_INS and BUILT_INS[found[1]].limit is not None
+
+
 def asked_for(ensure: Sequence[str], *, has_chaos: bool) -> tuple[str, ...]:
     """Return the properties of a sweep: those that are written, behind the usual ones if there is chaos.
 
