@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 _SIZES: Final = {"": 1, "k": 1000, "m": 1000**2, "g": 1000**3, "ki": 1 << 10, "mi": 1 << 20, "gi": 1 << 30}
 _ROTATION: Final = re.compile(r"(\d+(?:\.\d+)?)\s*(s|([kmg]i?)?b)?", re.IGNORECASE)
+_ROTATION_MAX: Final = 1e15
+"""Bytes or seconds; more is a slip."""
 RATE_MIN_HZ: Final = 1.0
 RATE_MAX_HZ: Final = 250.0
 
@@ -143,7 +145,7 @@ def _rotation(text: str | None) -> Rotation:
     if text is None:
         return Rotation()
     found = _ROTATION.fullmatch(text.strip())
-    if found is None or float(found[1]) <= 0.0:
+    if found is None or not 0.0 < float(found[1]) < _ROTATION_MAX:
         raise UsageError(f"--rotate {text}: write a size, such as 500MB, or a time, such as 3600s")
     unit = (found[2] or "s").lower()
     if unit == "s":
