@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
+from array import array
 from functools import cache
+from math import inf, nan
 
 import pytest
 
@@ -21,6 +24,10 @@ ACKNOWLEDGED = ((0.4, "standard_digital_in[2]", True), (0.9, "standard_digital_i
 @cache
 def undisturbed(program: str, at=()) -> Recording:
     return record_run(program, at=at)
+
+
+def without(recording: Recording, name: str) -> dict:
+    return {column: values for column, values in recording.columns.items() if column.partition(".")[0] != name}
 
 
 def changed(program: str, old: str, new: str) -> str:
@@ -97,6 +104,32 @@ class TestAgreement:
             columns={name: values[later:] for name, values in whole.columns.items()},
         )
         assert "ran already when the recording began" in str(audit(part, LOOP))
+
+    def test_a_part_of_one_move_cannot_be_compared_and_is_no_difference(self):
+        whole = undisturbed(MOVES)
+        for part in (slice(60, 61), slice(60, 75)):
+            cut = replace(
+                whole,
+                t=whole.t[part],
+                arrived_s=whole.arrived_s[part],
+                columns={name: values[part] for name, values in whole.columns.items()},
+            )
+            with pytest.raises(UsageError, match="so nothing is compared"):
+                audit(cut, MOVES)
+
+    @pytest.mark.parametrize("value", [nan, inf, 1e300, -7.0, 99.0])
+    @pytest.mark.parametrize("name", ["safety_status", "script_control_line", "target_speed_fraction", "payload_mass"])
+    def test_a_value_that_no_controller_should_have_is_survived(self, name, value):
+        whole = undisturbed(MOVES)
+        column = array("d", whole.columns[name])
+        column[90] = value
+        found = audit(replace(whole, columns={**whole.columns, name: column}), MOVES, fit=True)
+        assert json.loads(json.dumps(found.json(), allow_nan=False))["agrees"] or name == "script_control_line"
+        assert str(found)
+
+    def test_a_recording_without_safety_modes(self):
+        whole = undisturbed(MOVES)
+        assert audit(replace(whole, columns=without(whole, "safety_status")), MOVES).agrees
 
     def test_the_tolerance_decides(self):
         recording = record_run(changed(MOVES, "sleep(0.1)", "sleep(0.12)"))

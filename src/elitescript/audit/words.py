@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
+from math import isfinite
 from typing import Any, Final
 
 from elitescript.audit.differences import Finding, Largest
@@ -100,7 +101,7 @@ def _details(run: AuditedRun) -> dict[str, Any]:
 
 
 def _largest(error: Largest | None) -> dict[str, Any] | None:
-    return None if error is None else {**error._asdict(), "t": round(error.t, 6)}
+    return None if error is None or not isfinite(error.rms) else {**error._asdict(), "t": round(error.t, 6)}
 
 
 # ---------------------------------------------------------------- words
