@@ -238,6 +238,49 @@ class TestPlanted:
         # Without the world nothing contradicts the recorded input.
         assert audit(stuck, GRIPPER).agrees
 
+        # The edge that the program waits for comes first, whatever the simulated run does behind it.
+        assert (found.divergence.line, found.divergence.cause) == (5, "signal")
+        assert 0.45 < found.divergence.t < 0.52
+
+    def test_a_recording_that_ends_in_a_longer_wait(self):
+        recording = record_run(changed(MOVES, "sleep(0.1)", "sleep(9)"), until_s=1.0)
+        finding = audit(recording, MOVES).divergence
+        assert (finding.line, finding.cause) == (4, "waiting")
+        assert "waits still after" in finding.what
+        # A wait that nobody knows the end of is no difference as long as both wait.
+        assert audit(recording, changed(MOVES, "sleep(0.1)", "sleep(8)")).agrees
+
+    def test_an_arm_that_does_not_move_where_it_should(self):
+        text = "def p():\n  movej([0.1, -1.6, -1.7, -1.3, 1.5, 0.1])\n  x = 1\n  movej([0.1, -1.6, -1.7, -1.3, 1.5, Q])\nend\n"
+        still, moved = text.replace("Q", "0.1"), text.replace("Q", "0.3")
+        finding = audit(record_run(still), moved).divergence
+        assert finding.line == 4
+
+    def test_one_more_pass_with_other_places_is_the_last_one(self):
+        text = """def p():
+  movej([0.1, -1.6, -1.7, -1.3, 1.5, 0.1], a=8, v=2)
+  i = 0
+  while i < 3:
+    movej([0.1 + 0.1 * i, -1.6, -1.6, -1.3, 1.5, 0.1], a=8, v=2)
+    sleep(0.02)
+    i = i + 1
+  end
+  movej([0.0, -1.6, -1.7, -1.3, 1.5, 0.1], a=8, v=2)
+end
+"""
+        for count, side in ((4, "the recording goes"), (2, "the simulated run goes")):
+            found = audit(record_run(changed(text, "i < 3", f"i < {count}")), text)
+            assert side in found.divergence.what
+            assert "once more" in found.divergence.what
+            later = [finding.what for finding in found.first.comparison.findings[1:]]
+            assert all("begins elsewhere" in what for what in later), later
+
+    def test_a_tcp_that_the_program_sets_is_no_error_of_the_path(self):
+        text = changed(MOVES, "def main():\n", "def main():\n  set_tcp([0, 0, 0.1, 0, 0, 0])\n")
+        found = audit(record_run(text), text)
+        assert found.agrees
+        assert found.json()["errors"]["path"]["largest"] < 1e-6
+
     def test_other_lengths_come_first(self):
         lengths = {"a": (0, 0, -0.427, -0.3905, 0, 0), "d": (0.1625, 0, 0, 0.1475, 0.0965, 0.095), "alpha": ()}
         found = audit(replace(undisturbed(MOVES), facts={"model": "CS66", "lengths": lengths}), MOVES)

@@ -128,7 +128,7 @@ class Series:
     @property
     def has_lines(self) -> bool:
         """Whether it is known where the program was."""
-        return len(set(self.lines)) > 2
+        return len({*self.lines} - {0}) > 1
 
     def stands(self, row: int) -> bool:
         """Return whether the arm stands in a row."""
