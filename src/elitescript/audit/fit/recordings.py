@@ -496,7 +496,9 @@ def _payload_of_torques(recording: Recording, model: RobotModel) -> Parameter:
         if since is None or t < since:
             since = t
         joints = [column[index] for column in q]
-        if t - since < 0.1 or not all(map(isfinite, (*joints, torque[0][index]))):
+        # In the last row of a rest the speed is 0 still, and the torque that of the move that begins.
+        is_last = index + 1 < len(recording.t) and any(abs(column[index + 1]) > 0.0 for column in qd)
+        if is_last or t - since < 0.1 or not all(map(isfinite, (*joints, torque[0][index]))):
             continue
         if last is not None and sum(abs(a - b) for a, b in zip(joints, last, strict=True)) < LENGTH_DISTANCE_RAD:
             if len(rows) > 6 * 200 * poses:
