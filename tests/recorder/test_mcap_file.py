@@ -155,7 +155,8 @@ def test_damage_of_records_beside_the_chunks_is_named_with_its_place(tmp_path):
     path = tmp_path / "run.mcap"
     write_recording(path, recording(120))
     data = path.read_bytes()
-    for old, new in ((b"begin_ns\x13\0\0\0" + b"17", b"begin_ns\x13\0\0\0" + b"x7"), (b"cell.script", b"cell.scr\xff\xfft")):
+    number = b"begin_ns\x13\0\0\0"
+    for old, new in ((number + b"17", number + b"x7"), (b"cell.script", b"cell.scr\xff\xfft")):
         assert old in data
         path.write_bytes(data.replace(old, new))
         with pytest.raises(UsageError, match=r"run.mcap: the record at byte [\d,]+ is damaged"):

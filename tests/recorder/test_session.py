@@ -214,7 +214,7 @@ def test_a_row_without_a_time_ends_a_connection_and_no_more(time, tmp_path):
 def test_a_name_that_no_computer_can_have_is_nobody():
     async def test() -> None:
         for host in ("a..b", "x" * 300, "\udcff"):
-            with pytest.raises(UsageError, match="nobody answers at .*no name of a computer"):
+            with pytest.raises(UsageError, match=r"nobody answers at .*no name of a computer"):
                 await Session(Target(host, dict.fromkeys(PORTS, 1)), [Heard()], print).run(asyncio.Event().wait())
 
     asyncio.run(test())

@@ -17,7 +17,7 @@ from elitescript.audit.series import is_edge, marks_of, recorded, recorded_signa
 from elitescript.audit.simulation import Cell, Simulated, cell_of, simulate
 from elitescript.audit.words import audit_as_json, audit_in_words
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.errors import UsageError
+from elitescript.errors import UsageError, printable
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.signals import SIGNALS
 from elitescript.models.model import load_model
@@ -214,7 +214,7 @@ def _program(recording: Recording, program: str | Path | SourceFile | None) -> s
     if not names:
         raise UsageError("the recording holds no program; name the one that ran (--program FILE)")
     if len(names) > 1:
-        raise UsageError(f"the recording holds {', '.join(names)}; name the program that ran (--program FILE)")
+        raise UsageError(f"the recording holds {printable(', '.join(names))}; name the program that ran (--program FILE)")
     # Bytes of a file are text of UTF-8, as those that are read from the disk.
     return SourceFile(f"<{names[0]}>", recording.attachments[names[0]].decode("utf-8", "replace"))
 

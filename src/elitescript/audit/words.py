@@ -9,6 +9,7 @@ from typing import Any, Final
 
 from elitescript.audit.differences import Finding, Largest
 from elitescript.audit.findings import AuditedRun, AuditFindings
+from elitescript.errors import printable
 from elitescript.json_records.jsonlines import plain
 from elitescript.messages.signals import Value
 
@@ -18,7 +19,9 @@ SHOWN: Final = 6
 
 def audit_in_words(audit: AuditFindings) -> str:
     """Return the audit for people."""
-    return "\n".join([*_head(audit), *_arm(audit), *_run(audit.first), *_others(audit), *_fit(audit), *_rest(audit)])
+    lines = [*_head(audit), *_arm(audit), *_run(audit.first), *_others(audit), *_fit(audit), *_rest(audit)]
+    # Texts of the controller are among them.
+    return "\n".join(map(printable, lines))
 
 
 def audit_as_json(audit: AuditFindings) -> dict[str, Any]:

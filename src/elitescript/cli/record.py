@@ -13,7 +13,7 @@ from typing import Final
 from elitescript.cli.output.screen import ScreenStream, StatusLine
 from elitescript.cli.ssh_login import checked_password
 from elitescript.environment.allowance import shown_size
-from elitescript.errors import UsageError
+from elitescript.errors import UsageError, printable
 from elitescript.paths import why_no_file
 from elitescript.recorder.fetching import fetch_program
 from elitescript.recorder.session import PORTS, Session, Target
@@ -125,7 +125,7 @@ def _gaps(session: Session) -> str:
 
 
 def _say(text: str) -> None:
-    print(f"elitescript record: {text}", file=sys.stderr, flush=True)
+    print(printable(f"elitescript record: {text}"), file=sys.stderr, flush=True)
 
 
 def _chosen(given: list[str], *, fetches: bool) -> dict[str, int]:

@@ -19,7 +19,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any, BinaryIO, Final
 
-from elitescript.errors import UsageError, did_you_mean
+from elitescript.errors import UsageError, did_you_mean, printable
 from elitescript.paths import why_no_file
 from elitescript.protocol.rtsi.variables import OUTPUTS
 from elitescript.recorder.channels import CHANGES, LISTS, PACKAGE, ROW, ROWS, SLOW, TALKING, TIME, columns_of
@@ -170,7 +170,7 @@ class _Reading:
         self._store()
         has_rows = any(isinstance(kind, _Rows) for kind in self._kinds.values())
         if not has_rows and self._begin_ns is None:
-            topics = ", ".join(sorted(channel.topic for channel in self._channels.values())) or "none"
+            topics = printable(", ".join(sorted(channel.topic for channel in self._channels.values()))) or "none"
             raise UsageError(f"{path} is no recording of a controller: no channel {ROWS} (channels: {topics})")
         self._is_first = False
 
