@@ -264,7 +264,8 @@ class TestPlanted:
         assert audit(recording, changed(MOVES, "sleep(0.1)", "sleep(8)")).agrees
 
     def test_an_arm_that_does_not_move_where_it_should(self):
-        text = "def p():\n  movej([0.1, -1.6, -1.7, -1.3, 1.5, 0.1])\n  x = 1\n  movej([0.1, -1.6, -1.7, -1.3, 1.5, Q])\nend\n"
+        move = "  movej([0.1, -1.6, -1.7, -1.3, 1.5, {}])\n"
+        text = f"def p():\n{move.format('0.1')}  x = 1\n{move.format('Q')}end\n"
         still, moved = text.replace("Q", "0.1"), text.replace("Q", "0.3")
         finding = audit(record_run(still), moved).divergence
         assert finding.line == 4

@@ -214,7 +214,9 @@ def _program(recording: Recording, program: str | Path | SourceFile | None) -> s
     if not names:
         raise UsageError("the recording holds no program; name the one that ran (--program FILE)")
     if len(names) > 1:
-        raise UsageError(f"the recording holds {printable(', '.join(names))}; name the program that ran (--program FILE)")
+        raise UsageError(
+            f"the recording holds {printable(', '.join(names))}; name the program that ran (--program FILE)"
+        )
     # Bytes of a file are text of UTF-8, as those that are read from the disk.
     return SourceFile(f"<{names[0]}>", recording.attachments[names[0]].decode("utf-8", "replace"))
 

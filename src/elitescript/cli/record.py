@@ -109,6 +109,8 @@ async def _show_status(session: Session, sink: McapSink, status: StatusLine) -> 
 
 
 def _summary(session: Session, sink: McapSink) -> str:
+    if not sink.files:
+        return f"{sink.path}: ended before anybody answered, nothing is recorded"
     pace = session.pace
     files = f" in {sink.files} files" if sink.files > 1 else ""
     restarts = f", the controller's time began anew {pace.restarts} x" if pace.restarts else ""
