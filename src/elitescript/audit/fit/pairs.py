@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator, Sequence
 from decimal import Decimal
 from math import isfinite
-from typing import Any, Final
+from typing import Any, Final, TypeGuard
 
 from elitescript.errors import UsageError
 from elitescript.language.parser import parse
@@ -316,7 +316,7 @@ def _checked(q: Any, pose: Any, line: int, place: str) -> Point:
     return _point(rows[0], rows[1], line, place)
 
 
-def _is_number(value: Any) -> bool:
+def _is_number(value: object) -> TypeGuard[int | float]:
     if not isinstance(value, int | float) or isinstance(value, bool):
         return False
     try:
