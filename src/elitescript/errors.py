@@ -297,3 +297,8 @@ class RpcError(ScriptError, RuntimeError):
     def __init__(self, text: str, *, fault: tuple[int, str] = (0, ""), **details: Any) -> None:
         super().__init__(text, **details)
         self.faultCode, self.faultString = fault
+
+
+def printable(text: str) -> str:
+    """Return a text of somebody else for a terminal: letters that are not shown, such as escape codes, are `?`."""
+    return "".join(letter if letter.isprintable() else "?" for letter in text)

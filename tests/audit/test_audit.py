@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
+from array import array
 from functools import cache
+from math import inf, nan
 
 import pytest
 
 from elitescript.audit import Tolerance, audit
+from elitescript.audit.series import runs_of
 from elitescript.errors import UsageError
 from elitescript.messages.plant import PlantConfig
 from elitescript.recorder.recording import Message, Recording
@@ -21,6 +25,10 @@ ACKNOWLEDGED = ((0.4, "standard_digital_in[2]", True), (0.9, "standard_digital_i
 @cache
 def undisturbed(program: str, at=()) -> Recording:
     return record_run(program, at=at)
+
+
+def without(recording: Recording, name: str) -> dict:
+    return {column: values for column, values in recording.columns.items() if column.partition(".")[0] != name}
 
 
 def changed(program: str, old: str, new: str) -> str:
@@ -97,6 +105,44 @@ class TestAgreement:
             columns={name: values[later:] for name, values in whole.columns.items()},
         )
         assert "ran already when the recording began" in str(audit(part, LOOP))
+
+    def test_a_part_of_one_move_cannot_be_compared_and_is_no_difference(self):
+        whole = undisturbed(MOVES)
+        for part in (slice(60, 61), slice(60, 75)):
+            cut = replace(
+                whole,
+                t=whole.t[part],
+                arrived_s=whole.arrived_s[part],
+                columns={name: values[part] for name, values in whole.columns.items()},
+            )
+            with pytest.raises(UsageError, match="so nothing is compared"):
+                audit(cut, MOVES)
+
+    @pytest.mark.parametrize("value", [nan, inf, 1e300, -7.0, 99.0])
+    @pytest.mark.parametrize("name", ["safety_status", "script_control_line", "target_speed_fraction", "payload_mass"])
+    def test_a_value_that_no_controller_should_have_is_survived(self, name, value):
+        whole = undisturbed(MOVES)
+        column = array("d", whole.columns[name])
+        column[90] = value
+        found = audit(replace(whole, columns={**whole.columns, name: column}), MOVES, fit=True)
+        assert json.loads(json.dumps(found.json(), allow_nan=False))["agrees"] or name == "script_control_line"
+        assert str(found)
+
+    def test_texts_of_the_controller_do_nothing_to_a_terminal(self):
+        recording = record_run(changed(LOOP, "(5, i)", "(5, 1 / 0)"))
+        end_s = recording.t[runs_of(recording)[0].stop - 1]
+        data = {"type": "script exception", "timestamp": round(1e6 * end_s), "line": 16, "text": "\x1b[2Jx\r\nagrees"}
+        told = replace(
+            recording, messages=(Message(end_s, end_s, "primary", data),), facts={"model": "\x1b]0;x\x07\nagrees"}
+        )
+        text = str(audit(told, LOOP, robot="CS66"))
+        assert "?[2Jx??agrees" in text
+        assert "\nagrees" not in text
+        assert text.replace("\n", "").isprintable()
+
+    def test_a_recording_without_safety_modes(self):
+        whole = undisturbed(MOVES)
+        assert audit(replace(whole, columns=without(whole, "safety_status")), MOVES).agrees
 
     def test_the_tolerance_decides(self):
         recording = record_run(changed(MOVES, "sleep(0.1)", "sleep(0.12)"))
@@ -204,6 +250,50 @@ class TestPlanted:
         assert "standard_digital_in[2] becomes on in the simulated run only" in str(found)
         # Without the world nothing contradicts the recorded input.
         assert audit(stuck, GRIPPER).agrees
+
+        # The edge that the program waits for comes first, whatever the simulated run does behind it.
+        assert (found.divergence.line, found.divergence.cause) == (5, "signal")
+        assert 0.45 < found.divergence.t < 0.52
+
+    def test_a_recording_that_ends_in_a_longer_wait(self):
+        recording = record_run(changed(MOVES, "sleep(0.1)", "sleep(9)"), until_s=1.0)
+        finding = audit(recording, MOVES).divergence
+        assert (finding.line, finding.cause) == (4, "waiting")
+        assert "waits still after" in finding.what
+        # A wait that nobody knows the end of is no difference as long as both wait.
+        assert audit(recording, changed(MOVES, "sleep(0.1)", "sleep(8)")).agrees
+
+    def test_an_arm_that_does_not_move_where_it_should(self):
+        move = "  movej([0.1, -1.6, -1.7, -1.3, 1.5, {}])\n"
+        text = f"def p():\n{move.format('0.1')}  x = 1\n{move.format('Q')}end\n"
+        still, moved = text.replace("Q", "0.1"), text.replace("Q", "0.3")
+        finding = audit(record_run(still), moved).divergence
+        assert finding.line == 4
+
+    def test_one_more_pass_with_other_places_is_the_last_one(self):
+        text = """def p():
+  movej([0.1, -1.6, -1.7, -1.3, 1.5, 0.1], a=8, v=2)
+  i = 0
+  while i < 3:
+    movej([0.1 + 0.1 * i, -1.6, -1.6, -1.3, 1.5, 0.1], a=8, v=2)
+    sleep(0.02)
+    i = i + 1
+  end
+  movej([0.0, -1.6, -1.7, -1.3, 1.5, 0.1], a=8, v=2)
+end
+"""
+        for count, side in ((4, "the recording goes"), (2, "the simulated run goes")):
+            found = audit(record_run(changed(text, "i < 3", f"i < {count}")), text)
+            assert side in found.divergence.what
+            assert "once more" in found.divergence.what
+            later = [finding.what for finding in found.first.comparison.findings[1:]]
+            assert all("begins elsewhere" in what for what in later), later
+
+    def test_a_tcp_that_the_program_sets_is_no_error_of_the_path(self):
+        text = changed(MOVES, "def main():\n", "def main():\n  set_tcp([0, 0, 0.1, 0, 0, 0])\n")
+        found = audit(record_run(text), text)
+        assert found.agrees
+        assert found.json()["errors"]["path"]["largest"] < 1e-3
 
     def test_other_lengths_come_first(self):
         lengths = {"a": (0, 0, -0.427, -0.3905, 0, 0), "d": (0.1625, 0, 0, 0.1475, 0.0965, 0.095), "alpha": ()}

@@ -148,3 +148,15 @@ def test_a_missing_extra_is_said_with_the_line_that_installs_it(monkeypatch, tmp
         monkeypatch.delitem(sys.modules, name)
     assert main(["record", HOST, "--out", str(tmp_path / "run.mcap")]) == 2
     assert "install it with: pip install 'elitescript[mcap]'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["--out", "."], "is no name of a file"),
+        (["--rotate", "9" * 400 + "kB"], "write a size"),
+    ],
+)
+def test_words_that_are_none_are_refused(words, text, capsys):
+    assert main(["record", HOST, *words]) == 2
+    assert text in capsys.readouterr().err

@@ -9,9 +9,11 @@ from math import isnan, nan
 import pytest
 
 from elitescript.errors import UsageError
-from elitescript.recorder.mcap_file import read_recording
+from elitescript.recorder.mcap_file import files_of, read_recording
 from elitescript.recorder.recording import Message, Recording
+from elitescript.recorder.storing import McapSink
 from elitescript.recorder.writing import RecordingFile, write_recording
+from elitescript.records import replace
 
 BEGIN_NS = 1_700_000_000_000_000_000
 
@@ -146,6 +148,35 @@ def test_damage_in_front_of_the_end_is_named_with_its_place(tmp_path):
     data[place : place + 4] = b"\0\0\0\0"
     path.write_bytes(data)
     with pytest.raises(UsageError, match=r"run.mcap: the chunk at byte [\d,]+ is damaged"):
+        read_recording(path)
+
+
+def test_damage_of_records_beside_the_chunks_is_named_with_its_place(tmp_path):
+    path = tmp_path / "run.mcap"
+    write_recording(path, recording(120))
+    data = path.read_bytes()
+    number = b"begin_ns\x13\0\0\0"
+    for old, new in ((number + b"17", number + b"x7"), (b"cell.script", b"cell.scr\xff\xfft")):
+        assert old in data
+        path.write_bytes(data.replace(old, new))
+        with pytest.raises(UsageError, match=r"run.mcap: the record at byte [\d,]+ is damaged"):
+            read_recording(path)
+
+
+def test_files_of_a_rotation_belong_to_one_recording_and_one_may_be_missing(tmp_path):
+    path = tmp_path / "run.mcap"
+    for number, name in enumerate(("run.mcap", "run.0002.mcap", "run.10000.mcap")):
+        part = recording(120)
+        later = array("d", (t + number for t in part.t))
+        write_recording(tmp_path / name, replace(part, t=later, columns={**part.columns, "timestamp": later}))
+    (tmp_path / "run.1.mcap").write_bytes(b"another file")
+    assert [file.name for file in files_of(path)] == ["run.mcap", "run.0002.mcap", "run.10000.mcap"]
+    assert [round(begin) for begin, _ in read_recording(path).gaps] == [5, 6]
+    path.unlink()
+    with pytest.raises(UsageError, match=r"run\.0002\.mcap exists already"):
+        McapSink(path, {})
+    write_recording(path, recording(120, facts={"begin_ns": BEGIN_NS + 1}))
+    with pytest.raises(UsageError, match=r"run\.0002\.mcap is of another recording"):
         read_recording(path)
 
 

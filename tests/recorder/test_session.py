@@ -14,7 +14,7 @@ from elitescript.errors import UsageError
 from elitescript.protocol.rtsi.variables import OUTPUTS
 from elitescript.recorder.channels import CHANGES, DASHBOARD, EVENTS, GROUPS, PRIMARY, SLOW
 from elitescript.recorder.mcap_file import files_of, read_recording
-from elitescript.recorder.session import Session, Target
+from elitescript.recorder.session import PORTS, Session, Target
 from elitescript.recorder.sinks import StorageError
 from elitescript.recorder.storing import McapSink, Rotation
 from elitescript.recorder.writing import RecordingFile
@@ -201,6 +201,25 @@ def test_garbage_ends_a_connection_and_no_more(garbage, text):
     assert any(text in line for line in said)
 
 
+@pytest.mark.parametrize("time", [float("nan"), float("inf"), -1e300])
+def test_a_row_without_a_time_ends_a_connection_and_no_more(time, tmp_path):
+    sink = McapSink(tmp_path / "run.mcap", {"host": HOST})
+    controller = FakeController([*ticks(1.0, 30), time], ticks(1.12, 30), closes=False)
+    _, said = record(controller, sink, 60)
+    sink.close()
+    assert list(read_recording(sink.path).t) == ticks(1.0, 60)
+    assert any("a row has the timestamp" in line for line in said)
+
+
+def test_a_name_that_no_computer_can_have_is_nobody():
+    async def test() -> None:
+        for host in ("a..b", "x" * 300, "\udcff"):
+            with pytest.raises(UsageError, match=r"nobody answers at .*no name of a computer"):
+                await Session(Target(host, dict.fromkeys(PORTS, 1)), [Heard()], print).run(asyncio.Event().wait())
+
+    asyncio.run(test())
+
+
 def test_garbage_at_the_other_ports_does_not_touch_the_rows():
     heard = Heard()
     controller = FakeController(ticks(1.0, 30), primary=b"\xff" * 64)
@@ -298,6 +317,15 @@ class TestStoring:
         offset_s = float(found["clock"]["offset_s"])
         assert offset_s == pytest.approx(read_recording(path).facts["clock_offset_s"], abs=1e-5)
         assert abs(offset_s - time.time()) < 60.0
+
+    def test_places_that_are_no_numbers_are_not_shown_to_viewers(self, tmp_path):
+        sink = McapSink(tmp_path / "run.mcap", {"host": HOST})
+        values = {"actual_TCP_pose": (float("nan"), 0.0, 0.0, float("inf"), 0.0, 0.0)}
+        record(FakeController(ticks(1.0, 30), values=lambda _: values), sink, 30)
+        sink.close()
+        recording = read_recording(sink.path)
+        assert len(recording.t) == 30
+        assert recording.columns["actual_TCP_pose.3"][-1] == float("inf")
 
     def test_files_that_are_there_are_not_touched(self, tmp_path):
         later = tmp_path / "run.0001.mcap"

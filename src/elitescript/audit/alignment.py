@@ -27,8 +27,11 @@ class Match(NamedTuple):
     second: int
 
 
-def matched(first: Sequence[Hashable], second: Sequence[Hashable]) -> list[Match]:
+def matched(first: Sequence[Hashable], second: Sequence[Hashable], *, is_end_known: bool = False) -> list[Match]:
     """Return the pairs of a longest common subsequence, in order.
+
+    Where several are as long, as with one more pass of a loop, it is the one that stays together longest from the begin
+    on: two runs of a program are the same until they part.
 
     It is found with Myers' greedy algorithm, in a time of the length and the number of differences. Beyond
     `DISTANCE_MAX` differences in one place the subsequence is a common one, but perhaps not the longest.
@@ -36,16 +39,20 @@ def matched(first: Sequence[Hashable], second: Sequence[Hashable]) -> list[Match
     Args:
         first: marks of one run.
         second: marks of the other.
+        is_end_known: whether the begin of one run is missing; then the one that is together longest up to the end.
     """
     numbers: dict[Hashable, int] = {}
     a = [numbers.setdefault(mark, len(numbers)) for mark in first]
     b = [numbers.setdefault(mark, len(numbers)) for mark in second]
-    end = 0
-    while end < min(len(a), len(b)) and a[len(a) - 1 - end] == b[len(b) - 1 - end]:
+    least = min(len(a), len(b))
+    begin = end = 0
+    while not is_end_known and begin < least and a[begin] == b[begin]:
+        begin += 1
+    while end < least - begin and a[len(a) - 1 - end] == b[len(b) - 1 - end]:
         end += 1
     x_end, y_end = len(a) - end, len(b) - end
-    found: list[Match] = []
-    x = y = 0
+    found = [Match(place, place) for place in range(begin)]
+    x = y = begin
     while x < x_end and y < y_end:
         pairs, x, y = _leg(a, b, x, y, x_end, y_end)
         found += pairs

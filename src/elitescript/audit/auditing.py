@@ -17,7 +17,7 @@ from elitescript.audit.series import is_edge, marks_of, recorded, recorded_signa
 from elitescript.audit.simulation import Cell, Simulated, cell_of, simulate
 from elitescript.audit.words import audit_as_json, audit_in_words
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.errors import UsageError
+from elitescript.errors import UsageError, printable
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.signals import SIGNALS
 from elitescript.models.model import load_model
@@ -102,7 +102,12 @@ def _audit(recording: Recording, cell: Cell, run: int | str, tolerance: Toleranc
     if run != ALL and (not isinstance(run, int) or not 1 <= run <= len(ranges)):
         raise UsageError(f"run: the recording has the runs 1 to {len(ranges)}, got {run!r}")
     chosen = [(number, rows) for number, rows in enumerate(ranges, 1) if run in (ALL, number)]
-    runs = tuple(_audited(recording, cell, number, rows, tolerance) for number, rows in chosen)
+    runs = tuple(filter(None, (_audited(recording, cell, number, rows, tolerance) for number, rows in chosen)))
+    if not runs:
+        raise UsageError(
+            "the recording has a part of one move or wait of a program that ran already when it began, and no change "
+            "of a line or an output, so nothing is compared"
+        )
     lost = sum(round((end - begin) * recording.rate_hz) - 1 for begin, end in recording.gaps)
     fit = None
     if is_fitted:
@@ -116,13 +121,21 @@ def _audit(recording: Recording, cell: Cell, run: int | str, tolerance: Toleranc
         runs,
         len(ranges),
         tuple(arm_differences(recording.facts, model)),
-        tuple(_not_compared(recording, cell, model)),
+        (*_without_marks(chosen, runs), *_not_compared(recording, cell, model)),
         lost,
         fit,
     )
 
 
-def _audited(recording: Recording, cell: Cell, number: int, rows: range, tolerance: Tolerance) -> AuditedRun:
+def _without_marks(chosen: Iterable[tuple[int, range]], runs: Iterable[AuditedRun]) -> Iterable[str]:
+    compared = {run.number for run in runs}
+    for number, _ in chosen:
+        if number not in compared:
+            yield f"run {number}, which ran already when it was first seen: it has no change of a line or an output"
+
+
+def _audited(recording: Recording, cell: Cell, number: int, rows: range, tolerance: Tolerance) -> AuditedRun | None:
+    """Return one run with what was found; None if it has nothing by which it could be aligned."""
     series = recorded(recording, rows)
     signals = recorded_signals(recording)
     driven = cell.driven() & set(signals)
@@ -133,6 +146,8 @@ def _audited(recording: Recording, cell: Cell, number: int, rows: range, toleran
     if series.is_headless:
         # Where the recording begins nothing has happened.
         marks = [mark for mark in marks if mark.row]
+        if not marks:
+            return None
     made = simulate(cell, inputs, series, marks, signals, by_lines=by_lines)
     comparer = Comparer(
         series,
@@ -149,7 +164,7 @@ def _audited(recording: Recording, cell: Cell, number: int, rows: range, toleran
     if series.is_headless:
         notes.insert(0, "the program ran already when the recording began: what was before is not compared")
     if not by_lines:
-        notes.insert(0, "the recording does not show lines: pieces are cut at standstills and edges of outputs")
+        notes.insert(0, "the recording shows no change of lines: pieces are cut at standstills and edges of outputs")
     return AuditedRun(
         number,
         recording.t[rows.start],
@@ -199,7 +214,9 @@ def _program(recording: Recording, program: str | Path | SourceFile | None) -> s
     if not names:
         raise UsageError("the recording holds no program; name the one that ran (--program FILE)")
     if len(names) > 1:
-        raise UsageError(f"the recording holds {', '.join(names)}; name the program that ran (--program FILE)")
+        raise UsageError(
+            f"the recording holds {printable(', '.join(names))}; name the program that ran (--program FILE)"
+        )
     # Bytes of a file are text of UTF-8, as those that are read from the disk.
     return SourceFile(f"<{names[0]}>", recording.attachments[names[0]].decode("utf-8", "replace"))
 

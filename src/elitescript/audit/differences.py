@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
+from itertools import pairwise, takewhile
 
 from elitescript.audit.alignment import Match, matched
 from elitescript.audit.inputs import Arrival
@@ -200,7 +200,11 @@ class Comparer:
         Args:
             signals: that both runs have.
         """
-        pairs = matched([mark.key for mark in self._marks], [mark.key for mark in self._other_marks])
+        pairs = matched(
+            [mark.key for mark in self._marks],
+            [mark.key for mark in self._other_marks],
+            is_end_known=self._recorded.is_headless and not self._recorded.is_open,
+        )
         if not pairs:
             self._nothing_in_common()
         for stretch in self._stretches(pairs):
@@ -263,6 +267,10 @@ class Comparer:
         its_end = len(other) - 1 if stretch.end is None else self._its_row(stretch.end.second)
         only_recorded, only_simulated = self._without_moved_edges(stretch)
         if is_last and recorded.is_open:
+            overdue = [] if only_recorded else self._overdue(begin, end, its_begin, only_simulated)
+            if overdue:
+                self._still_waits(stretch, overdue)
+                return
             only_simulated = []  # what comes after the recording
         if only_simulated and not only_recorded and self._is_in_gap(begin, end, only_simulated, its_end):
             only_simulated = []
@@ -291,6 +299,41 @@ class Comparer:
                         only_simulated.remove(its)
                     break
         return only_recorded, only_simulated
+
+    def _overdue(self, begin: int, end: int, its_begin: int, only_simulated: Sequence[int]) -> list[int]:
+        """Return the marks of the simulated run that a recording, which ends while its arm waits, should have by then.
+
+        None if the arm is not yet where it waits: then it is the motion that differs.
+        """
+        recorded, other = self._recorded, self._other
+        lasted_s = recorded.t[end] - recorded.t[begin] - recorded.waited_s(end)
+        found = []
+        for mark in only_simulated:
+            its_s = other.t[self._other_marks[mark].row] - other.t[its_begin]
+            if its_s + self._tolerance.of(lasted_s) < lasted_s:
+                found.append(mark)
+        if not found:
+            return []
+        its_row = self._other_marks[found[0]].row
+        since_s = recorded.t[begin] + other.t[its_row] - other.t[its_begin]
+        stands = all(recorded.stands(row) for row in range(begin, end + 1) if recorded.t[row] >= since_s)
+        apart = max(abs(a - b) for a, b in zip(recorded.joints(end), other.joints(its_row), strict=True))
+        return found if stands and apart <= self._tolerance.joints else []
+
+    def _still_waits(self, stretch: _Stretch, overdue: list[int]) -> None:
+        """Note that a recording ends while its arm waits longer than the simulated one."""
+        first = self._other_marks[overdue[0]]
+        if first.key[0] not in ("line", "moves"):
+            edges = takewhile(lambda mark: self._other_marks[mark].key[0] not in ("line", "moves"), overdue)
+            self._part_ways(stretch, [], [*edges])
+            return
+        begin = self._row(stretch.begin.first)
+        lasts_s = self._recorded.t[-1] - self._recorded.t[begin]
+        its_s = self._other.t[first.row] - self._other.t[self._its_row(stretch.begin.second)]
+        line = self._recorded.lines[begin]
+        self._causes.setdefault(line, {})["waiting"] = lasts_s - its_s
+        what = f"it waits still after {lasts_s:.3f} s, when the recording ends, simulated {its_s:.3f} s"
+        self._find(self._recorded.t[begin] + its_s, line, what, "waiting")
 
     def _is_in_gap(self, begin: int, end: int, only_simulated: Sequence[int], its_end: int) -> bool:
         """Return whether marks of the simulated run can be in a gap of the recording."""
@@ -356,10 +399,10 @@ class Comparer:
         second = only_simulated[0] if only_simulated else None
         if first is not None:
             t = self._recorded.t[marks[first].row]
-        elif stretch.end is not None:
-            t = self._recorded_time(stretch, its_marks[second].row) if second is not None else 0.0
-        else:
+        elif stretch.end is None and not self._recorded.is_open:
             t = self._recorded.t[-1]
+        else:
+            t = self._recorded_time(stretch, its_marks[second].row) if second is not None else 0.0
         for mark in (*only_recorded, *only_simulated):
             self._causes.setdefault((marks[mark] if mark in only_recorded else its_marks[mark]).line, {}).setdefault(
                 "program", 0.0
@@ -498,6 +541,8 @@ class Comparer:
             return "blend", ": the blend into the next move begins elsewhere"
         if is_off_path and motion.is_beyond and ends_moving:
             return "blend", ": the blend into the next move begins elsewhere"
+        if is_off_path and not begins_moving and begins_apart > self._tolerance.joints:
+            return "target", ": the move begins elsewhere"
         if is_off_path:
             if begins_moving and begins_apart > self._tolerance.joints and motion.ends_apart <= begins_apart:
                 return "blend", ": the blend with the move before has another radius"
@@ -522,7 +567,7 @@ class Comparer:
         is_other_speed, is_other_acceleration = abs(faster - 1.0) > SHARE_SAME, abs(harder - 1.0) > SHARE_SAME
         accelerations = f"{here.acceleration:.3g} instead of {there.acceleration:.3g} rad/s^2"
         speeds = f"{here.speed:.3g} instead of {there.speed:.3g} rad/s"
-        if is_other_acceleration and abs(faster * faster / harder - 1.0) < 2.0 * SHARE_SAME:
+        if is_other_acceleration and harder and abs(faster * faster / harder - 1.0) < 2.0 * SHARE_SAME:
             # A move without cruise is as much slower by its acceleration as by its time.
             or_scaling = "" if scaling is not None else ", or the speed scaling, which is not recorded"
             return "acceleration", f": acceleration {accelerations}{or_scaling}"

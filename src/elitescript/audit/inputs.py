@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from itertools import pairwise
-from math import isfinite
+from math import isfinite, nan
 from typing import Final
 
 from elitescript.audit.alignment import Follower
@@ -143,10 +142,13 @@ def _slider(recording: Recording, rows: range) -> tuple[array[float], float | No
 
 
 def _changes(values: Sequence[float]) -> Iterator[tuple[int, float]]:
-    """Yield row and value where a column changes; the first row is none."""
-    for row, (before, now) in enumerate(pairwise(values), 1):
-        if now != before and isfinite(now):
-            yield row, now
+    """Yield row and value where a column changes; the first row is none, and neither are rows without a value."""
+    known = nan
+    for row, now in enumerate(values):
+        if now != known and isfinite(now):
+            if row:
+                yield row, now
+            known = now
 
 
 def _with_pauses(safety: Sequence[Arrival], recording: Recording, rows: range, series: Series) -> list[Arrival]:
@@ -187,9 +189,9 @@ def _safety(recording: Recording, rows: range, series: Series) -> tuple[list[Arr
     modes = _modes(recording, rows)
     found: list[Arrival] = []
     unknown: list[str] = []
-    for row, number in [(0, modes[0])] * bool(modes) + list(_changes(modes)):
-        before = SafetyMode(int(modes[row - 1])) if row else SafetyMode.NORMAL
-        mode = SafetyMode(int(number)) if number in set(SafetyMode) else SafetyMode.UNDEFINED
+    mode = SafetyMode.NORMAL
+    for row, number in [*((0, first) for first in modes[:1] if isfinite(first)), *_changes(modes)]:
+        before, mode = mode, SafetyMode(int(number)) if number in set(SafetyMode) else SafetyMode.UNDEFINED
         t = series.t[row]
         if before in _STOPS and mode is not before:
             found.append(Arrival(t, row, signal_write(_STOPS[before], False), f"{_STOPS[before]} off"))

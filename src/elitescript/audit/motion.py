@@ -151,6 +151,10 @@ class _Foot(NamedTuple):
     """Where the place is on the way to the next row, 0 to 1."""
 
 
+_TCP_SET: Final = 1e-6
+"""Distance of the TCP, m, up to which no other reason than the path is looked for."""
+
+
 def _places(
     recorded: Series, rows: Sequence[int], other: Series, its_rows: Sequence[tuple[int, float]]
 ) -> list[tuple[int, float]]:
@@ -162,7 +166,12 @@ def _places(
     for row, (its, share) in zip(rows, its_rows, strict=False):
         later = min(its + 1, len(other) - 1)
         place = [axis[its] + share * (axis[later] - axis[its]) for axis in other.places]
-        found.append((row, dist((x[row], y[row], z[row]), place)))
+        apart = dist((x[row], y[row], z[row]), place)
+        if apart > _TCP_SET:
+            # A TCP that the program sets may show a control period earlier or later.
+            near = ([axis[its] for axis in other.places] for its in range(max(its - 1, 0), later + 1))
+            apart = min(apart, *(dist((x[row], y[row], z[row]), place) for place in near))
+        found.append((row, apart))
     return found
 
 

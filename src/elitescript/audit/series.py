@@ -32,6 +32,15 @@ SLIDER: Final = "target_speed_fraction"
 SCALING: Final = "speed_scaling"
 
 
+_LINES: Final = 1 << 31
+"""Lines from which on a number is none."""
+
+
+def line_of(value: float) -> int:
+    """Return the line of a program that a row shows; 0 if it has none."""
+    return int(value) if -_LINES <= value < _LINES else 0
+
+
 class Change(NamedTuple):
     """A signal that has another level from a row on."""
 
@@ -119,7 +128,7 @@ class Series:
     @property
     def has_lines(self) -> bool:
         """Whether it is known where the program was."""
-        return len(set(self.lines)) > 2
+        return len({*self.lines} - {0}) > 1
 
     def stands(self, row: int) -> bool:
         """Return whether the arm stands in a row."""
@@ -185,7 +194,7 @@ def recorded(recording: Recording, rows: range) -> Series:
     qd = six(_SPEEDS) or [_slopes(t, column) for column in q]
     lines = array("l", bytes(array("l").itemsize * len(t)))
     if LINE in columns:
-        lines = array("l", [int(line) if isfinite(line) else 0 for line in columns[LINE][begin:end]])
+        lines = array("l", map(line_of, columns[LINE][begin:end]))
     levels, changes = _signals(columns, rows)
 
     def one(name: str) -> array[float] | None:

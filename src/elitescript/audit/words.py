@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
+from math import isfinite
 from typing import Any, Final
 
 from elitescript.audit.differences import Finding, Largest
 from elitescript.audit.findings import AuditedRun, AuditFindings
+from elitescript.errors import printable
 from elitescript.json_records.jsonlines import plain
 from elitescript.messages.signals import Value
 
@@ -17,7 +19,9 @@ SHOWN: Final = 6
 
 def audit_in_words(audit: AuditFindings) -> str:
     """Return the audit for people."""
-    return "\n".join([*_head(audit), *_arm(audit), *_run(audit.first), *_others(audit), *_fit(audit), *_rest(audit)])
+    lines = [*_head(audit), *_arm(audit), *_run(audit.first), *_others(audit), *_fit(audit), *_rest(audit)]
+    # Texts of the controller are among them.
+    return "\n".join(map(printable, lines))
 
 
 def audit_as_json(audit: AuditFindings) -> dict[str, Any]:
@@ -100,7 +104,7 @@ def _details(run: AuditedRun) -> dict[str, Any]:
 
 
 def _largest(error: Largest | None) -> dict[str, Any] | None:
-    return None if error is None else {**error._asdict(), "t": round(error.t, 6)}
+    return None if error is None or not isfinite(error.rms) else {**error._asdict(), "t": round(error.t, 6)}
 
 
 # ---------------------------------------------------------------- words

@@ -66,7 +66,7 @@ def audit(options: argparse.Namespace) -> int:
 
         _write(options.page, "--page", audit_page(found, path.name).text)
     if options.json:
-        print(json.dumps(found.json(), ensure_ascii=False))
+        print(json.dumps(found.json(), ensure_ascii=False, allow_nan=False))
     else:
         print(found)
     return AGREES if found.agrees else DIFFERS

@@ -13,7 +13,7 @@ from typing import Final
 from elitescript.cli.output.screen import ScreenStream, StatusLine
 from elitescript.cli.ssh_login import checked_password
 from elitescript.environment.allowance import shown_size
-from elitescript.errors import UsageError
+from elitescript.errors import UsageError, printable
 from elitescript.paths import why_no_file
 from elitescript.recorder.fetching import fetch_program
 from elitescript.recorder.session import PORTS, Session, Target
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 _SIZES: Final = {"": 1, "k": 1000, "m": 1000**2, "g": 1000**3, "ki": 1 << 10, "mi": 1 << 20, "gi": 1 << 30}
 _ROTATION: Final = re.compile(r"(\d+(?:\.\d+)?)\s*(s|([kmg]i?)?b)?", re.IGNORECASE)
+_ROTATION_MAX: Final = 1e15
+"""Bytes or seconds; more is a slip."""
 RATE_MIN_HZ: Final = 1.0
 RATE_MAX_HZ: Final = 250.0
 
@@ -107,6 +109,8 @@ async def _show_status(session: Session, sink: McapSink, status: StatusLine) -> 
 
 
 def _summary(session: Session, sink: McapSink) -> str:
+    if not sink.files:
+        return f"{sink.path}: ended before anybody answered, nothing is recorded"
     pace = session.pace
     files = f" in {sink.files} files" if sink.files > 1 else ""
     restarts = f", the controller's time began anew {pace.restarts} x" if pace.restarts else ""
@@ -123,7 +127,7 @@ def _gaps(session: Session) -> str:
 
 
 def _say(text: str) -> None:
-    print(f"elitescript record: {text}", file=sys.stderr, flush=True)
+    print(printable(f"elitescript record: {text}"), file=sys.stderr, flush=True)
 
 
 def _chosen(given: list[str], *, fetches: bool) -> dict[str, int]:
@@ -143,7 +147,7 @@ def _rotation(text: str | None) -> Rotation:
     if text is None:
         return Rotation()
     found = _ROTATION.fullmatch(text.strip())
-    if found is None or float(found[1]) <= 0.0:
+    if found is None or not 0.0 < float(found[1]) < _ROTATION_MAX:
         raise UsageError(f"--rotate {text}: write a size, such as 500MB, or a time, such as 3600s")
     unit = (found[2] or "s").lower()
     if unit == "s":

@@ -48,6 +48,8 @@ async def connected(host: str, port: int, name: str, timeout_s: float = CONNECT_
         raise LinkError(f"{where}: nobody answers within {timeout_s:g} s") from None
     except OSError as error:
         raise LinkError(f"{where}: {error.strerror or error}") from None
+    except UnicodeError:
+        raise LinkError(f"{where}: no name of a computer") from None
     peer: socket.socket | None = writer.get_extra_info("socket")
     if peer is not None:
         peer.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)

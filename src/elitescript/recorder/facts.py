@@ -43,26 +43,31 @@ def task_of(answer: str) -> str:
 
 
 def _facts(data: Any) -> dict[str, Any]:
+    """Return what a message says; numbers that are none, which JSON has as null, are left out."""
     kind = data.get("type")
     if kind == CONFIGURATION:
         limits, maxima = data["joint limits"], data["joint maxima"]
         return {
-            "lengths": {"a": data["DH a"], "d": data["DH d"], "alpha": data["DH alpha"]},
-            "limits": {
-                "q_min": limits[0::2],
-                "q_max": limits[1::2],
-                "qd_max": maxima[0::2],
-                "qdd_max": maxima[1::2],
-            },
-            "defaults": {
-                "joint_speed": data["default joint velocity"],
-                "joint_acceleration": data["default joint acceleration"],
-                "tool_speed": data["default tool velocity"],
-                "tool_acceleration": data["default tool acceleration"],
-            },
+            "lengths": _known({"a": data["DH a"], "d": data["DH d"], "alpha": data["DH alpha"]}),
+            "limits": _known(
+                {
+                    "q_min": limits[0::2],
+                    "q_max": limits[1::2],
+                    "qd_max": maxima[0::2],
+                    "qdd_max": maxima[1::2],
+                }
+            ),
+            "defaults": _known(
+                {
+                    "joint_speed": data["default joint velocity"],
+                    "joint_acceleration": data["default joint acceleration"],
+                    "tool_speed": data["default tool velocity"],
+                    "tool_acceleration": data["default tool acceleration"],
+                }
+            ),
         }
     if kind == CARTESIAN:
-        return {"tcp_offset": data["TCP offset"]}
+        return _known({"tcp_offset": data["TCP offset"]})
     if kind == ANSWER and data.get("question") in QUESTIONS:
         name = QUESTIONS[data["question"]]
         answer = data["answer"]
@@ -72,3 +77,12 @@ def _facts(data: Any) -> dict[str, Any]:
     if kind == CLOCK:
         return {"clock_offset_s": data["offset_s"]}
     return {}
+
+
+def _known(values: dict[str, Any]) -> dict[str, Any]:
+    """Return the values that are numbers, or rows of nothing but numbers."""
+    return {
+        name: value
+        for name, value in values.items()
+        if value is not None and not (isinstance(value, list | tuple) and None in value)
+    }

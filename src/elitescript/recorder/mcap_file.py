@@ -7,9 +7,11 @@ recorder was killed ends within a record, or without its index; what is in front
 from __future__ import annotations
 
 import json
+import re
 import struct
 from array import array
 from collections.abc import Collection, Iterator, Mapping
+from contextlib import suppress
 from io import BytesIO
 from itertools import chain
 from math import nan
@@ -17,7 +19,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any, BinaryIO, Final
 
-from elitescript.errors import UsageError, did_you_mean
+from elitescript.errors import UsageError, did_you_mean, printable
 from elitescript.paths import why_no_file
 from elitescript.protocol.rtsi.variables import OUTPUTS
 from elitescript.recorder.channels import CHANGES, LISTS, PACKAGE, ROW, ROWS, SLOW, TALKING, TIME, columns_of
@@ -68,11 +70,13 @@ def read_recording(path: str | Path, columns: Collection[str] | None = None) -> 
 
 
 def files_of(first: Path) -> list[Path]:
-    """Return the files of a recording in their order, beginning with the given one."""
-    found = [first]
-    while (following := rotated(first, len(found))).exists():
-        found.append(following)
-    return found
+    """Return the files of a recording in their order, beginning with the given one; one in between may be missing."""
+    name = re.compile(rf"{re.escape(first.stem)}\.(\d{{4,}}){re.escape(first.suffix)}", re.ASCII)
+    further: list[tuple[int, Path]] = []
+    # Without the folder there is no file either, which the reader says.
+    with suppress(OSError):
+        further = [(int(its[1]), path) for path in first.parent.iterdir() if (its := name.fullmatch(path.name))]
+    return [first, *(path for _, path in sorted(further))]
 
 
 def rotated(first: Path, number: int) -> Path:
@@ -143,27 +147,30 @@ class _Reading:
         self._schemas, self._channels, self._kinds = {}, {}, {}
         with _opened(path) as file:
             for at, code, body in _records(file, path):
-                if code == _CHUNK:
-                    try:
-                        stream, size = get_chunk_data_stream(Chunk.read(ReadDataStream(BytesIO(body))), True)
-                        data = stream.read(size)
-                    except Exception as error:
-                        raise UsageError(f"{path}: the chunk at byte {at:,} is damaged ({error})") from None
-                    self._take_chunk(data, at)
-                elif code in (_SCHEMA, _CHANNEL, _MESSAGE_CODE):
-                    self._take(code, body, at)
-                elif code == _METADATA:
-                    metadata = Metadata.read(ReadDataStream(BytesIO(body)))
-                    self._take_metadata(metadata.name, metadata.metadata)
-                elif code == _ATTACHMENT:
-                    attachment = Attachment.read(ReadDataStream(BytesIO(body)))
-                    self._attachments[attachment.name] = attachment.data
-                elif code == _DATA_END:
+                if code == _DATA_END:
                     break
+                try:
+                    if code == _CHUNK:
+                        stream, size = get_chunk_data_stream(Chunk.read(ReadDataStream(BytesIO(body))), True)
+                        self._take_chunk(stream.read(size), at)
+                    elif code in (_SCHEMA, _CHANNEL, _MESSAGE_CODE):
+                        self._take(code, body, at)
+                    elif code == _METADATA:
+                        metadata = Metadata.read(ReadDataStream(BytesIO(body)))
+                        self._take_metadata(metadata.name, metadata.metadata)
+                    elif code == _ATTACHMENT:
+                        attachment = Attachment.read(ReadDataStream(BytesIO(body)))
+                        self._attachments[attachment.name] = attachment.data
+                except UsageError:
+                    raise
+                except Exception as error:
+                    what = "chunk" if code == _CHUNK else "record"
+                    why = str(error) or error.__class__.__name__
+                    raise UsageError(f"{path}: the {what} at byte {at:,} is damaged ({why})") from None
         self._store()
         has_rows = any(isinstance(kind, _Rows) for kind in self._kinds.values())
         if not has_rows and self._begin_ns is None:
-            topics = ", ".join(sorted(channel.topic for channel in self._channels.values())) or "none"
+            topics = printable(", ".join(sorted(channel.topic for channel in self._channels.values()))) or "none"
             raise UsageError(f"{path} is no recording of a controller: no channel {ROWS} (channels: {topics})")
         self._is_first = False
 
@@ -178,6 +185,8 @@ class _Reading:
                 self._facts["begin_ns"] = self._begin_ns = int(data.get("begin_ns", "0"))
                 self._rate_hz = float(data["rate_hz"]) if "rate_hz" in data else None
                 self._facts.update({name: data[name] for name in GIVEN if data.get(name)})
+            elif int(data.get("begin_ns", "0")) != self._begin_ns:
+                raise UsageError(f"{self._path} is of another recording than the file before it; move one of them away")
         elif name == FACTS:
             self._facts.update({key: json.loads(value) for key, value in data.items()})
 

@@ -37,6 +37,8 @@ TICK_S: Final = 1.0
 _ENDS_MAX: Final = 2
 """So often a recipe may seem to be why a controller ends the connection; then it is asked for no more."""
 RATE_HZ: Final = 250.0
+TIME_MAX_S: Final = 1e9
+"""Time of a controller, s, that none has: 30 years."""
 
 _PARTS: Final[tuple[tuple[SubMessage, str, tuple[str, ...]], ...]] = (
     (CONFIGURATION, facts.CONFIGURATION, ()),
@@ -244,6 +246,8 @@ class Session:
     def _take_row(self, layout: OutputLayout, payload: bytes, arrived_ns: int) -> None:
         flat = layout.flat(payload)
         t = float(flat[1])
+        if not abs(t) < TIME_MAX_S:
+            raise PeerError(f"RTSI: a row has the {TIME} {t:g}")
         if self._is_clock_new:
             self._is_clock_new = False
             self._message(EVENTS, {"type": facts.CLOCK, "offset_s": arrived_ns * 1e-9 - t, "t": t}, arrived_ns)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import isfinite
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,7 +14,7 @@ from elitescript.recorder import channels
 from elitescript.recorder.channels import CHANGES, DASHBOARD, EVENTS, PRIMARY, SLOW
 from elitescript.recorder.extra import check_mcap
 from elitescript.recorder.facts import CLOCK, CONNECTED, STATES
-from elitescript.recorder.mcap_file import rotated
+from elitescript.recorder.mcap_file import files_of, rotated
 from elitescript.recorder.protobuf import RowLayout
 from elitescript.recorder.sinks import StorageError
 from elitescript.recorder.writing import RecordingFile
@@ -60,9 +61,11 @@ class McapSink:
         rotation: Rotation | None = None,
     ) -> None:
         check_mcap()
+        if not path.name:
+            raise UsageError(f"{path} is no name of a file")
         if not path.parent.is_dir():
             raise UsageError(f"{path}: there is no folder {path.parent}")
-        for taken in (path, rotated(path, 1)):
+        for taken in files_of(path):
             if taken.exists():
                 raise UsageError(f"{taken} exists already; a recording is never written over")
         self.path = path
@@ -225,6 +228,8 @@ class McapSink:
             file.message(channels.JOINT_STATES, channels.joint_states(arrived_ns, *joints), arrived_ns, self._time_ns)
         if _POSE in view:
             pose = view[_POSE](flat)
+            if not all(map(isfinite, pose)):
+                return
             for channel, made in (
                 (channels.TCP, channels.pose_in_frame(arrived_ns, pose)),
                 (channels.FRAMES, channels.frame_transforms(arrived_ns, pose)),

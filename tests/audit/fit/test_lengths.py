@@ -193,3 +193,42 @@ def test_joints_of_another_attitude_are_a_hint_and_no_point():
 def test_a_measured_chain_has_no_six_lengths():
     with pytest.raises(UsageError, match="measured chain"):
         fit_lengths(points_of_file(csv_of(NOMINAL, [TAUGHT]), "p.csv"), NOMINAL.calibrated(d=NOMINAL.modified_dh[1]))
+
+
+def test_poses_measured_again_count_and_points_written_twice_do_not():
+    rng = random.Random(4)
+    rows = []
+    for line in csv_of(NOMINAL, spread(2, 5), digits=6).splitlines():
+        q, pose = line.split(",")[:6], [float(cell) for cell in line.split(",")[6:]]
+        for _ in range(3):
+            noisy = [value + rng.gauss(0.0, 1e-4) for value in pose[:3]] + pose[3:]
+            rows.append(",".join([*q, *(f"{value:.6f}" for value in noisy)]))
+    fit = fit_lengths(points_of_file("\n".join([*rows, rows[0]]), "p.csv"), NOMINAL)
+    assert fit.used == 15
+    assert fit.left_out == ("p.csv:16: the same point as p.csv:1",)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("p.csv", '"' + "a" * 200_000, "p.csv:1: not CSV"),
+        ("p.json", "[" * 100_000, "too deep"),
+        ("p.json", '[{"q": [1' + "0" * 400 + ', 0, 0, 0, 0, 0], "pose": [0, 0, 0, 0, 0, 0]}]', "six finite numbers"),
+    ],
+)
+def test_files_that_no_table_has_are_refused_in_words(name, text, words):
+    with pytest.raises(UsageError, match=words):
+        points_of_file(text, name)
+
+
+def test_numbers_beyond_all_range_in_a_program_are_no_point():
+    text = "a_q = [1" + "0" * 400 + ", 0, 0, 0, 0, 0]\na_p = [0.1, 0.1, 0.1, 0, 0, 0]\n"
+    assert points_of_program(text, "p.script").points == ()
+
+
+def test_other_units_are_said_to_be_other_units():
+    rows = csv_of(NOMINAL, spread(2, 2)).splitlines()
+    cells = [row.split(",") for row in rows]
+    text = "\n".join(",".join([*row[:6], *(f"{1e3 * float(x):.3f}" for x in row[6:9]), *row[9:]]) for row in cells)
+    with pytest.raises(UsageError, match="not in rad and m"):
+        fit_lengths(points_of_file(text, "p.csv"), NOMINAL)

@@ -13,6 +13,7 @@ from elitescript.models.model import load_model, parse_model
 from elitescript.recorder.recording import Recording
 from elitescript.records import replace
 from tests.audit.fit import hidden_arms
+from tests.audit.recording_runs import VARIABLES, record_run
 
 CS66 = load_model("CS66")
 EXACT = ("d1", "a2", "a3", "d4", "d5", "d6", "payload_kg", "speed_slider", "qd_max.1", "qd_max.4")
@@ -208,3 +209,21 @@ def test_equations_that_are_written_twice_say_no_more_than_once():
     assert clustered_sigma(twice, [row for row in rows for _ in range(2)], 2) == pytest.approx(alone)
     # The residuals are -2, -1, 1, 2, each with the weight 1/4.
     assert alone == pytest.approx(sqrt(10.0) / 4.0)
+
+
+def test_the_last_row_of_a_rest_has_the_torque_of_the_move_that_follows():
+    text = """def p():
+  set_payload(1.5, [0, 0.01, 0.05])
+  movej([0.1, -1.6, -1.7, -1.3, 1.5, 0.1], a=8, v=2)
+  sleep(0.15)
+  movej([0.1, -1.3, -1.7, -1.0, 1.2, 0.4], a=8, v=2)
+  sleep(0.15)
+  movej([0.1, -1.5, -1.2, -1.6, 0.8, 0.4], a=8, v=2)
+  sleep(0.15)
+end
+"""
+    recording = record_run(text, variables=(*VARIABLES, "actual_joint_torques"))
+    payload = next(
+        its for its in fit_recording(recording, CS66, text).parameters if its.name == "payload_of_torques_kg"
+    )
+    assert payload.found == pytest.approx(1.5, abs=1e-9)

@@ -26,7 +26,6 @@ from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import jacobian
 from elitescript.kinematics.rotations import multiply, rotvec_from_rotation, transpose
 from elitescript.kinematics.transforms import rotation_of, transform_from_pose
-from elitescript.messages.motion import Six
 from elitescript.motion.limits import JOINT_NAMES
 from elitescript.records import NamedTuple, record, replace
 
@@ -137,7 +136,7 @@ def fit_lengths(points: Points, arm: Arm, *, zeros: bool = False, is_noise_known
 
 def _agreeing(points: Points, arm: Arm, tolerance: float) -> tuple[list[Point], list[str]]:
     """Return the points whose pose can be that of the joints, and why the others cannot."""
-    best: dict[Six, tuple[float, Point]] = {}
+    best: dict[object, tuple[float, Point]] = {}
     left_out = []
     for point in points.points:
         if point.tcp is None:
@@ -146,22 +145,27 @@ def _agreeing(points: Points, arm: Arm, tolerance: float) -> tuple[list[Point], 
         T = arm.forward_tcp(point.q, transform_from_pose(point.tcp))
         angle = _norm(_turn(point, arm))
         distance = _norm([a - b for a, b in zip(point.pose, T[9:], strict=False)])
+        other = "these are a hint (`qnear`)" if point.is_of_program else "they are not in rad and m"
+        # A measured pose is one more, a taught one with the joints of another one has them as a hint.
+        key = point.q if point.is_of_program else (point.q, point.pose)
         if angle > tolerance:
             left_out.append(
-                f"{point.name}: the pose is turned {angle:.3g} rad against the joints, so these are a hint (`qnear`) "
-                f"or the TCP is another one"
+                f"{point.name}: the pose is turned {angle:.3g} rad against the joints, so {other} or the TCP is "
+                f"another one"
             )
         elif distance > POSITION_TOLERANCE_M:
             left_out.append(
-                f"{point.name}: the pose is {1e3 * distance:.0f} mm away from the joints, so these are a hint "
-                f"(`qnear`) or the TCP is another one"
+                f"{point.name}: the pose is {1e3 * distance:.0f} mm away from the joints, so {other} or the TCP is "
+                f"another one"
             )
-        elif point.q in best and best[point.q][0] <= distance:
+        elif key in best and not point.is_of_program:
+            left_out.append(f"{point.name}: the same point as {best[key][1].name}")
+        elif key in best and best[key][0] <= distance:
             left_out.append(_same_joints(point))
         else:
-            if point.q in best:
-                left_out.append(_same_joints(best[point.q][1]))
-            best[point.q] = (distance, point)
+            if key in best:
+                left_out.append(_same_joints(best[key][1]))
+            best[key] = (distance, point)
     return [point for _, point in best.values()], left_out
 
 

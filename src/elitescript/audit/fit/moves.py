@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import hypot, isnan, sqrt
+from math import hypot, sqrt
 from typing import Final
 
 from elitescript.audit.fit.least_squares import student_quantile
+from elitescript.audit.series import line_of
 from elitescript.recorder.recording import Recording
 from elitescript.records import NamedTuple, record
 
@@ -117,7 +118,7 @@ def _move(
     return RecordedMove(
         first=first,
         last=last,
-        line=int(line[first]) if line is not None and not isnan(line[first]) else 0,
+        line=0 if line is None else line_of(line[first]),
         joint=joint,
         shares=tuple(way / largest for way in ways),
         scaling=scaling,

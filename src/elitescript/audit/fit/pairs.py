@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator, Sequence
 from decimal import Decimal
 from math import isfinite
-from typing import Any, Final
+from typing import Any, Final, TypeGuard
 
 from elitescript.errors import UsageError
 from elitescript.language.parser import parse
@@ -40,6 +40,8 @@ class Point(NamedTuple):
     name: str
     tcp: Six | None = None
     """Offset of the TCP at which the pose was taken; None if it is not known."""
+    is_of_program: bool = False
+    """Whether the joints may be a hint to inverse kinematics alone: then another pose can have the same."""
 
 
 @record
@@ -80,7 +82,8 @@ def points_of_program(text: str, name: str, tcp: Six | None = None) -> Points:
     for point in sorted((*reader.points(), *_points_in_comments(text)), key=lambda point: point.line):
         if (point.q, point.pose) not in seen:
             seen.add((point.q, point.pose))
-            found.append(point._replace(tcp=reader.tcp_at(point.line) if tcp is None else tcp))
+            offset = reader.tcp_at(point.line) if tcp is None else tcp
+            found.append(point._replace(tcp=offset, is_of_program=True))
     words = "the TCP offset is the one that was given" if tcp is not None else reader.tcp_words
     return _points(found, words)
 
@@ -189,9 +192,7 @@ def _six(node: ast.expr) -> Six | None:
         if isinstance(element, ast.UnaryOp) and isinstance(element.op, ast.USub | ast.UAdd):
             sign = -1.0 if isinstance(element.op, ast.USub) else 1.0
             element = element.operand
-        if not isinstance(element, ast.Constant) or isinstance(element.value, bool):
-            return None
-        if not isinstance(element.value, int | float):
+        if not isinstance(element, ast.Constant) or not _is_number(element.value):
             return None
         values.append(sign * float(element.value))
     return _as_six(values)
@@ -254,9 +255,17 @@ def points_of_file(text: str, name: str, tcp: Six | None = None) -> Points:
     return _points(found, words)
 
 
+def _cells(text: str, name: str) -> Iterator[list[str]]:
+    reader = csv.reader(io.StringIO(text))
+    try:
+        yield from reader
+    except csv.Error as error:
+        raise UsageError(f"{name}:{reader.line_num}: not CSV: {error}") from None
+
+
 def _csv_rows(text: str, name: str) -> list[Point]:
     found = []
-    for number, row in enumerate(csv.reader(io.StringIO(text)), 1):
+    for number, row in enumerate(_cells(text, name), 1):
         if not row or not "".join(row).strip() or row[0].lstrip().startswith("#"):
             continue
         try:
@@ -278,6 +287,8 @@ def _json_rows(text: str, name: str) -> list[Point]:
         rows = json.loads(text)
     except ValueError as error:
         raise UsageError(f"{name}: not JSON: {error}") from None
+    except RecursionError:
+        raise UsageError(f"{name}: lists within lists, too deep for points") from None
     if not isinstance(rows, list):
         raise UsageError(f'{name}: needs a list of {{"q": [...], "pose": [...]}}')
     found = []
@@ -305,5 +316,10 @@ def _checked(q: Any, pose: Any, line: int, place: str) -> Point:
     return _point(rows[0], rows[1], line, place)
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
+def _is_number(value: object) -> TypeGuard[int | float]:
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        return False
+    try:
+        return isfinite(value)
+    except OverflowError:
+        return False

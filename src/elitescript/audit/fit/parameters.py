@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import Any, Final
 
 from elitescript.records import record
@@ -60,7 +61,9 @@ class Parameter:
 
 
 def determined(name: str, unit: str, model: float | None, found: float, half_width: float, why: str) -> Parameter:
-    """Return a parameter with a symmetric interval."""
+    """Return a parameter with a symmetric interval; one that is not determined if its numbers are out of all range."""
+    if not isfinite(found + half_width):
+        return not_determined(name, unit, model, "the numbers of the recording are out of all range")
     return Parameter(name, unit, model, found, (found - half_width, found + half_width), DETERMINED, why)
 
 

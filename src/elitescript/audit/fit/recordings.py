@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Iterable, Sequence
-from math import inf, isnan, sqrt
+from math import inf, isfinite, sqrt
 from typing import Any, Final
 
 from elitescript.audit.fit.least_squares import NORMAL_95, Solution, solve, student_quantile
@@ -147,7 +147,7 @@ def _lengths(recording: Recording, model: RobotModel, words: list[str]) -> Lengt
         joints = [column[index] for column in q]
         place = [column[index] for column in pose]
         tcp = _tcp_at(offsets, t) if offsets else NO_TCP
-        if tcp is None or any(map(isnan, joints)) or any(map(isnan, place)):
+        if tcp is None or not all(map(isfinite, (*joints, *place))):
             continue
         if last is not None and sum(abs(a - b) for a, b in zip(joints, last, strict=True)) < LENGTH_DISTANCE_RAD:
             continue
@@ -168,7 +168,11 @@ def _lengths(recording: Recording, model: RobotModel, words: list[str]) -> Lengt
 
 def _tcp_offsets(recording: Recording) -> list[tuple[float, Six]]:
     """Return the TCP offsets that the controller showed, each with the time from which on it did, s."""
-    shown = [(message.t, message.data["TCP offset"]) for message in recording.messages if "TCP offset" in message.data]
+    shown = [
+        (message.t, offset)
+        for message in recording.messages
+        if (offset := message.data.get("TCP offset")) is not None and None not in offset
+    ]
     if not shown and "tcp_offset" in recording.facts:
         shown = [(-inf, recording.facts["tcp_offset"])]
     found: list[tuple[float, Six]] = []
@@ -283,7 +287,7 @@ def _limits(
     move and faster in another, so what remains is often one joint.
     """
     speeds = six_columns(recording, "target_joint_speeds") or []
-    largest = [max((abs(value) for value in column if not isnan(value)), default=0.0) for column in speeds]
+    largest = [max((abs(value) for value in column if isfinite(value)), default=0.0) for column in speeds]
     at_limit: dict[int, list[Estimate]] = {}
     for move in moves:
         text = texts.get(move.line)
@@ -445,7 +449,7 @@ def _reported(recording: Recording, words: list[str]) -> Iterable[Parameter]:
         ("speed_scaling", "", "speed_scaling"),
     ):
         column = recording.columns.get(variable)
-        values = [] if column is None else [value for value in column if not isnan(value)]
+        values = [] if column is None else [value for value in column if isfinite(value)]
         ours = 1.0 if name != "payload_kg" else None
         if not values:
             yield not_determined(name, unit, ours, f"the recording has no {variable}")
@@ -468,7 +472,7 @@ def _payload_of_torques(recording: Recording, model: RobotModel) -> Parameter:
     q, torque = six_columns(recording, "actual_joint_positions"), six_columns(recording, "actual_joint_torques")
     qd = six_columns(recording, "target_joint_speeds")
     reported = recording.columns.get("payload_mass")
-    ours = None if reported is None or not len(reported) or isnan(reported[-1]) else reported[-1]
+    ours = None if reported is None or not len(reported) or not isfinite(reported[-1]) else reported[-1]
     if q is None or torque is None or qd is None:
         return not_determined(name, "kg", ours, "the recording has no torques")
     links = [RigidBody(link.mass, link.com, link.inertia) for link in model.links]
@@ -492,7 +496,9 @@ def _payload_of_torques(recording: Recording, model: RobotModel) -> Parameter:
         if since is None or t < since:
             since = t
         joints = [column[index] for column in q]
-        if t - since < 0.1 or any(map(isnan, joints)) or isnan(torque[0][index]):
+        # In the last row of a rest the speed is 0 still, and the torque that of the move that begins.
+        is_last = index + 1 < len(recording.t) and any(abs(column[index + 1]) > 0.0 for column in qd)
+        if is_last or t - since < 0.1 or not all(map(isfinite, (*joints, torque[0][index]))):
             continue
         if last is not None and sum(abs(a - b) for a, b in zip(joints, last, strict=True)) < LENGTH_DISTANCE_RAD:
             if len(rows) > 6 * 200 * poses:
