@@ -10,7 +10,7 @@ from elitescript.records import replace
 from elitescript.sweep.cases import write_case
 from elitescript.sweep.chaos.ground import Ears
 from elitescript.sweep.findings import Places, case_of_run, plain_values
-from elitescript.sweep.plan import Choices, Failure
+from elitescript.sweep.plan import Choices, Disturbance, Failure, Plan
 from elitescript.sweep.replay import Replay, robot_for_case
 from elitescript.sweep.shrinking import Shrunk, is_same, shrink
 from elitescript.sweep.single import Runner
@@ -81,6 +81,32 @@ def test_the_lost_acknowledgement_is_told_with_time_device_message_and_line() ->
     assert text == (
         "at 0.108 s what gripper (port 5000) sent ('ok\\n') was lost; the program waited in line 8 for data on socket "
         "'gripper' for ever"
+    )
+
+
+@pytest.mark.parametrize(
+    ("passes", "end"), [(60, "when the run was cut off; with more time it ends at 90.100 s"), (1000, "for ever")]
+)
+def test_what_would_end_with_more_time_is_not_said_to_last_for_ever(passes: int, end: str) -> None:
+    program = f"""
+def slow():
+  sleep(0.1)
+  if get_standard_digital_in(1):
+    for n in range({passes}):
+      sleep(1.5)
+    end
+  end
+end
+"""
+    runner = Runner(Plan(program, chaos="inputs"))
+    choices = Choices(0, 0, {}, (Disturbance("stuck", "standard_digital_in[1]", 0.0, 1.0, {"value": True}),))
+    ears: list[Ears] = []
+    row, run = runner.play(choices, before=lambda robot: ears.append(Ears(robot)))
+    assert run is not None
+    assert row.failure is not None
+    story = tell(choices, row.failure, run, ears[0].heard, runner.chaos.ground, runner.ends_s(row))
+    assert story.text == (
+        "at 0.000 s standard_digital_in[1] was stuck at high for 1 s; the program waited in line 6 " + end
     )
 
 

@@ -146,7 +146,7 @@ def _told(runner: Runner, choices: Choices, failure: Failure) -> tuple[Story | N
     if run is None or row.failure is None:
         return None, failure
     ground = runner.chaos.ground if choices.disturbances else None
-    return tell(choices, row.failure, run, ears[0].heard, ground), row.failure
+    return tell(choices, row.failure, run, ears[0].heard, ground, runner.ends_s(row)), row.failure
 
 
 def case_of_run(runner: Runner, choices: Choices, failure: Failure, places: Places) -> Case:

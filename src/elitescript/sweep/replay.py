@@ -115,7 +115,8 @@ class Replay:
         if run is None:
             return Played(row, run, words, None)
         ground = self.runner.chaos.ground if self.case.disturbances else None
-        return Played(row, run, words, tell(self.case.choices, found, run, ears[0].heard, ground))
+        ends_s = self.runner.ends_s(row)
+        return Played(row, run, words, tell(self.case.choices, found, run, ears[0].heard, ground, ends_s))
 
 
 def plan_of(case: Case, folder: Path, program: Path) -> Plan:
