@@ -98,7 +98,7 @@ def add_sweep(parser: Parser) -> None:
         "--measure", action="append", default=[], metavar="NAME=EXPRESSION", help="a column of numbers; may be repeated"
     )
     parser.add_argument(
-        "--chaos", metavar="PROFILE", help="what goes wrong: channels, inputs, people, all, or FILE.toml"
+        "--chaos", metavar="PROFILE", help="what goes wrong: channels, inputs, stops, people, all, or FILE.toml"
     )
     parser.add_argument("--margins", action="store_true", help="a column with the margin of each property")
     parser.add_argument(

@@ -52,6 +52,9 @@ SUFFIX: Final = ".case.toml"
 FILE_NAME: Final = "CASE.toml"
 """Names of cases: this one, and those that end so."""
 
+LOST: Final = ("hung", "crashed", "error")
+"""States of runs without a record, which stand for the property that fails: they are neither shrunk nor told."""
+
 SECTIONS: Final = ("fault", "stop", "person")
 _KEYS: Final = (
     "program",

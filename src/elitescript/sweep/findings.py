@@ -9,12 +9,22 @@ from typing import Any, Final
 from elitescript.errors import UsageError
 from elitescript.models.model import is_model_file
 from elitescript.records import field, record
-from elitescript.sweep.cases import FILE_NAME, SUFFIX, Case, digest_of, is_case, read_case, relative_to, write_case
+from elitescript.sweep.cases import (
+    FILE_NAME,
+    LOST,
+    SUFFIX,
+    Case,
+    digest_of,
+    is_case,
+    read_case,
+    relative_to,
+    write_case,
+)
 from elitescript.sweep.chaos.ground import Ears
 from elitescript.sweep.engine import Engine
 from elitescript.sweep.plan import Choices, Failure, Plan, Row
 from elitescript.sweep.shrinking import BUDGET, Shrunk, is_same, shrink
-from elitescript.sweep.single import ERROR, Runner
+from elitescript.sweep.single import Runner
 from elitescript.sweep.story import Story, tell
 from elitescript.sweep.variations import plain_value
 
@@ -23,9 +33,6 @@ KINDS_MAX: Final = 5
 
 CASES_MAX: Final = 100
 """Cases of one folder that are played before a sweep, and names that are tried for a new one."""
-
-LOST: Final = ("hung", "crashed", ERROR)
-"""States of runs that are not run again to be shrunk: there is nothing to compare, or each one takes --max-wall."""
 
 
 @record

@@ -14,7 +14,7 @@ from elitescript.controller.views.trace import Trace
 from elitescript.devices.scenario import python_files
 from elitescript.devices.surroundings import REAL, VIRTUAL
 from elitescript.environment.memory import MemoryEnvironment
-from elitescript.environment.start_values import parse_settings
+from elitescript.environment.start_values import check_presets, parse_settings
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
 from elitescript.kernel.options import ROBOT_SECTION
 from elitescript.language.compiler import CompiledUnit
@@ -84,6 +84,7 @@ class Runner:
             self._options.pop(name, None)
         self._files = {name: b64decode(data) for name, data in plan.files.items()}
         self._levels, presets = parse_settings(list(plan.settings))
+        check_presets(presets, plan.program)
         self._presets: dict[str, Any] = presets
         self._python = PythonFiles(plan.python)
         self._draw = Draw(plan.variations, plan.seed)

@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 SAME_JOINT_RAD: Final = 1e-3
 """Joints that differ by less are the same at the end of a run, *assumed*."""
 
+_ROUNDING: Final = 1e-9
+"""What a planned motion at its limit may be beyond it."""
+
 STUCK: Final = "R130"
 _STOPPED: Final = "protective_stop"
 _PUSHED: Final = "push"
@@ -170,7 +173,7 @@ class _LimitWatch:
         if self._margin == inf:
             return Verdict(True, words="there is no such limit")
         margin = self._margin - self._least
-        return Verdict(margin >= 0.0, margin, self._unit, self._t, self._words)
+        return Verdict(margin >= -_ROUNDING, margin, self._unit, self._t, self._words)
 
 
 # ---------------------------------------------------------------- ends
