@@ -14,7 +14,8 @@ from elitescript.plotting.page import page as page_of_run
 from elitescript.plotting.recorder import RunRecorder
 from elitescript.plotting.sampling import Sampling
 from elitescript.robot import VirtualRobot
-from elitescript.sweep.findings import LOST, Finding
+from elitescript.sweep.cases import LOST
+from elitescript.sweep.findings import Finding
 from elitescript.sweep.page import REPLAYS, PageTexts, Replay, sweep_page
 from elitescript.sweep.plan import Choices, Row
 from elitescript.sweep.single import Runner
