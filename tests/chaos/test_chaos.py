@@ -5,9 +5,10 @@ import json
 import pytest
 
 from elitescript import VirtualRobot
+from elitescript.sweep.shrinking import fewest
 from tests.chaos.playing import failure_of
 from tests.chaos.sessions import drawn
-from tests.chaos.shorter import fewest, name_of, shortest
+from tests.chaos.shorter import name_of, shortest
 
 KEPT = (1, 36, 694)
 """Seeds that broke something once: a connection that closed late, a time before a motion began, news from before a

@@ -67,7 +67,7 @@ def test_the_case_of_a_lost_run_can_be_played(state: str, tmp_path: Path) -> Non
     engine: Any = HereEngine(runner)
     found = find(row, runner, engine, Places(tmp_path, str(program)))
     assert read_case(found.case).failure.state == state
-    assert Replay(found.case).play().words == "the failure did not come again: the run comes back now"
+    assert Replay(found.case).play().words == "the failure did not come again: the run comes to its end now"
 
 
 def test_a_case_that_cannot_be_read_is_said_and_left_out(tmp_path: Path) -> None:

@@ -9,7 +9,16 @@ from typing import Any, Final
 from elitescript.errors import UsageError
 from elitescript.models.model import is_model_file
 from elitescript.records import field, record
-from elitescript.sweep.cases import FILE_NAME, SUFFIX, Case, digest_of, is_case, read_case, relative_to, write_case
+from elitescript.sweep.cases import (
+    FILE_NAME,
+    SUFFIX,
+    Case,
+    digest_of,
+    is_case,
+    read_case,
+    relative_to,
+    write_case,
+)
 from elitescript.sweep.chaos.ground import Ears
 from elitescript.sweep.engine import Engine
 from elitescript.sweep.plan import LOST, Choices, Failure, Plan, Row
@@ -144,7 +153,7 @@ def _told(runner: Runner, choices: Choices, failure: Failure) -> tuple[Story | N
     if run is None or row.failure is None:
         return None, failure
     ground = runner.chaos.ground if choices.disturbances else None
-    return tell(choices, row.failure, run, ears[0].heard, ground), row.failure
+    return tell(choices, row.failure, run, ears[0].heard, ground, runner.ends_s(row)), row.failure
 
 
 def case_of_run(runner: Runner, choices: Choices, failure: Failure, places: Places) -> Case:

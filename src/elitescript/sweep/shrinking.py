@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import ceil, floor
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from elitescript.errors import UsageError
 from elitescript.messages.signals import Value
@@ -17,6 +17,8 @@ from elitescript.messages.timing import PERIOD_S
 from elitescript.records import NamedTuple, replace
 from elitescript.sweep.chaos.applying import check
 from elitescript.sweep.plan import Choices, Disturbance, Failure
+
+Item = TypeVar("Item")
 
 BUDGET: Final = 200
 """Runs that shrinking may take."""
@@ -42,6 +44,9 @@ SIMPLER_KINDS: Final[Mapping[str, tuple[str, ...]]] = {
 """For a kind, those that are easier to understand and to bring about, the simplest first."""
 
 _MESSAGES: Final = ("drop", "delay", "duplicate", "corrupt", "trickle", "wrong_reply")
+_FIRST: Final[tuple[Mapping[str, int], ...]] = ({}, {"nth": 2}, {"nth": 3})
+"""Of messages: the first one, the second, the third."""
+
 _TARGETS: Final[Mapping[str, float]] = {
     "at_s": 0.0,
     "for_s": 0.1,
@@ -92,6 +97,31 @@ def is_same(failure: Failure | None, other: Failure) -> bool:
         failure.code,
         failure.line,
     ) == (other.expression, other.state, other.code, other.line)
+
+
+def fewest(items: Sequence[Item], fails: Callable[[Sequence[Item]], bool]) -> Sequence[Item]:
+    """Return the fewest of some items, in their order, that still fail (ddmin): none of them can be left out.
+
+    Args:
+        items: that fail together.
+        fails: returns whether some of them still fail.
+    """
+    if not items or fails(()):
+        return ()
+    parts = 2
+    while len(items) > 1:
+        step = -(-len(items) // parts)
+        chunks = [items[at : at + step] for at in range(0, len(items), step)]
+        rests = [[item for other in chunks if other is not chunk for item in other] for chunk in chunks]
+        if smaller := next((chunk for chunk in chunks if fails(chunk)), None):
+            items, parts = smaller, 2
+        elif len(chunks) > 2 and (smaller := next((rest for rest in rests if fails(rest)), None)):
+            items, parts = smaller, max(parts - 1, 2)
+        elif step == 1:
+            break
+        else:
+            parts = min(2 * parts, len(items))
+    return items
 
 
 def shrink(
@@ -166,23 +196,8 @@ class _Search:
 
     def fewer(self) -> None:
         """Leave out what is not needed (ddmin)."""
-        if not self.best.disturbances or self.fails(self._with(())):
-            return
-        parts = 2
-        while (size := len(self.best.disturbances)) > 1:
-            step = -(-size // parts)
-            chunks = [self.best.disturbances[at : at + step] for at in range(0, size, step)]
-            if any(self.fails(self._with(chunk)) for chunk in chunks):
-                parts = 2
-            elif len(chunks) > 2 and any(self._fails_without(chunks, out) for out in range(len(chunks))):
-                parts = max(parts - 1, 2)
-            elif step == 1:
-                return
-            else:
-                parts = min(2 * parts, size)
-
-    def _fails_without(self, chunks: Sequence[Sequence[Disturbance]], out: int) -> bool:
-        return self.fails(self._with([item for at, chunk in enumerate(chunks) if at != out for item in chunk]))
+        # What fails becomes the best of the search, so the result is there already.
+        fewest(self.best.disturbances, lambda items: self.fails(self._with(items)))
 
     # ---------------------------------------------------------------- simpler kinds
 
@@ -192,7 +207,10 @@ class _Search:
             for candidate in _simpler_kinds(self.best.disturbances[index]):
                 if self.fails(self._with_one(index, candidate)):
                     break
-            for change in (_one_message, _to_robot, _to_device, _later, _plain_reply):
+            for candidate in _one_message(self.best.disturbances[index]):
+                if self.fails(self._with_one(index, candidate)):
+                    break
+            for change in (_to_robot, _to_device, _later, _plain_reply):
                 changed = change(self.best.disturbances[index])
                 if changed is not None:
                     self.fails(self._with_one(index, changed))
@@ -247,8 +265,9 @@ def _simpler_kinds(disturbance: Disturbance) -> Iterator[Disturbance]:
         base = replace(disturbance, kind=kind, settings={})
         if kind in _MESSAGES:
             kept = {"count": 1, **({"delay_s": 1.0} if kind == "delay" else {})}
-            for direction in ("to_robot", "to_device"):
-                yield replace(base, for_s=None, settings={**kept, "direction": direction})
+            for first in _FIRST:
+                for direction in ("to_robot", "to_device"):
+                    yield replace(base, for_s=None, settings={**kept, **first, "direction": direction})
         elif kind == "stuck":
             values = (False, True) if "digital" in str(disturbance.on) else ()
             for value in values:
@@ -258,13 +277,15 @@ def _simpler_kinds(disturbance: Disturbance) -> Iterator[Disturbance]:
             yield replace(base, settings={"fraction": 0.1})
 
 
-def _one_message(disturbance: Disturbance) -> Disturbance | None:
+def _one_message(disturbance: Disturbance) -> Iterator[Disturbance]:
+    """Yield the same disturbance of one message alone: the first that it meets, or one of the next."""
     if disturbance.kind not in _MESSAGES:
-        return None
+        return
     settings = {name: value for name, value in disturbance.settings.items() if name != "share"}
     if settings == disturbance.settings and settings.get("count") == 1 and disturbance.for_s is None:
-        return None
-    return replace(disturbance, for_s=None, settings={**settings, "count": 1})
+        return
+    for first in _FIRST:
+        yield replace(disturbance, for_s=None, settings={**settings, "count": 1, **first})
 
 
 def _to_robot(disturbance: Disturbance) -> Disturbance | None:

@@ -10,10 +10,17 @@ from elitescript.messages.events import DeviceNoted, Warned
 from elitescript.messages.faults import Passing
 from elitescript.messages.timing import seconds
 from elitescript.records import NamedTuple, record
-from elitescript.sweep.chaos.applying import STOP_REASON, fault_of, in_order
+from elitescript.sweep.chaos.applying import fault_of, in_order
 from elitescript.sweep.chaos.ground import Ground
 from elitescript.sweep.chaos.kinds import is_fault
-from elitescript.sweep.chaos.properties import STUCK, has_limit, is_built_in, waited_for
+from elitescript.sweep.chaos.properties import (
+    NEVER_STUCK,
+    STUCK,
+    causes_of,
+    has_limit,
+    is_built_in,
+    place_of_thread,
+)
 from elitescript.sweep.plan import Choices, Disturbance, Failure
 
 if TYPE_CHECKING:
@@ -79,7 +86,12 @@ class Story:
 
 
 def tell(
-    choices: Choices, failure: Failure, run: Run, heard: Iterable[Passing] = (), ground: Ground | None = None
+    choices: Choices,
+    failure: Failure,
+    run: Run,
+    heard: Iterable[Passing] = (),
+    ground: Ground | None = None,
+    ends_s: float | None = None,
 ) -> Story:
     """Return the story of a run that failed.
 
@@ -89,6 +101,7 @@ def tell(
         run: its record.
         heard: what passed over its channels.
         ground: what there was to disturb, for the names of devices.
+        ends_s: when the run ends if it is not cut off, s; None if it goes on for much longer.
     """
     devices = {}
     for chance in () if ground is None else ground.chances:
@@ -101,7 +114,7 @@ def tell(
         found = _of_disturbance(disturbance, run, messages, devices)
         moments += found
         causes.append(f"at {found[0].t:.3f} s {found[0].text}")
-    end = _end(failure, run)
+    end = _end(failure, run, choices.disturbances, ends_s)
     moments.append(end)
     moments.sort(key=lambda moment: moment.t)
     values = ", ".join(f"{name} = {_shown(value)}" for name, value in choices.values.items())
@@ -218,17 +231,16 @@ def _of_stop(disturbance: Disturbance) -> str:
 # ---------------------------------------------------------------- what came of it
 
 
-def _end(failure: Failure, run: Run) -> Moment:
+def _end(failure: Failure, run: Run, disturbances: Sequence[Disturbance], ends_s: float | None) -> Moment:
     """Return what did not hold, in words."""
-    if failure.state in ("stuck", "time_limit") and run.threads and failure.expression == "never_stuck":
+    if failure.state in ("stuck", "time_limit") and run.threads and failure.expression == NEVER_STUCK:
         waits = [
-            f"{'the program' if row.name == 'main' else f'thread {row.name}'} waited in line {row.line}"
-            + (f" for {waited_for(row.waits_for)}" if row.waits_for else "")
+            f"{'the program' if row.name == 'main' else f'thread {row.name}'} {place_of_thread(row)}"
             for row in run.threads
         ]
-        first = run.threads[0]
-        return Moment(run.time_s, f"{' and '.join(waits)} for ever", first.line)
-    alarms = [alarm for alarm in run.alarms if alarm.code != STUCK and alarm.text != STOP_REASON]
+        end = " for ever" if ends_s is None else f" when the run was cut off; with more time it ends at {ends_s:.3f} s"
+        return Moment(run.time_s, f"{' and '.join(waits)}{end}", run.threads[0].line)
+    alarms = [alarm for alarm in causes_of(run, disturbances) if alarm.code != STUCK]
     if alarms and failure.code == alarms[-1].code:
         alarm = alarms[-1]
         where = f"in line {alarm.line} " if alarm.line else ""

@@ -81,6 +81,24 @@ def test_an_alarm_does_not_hold_unless_it_is_the_stop_that_was_asked_for() -> No
     assert not found.holds
 
 
+@pytest.mark.parametrize(
+    "others",
+    [
+        (Disturbance("safeguard_stop", at_s=0.9, for_s=0.5),),
+        (Disturbance("pause", at_s=0.9, for_s=0.5),),
+        (Disturbance("protective_stop", at_s=0.0),),
+    ],
+)
+def test_a_stop_that_was_asked_for_is_no_alarm_whatever_else_happens(others: tuple[Disturbance, ...]) -> None:
+    move = "def p():\n  movej([0.5, -1.2, 1.0, -1.2, -1.2, 0], a=1, v=0.2)\nend"
+    found, run = verdict("no_alarm", move, *others, STOP)
+    assert (run.state, run.alarms[-1].code) == ("alarm", "R140")
+    assert found.holds
+    situation = Situation(MODEL)
+    situation.disturbances = (*others, STOP)
+    assert failure_of("same_end", found, run, situation).code == ""
+
+
 def test_a_deadlock_is_no_alarm_but_stuck() -> None:
     assert verdict("no_alarm", "def p():\n  pause()\nend")[0].holds
 
