@@ -32,6 +32,8 @@ def case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("PYTHONHASHSEED", "0")
     monkeypatch.setenv("ELITESCRIPT_WATCHED", "0")
+    # The limit of a process would be that of these tests, and of the browsers that later ones start.
+    monkeypatch.setattr("elitescript.cli.run.limit_memory", lambda size: None)
     (tmp_path / "cell.script").write_text(PROGRAM, encoding="utf-8")
     (tmp_path / "cases").mkdir()
     path = tmp_path / "cases" / "CASE.toml"
