@@ -248,7 +248,10 @@ class TestNothingChanges:
             assert formatted(text).text == text or not formatted(text).problems
             return
         rng = Random(name)
-        for variant in (text, mangled(rng, text), "\ufeff" + text.replace("\n", "\r\n")):
+        variants = [text, mangled(rng, text)]
+        if name.endswith(".script"):
+            variants.append("\ufeff" + text.replace("\n", "\r\n"))
+        for variant in variants:
             check_that_nothing_changes(variant)
 
     @pytest.mark.parametrize("seed", first_of(range(60), 25))
