@@ -36,5 +36,8 @@ def log() -> Iterator[StringIO]:
     text = StringIO()
     handler = logging.StreamHandler(text)
     logging.getLogger().addHandler(handler)
+    # Import-linter, which other tests call in this process, switches the loggers off that there are.
+    for name in [name for name in logging.root.manager.loggerDict if name.startswith("elitescript.")]:
+        logging.getLogger(name).disabled = False
     yield text
     logging.getLogger().removeHandler(handler)
