@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import re
-import signal
 import sys
 from contextlib import suppress
 from pathlib import Path, PurePosixPath
@@ -12,6 +11,7 @@ from typing import Final
 
 from elitescript.cli.output.screen import ScreenStream, StatusLine
 from elitescript.cli.ssh_login import checked_password
+from elitescript.cli.stopping import stop_by_signals
 from elitescript.environment.allowance import shown_size
 from elitescript.errors import UsageError, printable
 from elitescript.paths import why_no_file
@@ -70,13 +70,7 @@ def record(options: argparse.Namespace) -> int:
 
 
 async def _record(session: Session, sink: McapSink, for_s: float | None) -> None:
-    stop = asyncio.Event()
-    loop = asyncio.get_running_loop()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        try:
-            loop.add_signal_handler(number, stop.set)
-        except NotImplementedError:
-            signal.signal(number, lambda *_: loop.call_soon_threadsafe(stop.set))
+    stop = stop_by_signals()
     status = sys.stderr.status if isinstance(sys.stderr, ScreenStream) else None
     shown = asyncio.create_task(_show_status(session, sink, status)) if status is not None else None
 
