@@ -140,7 +140,7 @@ invariants: $(READY)
 	$(BIN)/python -m tools.draw_motion
 
 # Other people's packages go into .venv too, where `make test` and `make bench` find them from then on.
-PEERS := eaik pin pymodbus roboticstoolbox-python ruckig scipy
+PEERS := eaik mcap-protobuf-support pin pymodbus roboticstoolbox-python ruckig scipy
 
 peers: $(READY)
 	$(BIN)/python -m pip install -qq --disable-pip-version-check $(PEERS)

@@ -29,6 +29,7 @@ MODULES = (
     "debugger",
     "studio",
     "plot",
+    "record",
 )
 LONG = ("growth",)
 """Measured only by name: it takes ten minutes."""

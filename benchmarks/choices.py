@@ -26,6 +26,7 @@ MODULES = (
     "pygls.lsp.server",
     "mcp.server.mcpserver",
     "websockets.asyncio.server",
+    "mcap.writer",
 )
 JAIL = """
 from time import perf_counter, process_time

@@ -17,6 +17,7 @@ RECORDS = "docs/explanation/decisions/"
 MODBUS = RECORDS + "0004-own-modbus.md"
 KINEMATICS = RECORDS + "0007-own-kinematics.md"
 ARGPARSE = RECORDS + "0008-argparse.md"
+RECORDING = "docs/how-to/record.md"
 DEPENDENCIES = RECORDS + "0012-dependencies.md"
 NO_FIGURE = (
     (SPEED, "`make bench` prints these rows"),
@@ -97,10 +98,12 @@ QUOTES = (
     Quote(RECORDS + "0009-tuples-of-floats.md", "- Small: no attribute", "choices", "forward kinematics of one"),
     Quote(RECORDS + "0010-asyncio.md", "`python -m benchmarks serving`", "serving", "10 RTSI clients, 250 Hz, idle"),
     Quote(RECORDS + "0010-asyncio.md", "- asyncio is imported by", "choices", "import asyncio"),
+    *(Quote(RECORDING, "Recording takes", "record", row) for row in ("a package", "an hour", "a row")),
     Quote(DEPENDENCIES, "| greenlet 3 |", "choices", "import greenlet"),
     Quote(DEPENDENCIES, "| pyserial 3.5,", "choices", "import serial"),
     Quote(DEPENDENCIES, "| asyncssh 2,", "choices", "import asyncssh"),
     Quote(DEPENDENCIES, "| pygls 2,", "choices", "import pygls.lsp.server"),
+    Quote(DEPENDENCIES, "| mcap 1,", "choices", "import mcap.writer"),
     Quote(DEPENDENCIES, "| mcp 2,", "choices", "import mcp.server.mcpserver"),
     Quote(DEPENDENCIES, "| numpy | floats", "choices", "import numpy"),
 )

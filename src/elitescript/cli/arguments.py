@@ -446,6 +446,51 @@ def add_studio(parser: Parser) -> None:
     )
 
 
+def add_record(parser: Parser) -> None:
+    parser.description = (
+        "Write down what a controller shows: RTSI, states and messages of the primary port, answers of the dashboard, "
+        "into MCAP. It only reads, and needs no program on the robot. Ctrl-C ends it. Exit code: 0 recorded, 1 the "
+        "recording cannot be kept, 2 usage, or nobody is at the address. Needs: pip install 'elitescript[mcap]'"
+    )
+    parser.add_argument("host", metavar="HOST", help="name or address of the controller")
+    parser.add_argument(
+        "--out", metavar="RUN.mcap", default="run.mcap", help="the file, which must not exist (default %(default)s)"
+    )
+    parser.add_argument(
+        "--for", dest="seconds", type=float, metavar="SECONDS", help="end so long after the first connection"
+    )
+    parser.add_argument("--program", metavar="FILE", help="the program that runs there, to be kept in the recording")
+    parser.add_argument(
+        "--fetch-program",
+        metavar="PATH",
+        help="read the program from this path of the controller instead, by SFTP (extra `ssh`); needs --ssh-password",
+    )
+    parser.add_argument(
+        "--ssh-password", metavar="TEXT|@FILE", help="of the user root of the controller, for --fetch-program"
+    )
+    parser.add_argument("--world", metavar="FILE.toml", help="what is around the robot, to be kept in the recording")
+    parser.add_argument(
+        "--robot", metavar="MODEL", help="model of the arm, or its file, which is kept in the recording"
+    )
+    parser.add_argument(
+        "--rotate",
+        metavar="SIZE|SECONDS",
+        help="begin another file, RUN.0001.mcap and so on, at this size (500MB) or after this time (3600s)",
+    )
+    parser.add_argument(
+        "--rate", type=float, default=250.0, metavar="HZ", help="rows a second to ask for (default 250)"
+    )
+    parser.add_argument("--instance", type=int, default=0, metavar="N", help="moves every port by 100 * N (default 0)")
+    parser.add_argument(
+        "--port",
+        action="append",
+        default=[],
+        metavar="NAME=NUMBER",
+        help="one port of rtsi, primary and dashboard, such as rtsi=40004; may be repeated",
+    )
+    _add_color(parser)
+
+
 def add_commands(parser: Parser) -> None:
     parser.description = (
         "Print the list of all robot commands, one command in full, or those that a word finds in names, parameters "
@@ -475,6 +520,7 @@ COMMANDS: Final[dict[str, tuple[str, Callable[[Parser], None]]]] = {
     "ctl": ("work inputs, faults, popups and tasks of a running serve", add_ctl),
     "devices": ("the devices of a world file on real ports and serial lines", add_devices),
     "replay": ("play a recorded session of serve again", add_replay),
+    "record": ("write down what a controller shows, without touching the robot", add_record),
     "dap": ("debug programs for an editor, back and forth in time", add_dap),
     "doctor": ("what this computer has that serving needs", add_doctor),
     "lsp": ("what editors show of programs, by the Language Server Protocol", add_lsp),
