@@ -6,6 +6,8 @@ from typing import Final
 
 NOT_RUN: Final[dict[str, str]] = {
     r"make \w+": "the targets of the Makefile build an environment, or run these tests",
+    r"elitescript record 192.*": "needs a controller on the network; tests/recorder has some",
+    r"elitescript audit cell.mcap .*": "needs a recording of a controller; tests/audit has some",
     r"elitescript devices .*": "opens the ports that the page names, which another process may have",
     r"elitescript studio .*--connect 192.*": "needs a controller on the network; tests/studio/connected has some",
     r"elitescript studio \w+\.script( --world cell\.toml)?": "tests/studio_page runs it, with the built page",

@@ -446,6 +446,60 @@ def add_studio(parser: Parser) -> None:
     )
 
 
+def add_audit(parser: Parser) -> None:
+    from elitescript.cli.robot_options import add_options
+
+    parser.description = (
+        "Run the program of a recording on the simulated robot, with the recorded inputs, and say where both part: "
+        "target joints, times, signals. Exit code: 0 they agree, 1 they differ, 2 usage. Needs: pip install "
+        "'elitescript[mcap]'"
+    )
+    parser.add_argument("file", metavar="RUN.mcap", help="a recording of `elitescript record`")
+    parser.add_argument("--program", metavar="FILE", help="the program that ran (default: the one in the recording)")
+    add_options(parser, "audit", model={"help": "arm, or its file (default: that of the world, else the recorded one)"})
+    _add_world(parser, "what is around the robot: devices are not in a recording")
+    parser.add_argument(
+        "--run", default="all", metavar="N|all", help="which run of a program in the recording (default %(default)s)"
+    )
+    parser.add_argument(
+        "--tolerance",
+        action="append",
+        default=[],
+        metavar="RAD|NAME=VALUE",
+        help="what does not count: joints=0.001 (rad), time=0.008 (s) or share=0.01 of a duration, whichever is more",
+    )
+    parser.add_argument("--fit", metavar="MY_ARM.toml", help="write an arm file with what the recording determines")
+    parser.add_argument("--page", metavar="OUT.html", help="write a page that lays both runs over each other")
+    _add_color(parser)
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+
+
+def add_fit(parser: Parser) -> None:
+    parser.description = (
+        "Find the lengths of an arm from points that are known as joints and as pose: those of programs "
+        "(get_inverse_kin(pose, qnear=joints), pick_q and pick_p), or of a file. Exit code: 0 the model agrees, 1 it "
+        "differs, 2 usage."
+    )
+    parser.add_argument("files", nargs="*", metavar="FILE", help="programs of one arm")
+    parser.add_argument(
+        "--pairs",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="points of the same arm: CSV with q1 to q6 (rad) and x, y, z, rx, ry, rz (m, rad), or JSON with a list of "
+        '{"q": [...], "pose": [...]}; may be repeated',
+    )
+    parser.add_argument(
+        "--robot", default="CS66", metavar="MODEL", help="model to begin with, or its file (default %(default)s)"
+    )
+    parser.add_argument(
+        "--tcp", metavar="X,Y,Z,RX,RY,RZ", help="TCP offset of the poses, m and rad (default: set_tcp of the program)"
+    )
+    parser.add_argument("--zeros", action="store_true", help="find the zeros of the joints as well")
+    parser.add_argument("--out", metavar="MY_ARM.toml", help="write an arm file for --robot")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+
+
 def add_record(parser: Parser) -> None:
     parser.description = (
         "Write down what a controller shows: RTSI, states and messages of the primary port, answers of the dashboard, "
@@ -520,12 +574,14 @@ COMMANDS: Final[dict[str, tuple[str, Callable[[Parser], None]]]] = {
     "ctl": ("work inputs, faults, popups and tasks of a running serve", add_ctl),
     "devices": ("the devices of a world file on real ports and serial lines", add_devices),
     "replay": ("play a recorded session of serve again", add_replay),
+    "audit": ("hold a recording of a controller against the simulated robot", add_audit),
     "record": ("write down what a controller shows, without touching the robot", add_record),
     "dap": ("debug programs for an editor, back and forth in time", add_dap),
     "doctor": ("what this computer has that serving needs", add_doctor),
     "lsp": ("what editors show of programs, by the Language Server Protocol", add_lsp),
     "mcp": ("check, run and step through programs for agents", add_mcp),
     "studio": ("a page that shows the program while it is written, or a controller", add_studio),
+    "fit": ("lengths of an arm from points with joints and pose", add_fit),
     "commands": ("the catalogue of robot commands", add_commands),
     "completion": ("completion of calls for bash, zsh and fish", add_completion),
 }
