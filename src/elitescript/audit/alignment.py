@@ -27,7 +27,7 @@ class Match(NamedTuple):
     second: int
 
 
-def matched(first: Sequence[Hashable], second: Sequence[Hashable]) -> list[Match]:
+def matched(first: Sequence[Hashable], second: Sequence[Hashable], *, has_end: bool = True) -> list[Match]:
     """Return the pairs of a longest common subsequence, in order.
 
     It is found with Myers' greedy algorithm, in a time of the length and the number of differences. Beyond
@@ -36,12 +36,13 @@ def matched(first: Sequence[Hashable], second: Sequence[Hashable]) -> list[Match
     Args:
         first: marks of one run.
         second: marks of the other.
+        has_end: whether both are over. If they go on, the last marks of one need not be the last of the other.
     """
     numbers: dict[Hashable, int] = {}
     a = [numbers.setdefault(mark, len(numbers)) for mark in first]
     b = [numbers.setdefault(mark, len(numbers)) for mark in second]
     end = 0
-    while end < min(len(a), len(b)) and a[len(a) - 1 - end] == b[len(b) - 1 - end]:
+    while has_end and end < min(len(a), len(b)) and a[len(a) - 1 - end] == b[len(b) - 1 - end]:
         end += 1
     x_end, y_end = len(a) - end, len(b) - end
     found: list[Match] = []

@@ -210,7 +210,8 @@ class Comparer:
         Args:
             signals: that both runs have.
         """
-        pairs = matched([mark.key for mark in self._marks], [mark.key for mark in self._other_marks])
+        keys, other_keys = ([mark.key for mark in marks] for marks in (self._marks, self._other_marks))
+        pairs = matched(keys, other_keys, has_end=not self._is_live)
         if not pairs:
             self._nothing_in_common()
         for stretch in self._stretches(pairs):

@@ -11,11 +11,14 @@ from elitescript.audit.differences import Finding
 from elitescript.audit.inputs import SAFETY
 from elitescript.audit.live_inputs import Values
 from elitescript.audit.live_run import Expected, LiveRun
-from elitescript.audit.series import LINE, SLIDER, STATE
+from elitescript.audit.series import LINE, SCALING, SLIDER, STATE
+from elitescript.client.rtsi_signals import POINTS
 from elitescript.errors import UsageError
 from elitescript.messages.enums import SafetyMode, TaskState
+from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
 from elitescript.protocol.primary.messages import SCRIPT_EXCEPTION
+from elitescript.recorder.channels import CHANGES, ROWS, TIME, Group
 from elitescript.recorder.facts import facts_of
 from elitescript.recorder.live import LiveRow
 from elitescript.recorder.recording import Message
@@ -27,9 +30,38 @@ GAP_S: Final = 1.0
 """Without rows for longer the run is joined anew: what came meanwhile is not known (*assumed*)."""
 _FACTS_S: Final = 1.0
 """So long the other ports may take to say what arm it is, when the program runs already."""
+_SEEN: Final = frozenset({"slider", "safety"})
+"""Causes that the controller itself shows."""
 _SPEED_SAME: Final = 0.005
 
+_ROW: Final = (
+    TIME,
+    LINE,
+    STATE,
+    SAFETY[0],
+    "target_joint_positions",
+    "target_joint_speeds",
+    "actual_digital_input_bits",
+    "actual_digital_output_bits",
+    "standard_analog_input0",
+    "standard_analog_input1",
+    "tool_analog_input",
+    SCALING,
+    SLIDER,
+)
+WANTED: Final = (
+    Group(
+        CHANGES,
+        (TIME, "payload_mass", "payload_cog", "analog_io_types", *(name for name in POINTS if name not in _ROW)),
+        only_changes=True,
+    ),
+    Group(ROWS, _ROW, is_needed=True),
+)
+"""What a session asks for: no more than is compared."""
+
 DIFFERENCE: Final = "difference"
+PERHAPS: Final = "perhaps"
+"""A difference that may come from what was not seen: of a program that ran already, or went on without rows."""
 NOTE: Final = "note"
 
 
@@ -37,7 +69,7 @@ class Said(NamedTuple):
     """One thing that is said.
 
     Attributes:
-        kind: `run`, `joined`, `end`, `note`, `difference`.
+        kind: `run`, `joined`, `end`, `note`, `difference`, `perhaps`.
         run: number of the run, from 1 on; 0 before the first.
         t: s since the begin of the run; of what belongs to none, time of the controller.
         controller_s: time of the controller.
@@ -66,7 +98,7 @@ class Said(NamedTuple):
             "line": self.line,
             "what": self.what,
         }
-        if self.kind == DIFFERENCE:
+        if self.kind in (DIFFERENCE, PERHAPS):
             found |= {"cause": self.cause, "delay_s": round(self.delay_s, 3)}
         return found
 
@@ -74,7 +106,8 @@ class Said(NamedTuple):
         run = f"run {self.run}  " if self.run else ""
         line = f"line {self.line}: " if self.line else ""
         cause = f"  [{self.cause}]" if self.cause else ""
-        return f"{run}{self.t:9.3f} s  {line}{self.what}{cause}"
+        perhaps = "perhaps: " if self.kind == PERHAPS else ""
+        return f"{run}{self.t:9.3f} s  {perhaps}{line}{self.what}{cause}"
 
 
 class Shadow:
@@ -106,6 +139,7 @@ class Shadow:
         self._speed_said: float | None = None
         self._arm_said = False
         self._rejoins = False
+        self._late_s = 0.0
 
     def take(self, item: LiveRow | Message) -> None:
         """Take what came next."""
@@ -120,8 +154,12 @@ class Shadow:
             # A row for the second time, or behind a later one.
             self._t = before
             return
-        elif not 0.0 < t - before < GAP_S:
-            self._lose(before, t)
+        elif t < before:
+            self._begin_anew()
+        elif t - before > GAP_S and self._run is not None and not self._run.has_ended:
+            self._say(NOTE, self._run.t, self._run.line, f"no rows for {t - before:.1f} s: what came then is not known")
+            self._run.doubt()
+        self._late_s = 0.0 if before is None else max(t - before - PERIOD_S, 0.0)
         self._take_row(t, values)
 
     def finish(self) -> None:
@@ -156,7 +194,7 @@ class Shadow:
         if not self._rejoins:
             self.runs += 1
         expected = self._with_arm()
-        self._run = LiveRun(expected, t, values, self._facts, is_joined=is_joined)
+        self._run = LiveRun(expected, t, values, self._facts, is_joined=is_joined, late_s=self._late_s)
         self._look_t = t + LOOK_S
         self._speed_said = None
         if is_joined:
@@ -211,17 +249,13 @@ class Shadow:
         self._say("end", run.t, 0, f"{over}: {what}")
         self._run = None
 
-    def _lose(self, before: float, t: float) -> None:
-        run, self._run = self._run, None
-        began_anew = t < before
-        what = "the controller's time began anew" if began_anew else f"no rows for {t - before:.1f} s"
-        if run is not None and not run.has_ended:
-            self._say(NOTE, run.t, run.line, f"{what}: what was meanwhile is not known")
-            self._rejoins = not began_anew
-        elif run is not None:
-            self._run = run
+    def _begin_anew(self) -> None:
+        run = self._run
+        if run is not None:
+            self._say(NOTE, run.t, run.line, "the controller's time began anew")
             self._close(run)
         self._was_running = None
+        self._rejoins = False
 
     # ---------------------------------------------------------------- everything else
 
@@ -263,10 +297,11 @@ class Shadow:
                 self._differ(run, Finding(run.t, line, f"the speed slider is at {speed:.0%}, not {due:.0%}", "slider"))
 
     def _differ(self, run: LiveRun, finding: Finding) -> None:
-        self.differences += 1
+        is_sure = not run.is_doubtful or finding.cause in _SEEN
+        self.differences += is_sure
         self._say_it(
             Said(
-                DIFFERENCE,
+                DIFFERENCE if is_sure else PERHAPS,
                 self.runs,
                 finding.t,
                 run.begin_s + finding.t,

@@ -46,6 +46,8 @@ _KEPT_S: Final = 1.0
 """A piece longer than the first is cut so that the second is left."""
 _MOTION: Final = frozenset({"target", "speed", "acceleration", "blend", "speed scaling", "slider", "waiting", ""})
 """Causes that may follow from an arm that began elsewhere."""
+_LIVE_WORDS: Final = (("the recording", "the controller"), ("the recorded program", "the controller's program"))
+"""Words of comparisons with a recording, and those for a run that goes on."""
 _PAYLOAD_SAME: Final = 1e-6
 _SLEEPS: Final = "sleep"
 
@@ -77,9 +79,13 @@ class LiveRun:
         t: time of the controller at the first row, s.
         values: of that row.
         facts: of the controller.
-        is_joined: whether the program ran already; then nothing is compared before a mark in common.
+        is_joined: whether the program ran already; then nothing is compared before a mark in common, and what is found
+            may come from values of its variables.
+        late_s: so much before the first row the program may have begun.
 
     Attributes:
+        is_doubtful: whether the simulated program may have other values than the controller's, without a difference
+            that was seen.
         begin_s: time of the controller at the begin.
         is_together: whether both have a mark in common.
         is_lost: whether they have had none for so long that the program should be begun anew.
@@ -89,11 +95,18 @@ class LiveRun:
     """
 
     def __init__(
-        self, expected: Expected, t: float, values: Values, facts: Mapping[str, Any], *, is_joined: bool
+        self,
+        expected: Expected,
+        t: float,
+        values: Values,
+        facts: Mapping[str, Any],
+        *,
+        is_joined: bool,
+        late_s: float = 0.0,
     ) -> None:
         cell = expected.cell
         self._expected = expected
-        self._is_joined = is_joined
+        self._is_joined = self.is_doubtful = is_joined
         self.begin_s = t
         self.notes: list[str] = []
         self.exception = ""
@@ -113,7 +126,7 @@ class LiveRun:
         edges = edges_of(signals, driven)
         self._by_lines = LINE in values
         speeds = (SLIDER in values, SCALING in values)
-        self._rec = Window(edges, by_lines=self._by_lines, has_speeds=speeds)
+        self._rec = Window(edges, by_lines=self._by_lines, has_speeds=speeds, late_s=late_s)
         self._sim = Window(edges, by_lines=self._by_lines, has_speeds=(False, False))
         self._numbers: dict[str, float] = {}
         self._others: Mapping[str, WireValue] = {}
@@ -177,6 +190,10 @@ class LiveRun:
             self._known_s = t - self.begin_s
             return
         self._put(t, values, is_first=False)
+
+    def doubt(self) -> None:
+        """Note that inputs may have come that were not seen: what goes on is not compared up to the next mark."""
+        self.is_doubtful = self._is_said = True
 
     def _put(self, t: float, values: Values, *, is_first: bool) -> None:
         elapsed_s = t - self.begin_s
@@ -326,7 +343,9 @@ class LiveRun:
 
     def _compare_windows(self) -> list[Finding]:
         rec, sim = self._rec, self._sim
-        pairs = matched([mark.key for mark in rec.marks], [mark.key for mark in sim.marks])
+        is_final = self._ended_t is not None and self._known_s >= self._ended_t + SETTLE_S
+        keys, its_keys = ([mark.key for mark in window.marks] for window in (rec, sim))
+        pairs = matched(keys, its_keys, has_end=is_final)
         if self._is_said:
             # The piece that was found to differ is left out.
             if len(pairs) < 2:
@@ -334,7 +353,6 @@ class LiveRun:
             self._begin_at(pairs[1])
             pairs = [Match(first - pairs[1].first, second - pairs[1].second) for first, second in pairs[1:]]
             self._is_said = False
-        is_final = self._ended_t is not None and self._known_s >= self._ended_t + SETTLE_S
         if is_final and (ending := self._is_cut_off(pairs)) is not None:
             return ending
         tolerance = self._expected.tolerance
@@ -355,13 +373,15 @@ class LiveRun:
         is_waiting = False
         for finding in comparer.compare(self._signals).findings:
             is_open = finding.t >= closed_t and not is_final
-            if self._is_consequence(finding, pairs) or (self._is_joined and finding.cause == "program"):
+            if self._is_consequence(finding, pairs):
                 self._is_said |= is_open
             elif is_open and rec.t[-1] - finding.t < SETTLE_S:
                 is_waiting = True
             else:
                 found.append(self._named(finding, pairs))
                 self._is_said |= is_open
+        if not found and not is_waiting and not self._is_joined and len(pairs) > 1:
+            self.is_doubtful = False
         if not is_waiting and not is_final:
             if pairs[-1] != (0, 0):
                 is_said, self._is_said = self._is_said, False
@@ -372,8 +392,14 @@ class LiveRun:
         return found
 
     def _named(self, finding: Finding, pairs: Sequence[Match]) -> Finding:
-        """Return a difference; of a program that has nothing in common with the given one so far, that it is another."""
-        rec = self._rec
+        """Return a difference in words for a run that goes on.
+
+        Of a program that has nothing in common with the given one so far they say that it is another.
+        """
+        rec, what = self._rec, finding.what
+        for recorded, live in _LIVE_WORDS:
+            what = what.replace(recorded, live)
+        finding = finding._replace(what=what)
         is_begin = rec.marks[0].key == _BEGIN and len(pairs) == 1
         strange = max(rec.lines) > self._last_line
         if finding.cause == "program" and (is_begin or strange):
@@ -395,7 +421,7 @@ class LiveRun:
         fastest = max(abs(column[row]) for column in rec.qd)
         allowed = tolerance.joints + (2.0 * tolerance.time_s + rec.waited_s(row)) * fastest
         is_apart = max(abs(a - b) for a, b in zip(rec.joints(row), sim.joints(its), strict=True)) > allowed
-        return is_apart and bool(self._said or self._is_joined)
+        return is_apart and bool(self._said or self.is_doubtful)
 
     def _is_cut_off(self, pairs: Sequence[Match]) -> list[Finding] | None:
         """Return what is to be said of a program that was ended in the middle of a line; None if it was not."""

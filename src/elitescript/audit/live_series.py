@@ -17,6 +17,7 @@ class Window(Series):
         edges: signals whose changes are marks.
         by_lines: whether changes of the line are; else those from standing to moving and back.
         has_speeds: whether slider and speed scaling are known.
+        late_s: see `waited_s`; of the first row.
 
     Attributes:
         marks: in order; the first one is where the window begins.
@@ -24,7 +25,9 @@ class Window(Series):
 
     __slots__ = ("_by_lines", "_edges", "_late_s", "_now", "marks")
 
-    def __init__(self, edges: Collection[str], *, by_lines: bool, has_speeds: tuple[bool, bool]) -> None:
+    def __init__(
+        self, edges: Collection[str], *, by_lines: bool, has_speeds: tuple[bool, bool], late_s: float = 0.0
+    ) -> None:
         slider, scaling = (array("d") if is_known else None for is_known in has_speeds)
         self.changes: list[Change]
         super().__init__(
@@ -41,7 +44,7 @@ class Window(Series):
         self._edges = edges
         self._by_lines = by_lines
         self._now: dict[str, Value] = {}
-        self._late_s = 0.0
+        self._late_s = late_s
         """`waited_s` of the first row."""
 
     def waited_s(self, row: int) -> float:
