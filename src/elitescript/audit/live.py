@@ -189,7 +189,9 @@ class Shadow:
     def _begin(self, t: float, values: Values) -> bool:
         """Begin a run; return whether everything that is needed is known."""
         is_joined = self._was_running is not False or self._rejoins
-        if "model" not in self._facts and is_joined and t - self._first_t < _FACTS_S:
+        cell = self._expected.cell
+        is_open = cell.model is None and cell.world is None and "model" not in self._facts
+        if is_open and is_joined and t - self._first_t < _FACTS_S:
             return False
         if not self._rejoins:
             self.runs += 1
@@ -280,21 +282,26 @@ class Shadow:
         number = next((values[name] for name in SAFETY if name in values), SafetyMode.NORMAL)
         mode = SafetyMode(int(number)) if number in set(SafetyMode) else SafetyMode.UNDEFINED  # type: ignore[arg-type]
         is_new, self._mode = mode is not self._mode, mode
-        if run is None or run.has_ended:
+        if run is None or (run.has_ended and not is_new):
             return
         line = int(values.get(LINE, 0))  # type: ignore[arg-type]
         if is_new and mode is SafetyMode.NORMAL:
             self._say(NOTE, run.t, line, "safety mode normal")
         elif is_new:
             name = mode.name.lower().replace("_", " ")
-            self._differ(run, Finding(run.t, line, f"safety mode {name}", "safety"))
+            self._see(run, line, f"safety mode {name}", "safety")
         if SLIDER in values:
             speed, due = float(values[SLIDER]), self._expected.speed  # type: ignore[arg-type]
             if abs(speed - due) <= _SPEED_SAME:
                 self._speed_said = None
             elif self._speed_said is None or abs(speed - self._speed_said) > _SPEED_SAME:
                 self._speed_said = speed
-                self._differ(run, Finding(run.t, line, f"the speed slider is at {speed:.0%}, not {due:.0%}", "slider"))
+                self._see(run, line, f"the speed slider is at {speed:.0%}, not {due:.0%}", "slider")
+
+    def _see(self, run: LiveRun, line: int, what: str, cause: str) -> None:
+        """Say what the controller itself shows in its newest row."""
+        run.counts[0] += 1
+        self._differ(run, Finding(run.t, line, what, cause))
 
     def _differ(self, run: LiveRun, finding: Finding) -> None:
         is_sure = not run.is_doubtful or finding.cause in _SEEN

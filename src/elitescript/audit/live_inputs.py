@@ -89,6 +89,13 @@ class LiveInputs:
         if self._since <= SAFETY_ROWS:
             # What a pause comes from shows within a few rows.
             return []
+        return self._ready(values)
+
+    def end(self) -> list[Arrival]:
+        """Return what is left when the program is over: nothing shows any more what it comes from."""
+        return self._ready(self._kept[-1])
+
+    def _ready(self, values: Values) -> list[Arrival]:
         shift = self._times[0] - self._t0
         found = [arrival for arrival in self._inputs().arrivals if arrival.row > 0]
         is_paused = values.get(STATE) == TaskState.PAUSED
@@ -100,7 +107,7 @@ class LiveInputs:
             ready.append(arrival._replace(t=arrival.t + shift))
         self._given += len(ready)
         if not is_paused and self._given >= len(found) and _mode(values) in _STEADY:
-            self._times, self._kept, self._given = [t], [values], 0
+            self._times, self._kept, self._given = self._times[-1:], [values], 0
         return ready
 
     def _is_changed(self, values: Values) -> bool:

@@ -226,6 +226,7 @@ class LiveRun:
         if row.get(STATE) == TaskState.STOPPED:
             self._ended_t = elapsed_s
             self._rec.is_open = False
+            self._arrivals.extend(self._live_inputs.end())
 
     def _changed(self, values: Values) -> dict[str, Value]:
         """Return the signals whose variables have other values than in the row before."""
