@@ -71,8 +71,7 @@ def test_an_expected_slider_is_no_difference():
     assert [its.cause for its in differences(shadowed(rows, MOVES))] == ["slider"]
 
 
-def test_an_input_that_never_comes_is_said_when_it_is_due():
-    # The world closes the gripper 0.3 s after its valve; the planted one does not.
+def test_a_program_that_waits_in_one_place_is_said():
     rows = live_rows(record_run(GRIPPER, until_s=3.0))
     said = differences(shadowed(rows, GRIPPER, wait_s=1.5))
     assert [(its.cause, its.line) for its in said] == [("waiting", 5)]
@@ -140,3 +139,15 @@ def test_nothing_is_kept_of_a_long_run():
     rows = list(live_rows(record_run(program, until_s=20.0)))
     said = shadowed(rows, program, tolerance=Tolerance())
     assert not differences(said)
+
+
+def test_an_input_that_the_simulated_world_gives_and_the_arm_does_not_get(tmp_path):
+    world = tmp_path / "cell.toml"
+    world.write_text(
+        '[[wire]]\nwhen = "standard_digital_out[0]"\nthen = "standard_digital_in[2]"\nafter_s = 0.3\n', encoding="utf-8"
+    )
+    said = differences(shadowed(live_rows(record_run(GRIPPER, until_s=3.0)), GRIPPER, model=None, world=world))
+    assert said[0].cause in ("signal", "waiting")
+    assert said[0].line in (4, 5)
+    assert said[0].delay_s <= 1.0
+    assert len(said) <= 2

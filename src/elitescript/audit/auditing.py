@@ -19,7 +19,6 @@ from elitescript.audit.words import audit_as_json, audit_in_words
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.errors import UsageError
 from elitescript.language.text.source import SourceFile
-from elitescript.messages.signals import SIGNALS
 from elitescript.models.model import load_model
 from elitescript.protocol.primary.messages import SCRIPT_EXCEPTION
 from elitescript.recorder.recording import Recording

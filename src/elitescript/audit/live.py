@@ -30,8 +30,6 @@ GAP_S: Final = 1.0
 """Without rows for longer the run is joined anew: what came meanwhile is not known (*assumed*)."""
 _FACTS_S: Final = 1.0
 """So long the other ports may take to say what arm it is, when the program runs already."""
-_SEEN: Final = frozenset({"slider", "safety"})
-"""Causes that the controller itself shows."""
 _SPEED_SAME: Final = 0.005
 
 _ROW: Final = (
@@ -159,7 +157,8 @@ class Shadow:
         elif t - before > GAP_S and self._run is not None and not self._run.has_ended:
             self._say(NOTE, self._run.t, self._run.line, f"no rows for {t - before:.1f} s: what came then is not known")
             self._run.doubt()
-        self._late_s = 0.0 if before is None else max(t - before - PERIOD_S, 0.0)
+        late_s = 0.0 if before is None else t - before - PERIOD_S
+        self._late_s = late_s if late_s > 0.5 * PERIOD_S else 0.0
         self._take_row(t, values)
 
     def finish(self) -> None:
@@ -225,8 +224,8 @@ class Shadow:
 
     def _look(self, run: LiveRun) -> None:
         run.follow()
-        for finding in run.compare():
-            self._differ(run, finding)
+        for finding, is_sure in run.compare():
+            self._differ(run, finding, is_sure=is_sure)
         self._say_notes(run)
         if run.is_done:
             self._end(run)
@@ -235,8 +234,8 @@ class Shadow:
             self._run, self._rejoins = None, True
 
     def _close(self, run: LiveRun) -> None:
-        for finding in run.finish():
-            self._differ(run, finding)
+        for finding, is_sure in run.finish():
+            self._differ(run, finding, is_sure=is_sure)
         self._say_notes(run)
         self._end(run)
 
@@ -280,7 +279,7 @@ class Shadow:
         """Say what changes the motion from outside: slider and safety."""
         run = self._run
         number = next((values[name] for name in SAFETY if name in values), SafetyMode.NORMAL)
-        mode = SafetyMode(int(number)) if number in set(SafetyMode) else SafetyMode.UNDEFINED  # type: ignore[arg-type]
+        mode = SafetyMode(int(number)) if number in set(SafetyMode) else SafetyMode.UNDEFINED
         is_new, self._mode = mode is not self._mode, mode
         if run is None or (run.has_ended and not is_new):
             return
@@ -303,8 +302,7 @@ class Shadow:
         run.counts[0] += 1
         self._differ(run, Finding(run.t, line, what, cause))
 
-    def _differ(self, run: LiveRun, finding: Finding) -> None:
-        is_sure = not run.is_doubtful or finding.cause in _SEEN
+    def _differ(self, run: LiveRun, finding: Finding, *, is_sure: bool = True) -> None:
         self.differences += is_sure
         self._say_it(
             Said(

@@ -137,4 +137,4 @@ class LiveInputs:
 
 def _mode(values: Values) -> SafetyMode:
     number = next((values[name] for name in SAFETY if name in values), SafetyMode.NORMAL)
-    return SafetyMode(int(number)) if number in set(SafetyMode) else SafetyMode.UNDEFINED  # type: ignore[arg-type]
+    return SafetyMode(int(number)) if number in set(SafetyMode) else SafetyMode.UNDEFINED

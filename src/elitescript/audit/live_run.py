@@ -46,6 +46,8 @@ _KEPT_S: Final = 1.0
 """A piece longer than the first is cut so that the second is left."""
 _MOTION: Final = frozenset({"target", "speed", "acceleration", "blend", "speed scaling", "slider", "waiting", ""})
 """Causes that may follow from an arm that began elsewhere."""
+_MARKS: Final = frozenset({"waiting", "program", "signal"})
+"""Causes that are seen by marks alone."""
 _LIVE_WORDS: Final = (("the recording", "the controller"), ("the recorded program", "the controller's program"))
 """Words of comparisons with a recording, and those for a run that goes on."""
 _PAYLOAD_SAME: Final = 1e-6
@@ -153,8 +155,9 @@ class LiveRun:
         """Differences that were said, and those that were said before."""
         self._ended_t: float | None = None
         self._known_s = 0.0
-        self._targets: tuple[Six, Six] = (inputs.joints, (0.0,) * 6)  # type: ignore[assignment]
+        self._targets: tuple[Six, Six] = (inputs.joints, (0.0,) * 6)
         self._levels: Mapping[str, Value] = NO_SIGNALS
+        self._unsure: list[Finding] = []
         self._payload_since: float | None = None
         self._payload_said: object = None
         self._tick_of_last_row = 0
@@ -315,8 +318,8 @@ class LiveRun:
 
     # ---------------------------------------------------------------- comparing
 
-    def compare(self) -> list[Finding]:
-        """Return what was found to differ since the last call; times since the begin."""
+    def compare(self) -> list[tuple[Finding, bool]]:
+        """Return what was found to differ since the last call, times since the begin, and whether that is sure."""
         found = [*self._payload(), *self._waits()]
         if self.is_together and len(self._sim):
             found += self._compare_windows()
@@ -325,9 +328,10 @@ class LiveRun:
         self._trim_unmatched()
         if self._ended_t is not None and self._known_s >= self._ended_t + SETTLE_S:
             self.is_done = True
-        return [finding for finding in found if self._is_new(finding)]
+        unsure, self._unsure = self._unsure, []
+        return [(finding, not self.is_doubtful and finding not in unsure) for finding in found if self._is_new(finding)]
 
-    def finish(self) -> list[Finding]:
+    def finish(self) -> list[tuple[Finding, bool]]:
         """Compare what is left, of a run of which no more is known; return what differs."""
         if self._ended_t is not None:
             self._known_s = max(self._known_s, self._ended_t + SETTLE_S)
@@ -379,8 +383,12 @@ class LiveRun:
             elif is_open and rec.t[-1] - finding.t < SETTLE_S:
                 is_waiting = True
             else:
-                found.append(self._named(finding, pairs))
+                named = self._named(finding, pairs)
+                found.append(named)
                 self._is_said |= is_open
+                if not is_open and finding.cause in _MARKS and any(map(rec.waited_s, range(len(rec)))):
+                    # Both met again, and a mark may be among the rows that are missing.
+                    self._unsure.append(named)
         if not found and not is_waiting and not self._is_joined and len(pairs) > 1:
             self.is_doubtful = False
         if not is_waiting and not is_final:
@@ -432,7 +440,9 @@ class LiveRun:
             return None
         line, t = rec.lines[more[0].row - 1], rec.t[more[0].row]
         if self.exception:
-            return [Finding(t, line, f"the program ends here ({self.exception}), the simulated one does not", "program")]
+            return [
+                Finding(t, line, f"the program ends here ({self.exception}), the simulated one does not", "program")
+            ]
         self.notes.append(f"the program was ended in line {line} from outside")
         return []
 

@@ -7,7 +7,7 @@ import json
 import sys
 from typing import Final
 
-from elitescript.audit.live import DIFFERENCE, NOTE, WANTED, Said, Shadow
+from elitescript.audit.live import DIFFERENCE, WANTED, Said, Shadow
 from elitescript.audit.live_run import Expected
 from elitescript.audit.simulation import Cell, cell_of
 from elitescript.cli.audit import AGREES, DIFFERS, USAGE, given_program, parse_tolerance, print_problems
