@@ -6,7 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from elitescript.audit.live import Said, Shadow
+from elitescript.audit.live_run import Expected
 from elitescript.audit.motion import Tolerance
+from elitescript.audit.simulation import cell_of
+from elitescript.language.text.source import SourceFile
 from elitescript.messages.state import Payload
 from elitescript.recorder.recording import Message
 from tests.audit.live_rows import differences, disturbed, live_rows, shadowed
@@ -134,11 +138,24 @@ def test_lost_doubled_and_late_rows_are_no_difference(name, seed):
     assert not differences(shadowed(rows, path))
 
 
-def test_nothing_is_kept_of_a_long_run():
-    program = "def main():\n  while True:\n    sleep(0.1)\n    sync()\n  end\nend\nmain()\n"
-    rows = list(live_rows(record_run(program, until_s=20.0)))
-    said = shadowed(rows, program, tolerance=Tolerance())
-    assert not differences(said)
+@pytest.mark.parametrize("ours", ["    sleep(0.1)\n    sync()\n", "    sleep(9)\n", "    sleep(0.1)\n    sleep(99)\n"])
+def test_few_rows_are_kept_of_a_long_run(ours):
+    """Whether both agree, stand in one line for long, or the simulated program never goes on."""
+    head, tail = "def main():\n  while True:\n", "  end\nend\nmain()\n"
+    theirs = ours.replace("sleep(99)", "sync()")
+    said: list[Said] = []
+    source = SourceFile("<cell>", head + ours + tail)
+    shadow = Shadow(Expected(cell_of(source, "CS66"), Tolerance()), said.append)
+    most = 0
+    for row in live_rows(record_run(head + theirs + tail, until_s=24.0)):
+        shadow.take(row)
+        most = max(most, shadow.rows_kept)
+    assert most < 12 * 500
+    if theirs == ours:
+        assert most < 3 * 500
+        assert not differences(said)
+    else:
+        assert differences(said)
 
 
 def test_an_input_that_the_simulated_world_gives_and_the_arm_does_not_get(tmp_path):

@@ -139,6 +139,11 @@ class Shadow:
         self._rejoins = False
         self._late_s = 0.0
 
+    @property
+    def rows_kept(self) -> int:
+        """Rows of both runs that are kept."""
+        return 0 if self._run is None else self._run.rows_kept
+
     def take(self, item: LiveRow | Message) -> None:
         """Take what came next."""
         if isinstance(item, Message):

@@ -181,6 +181,11 @@ class LiveRun:
         return self._known_s
 
     @property
+    def rows_kept(self) -> int:
+        """Rows of both runs that are kept."""
+        return len(self._rec) + len(self._sim)
+
+    @property
     def has_ended(self) -> bool:
         """Whether the program is over on the controller."""
         return self._ended_t is not None
