@@ -47,8 +47,8 @@ def drawn(seed: int) -> Session:
     for _ in range(chance.randrange(1, 25) if kinds else 0):
         name = chance.choice(kinds)
         acts += ACTS[name](chance, chance.randrange(TICKS))
-    for name in ALWAYS.get(kind, ()):
-        acts += ACTS[name](chance, chance.randrange(TICKS // 2))
+    if kind in ALWAYS:
+        acts += ALWAYS[kind](chance, chance.randrange(TICKS // 2)) + ALWAYS[kind](chance, chance.randrange(TICKS // 2))
     if kind == "talk":
         acts += [[chance.randrange(TICKS), "device fault", chance.randrange(10**6)] for _ in range(chance.randrange(4))]
     options = random_options(chance, kind)
@@ -180,7 +180,6 @@ ACTS: dict[str, Callable[[Random, int], list[Act]]] = {
     "protective": _protective,
     "restart": _restart,
     "secondary": _secondary,
-    "lines": _lines,
     "client": _client,
     "more clients": _client,
     "belt": _belt,
@@ -189,5 +188,5 @@ ACTS: dict[str, Callable[[Random, int], list[Act]]] = {
     "another program": _another,
 }
 
-ALWAYS: dict[str, tuple[str, ...]] = {"interpreted": ("lines", "lines"), "belts": ("belt", "belt")}
-"""Acts that belong to a kind of sessions."""
+ALWAYS: dict[str, Callable[[Random, int], list[Act]]] = {"interpreted": _lines, "belts": _belt}
+"""Acts that belong to a kind of sessions: two of them are in each."""
