@@ -66,7 +66,7 @@ HOSTILE = (
     struct.pack(">HHHB", 1, 7, 2, 1),
     struct.pack(">HHHBBHH", 1, 0, 6, 1, 3, 65535, 125) * 50,
 )
-"""What no client should say, of any port; not `9 ** 9 ** 9`, which computes for ever in one operation, as documented."""
+"""What no client should say, of any port; not `9 ** 9 ** 9`, which never ends in one operation, as documented."""
 
 
 def _spoilt(chance: Random, data: bytes) -> list[bytes]:
