@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from math import isnan
 
 from elitescript.client.rtsi_messages import FrameReader, LossCounter, OutputLayout, set_up_of
 from elitescript.errors import PeerError
@@ -42,9 +43,11 @@ def check(sent: bytes, received: bytes) -> None:
             names = request[8:].decode("ascii").split(",")
         except UnicodeDecodeError:
             return
+        wanted_hz = struct.unpack_from(">d", request)[0]
+        if isnan(wanted_hz):
+            continue  # Refused as a whole.
         found = set_up_of(answer, names, "output")
         if found.is_complete:
-            wanted_hz = struct.unpack_from(">d", request)[0]
             rate_hz = min(max(wanted_hz, FREQUENCY_MIN_HZ), FREQUENCY_MAX_HZ)
             layouts[found.ident] = OutputLayout(found.ident, names, found.words, rate_hz), LossCounter(rate_hz)
     is_paused = any(frame.command == PAUSE for frame in requests)
