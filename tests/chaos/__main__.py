@@ -20,7 +20,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from elitescript.sweep.executor import HUNG, Executor
+from elitescript.sweep.engines.executor import HUNG, Executor
 from tests.chaos.sessions import Session, drawn
 from tests.chaos.shorter import name_of, shortest
 

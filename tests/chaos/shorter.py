@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from elitescript.sweep.shrinking import fewest
+from elitescript.sweep.failures.shrinking import fewest
 from tests.chaos.sessions import Session
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from elitescript import VirtualRobot
 from elitescript.runtime.environment import EmptyEnvironment
-from elitescript.sweep.shrinking import fewest
+from elitescript.sweep.failures.shrinking import fewest
 from tests.chaos import rtsi_streams
 from tests.chaos.playing import digest_of, verdict_of
 from tests.chaos.sessions import drawn

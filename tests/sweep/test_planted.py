@@ -8,14 +8,14 @@ import pytest
 
 from elitescript.errors import UsageError
 from elitescript.records import replace
-from elitescript.sweep.cases import write_case
 from elitescript.sweep.chaos.ground import Ears
-from elitescript.sweep.findings import Places, case_of_run, plain_values
-from elitescript.sweep.plan import Choices, Disturbance, Failure, Plan
+from elitescript.sweep.failures.cases import write_case
+from elitescript.sweep.failures.findings import Places, case_of_run, plain_values
+from elitescript.sweep.failures.shrinking import Shrunk, is_same, shrink
+from elitescript.sweep.failures.story import tell
+from elitescript.sweep.plans.plan import Choices, Disturbance, Failure, Plan
 from elitescript.sweep.replay import Replay, robot_for_case
-from elitescript.sweep.shrinking import Shrunk, is_same, shrink
 from elitescript.sweep.single import Runner
-from elitescript.sweep.story import tell
 from tests.sweep.planted import PLANTED, Planted
 
 RUNS = 60

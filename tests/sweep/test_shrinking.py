@@ -8,8 +8,8 @@ import pytest
 
 from elitescript.errors import UsageError
 from elitescript.records import replace
-from elitescript.sweep.plan import Choices, Disturbance, Failure
-from elitescript.sweep.shrinking import Shrunk, is_same, shrink
+from elitescript.sweep.failures.shrinking import Shrunk, is_same, shrink
+from elitescript.sweep.plans.plan import Choices, Disturbance, Failure
 
 NOISE = tuple(Disturbance("pause", at_s=0.5 * at, for_s=1.0) for at in range(12))
 

@@ -66,7 +66,7 @@ def add_run(parser: Parser) -> None:
 def add_sweep(parser: Parser) -> None:
     from elitescript.cli.robot_options import add_options
     from elitescript.environment.process import MEMORY_DEFAULT
-    from elitescript.sweep.executor import MAX_WALL_S
+    from elitescript.sweep.engines.executor import MAX_WALL_S
 
     parser.description = (
         "Run a program many times and say what holds. Exit code: 0 all hold, 1 something failed, 2 usage, 3 the "

@@ -11,13 +11,13 @@ from elitescript.messages.signals import Value
 from elitescript.models.model import is_model_file
 from elitescript.properties.parsing import function_place
 from elitescript.records import NamedTuple
-from elitescript.sweep.cases import Case, digest_of, read_case
 from elitescript.sweep.chaos.ground import Ears
+from elitescript.sweep.failures.cases import Case, digest_of, read_case
+from elitescript.sweep.failures.shrinking import is_same
+from elitescript.sweep.failures.story import Story, tell
 from elitescript.sweep.making import make_plan
-from elitescript.sweep.plan import LOST, Plan, Row, Variation
-from elitescript.sweep.shrinking import is_same
+from elitescript.sweep.plans.plan import LOST, Plan, Row, Variation
 from elitescript.sweep.single import Runner
-from elitescript.sweep.story import Story, tell
 
 if TYPE_CHECKING:
     from elitescript.controller.views.trace import Trace

@@ -31,17 +31,16 @@ from elitescript.properties.functions_of_files import FunctionMeasure, FunctionP
 from elitescript.properties.parsing import parse_measure, parse_property
 from elitescript.properties.verdicts import Measure, Property
 from elitescript.robot import VirtualRobot
-from elitescript.sweep.chaos.properties import BUILT_INS, NEVER_STUCK, BuiltInProperty, is_built_in
+from elitescript.sweep.chaos.properties import BUILT_INS, NEVER_STUCK, BuiltInProperty, is_built_in, properties_of
 from elitescript.sweep.chaos.session import ChaosSession
-from elitescript.sweep.plan import CRASHED, ERROR, Choices, Failure, Plan, Row
-from elitescript.sweep.plan_json import choices_data, choices_of, plan_of, row_data
-from elitescript.sweep.program_values import MARK, put_presets
-from elitescript.sweep.python_files import PythonFiles
-from elitescript.sweep.seeds import seed_of_name, seed_of_run
-from elitescript.sweep.tables import properties_of
-from elitescript.sweep.variations import Draw, extremes, plain_value
-from elitescript.sweep.world_values import Path as Place
-from elitescript.sweep.world_values import place_of, with_value
+from elitescript.sweep.plans.plan import CRASHED, ERROR, Choices, Failure, Plan, Row
+from elitescript.sweep.plans.plan_json import choices_data, choices_of, plan_of, row_data
+from elitescript.sweep.plans.program_values import MARK, put_presets
+from elitescript.sweep.plans.python_files import PythonFiles
+from elitescript.sweep.plans.seeds import seed_of_name, seed_of_run
+from elitescript.sweep.plans.variations import Draw, extremes, plain_value
+from elitescript.sweep.plans.world_values import Path as Place
+from elitescript.sweep.plans.world_values import place_of, with_value
 from elitescript.world_file import WORLD_SECTIONS, WorldFile, read_tables, tables_of
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from elitescript.sweep.chaos.applying import apply
 from elitescript.sweep.chaos.drawing import draw, is_over, time_limit_s
 from elitescript.sweep.chaos.ground import Ground
 from elitescript.sweep.chaos.profile import profile_named
-from elitescript.sweep.plan import Disturbance
+from elitescript.sweep.plans.plan import Disturbance
 from tests.sweep.chaos.cells import source, surveyed, world
 
 RUNS = 150

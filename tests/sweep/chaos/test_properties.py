@@ -10,20 +10,21 @@ from elitescript.messages.motion import Six
 from elitescript.models.model import load_model
 from elitescript.properties.checks import Checks
 from elitescript.properties.verdicts import Verdict
+from elitescript.records import replace
 from elitescript.run import Run
 from elitescript.solids.cell import read_cell
 from elitescript.sweep.chaos.applying import apply
 from elitescript.sweep.chaos.ground import End, end_of
 from elitescript.sweep.chaos.properties import (
     BUILT_INS,
-    USUAL,
+    USUAL_OF_CHAOS,
     Situation,
-    asked_for,
     built_in,
     failure_of,
     is_built_in,
+    properties_of,
 )
-from elitescript.sweep.plan import Disturbance
+from elitescript.sweep.plans.plan import Disturbance, Plan
 
 MODEL = load_model("CS66")
 LAMP = "def p():\n  set_standard_digital_out(2, True)\n  sleep(2)\n  set_standard_digital_out(2, False)\nend"
@@ -206,10 +207,12 @@ def test_a_range_is_that_of_the_safety_system() -> None:
 
 
 def test_the_usual_ones_are_asked_for_unless_one_is_written() -> None:
-    assert asked_for((), has_chaos=True) == USUAL
-    assert asked_for(("time_s < 3",), has_chaos=True) == (*USUAL, "time_s < 3")
-    assert asked_for(("time_s < 3", "never_stuck"), has_chaos=True) == ("time_s < 3", "never_stuck")
-    assert asked_for(("time_s < 3",), has_chaos=False) == ("time_s < 3",)
+    plan = Plan("def p():\nend\n", chaos="all")
+    assert properties_of(plan) == USUAL_OF_CHAOS
+    assert properties_of(replace(plan, ensure=("time_s < 3",))) == (*USUAL_OF_CHAOS, "time_s < 3")
+    assert properties_of(replace(plan, ensure=("time_s < 3", "never_stuck"))) == ("time_s < 3", "never_stuck")
+    assert properties_of(replace(plan, ensure=("time_s < 3",), chaos="")) == ("time_s < 3",)
+    assert properties_of(replace(plan, chaos="")) == ("never_stuck", "no_alarm")
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from elitescript.sweep.chaos.applying import in_order
 from elitescript.sweep.chaos.ground import Chance, Ground, Place
 from elitescript.sweep.chaos.kinds import KINDS, Range
 from elitescript.sweep.chaos.profile import Profile
-from elitescript.sweep.plan import Disturbance
+from elitescript.sweep.plans.plan import Disturbance
 
 _AT_MOMENTS: Final = 0.7
 """Share of disturbances that begin shortly before something happens at their place; the others begin at any time."""

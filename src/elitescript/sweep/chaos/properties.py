@@ -1,4 +1,4 @@
-"""Properties that need no writing: they have names, which `--ensure` takes, and `--chaos` asks for `USUAL` by itself.
+"""Properties that need no writing: they have names, which `--ensure` takes; `--chaos` asks for some by itself.
 
 A name of a limit takes the margin that is asked for, as in `joint_range(0.05)`.
 """
@@ -21,7 +21,7 @@ from elitescript.records import NamedTuple
 from elitescript.runtime.names.context import TIME_TO_GO_BY
 from elitescript.sweep.chaos.drawing import is_over
 from elitescript.sweep.chaos.ground import End, end_of
-from elitescript.sweep.plan import Disturbance, Failure
+from elitescript.sweep.plans.plan import Disturbance, Failure, Plan
 
 if TYPE_CHECKING:
     from elitescript.controller.safety.limits import SafetyLimits
@@ -412,7 +412,10 @@ _ROWS: Final = (
 BUILT_INS: Final[dict[str, BuiltIn]] = {row.name: row for row in _ROWS}
 """All of them by name."""
 
-USUAL: Final = (NEVER_STUCK, "no_alarm", _LEFT_ON, "no_contact", "same_end")
+USUAL: Final = (NEVER_STUCK, "no_alarm")
+"""Properties of a sweep that names none and has no chaos."""
+
+USUAL_OF_CHAOS: Final = (*USUAL, _LEFT_ON, "no_contact", "same_end")
 """Those that chaos asks for, unless a sweep names built-in properties itself."""
 
 
@@ -428,14 +431,15 @@ def has_limit(text: str) -> bool:
     return found is not None and found[1] in BUILT_INS and BUILT_INS[found[1]].limit is not None
 
 
-def asked_for(ensure: Sequence[str], *, has_chaos: bool) -> tuple[str, ...]:
-    """Return the properties of a sweep: those that are written, behind the usual ones if there is chaos.
+def properties_of(plan: Plan) -> tuple[str, ...]:
+    """Return the properties that hold or do not in each run, in their order: those of `Row.margins`.
 
-    The usual ones are left out if one of the built-in ones is written.
+    Those that are written, behind the usual ones if there is chaos and none of the built-in ones is written; the usual
+    ones if none is.
     """
-    if not has_chaos or any(map(is_built_in, ensure)):
-        return tuple(ensure)
-    return (*USUAL, *ensure)
+    if plan.chaos and not any(map(is_built_in, plan.ensure)):
+        return (*USUAL_OF_CHAOS, *plan.ensure)
+    return plan.ensure or USUAL
 
 
 def built_in(text: str, situation: Situation) -> BuiltInProperty:

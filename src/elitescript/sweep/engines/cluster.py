@@ -22,13 +22,13 @@ from typing import TYPE_CHECKING, Any, Final
 from elitescript import __version__
 from elitescript.errors import InternalError, UsageError
 from elitescript.records import NamedTuple
-from elitescript.sweep.cluster_worker import platform_here, run_about, run_order, run_range, work_bytes
-from elitescript.sweep.engine import JOB, row_of_result, rows_of_results
-from elitescript.sweep.executor import MAX_WALL_S, Result
-from elitescript.sweep.plan import CRASHED, Choices, Plan, Row
-from elitescript.sweep.plan_json import choices_data, plan_data
-from elitescript.sweep.reference import Platform, versions_here
-from elitescript.sweep.variations import Draw
+from elitescript.sweep.engines.cluster_worker import platform_here, run_about, run_order, run_range, work_bytes
+from elitescript.sweep.engines.engine import JOB, row_of_result, rows_of_results
+from elitescript.sweep.engines.executor import MAX_WALL_S, Result
+from elitescript.sweep.engines.reference import Platform, versions_here
+from elitescript.sweep.plans.plan import CRASHED, Choices, Plan, Row
+from elitescript.sweep.plans.plan_json import choices_data, plan_data
+from elitescript.sweep.plans.variations import Draw
 
 if TYPE_CHECKING:
     from distributed import Client, Future

@@ -17,8 +17,8 @@ from time import monotonic
 from typing import Any, Final
 
 from elitescript.errors import ElitescriptError
-from elitescript.sweep.executor import Executor, Result
-from elitescript.sweep.reference import Platform, platform_of_child
+from elitescript.sweep.engines.executor import Executor, Result
+from elitescript.sweep.engines.reference import Platform, platform_of_child
 
 IDLE_S: Final = 30.0
 """Wall time without work after which a child is ended: its sweep is over, or whoever gave it is gone."""

@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from elitescript.records import record
-from elitescript.sweep.effects import Effect, Region, effects_of, regions_of
-from elitescript.sweep.plan import Failure, Row
-from elitescript.sweep.sketches import Distribution
-from elitescript.sweep.statistics import share_interval
-from elitescript.sweep.totals import ROWS_OF_KIND, SAMPLE, Group, Nearest, Totals
+from elitescript.sweep.plans.plan import Failure, Row
+from elitescript.sweep.results.effects import Effect, Region, effects_of, regions_of
+from elitescript.sweep.results.sketches import Distribution
+from elitescript.sweep.results.statistics import share_interval
+from elitescript.sweep.results.totals import ROWS_OF_KIND, SAMPLE, Group, Nearest, Totals
 
 KINDS_SHOWN: Final = 5
 RUNS_SHOWN: Final = 5

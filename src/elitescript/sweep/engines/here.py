@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from elitescript.sweep.plan import Choices, Plan, Row
+from elitescript.sweep.plans.plan import Choices, Plan, Row
 from elitescript.sweep.single import Runner
 
 

@@ -9,7 +9,9 @@ from typing import Any, Final
 from elitescript.errors import UsageError
 from elitescript.models.model import is_model_file
 from elitescript.records import field, record
-from elitescript.sweep.cases import (
+from elitescript.sweep.chaos.ground import Ears
+from elitescript.sweep.engines.engine import Engine
+from elitescript.sweep.failures.cases import (
     FILE_NAME,
     SUFFIX,
     Case,
@@ -19,13 +21,11 @@ from elitescript.sweep.cases import (
     relative_to,
     write_case,
 )
-from elitescript.sweep.chaos.ground import Ears
-from elitescript.sweep.engine import Engine
-from elitescript.sweep.plan import LOST, Choices, Failure, Plan, Row
-from elitescript.sweep.shrinking import BUDGET, Shrunk, is_same, shrink
+from elitescript.sweep.failures.shrinking import BUDGET, Shrunk, is_same, shrink
+from elitescript.sweep.failures.story import Story, tell
+from elitescript.sweep.plans.plan import LOST, Choices, Failure, Plan, Row
+from elitescript.sweep.plans.variations import plain_value
 from elitescript.sweep.single import Runner
-from elitescript.sweep.story import Story, tell
-from elitescript.sweep.variations import plain_value
 
 KINDS_MAX: Final = 5
 """Kinds of failures of one sweep that are shrunk and written: those that come first (*assumed*)."""

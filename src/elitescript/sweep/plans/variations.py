@@ -8,8 +8,8 @@ from typing import Any, Final
 
 from elitescript.environment.start_values import literal_of
 from elitescript.errors import UsageError, did_you_mean
-from elitescript.sweep.plan import Variation
-from elitescript.sweep.seeds import fraction, normal_quantile
+from elitescript.sweep.plans.plan import Variation
+from elitescript.sweep.plans.seeds import fraction, normal_quantile
 
 FORMS: Final = {
     "uniform": "uniform(a, b)",

@@ -8,7 +8,7 @@ from json import dumps
 from typing import Any, Final
 
 from elitescript.errors import UsageError, did_you_mean
-from elitescript.sweep.plan import Choices, Disturbance, Failure, Plan, Row, Variation
+from elitescript.sweep.plans.plan import Choices, Disturbance, Failure, Plan, Row, Variation
 
 Check = Callable[[Any, str], Any]
 """Returns a value that was read, or raises `UsageError` with the place that it is given."""

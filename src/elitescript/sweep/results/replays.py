@@ -14,12 +14,12 @@ from elitescript.plotting.page import page as page_of_run
 from elitescript.plotting.recorder import RunRecorder
 from elitescript.plotting.sampling import Sampling
 from elitescript.robot import VirtualRobot
-from elitescript.sweep.findings import Finding
-from elitescript.sweep.page import REPLAYS, PageTexts, Replay, sweep_page
-from elitescript.sweep.plan import LOST, Choices, Row
+from elitescript.sweep.failures.findings import Finding
+from elitescript.sweep.plans.plan import LOST, Choices, Row
+from elitescript.sweep.results.page import REPLAYS, PageTexts, Replay, sweep_page
+from elitescript.sweep.results.summary import Summary
+from elitescript.sweep.results.totals import Totals
 from elitescript.sweep.single import Runner
-from elitescript.sweep.summary import Summary
-from elitescript.sweep.totals import Totals
 
 REPLAYS_MAX: Final = 12
 """Runs that get a page of their own, besides the smallest ones that fail: a page has 0.6 MB."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from elitescript.sweep.engine import JOB, row_of_result, rows_of_results
-from elitescript.sweep.executor import MAX_WALL_S, Executor
-from elitescript.sweep.plan import Choices, Plan, Row
-from elitescript.sweep.plan_json import choices_data, plan_data
-from elitescript.sweep.variations import Draw
+from elitescript.sweep.engines.engine import JOB, row_of_result, rows_of_results
+from elitescript.sweep.engines.executor import MAX_WALL_S, Executor
+from elitescript.sweep.plans.plan import Choices, Plan, Row
+from elitescript.sweep.plans.plan_json import choices_data, plan_data
+from elitescript.sweep.plans.variations import Draw
 
 
 class LocalEngine:

@@ -8,8 +8,8 @@ from typing import Final
 
 from elitescript.messages.signals import Value
 from elitescript.records import NamedTuple
-from elitescript.sweep.plan import Disturbance, Row, Variation
-from elitescript.sweep.sketches import Sample, Sketch
+from elitescript.sweep.plans.plan import Disturbance, Row, Variation
+from elitescript.sweep.results.sketches import Sample, Sketch
 
 KINDS_MAX: Final = 500
 """Kinds of failures that are told apart; the rest are counted together."""

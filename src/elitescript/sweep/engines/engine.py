@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Final, Protocol
 
-from elitescript.sweep.executor import Result
-from elitescript.sweep.plan import HUNG, Choices, Failure, Plan, Row
-from elitescript.sweep.plan_json import choices_of, row_of
-from elitescript.sweep.seeds import seed_of_run
-from elitescript.sweep.variations import Draw
+from elitescript.sweep.engines.executor import Result
+from elitescript.sweep.plans.plan import HUNG, Choices, Failure, Plan, Row
+from elitescript.sweep.plans.plan_json import choices_of, row_of
+from elitescript.sweep.plans.seeds import seed_of_run
+from elitescript.sweep.plans.variations import Draw
 
 JOB: Final = "elitescript.sweep.single:job"
 """What a child process does for either engine."""

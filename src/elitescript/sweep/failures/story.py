@@ -21,7 +21,7 @@ from elitescript.sweep.chaos.properties import (
     is_built_in,
     place_of_thread,
 )
-from elitescript.sweep.plan import Choices, Disturbance, Failure
+from elitescript.sweep.plans.plan import Choices, Disturbance, Failure
 
 if TYPE_CHECKING:
     from elitescript.run import Run

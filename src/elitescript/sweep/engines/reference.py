@@ -1,7 +1,7 @@
 """What of a computer rows depend on: versions, and the last bit of sine and cosine, as one reference run shows it.
 
-A process of its own prints it (`python -m elitescript.sweep.reference`), so that a worker of a cluster need not become
-a robot for it.
+A process of its own prints it (`python -m elitescript.sweep.engines.reference`), so that a worker of a cluster need
+not become a robot for it.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def platform_of_child() -> Platform:
         RuntimeError: it did not answer; the text is what it wrote.
     """
     done = subprocess.run(
-        module_command("elitescript.sweep.reference"),
+        module_command("elitescript.sweep.engines.reference"),
         env=module_environment(),
         stdin=subprocess.DEVNULL,
         capture_output=True,

@@ -45,8 +45,8 @@ from elitescript.paths import why_no_file
 from elitescript.records import field, record
 from elitescript.sweep.chaos.applying import check, disturbance_of, in_order, settings_of
 from elitescript.sweep.chaos.kinds import KINDS, is_fault
-from elitescript.sweep.plan import Choices, Disturbance, Failure
-from elitescript.sweep.toml_text import TomlText
+from elitescript.sweep.plans.plan import Choices, Disturbance, Failure
+from elitescript.sweep.plans.toml_text import TomlText
 
 SUFFIX: Final = ".case.toml"
 FILE_NAME: Final = "CASE.toml"

@@ -22,9 +22,9 @@ from elitescript import page as built
 from elitescript.messages.signals import Value
 from elitescript.plotting.packing import shown_text
 from elitescript.records import field, record
-from elitescript.sweep.plan import Plan, Row
-from elitescript.sweep.summary import Kind, Summary
-from elitescript.sweep.totals import KINDS_MAX, OTHERS, Kept, Totals, name_of
+from elitescript.sweep.plans.plan import Plan, Row
+from elitescript.sweep.results.summary import Kind, Summary
+from elitescript.sweep.results.totals import KINDS_MAX, OTHERS, Kept, Totals, name_of
 
 FORMAT: Final = 1
 

@@ -16,7 +16,7 @@ from elitescript.messages.signals import Value
 from elitescript.messages.timing import PERIOD_S
 from elitescript.records import NamedTuple, replace
 from elitescript.sweep.chaos.applying import check
-from elitescript.sweep.plan import Choices, Disturbance, Failure
+from elitescript.sweep.plans.plan import Choices, Disturbance, Failure
 
 Item = TypeVar("Item")
 

@@ -16,8 +16,8 @@ from zlib import crc32
 
 from elitescript.environment.state_file import Disk
 from elitescript.errors import InternalError, UsageError
-from elitescript.sweep.plan import Plan, Row
-from elitescript.sweep.plan_json import data_digest, plan_data, row_data, row_of
+from elitescript.sweep.plans.plan import Plan, Row
+from elitescript.sweep.plans.plan_json import data_digest, plan_data, row_data, row_of
 
 SUFFIX: Final = ".part"
 """Behind the name of the table."""

@@ -12,8 +12,8 @@ from typing import IO, Any, Final, Protocol
 
 from elitescript.codec.json_text import to_text
 from elitescript.errors import UsageError
-from elitescript.sweep.chaos.properties import asked_for
-from elitescript.sweep.plan import Plan, Row
+from elitescript.sweep.chaos.properties import properties_of
+from elitescript.sweep.plans.plan import Plan, Row
 
 FORMATS: Final = {".csv": "csv", ".jsonl": "jsonl", ".parquet": "parquet"}
 """Formats by the suffix of the file."""
@@ -50,16 +50,6 @@ def check_table(path: Path) -> None:
         raise UsageError(f"--out {path}: there is no folder {path.parent}")
     if path.is_dir():
         raise UsageError(f"--out {path}: it is a folder")
-
-
-USUAL: Final = ("never_stuck", "no_alarm")
-"""Properties of a sweep that names none and has no chaos."""
-
-
-def properties_of(plan: Plan) -> tuple[str, ...]:
-    """Return the properties that hold or do not in each run, in their order: those of `Row.margins`."""
-    found = asked_for(plan.ensure, has_chaos=bool(plan.chaos))
-    return found or USUAL
 
 
 def columns(plan: Plan) -> tuple[str, ...]:

@@ -19,8 +19,8 @@ from typing import Any, Final
 from elitescript.environment.process import Life, module_command, module_environment
 from elitescript.errors import ElitescriptError, PeerError, UsageError
 from elitescript.records import NamedTuple
-from elitescript.sweep.frames import Frames, framed
-from elitescript.sweep.plan import CRASHED, HUNG
+from elitescript.sweep.engines.frames import Frames, framed
+from elitescript.sweep.plans.plan import CRASHED, HUNG
 
 MAX_WALL_S: Final = 60.0
 """Wall time of one piece of work after which its process is ended, *assumed*."""
@@ -315,7 +315,7 @@ class _Child:
         self.exit_code: int | None = None
         self._life = Life()
         self._process = subprocess.Popen(
-            module_command("elitescript.sweep.worker", [job, self._life.descriptor, memory_bytes]),
+            module_command("elitescript.sweep.engines.worker", [job, self._life.descriptor, memory_bytes]),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             bufsize=0,

@@ -1,8 +1,8 @@
 """The child process: does numbered pieces of work, and says of each what came of it.
 
-Started as `python -P -m elitescript.sweep.worker JOB LIFE MEMORY`. Messages come on standard input and go to what was
-standard output, as `frames`; what the work prints goes to standard error. The first message is the description that
-the job gets. Then there come
+Started as `python -P -m elitescript.sweep.engines.worker JOB LIFE MEMORY`. Messages come on standard input and go to
+what was standard output, as `frames`; what the work prints goes to standard error. The first message is the
+description that the job gets. Then there come
 
     ["range", FIRST, STOP]   numbers FIRST to STOP - 1, one after the other
     ["about", NUMBER]        what is known of a number before it is done: asked for before a range of that number alone
@@ -30,7 +30,7 @@ from typing import Any, Final
 
 from elitescript.environment.process import end_with_parent, limit_memory
 from elitescript.errors import ProgramError, UsageError
-from elitescript.sweep.frames import Frames, framed
+from elitescript.sweep.engines.frames import Frames, framed
 
 FLUSH_S: Final = 0.05
 """Wall time after which values are sent though the range is not done."""

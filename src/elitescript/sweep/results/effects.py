@@ -17,9 +17,9 @@ from typing import Final
 
 from elitescript.messages.signals import Value
 from elitescript.records import NamedTuple, record, replace
-from elitescript.sweep.sketches import mixed
-from elitescript.sweep.statistics import at_least_so_many, groups_differ, rank_correlation, ranks
-from elitescript.sweep.totals import SAMPLE, Kept, Totals
+from elitescript.sweep.results.sketches import mixed
+from elitescript.sweep.results.statistics import at_least_so_many, groups_differ, rank_correlation, ranks
+from elitescript.sweep.results.totals import SAMPLE, Kept, Totals
 
 LEVEL: Final = 0.01
 """Probability, corrected for the number of tests, below which something is reported."""
