@@ -1,4 +1,7 @@
+import itertools
+
 from elitescript.messages.events import TextMessage
+from elitescript.messages.outputs import TickResult
 from elitescript.services.child.buffers import DELAY_MAX_TICKS, OutputBuffer
 from tests.protocol.snapshots import output
 
@@ -20,6 +23,36 @@ class TestOutputBuffer:
 
     def test_who_is_late_once_is_not_seen_to_be_late_again(self):
         assert robot_ticks(OutputBuffer(), [1, 1, 0, 2, 1, 0, 2, 0, 2, 1]) == [0, 1, 1, 2, 3, 4, 5, 6, 7, 8]
+
+    def test_each_output_is_a_row_once_with_its_own_tick(self):
+        buffer, number = OutputBuffer(), itertools.count()
+        rows, counts = [], []
+        for tick, arrivals in enumerate([1, 1, 0, 0, 3, 1, 0, 7, 1, 0, 0, 9]):
+            for _ in range(arrivals):
+                buffer.add(output(next(number)))
+            found = buffer.take(tick)
+            assert found.tick == tick
+            rows += [(row.tick, row.snapshot.robot.tick) for row in found.rows]
+            counts.append(len(found.rows))
+        assert counts == [1, 1, 0, 0, 1, 1, 1, 6, 1, 1, 1, 7]
+        assert rows == [(tick, tick) for tick in range(21)]
+
+    def test_an_output_without_a_snapshot_is_a_row_with_the_one_before(self):
+        buffer = OutputBuffer()
+        buffer.add(output(0))
+        assert buffer.take(0).rows[0].tick == 0
+        assert buffer.take(1).rows == ()
+        buffer.add(TickResult(1, (), (), ()))
+        (row,) = buffer.take(2).rows
+        assert (row.tick, row.snapshot.robot.tick) == (1, 0)
+
+    def test_what_the_server_adds_leaves_with_the_tick_itself(self):
+        buffer = OutputBuffer()
+        buffer.add(output(5))
+        buffer.add_own(TextMessage(5, "ours", "", 0))
+        found = buffer.take(5)
+        assert found.rows == (found,)
+        assert [event.text for event in found.events] == ["ours"]
 
     def test_no_more_than_a_few_outputs_wait(self):
         shown = robot_ticks(OutputBuffer(), [1, *[0] * 20, 21, 1, 1])

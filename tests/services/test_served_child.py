@@ -2,11 +2,13 @@
 
 import asyncio
 import os
+from itertools import pairwise
 
 import pytest
 
 from elitescript.kernel import RobotOptions
 from elitescript.messages.events import Alarm, TextMessage
+from elitescript.messages.timing import seconds
 from elitescript.services.child.link import ChildLink
 from elitescript.services.port_numbers import NAMES
 from elitescript.services.robots import served_robot
@@ -15,13 +17,13 @@ from tests.services.served import Scene
 
 LIMIT_S = 40.0
 GAP_S = 1.0
-"""Longest silence of a stream; generous, for a computer that is busy."""
+"""Longest silence of a stream: then the vendor's client in C++ ends its connection."""
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="children inherit a socket, as POSIX has it")
 
 
 class Stream:
-    """An RTSI client that counts its packages, and how long it waited for each."""
+    """An RTSI client that notes its packages, and how long it waited for any message."""
 
     def __init__(self, peer):
         self.peer = peer
@@ -38,10 +40,11 @@ class Stream:
         loop = asyncio.get_running_loop()
         last_s = loop.time()
         while True:
-            _, payload = await self.peer.rtsi("U")
+            letter, payload = await self.peer.rtsi()
             self.worst_s = max(self.worst_s, loop.time() - last_s)
             last_s = loop.time()
-            self.stamps += rtsi_client.values(payload, ["DOUBLE"])
+            if letter == "U":
+                self.stamps += rtsi_client.values(payload, ["DOUBLE"])
 
 
 def play(program, is_over, after=lambda scene, streams: None):
@@ -62,13 +65,11 @@ def play(program, is_over, after=lambda scene, streams: None):
                 readers.append(asyncio.get_running_loop().create_task(stream.read()))
             primary = await scene.connect("primary")
             primary.send(program.encode())
-            first = scene.server.output.tick
-            await scene.until(lambda: is_over(scene, link))
-            ticks = scene.server.output.tick - first
+            await scene.until(lambda: is_over(scene, streams))
             for stream in streams:
                 assert stream.worst_s < GAP_S
-                assert len(stream.stamps) > 0.8 * ticks
-                assert stream.stamps == sorted(stream.stamps)
+                # Each tick once.
+                assert all(earlier < later for earlier, later in pairwise(stream.stamps))
             after(scene, streams)
         finally:
             for reader in readers:
@@ -84,10 +85,22 @@ def texts(scene):
     return [event.text for event in scene.said if isinstance(event, TextMessage)]
 
 
+def goes_on(scene, streams):
+    """Whether every client has got a package of the robot that took the place of another."""
+    alarms = [event for event in scene.said if isinstance(event, Alarm)]
+    return bool(alarms) and all(stream.stamps and stream.stamps[-1] > seconds(alarms[0].tick) for stream in streams)
+
+
 def test_an_endless_loop_does_not_disturb_the_streams():
     program = "def p():\n  def forever():\n    while True:\n      pass\n  start_thread(forever, ())\n"
     program += "  sleep(0.5)\n  textmsg('half a second')\n  while True:\n    pass\nend\n"
-    play(program, lambda scene, link: "half a second" in texts(scene))
+
+    def after(scene, streams):
+        for stream in streams:
+            assert len(stream.stamps) > 100
+            assert max(later - earlier for earlier, later in pairwise(stream.stamps)) < 0.005
+
+    play(program, lambda scene, streams: "half a second" in texts(scene), after)
 
 
 def test_a_call_that_never_returns_is_ended_and_the_streams_go_on():
@@ -97,10 +110,6 @@ def test_a_call_that_never_returns_is_ended_and_the_streams_go_on():
         assert alarm.line == 3
 
     program = "def p():\n  textmsg('now')\n  sum(range(10**12))\nend\n"
-
-    def goes_on(scene, link):
-        now = scene.server.output.snapshot.robot.tick
-        return any(isinstance(event, Alarm) and now > event.tick for event in scene.said)
 
     play(program, goes_on, after)
 
@@ -112,9 +121,5 @@ def test_a_crash_is_told_with_its_line_and_the_streams_go_on():
         assert alarm.line == 6
 
     program = "def p():\n  x = [1]\n  for i in range(150000):\n    x = map(int, x)\n  end\n  y = list(x)\nend\n"
-
-    def goes_on(scene, link):
-        now = scene.server.output.snapshot.robot.tick
-        return any(isinstance(event, Alarm) and now > event.tick for event in scene.said)
 
     play(program, goes_on, after)

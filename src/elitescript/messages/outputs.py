@@ -106,6 +106,16 @@ class Output(TickResult):
     """Of this tick; an older one if no port reads more than its discrete state, see `has`."""
     parts: int = field(default=ALL_PARTS, metadata=NOT_WRITTEN)
     """Parts of the snapshot that are of its tick, as bits; the others may be older. See `messages.snapshot_parts`."""
+    late_rows: tuple[Output, ...] | None = field(default=None, metadata=NOT_WRITTEN)
+    """See `rows`; None while the robot keeps up."""
+
+    @property
+    def rows(self) -> tuple[Output, ...]:
+        """The outputs of ticks that leave with this one, each once, the oldest first: this one alone, or others.
+
+        While a robot in a process of its own is late there is none; what it makes up for leaves together.
+        """
+        return (self,) if self.late_rows is None else self.late_rows
 
     def has(self, parts: int) -> bool:
         """Return whether these parts of the snapshot are of this tick."""

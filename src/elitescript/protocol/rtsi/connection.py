@@ -27,10 +27,13 @@ from elitescript.protocol.connection import Connection, ProtocolError
 from elitescript.protocol.rtsi.inputs import INPUTS, Arrival, requests_of
 from elitescript.protocol.rtsi.recipes import FREQUENCY_MAX_HZ, FREQUENCY_MIN_HZ, InputRecipe, OutputRecipe, RtsiPort
 from elitescript.protocol.rtsi.variables import OUTPUTS
-from elitescript.records import NamedTuple
+from elitescript.records import NamedTuple, replace
 
 HELD_BACK_TICKS: Final = TICKS_PER_S // 2
 """Longest wait of packages after the start for inputs that were sent before it; a restarted robot loses them."""
+SILENCE_TICKS: Final = TICKS_PER_S // 2
+"""While the robot is late there are no packages, but a text message so often: the vendor's client in C++ ends a
+connection that is silent for 1 s."""
 PROTOCOL_VERSION: Final = 1
 MESSAGE_MAX: Final = 65535
 RECIPES_MAX: Final = 254
@@ -102,6 +105,7 @@ class RtsiConnection(Connection):
         "_outputs",
         "_port",
         "_reported",
+        "_silent_since",
         "_values",
         "_written_tick",
     )
@@ -119,6 +123,8 @@ class RtsiConnection(Connection):
         self._is_started = False
         self._answers = 0
         self._written_tick: int | None = None
+        self._silent_since: int | None = None
+        """Since when the robot is late, or the tick of the last text about that."""
         self._first_tick = 0
         """Tick of the first package after the start, which shows the inputs that were sent before the start."""
         self._held_back_until = 0
@@ -181,7 +187,7 @@ class RtsiConnection(Connection):
         return parts
 
     def publish(self, output: Output) -> None:
-        """Queue the packages that are due at this tick.
+        """Queue the packages that are due: of this tick, or of earlier ones that leave with it (`Output.rows`).
 
         A client that has just written an input gets no package of an earlier tick, since it takes the next package for
         the answer. The first package after a start shows all inputs that were written before.
@@ -189,15 +195,36 @@ class RtsiConnection(Connection):
         tick = output.tick
         if not self._is_started or tick == self._written_tick:
             return
+        if output.late_rows is None:
+            self._silent_since = None
+            self._queue(output, tick)
+            return
+        self._note_silence(output)
+        for row in output.late_rows:
+            self._queue(row, tick)
+
+    def _queue(self, row: Output, now: int) -> None:
+        """Queue the packages that are due at the tick of a row."""
         if self._first_tick:
-            if output.snapshot.robot.tick < self._first_tick and tick < self._held_back_until:
+            if row.snapshot.robot.tick < self._first_tick and now < self._held_back_until:
                 return
             self._first_tick = 0
+        tick = row.tick
         for recipe in self._outputs:
-            if tick < recipe.new_before and not output.has(recipe.parts):
+            if tick < recipe.new_before and not row.has(recipe.parts):
                 continue
             if recipe.schedule.is_due(tick):
-                self._out.append(self._port.packages.package(recipe, output))
+                self._out.append(self._port.packages.package(recipe, row))
+
+    def _note_silence(self, output: Output) -> None:
+        """Send a text message if the robot has been late for so long that the client may take it for gone."""
+        if output.late_rows:
+            self._silent_since = None
+        elif self._silent_since is None:
+            self._silent_since = output.tick
+        elif output.tick - self._silent_since >= SILENCE_TICKS:
+            self._silent_since = output.tick
+            self.send_text(WARNING, "the robot is late: packages follow when it goes on")
 
     def next_tick(self, tick: int) -> int | None:
         if not self._is_started:
@@ -331,7 +358,8 @@ class RtsiConnection(Connection):
                 recipe.schedule.reset()
                 self._hold_back_old(recipe, output)
             self._held_back_until = output.tick + HELD_BACK_TICKS
-            self.publish(output)
+            # Of several rows that left together the newest one.
+            self.publish(output if not output.late_rows else replace(output, late_rows=output.late_rows[-1:]))
         return []
 
     def _hold_back_old(self, recipe: OutputRecipe, output: Output) -> None:

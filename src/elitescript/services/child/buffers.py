@@ -3,13 +3,14 @@
 Inputs keep their order; as many go down in a tick as the child can do. Outputs leave one for each tick, though they
 come in uneven steps: while the child keeps up, the output of a tick leaves in that tick; once it has been late, its
 outputs leave a tick or two later, so that the next time does not show. When that has not been needed for a second, it
-is undone.
+is undone. Each output is a row for clients once, whenever it leaves (`Output.rows`).
 """
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Sequence
+from itertools import chain
 from typing import Final
 
 from elitescript.messages.events import Event
@@ -20,7 +21,6 @@ from elitescript.messages.outputs import (
     OpenChannel,
     OpenLine,
     Output,
-    Reply,
     TickResult,
 )
 from elitescript.messages.snapshot import Snapshot
@@ -39,7 +39,7 @@ ROOM_MIN: Final = 0.05
 """Share of a tick's work for clients that is left then, so that a child that never catches up can be given another
 program."""
 DELAY_MAX_TICKS: Final = 2
-"""Outputs that may wait; what comes beyond that is put together."""
+"""Outputs that may wait; what comes beyond that leaves together."""
 
 
 def room_for(late_ticks: int) -> float:
@@ -157,33 +157,32 @@ class OutputBuffer:
         self._is_flushed = True
 
     def take(self, tick: int) -> Output:
-        """Return what leaves in a tick; there must have been a snapshot."""
+        """Return what leaves in a tick; there must have been a snapshot.
+
+        It has the number of that tick, all that is new, and the newest snapshot; outputs of other ticks are its `rows`.
+        """
         count = min(len(self._waiting), 1 + self._surplus())
-        if count == 1 and not self._events and not self._requests:
+        taken = [self._own(self._waiting.popleft()) for _ in range(count)]
+        is_own = count == 1 and taken[0].tick == tick
+        if is_own and not self._events and not self._requests:
             # As it is while the child keeps up.
-            only = self._waiting.popleft()
-            if isinstance(only, Output):
-                self._shown, self._parts = only.snapshot, only.parts
-                if only.tick == tick:
-                    return only
-            assert self._shown is not None, "there is no snapshot yet"
-            return Output(tick, only.events, only.requests, only.replies, self._shown, self._parts)
-        taken = [self._waiting.popleft() for _ in range(count)]
-        events: list[Event] = []
-        requests: list[ChannelRequest] = []
-        replies: list[Reply] = []
-        for output in taken:
-            if isinstance(output, Output):
-                self._shown, self._parts = output.snapshot, output.parts
-            events += output.events
-            requests += output.requests
-            replies += output.replies
+            return taken[0]
         assert self._shown is not None, "there is no snapshot yet"
-        events += self._events
-        requests += self._requests
+        events = [*chain.from_iterable(output.events for output in taken), *self._events]
+        requests = [*chain.from_iterable(output.requests for output in taken), *self._requests]
+        replies = tuple(chain.from_iterable(output.replies for output in taken))
         self._events.clear()
         self._requests.clear()
-        return Output(tick, tuple(events), tuple(requests), tuple(replies), self._shown, self._parts)
+        rows = None if is_own else tuple(taken)
+        return Output(tick, tuple(events), tuple(requests), replies, self._shown, self._parts, rows)
+
+    def _own(self, output: Output | TickResult) -> Output:
+        """Return an output with its snapshot, or the one before if it has none."""
+        if isinstance(output, Output):
+            self._shown, self._parts = output.snapshot, output.parts
+            return output
+        assert self._shown is not None, "there is no snapshot yet"
+        return output.with_snapshot(self._shown, self._parts)
 
     def _surplus(self) -> int:
         """Return how many outputs need not wait any longer."""
