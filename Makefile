@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test lint types coverage flips invariants peers bench quoted figures picture studio-pictures reference docs golden studio studio-test vscode vscode-test dap-test dist lock clean
+.PHONY: chaos help demo test lint types coverage flips invariants real-arm peers bench quoted figures picture studio-pictures reference docs golden studio studio-test vscode vscode-test dap-test dist lock clean
 
 help:
 	@echo "make demo        install, then run an example program"
@@ -17,6 +17,8 @@ help:
 	@echo "make coverage    the tests with branch coverage: a table by package, and what no test reaches"
 	@echo "make flips       change random constants of tables; prints the changes that no test notices (an hour)"
 	@echo "make invariants  the long random sweeps; writes their result into docs/explanation/motion.md"
+	@echo "make chaos       random sessions for SECONDS=600, from SEED on: programs, devices, faults, people and clients"
+	@echo "make real-arm    record and fit 200 arms with hidden parameters; writes the tables of docs/explanation/real-arm.md"
 	@echo "make peers       install other people's packages and compare with them; writes the result there too"
 	@echo "make dap-test    the debug adapter with the test kit of VS Code's makers (needs Node)"
 	@echo "make bench       the table of measured times; python -m benchmarks --against CHECKOUT compares two working copies"
@@ -139,8 +141,16 @@ invariants: $(READY)
 	    $(BIN)/python -m pytest -m "invariants or slow" --timeout 7200
 	$(BIN)/python -m tools.draw_motion
 
+# Random sessions, each in leaps and tick by tick; what breaks is made short and written to build/chaos/.
+SECONDS ?= 600
+chaos: $(READY)
+	$(BIN)/python -m tests.chaos --seconds $(SECONDS) $(if $(SEED),--seed $(SEED))
+# Served arms run by the wall clock, so few at once; the rest is recorded in memory.
+real-arm: $(READY)
+	$(BIN)/python -m tools.real_arm
+
 # Other people's packages go into .venv too, where `make test` and `make bench` find them from then on.
-PEERS := eaik pin pymodbus roboticstoolbox-python ruckig scipy
+PEERS := eaik mcap-protobuf-support pin pymodbus roboticstoolbox-python ruckig scipy
 
 peers: $(READY)
 	$(BIN)/python -m pip install -qq --disable-pip-version-check $(PEERS)

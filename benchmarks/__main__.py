@@ -29,6 +29,9 @@ MODULES = (
     "debugger",
     "studio",
     "plot",
+    "cluster",
+    "sweep",
+    "record",
 )
 LONG = ("growth",)
 """Measured only by name: it takes ten minutes."""

@@ -26,6 +26,10 @@ MODULES = (
     "pygls.lsp.server",
     "mcp.server.mcpserver",
     "websockets.asyncio.server",
+    "distributed",
+    "optuna",
+    "pyarrow",
+    "mcap.writer",
 )
 JAIL = """
 from time import perf_counter, process_time

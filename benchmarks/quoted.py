@@ -17,6 +17,7 @@ RECORDS = "docs/explanation/decisions/"
 MODBUS = RECORDS + "0004-own-modbus.md"
 KINEMATICS = RECORDS + "0007-own-kinematics.md"
 ARGPARSE = RECORDS + "0008-argparse.md"
+RECORDING = "docs/how-to/record.md"
 DEPENDENCIES = RECORDS + "0012-dependencies.md"
 NO_FIGURE = (
     (SPEED, "`make bench` prints these rows"),
@@ -28,6 +29,8 @@ NO_FIGURE = (
     (RECORDS + "0005-the-jail.md", "- A tick costs a way to the child and back"),
     (RECORDS + "0006-no-pickle.md", "- Text costs time."),
     (DEPENDENCIES, "Sizes are those of the package alone"),
+    ("docs/how-to/cluster.md", "Figures of `python -m benchmarks cluster`"),
+    (RECORDS + "0020-engines.md", "`python -m benchmarks cluster` runs"),
     ("docs/explanation/inside.md", "cost (`python -m benchmarks language_loop`)"),
     (RECORDS + "0015-pygls.md", "| import (`python -m benchmarks choices`)"),
     (RECORDS + "0017-debugger.md", "`python -m benchmarks debugger` measures it."),
@@ -97,10 +100,19 @@ QUOTES = (
     Quote(RECORDS + "0009-tuples-of-floats.md", "- Small: no attribute", "choices", "forward kinematics of one"),
     Quote(RECORDS + "0010-asyncio.md", "`python -m benchmarks serving`", "serving", "10 RTSI clients, 250 Hz, idle"),
     Quote(RECORDS + "0010-asyncio.md", "- asyncio is imported by", "choices", "import asyncio"),
+    *(Quote(RECORDING, "Recording takes", "record", row) for row in ("a package", "an hour", "a row")),
     Quote(DEPENDENCIES, "| greenlet 3 |", "choices", "import greenlet"),
     Quote(DEPENDENCIES, "| pyserial 3.5,", "choices", "import serial"),
     Quote(DEPENDENCIES, "| asyncssh 2,", "choices", "import asyncssh"),
     Quote(DEPENDENCIES, "| pygls 2,", "choices", "import pygls.lsp.server"),
+    Quote(DEPENDENCIES, "| distributed 2026,", "choices", "import distributed"),
+    Quote(DEPENDENCIES, "| optuna 5,", "choices", "import optuna"),
+    Quote(DEPENDENCIES, "| pyarrow 26,", "choices", "import pyarrow"),
+    Quote("docs/how-to/cluster.md", "| a run of ten moves,", "cluster", "a run of a sweep"),
+    Quote("docs/how-to/cluster.md", "| the same through Dask,", "cluster", "the same on Dask"),
+    Quote("docs/how-to/cluster.md", "| a task, whatever", "cluster", "a Dask task without work"),
+    Quote("docs/how-to/cluster.md", "| a row to the client", "cluster", "a row on its way"),
+    Quote(DEPENDENCIES, "| mcap 1,", "choices", "import mcap.writer"),
     Quote(DEPENDENCIES, "| mcp 2,", "choices", "import mcp.server.mcpserver"),
     Quote(DEPENDENCIES, "| numpy | floats", "choices", "import numpy"),
 )

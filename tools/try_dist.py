@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Final
 
 PAGE_FOLDER: Final = "elitescript/page/built/"
-PAGE_FILES: Final = {"studio.html", "studio.js", "studio.css", "recorded.html", "THIRD_PARTY.txt"}
+PAGE_FILES: Final = {"studio.html", "studio.js", "studio.css", "recorded.html", "sweep.html", "THIRD_PARTY.txt"}
 WHEEL_MAX: Final = 5_000_000
 """Size limit of the wheel, bytes."""
 SERVE: Final = ("serve", "--port", "all=0")

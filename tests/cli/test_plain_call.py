@@ -94,7 +94,6 @@ def test_ordinary_calls_need_no_argparse(words: str) -> None:
 @pytest.mark.parametrize(
     "words",
     [
-        "run",
         "run a b",
         "run p.script --until",
         "run p.script --until x",

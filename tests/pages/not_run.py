@@ -6,9 +6,12 @@ from typing import Final
 
 NOT_RUN: Final[dict[str, str]] = {
     r"make \w+": "the targets of the Makefile build an environment, or run these tests",
+    r"elitescript record 192.*": "needs a controller on the network; tests/recorder has some",
+    r"elitescript audit cell.mcap .*": "needs a recording of a controller; tests/audit has some",
     r"elitescript devices .*": "opens the ports that the page names, which another process may have",
     r"elitescript studio .*--connect 192.*": "needs a controller on the network; tests/studio/connected has some",
     r"elitescript studio \w+\.script( --world cell\.toml)?": "tests/studio_page runs it, with the built page",
+    r"elitescript sweep .* --page \w+\.html": "needs the built page; tests/sweep/test_replays.py writes one",
     r"elitescript serve --studio": "needs the built page; tests/studio/connected runs it where that is there",
     r"elitescript serve --ssh.*": "needs the extra `ssh`; tests/services runs it",
     r"elitescript run .* --serial .*": "needs a serial port of this computer",
@@ -16,6 +19,9 @@ NOT_RUN: Final[dict[str, str]] = {
     r"elitescript serve --host .*": "opens ports at an address that this computer does not have",
     r"code --install-extension .*": "needs VS Code",
     r"mbpoll .*": "a program of somebody else",
+    r"elitescript sweep .* --dask tcp://10.*": "needs a cluster; tests/sweep/test_cluster.py has one",
+    r"elitescript sweep examples/pick_and_place\.script .*": "takes seconds; tests/sweep runs sweeps",
+    r"elitescript sweep examples/transfer\.script .* --minimise .*": "takes seconds; tests/sweep runs it",
     r"pip install .*": "installs from a package index",
     r"python3 -m venv .*|\. .*/bin/activate": "the page runs in the environment of the tests",
     r"sudo .*": "changes the system",

@@ -582,3 +582,25 @@ def test_a_silent_client_does_not_keep_a_stuck_program_alive(port):
     run = robot.run("movej([0.3, -1.4, -1.7, -1.6, 1.57, 0])", until_s=60)
     assert run.state == "stuck"
     assert robot.time_s < 2.0
+
+
+def test_a_change_of_speed_between_two_ticks_is_shown_to_a_client_that_sends_next() -> None:
+    robot = VirtualRobot("CS66")
+    robot.start("def p():\n  movej([1, -1.5, -1.5, -1.5, 1.5, 0], 1, 1)\nend")
+    robot.advance(0.5)
+    client = robot.connect("primary")
+    robot.set_speed(0.5)
+    client.send(b"stopj(2)\n")
+    robot.advance(0.1)
+    assert client.receive()
+
+
+@pytest.mark.parametrize("pace", [None, lambda tick: None], ids=["leaps", "every tick"])
+def test_a_client_does_not_get_what_happened_before_it_came(pace) -> None:
+    robot = VirtualRobot("CS66")
+    robot.connect("primary").close()
+    robot.start("def p():\n  sleep(0.1)\n  textmsg('before')\n  sleep(9)\nend")
+    robot.advance(1.0, pace=pace)
+    client = robot.connect("primary")
+    robot.advance(0.2, pace=pace)
+    assert b"before" not in client.receive()

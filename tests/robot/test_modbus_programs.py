@@ -8,6 +8,7 @@ from elitescript import VirtualRobot
 from elitescript.environment.memory import MemoryEnvironment
 from elitescript.kernel import RobotOptions
 from elitescript.kernel.kernel import Kernel
+from elitescript.messages.events import ChannelActivity
 from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelOpened, Reboot, RunUnit
 from elitescript.messages.outputs import CloseChannel, OpenChannel, SendChannel
 from elitescript.modbus.frames import pdu
@@ -577,3 +578,13 @@ def test_an_answer_of_another_slave_is_an_error_of_the_signal():
     cell.device.alter = lambda frame, answer: tcp_frame(frame.transaction, 9, answer)
     printed = cell.run(ADD + '3, 3, "x")', "sleep(0.1)", 'print(modbus_get_error("x"))')
     assert printed == ["[9, 0]"]
+
+
+@pytest.mark.parametrize("pace", [None, lambda tick: None], ids=["leaps", "every tick"])
+def test_a_connection_is_closed_in_the_tick_after_its_last_signal_is_deleted(pace):
+    cell = Cell()
+    lines = (f'{ADD}0, 3, "x")', "sleep(0.51)", 'modbus_delete_signal("x")', "sleep(1)")
+    run = cell.robot.start("def main():\n  " + "\n  ".join(lines) + "\nend\n")
+    cell.robot.advance(2.0, pace=pace)
+    changes = [event for event in run.events if isinstance(event, ChannelActivity)]
+    assert (changes[-1].what, changes[-1].tick) == ("closed", 129)

@@ -26,7 +26,9 @@ def squares(description: Mapping[str, Any]) -> Callable[[Any], Any]:
         if number in description.get("hangs", ()):
             Event().wait()
         mark = Path(description.get("folder", ""), f"killed-{number}")
-        if number in description.get("kills", ()) or (number in description.get("kills_once", ()) and not mark.exists()):
+        if number in description.get("kills", ()) or (
+            number in description.get("kills_once", ()) and not mark.exists()
+        ):
             mark.touch()
             os.kill(os.getpid(), signal.SIGKILL)
         if number in description.get("fails", ()):

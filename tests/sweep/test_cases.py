@@ -30,6 +30,8 @@ CASE = Case(
     ("standard_digital_in[1]=true",),
     60.0,
     0.04,
+    {"box.0.x": 0.4, "standard_digital_in[3]": False, "mode": "slow", "parts": 3},
+    7,
 )
 
 
@@ -71,7 +73,13 @@ def test_the_digest_does_not_depend_on_line_ends() -> None:
 
 @pytest.mark.parametrize(
     ("name", "expected"),
-    [("CASE.toml", True), ("cell.1.case.toml", True), ("cell.toml", False), ("case.toml", False)],
+    [
+        ("CASE.toml", True),
+        ("CASE-2.case.toml", True),
+        ("cell.1.case.toml", True),
+        ("cell.toml", False),
+        ("case.toml", False),
+    ],
 )
 def test_cases_have_names(name: str, expected: bool) -> None:
     assert is_case(name) is expected

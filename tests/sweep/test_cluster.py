@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import subprocess
 import sys
 import time
@@ -177,11 +176,201 @@ def test_an_adaptive_cluster_sees_more_work_than_its_workers_have():
 
 
 def test_every_number_is_given_out_once():
-    pieces = Pieces([range(0, 10), range(0), range(20, 25)])
+    pieces = Pieces([range(10), range(0), range(20, 25)])
     assert pieces.left == 15
     taken = [pieces.take(4)]
     pieces.give_back(taken.pop(), 3)
     assert pieces.left == 15
     while pieces.left:
         taken.append(pieces.take(4))
-    assert taken == [range(0, 2), range(2, 4), range(4, 8), range(8, 10), range(20, 24), range(24, 25)]
+    assert taken == [range(2), range(2, 4), range(4, 8), range(8, 10), range(20, 24), range(24, 25)]
+
+
+# ---------------------------------------------------------------- processes that are killed
+
+
+class Processes:
+    """A cluster of processes on this computer, which a test may kill."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.file = folder / "scheduler.json"
+        self.started: list[subprocess.Popen[bytes]] = []
+        self.scheduler = self.start("scheduler", "--scheduler-file", str(self.file), "--port", "0", "--no-show")
+        end = time.monotonic() + 30
+        while not self.file.exists() and time.monotonic() < end:
+            time.sleep(0.05)
+        self.address = json.loads(self.file.read_text())["address"]
+
+    def start(self, kind: str, *arguments: str, **variables: str) -> subprocess.Popen[bytes]:
+        log = (self.folder / f"{kind}-{len(self.started)}.log").open("wb")
+        with log:
+            started = subprocess.Popen(
+                [
+                    sys.executable,
+                    "-m",
+                    f"distributed.cli.dask_{kind}",
+                    *arguments,
+                    "--host",
+                    "127.0.0.1",
+                    "--no-dashboard",
+                ],
+                stdout=log,
+                stderr=log,
+                cwd=self.folder,
+                env={**os.environ, "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1", **variables},
+            )
+        self.started.append(started)
+        return started
+
+    def worker(self, **variables: str) -> subprocess.Popen[bytes]:
+        return self.start("worker", self.address, "--nthreads", "1", "--no-nanny", **variables)
+
+
+@contextmanager
+def processes(folder: Path) -> Iterator[Processes]:
+    found = Processes(folder)
+    try:
+        yield found
+    finally:
+        for started in found.started:
+            started.kill()
+        for started in found.started:
+            started.wait()
+
+
+LONG = Plan(
+    PROGRAM.replace("  if", "  i = 0\n  while i < 3000:\n    i = i + 1\n  end\n  if"), variations=PLAN.variations
+)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(180)
+def test_a_killed_worker_costs_nothing_and_one_that_joins_later_helps(tmp_path: Path):
+    with processes(tmp_path) as found:
+        workers = [found.worker(), found.worker()]
+        rows: list[Row] = []
+        with ClusterEngine(found.address) as engine:
+            for piece in engine.rows(LONG, [range(1500)]):
+                if len(rows) < 100 <= len(rows) + len(piece):
+                    workers[0].kill()
+                    found.worker()
+                rows += piece
+    rows.sort(key=lambda row: row.choices.run)
+    assert [row_data(row) for row in rows] == rows_of(LocalEngine(2), 1500, LONG)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(180)
+def test_a_lost_scheduler_is_said_and_what_had_come_is_kept(tmp_path: Path):
+    rows: list[Row] = []
+    with processes(tmp_path) as found:
+        found.worker()
+        with pytest.raises(UsageError, match="the scheduler has gone"), ClusterEngine(found.address) as engine:
+            for piece in engine.rows(LONG, [range(5000)]):
+                rows += piece
+                if len(rows) > 50:
+                    found.scheduler.kill()
+    assert 50 < len(rows) < 5000
+    assert {row.state for row in rows} <= {"finished", "stopped"}
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(300)
+def test_a_run_that_kills_its_workers_is_found_and_costs_itself_alone(tmp_path: Path):
+    from distributed import Client
+
+    with processes(tmp_path) as found, Client(found.address, set_as_default=False) as client:
+        # Workers die of run 37, as of a limit of a container that counts the memory of children.
+        (tmp_path / "sitecustomize.py").write_text(DEADLY)
+        path = os.pathsep.join([str(tmp_path), *filter(None, [os.environ.get("PYTHONPATH", "")])])
+        alive = [found.worker(PYTHONPATH=path) for _ in range(2)]
+        with ClusterEngine(client) as engine:
+            rows: list[Row] = []
+            pieces = engine.rows(PLAN, [range(60)])
+            with replaced(found, alive, path):
+                for piece in pieces:
+                    rows += piece
+    rows.sort(key=lambda row: row.choices.run)
+    assert [row.choices.run for row in rows] == list(range(60))
+    assert [row.choices.run for row in rows if row.state == "crashed"] == [37]
+
+
+DEADLY = """\
+import sys
+
+if any("dask_worker" in word for word in sys.orig_argv):
+    import os
+    from elitescript.sweep import cluster_worker
+    do = cluster_worker._answer
+
+    def run_range(work, first, count):
+        if first <= 37 < first + count:
+            os._exit(9)
+        return do(work, lambda executor: [r for rs in executor.results([range(first, first + count)]) for r in rs])
+
+    run_range.__module__, run_range.__qualname__ = "elitescript.sweep.cluster_worker", "run_range"
+    cluster_worker.run_range = run_range
+"""
+
+
+@contextmanager
+def replaced(found: Processes, alive: list[subprocess.Popen[bytes]], path: str) -> Iterator[None]:
+    """Start a new worker for each one that has died, as a nanny or a batch system does."""
+    from threading import Event, Thread
+
+    ends = Event()
+
+    def watch() -> None:
+        while not ends.wait(0.2):
+            for index, worker in enumerate(alive):
+                if worker.poll() is not None:
+                    alive[index] = found.worker(PYTHONPATH=path)
+
+    thread = Thread(target=watch)
+    thread.start()
+    try:
+        yield
+    finally:
+        ends.set()
+        thread.join()
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(120)
+@pytest.mark.skipif(sys.platform != "linux", reason="the C library of Linux can be told to leave out instructions")
+def test_a_worker_with_other_digits_is_refused_unless_mixed(tmp_path: Path):
+    with processes(tmp_path) as found:
+        found.worker()
+        found.worker(GLIBC_TUNABLES="glibc.cpu.hwcaps=-FMA,-AVX2")
+        from distributed import Client
+
+        with Client(found.address, set_as_default=False) as client:
+            client.wait_for_workers(2)
+            if len({answer[3] for answer in client.run(cluster_worker.platform_here).values()}) == 1:
+                pytest.skip("this processor has no such instructions")
+        with pytest.raises(UsageError, match=r"worker tcp://127.0.0.1:\d+: its reference run ends in"):
+            rows_of(ClusterEngine(found.address), 4)
+        assert rows_of(ClusterEngine(found.address, is_mixed=True), 40) == rows_of(LocalEngine(1), 40)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(120)
+def test_an_adaptive_cluster_grows_from_nothing(monkeypatch: pytest.MonkeyPatch):
+    from distributed import LocalCluster
+
+    said: list[str] = []
+    with LocalCluster(
+        n_workers=0, threads_per_worker=1, processes=False, protocol="tcp", host="127.0.0.1", dashboard_address=None
+    ) as adaptive:
+        adaptive.adapt(minimum=0, maximum=3, interval="200ms")
+        most = 0
+        rows: list[Row] = []
+        with ClusterEngine(adaptive.scheduler_address, note=said.append) as engine:
+            for piece in engine.rows(LONG, [range(2500)]):
+                rows += piece
+                most = max(most, len(adaptive.scheduler.workers))
+    cluster_worker.end_children()
+    assert len(rows) == 2500
+    assert most == 3
+    assert said == [f"{adaptive.scheduler_address}: waiting for workers"]

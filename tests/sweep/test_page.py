@@ -42,12 +42,17 @@ def test_every_row_is_there_in_the_order_of_runs():
         drop = (Disturbance("drop", "gripper", 3.2), Disturbance("pause", at_s=4.0)) if run == 7 else ()
         return row(
             run, v, "always(ok)" if run in (7, 9) else "", 10.0 + run, drop, (0.5 if run else None,),
+            line=4 * (run == 9),
             measures={"peak": 1e300 if run == 1 else None if run == 2 else 2.0, "held": run % 2 == 0},
         )  # fmt: skip
 
     totals = swept(20, made, measures=("peak", "held"))
-    replays = {7: Replay("page.replays/run-7.html", "elitescript run cell.script --case cell.case.toml")}
-    texts = PageTexts("cell </script>", stories={7: ["The answer was lost."]}, replays=replays)
+    texts = PageTexts(
+        "cell </script>",
+        stories={7: ["The answer was lost."]},
+        replays={7: Replay("page.replays/run-7.html")},
+        smallest={7: Replay("page.replays/run-7-smallest.html", "elitescript run --case CASE.toml")},
+    )
     head, columns = unpacked(packed(Plan("", variations=BOX), totals, summary_of(totals), texts))
     assert columns["run", "run"] == list(range(20))
     assert columns["kind", "kind"] == [-1] * 7 + [0, -1, 1] + [-1] * 10
@@ -62,11 +67,14 @@ def test_every_row_is_there_in_the_order_of_runs():
     assert [kind["count"] for kind in head["kinds"]] == [1, 1]
     first = head["kinds"][0]
     assert first["story"] == ["The answer was lost."]
+    assert first["smallest"] == {
+        "page": "page.replays/run-7-smallest.html",
+        "command": "elitescript run --case CASE.toml",
+    }
     assert first["runs"] == [
         {
             "run": 7,
             "page": "page.replays/run-7.html",
-            "command": "elitescript run cell.script --case cell.case.toml",
             "disturbances": ["3.200 s: drop on gripper", "4.000 s: pause"],
         }
     ]

@@ -91,3 +91,36 @@ def test_json_is_json_and_has_everything():
 
 def test_no_run_is_no_summary_but_a_line():
     assert summary_of(Totals((), ())).lines() == ["no run"]
+
+
+def test_one_mistake_that_many_disturbances_show_is_one_kind():
+    def made(run, v, _):
+        kind = ("drop", "silence", "drop", "")[run % 4]
+        other = (Disturbance(kind, 5020, 1.0),) if kind else ()
+        return row(
+            run,
+            v,
+            "never_stuck" if kind else "",
+            disturbances=other,
+            state="time_limit" if kind else "finished",
+            line=36,
+        )
+
+    (kind,) = summary_of(swept(400, made)).kinds
+    assert kind.title() == f"never_stuck: time_limit in line 36, after drop 200{TIMES}, silence 100{TIMES}"
+    assert (kind.count, kind.after) == (300, {"drop": 200, "silence": 100})
+    assert [entry.choices.run for entry in kind.rows] == [0, 1, 2, 4, 5, 6, 8, 9, 10, 12]
+
+
+def test_the_rows_that_a_page_keeps_change_nothing(monkeypatch):
+    for module in ("effects", "summary"):
+        monkeypatch.setattr(f"elitescript.sweep.{module}.SAMPLE", 512)
+
+    def made(run, v, chance):
+        return row(run, v, "always(ok)" if v["part_x"] > 0.6 else "", chance.gauss(9, 1))
+
+    few = summary_of(swept(900, made, sample=512))
+    many = summary_of(swept(900, made, sample=5_000))
+    assert few.sampled < 900
+    assert few.lines() == many.lines()
+    assert few.sampled == many.sampled

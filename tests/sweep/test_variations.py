@@ -80,7 +80,9 @@ def test_grids_go_on_as_nested_loops_do() -> None:
 
 
 def test_distributions_are_what_they_say() -> None:
-    draw = Draw([parse_variation("u=uniform(-1,3)"), parse_variation("n=normal(5,2)"), parse_variation("c=choice(a,b)")], 3)
+    draw = Draw(
+        [parse_variation("u=uniform(-1,3)"), parse_variation("n=normal(5,2)"), parse_variation("c=choice(a,b)")], 3
+    )
     rows = [draw.values(run) for run in range(4000)]
     uniform, normal = [row["u"] for row in rows], [row["n"] for row in rows]
     assert -1 <= min(uniform) < -0.99

@@ -1,1 +1,6 @@
-"""A robot beside the simulated one: what differs, where first, and which parameters explain it."""
+"""A recording held against the simulated robot."""
+
+from elitescript.audit.auditing import Audit, audit
+from elitescript.audit.motion import Tolerance
+
+__all__ = ["Audit", "Tolerance", "audit"]

@@ -27,9 +27,10 @@ def add_run(parser: Parser) -> None:
         "Run a program to its end in virtual time. Exit code: 0 finished or stopped, 1 alarm, 2 usage, 3 the program "
         "does not compile, 4 time limit, 5 stuck, 130 Ctrl-C."
     )
-    parser.add_argument("file", metavar="FILE", help="program text, UTF-8")
+    parser.add_argument("file", nargs="?", metavar="FILE", help="program text, UTF-8; with --case that of the case")
     clock = "controller clock at the start: seconds since 1970 or ISO 8601"
     add_options(parser, "run", epoch_s={"help": clock})
+    _add_case(parser)
     parser.add_argument("--realtime", action="store_true", help="one tick per 4 ms of wall time")
     _add_until(parser)
     parser.add_argument("--max-wall", type=float, metavar="SECONDS", help="stop after so much wall time")
@@ -104,6 +105,10 @@ def add_sweep(parser: Parser) -> None:
         "--step", type=float, metavar="SECONDS", help="time between two rows of a moving arm that properties see"
     )
     parser.add_argument("--out", metavar="FILE.csv|jsonl|parquet", help="table of the runs, in their order")
+    parser.add_argument(
+        "--page", metavar="FILE.html", help="a page with plots and failures; replays are in the folder FILE.replays"
+    )
+    parser.add_argument("--only", type=int, metavar="RUN", help="only the run of this number; with --page, its replay")
     parser.add_argument("--resume", action="store_true", help="go on with a sweep that was ended before its table")
     parser.add_argument(
         "--no-cases",
@@ -111,6 +116,17 @@ def add_sweep(parser: Parser) -> None:
         help="write no CASE.toml, and shrink no failure, nor play those that are there",
     )
     parser.add_argument("--jobs", type=int, metavar="N", help="processes (default: one for each processor)")
+    parser.add_argument(
+        "--dask",
+        metavar="tcp://HOST:PORT",
+        help="run on this Dask cluster instead of on this computer; needs the extra `cluster`",
+    )
+    parser.add_argument(
+        "--mixed",
+        action="store_true",
+        help="take workers of the cluster whose processor or C library has another last digit in sine and cosine",
+    )
+    _add_search(parser)
     add_options(parser, "sweep")
     _add_until(parser, "end a run after so much virtual time")
     parser.add_argument(
@@ -131,6 +147,32 @@ def add_sweep(parser: Parser) -> None:
     _add_world(parser, "what is around the robot, as for run")
     _add_color(parser)
     _add_json_lines(parser)
+
+
+def _add_search(parser: Parser) -> None:
+    parser.add_argument(
+        "--minimise",
+        metavar="EXPRESSION",
+        help="look for the values of --over that make this measure smallest, with as "
+        "many runs as --runs says, while every --ensure holds; needs the extra `optimise`",
+    )
+    parser.add_argument("--maximise", metavar="EXPRESSION", help="the same, largest")
+    parser.add_argument(
+        "--over",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="NAME=KIND(...)",
+        help="what may change: named as for --vary; uniform, choice or grid",
+    )
+    parser.add_argument(
+        "--repeat",
+        type=int,
+        default=1,
+        metavar="N",
+        help="runs of each candidate, with other values of --vary and --chaos",
+    )
+    parser.add_argument("--worst", action="store_true", help="of these the worst counts, not the mean")
 
 
 def add_check(parser: Parser) -> None:
@@ -189,8 +231,11 @@ def add_plot(parser: Parser) -> None:
         "time by line. Runs of more than 800 s are sampled less often than every control period. Exit code of a "
         "program: as for run."
     )
-    parser.add_argument("file", metavar="FILE", help="a program, or a trace: OUT.csv or OUT.jsonl of run --trace")
+    parser.add_argument(
+        "file", nargs="?", metavar="FILE", help="a program, or a trace: OUT.csv or OUT.jsonl of run --trace"
+    )
     parser.add_argument("-o", "--output", metavar="OUT.html", help="the page (default: NAME.plot.html, in this folder)")
+    _add_case(parser)
     add_options(parser, "plot", model={"help": "arm whose limits are drawn, or its file (default CS66)"})
     _add_until(parser, "stop after so much virtual time (default 300)")
     parser.add_argument("--task-dir", metavar="DIR", help=FOLDER_OF_FILE)
@@ -446,6 +491,105 @@ def add_studio(parser: Parser) -> None:
     )
 
 
+def add_audit(parser: Parser) -> None:
+    from elitescript.cli.robot_options import add_options
+
+    parser.description = (
+        "Run the program of a recording on the simulated robot, with the recorded inputs, and say where both part: "
+        "target joints, times, signals. Exit code: 0 they agree, 1 they differ, 2 usage. Needs: pip install "
+        "'elitescript[mcap]'"
+    )
+    parser.add_argument("file", metavar="RUN.mcap", help="a recording of `elitescript record`")
+    parser.add_argument("--program", metavar="FILE", help="the program that ran (default: the one in the recording)")
+    add_options(parser, "audit", model={"help": "arm, or its file (default: that of the world, else the recorded one)"})
+    _add_world(parser, "what is around the robot: devices are not in a recording")
+    parser.add_argument(
+        "--run", default="all", metavar="N|all", help="which run of a program in the recording (default %(default)s)"
+    )
+    parser.add_argument(
+        "--tolerance",
+        action="append",
+        default=[],
+        metavar="RAD|NAME=VALUE",
+        help="what does not count: joints=0.001 (rad), time=0.008 (s) or share=0.01 of a duration, whichever is more",
+    )
+    parser.add_argument("--fit", metavar="MY_ARM.toml", help="write an arm file with what the recording determines")
+    parser.add_argument("--page", metavar="OUT.html", help="write a page that lays both runs over each other")
+    _add_color(parser)
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+
+
+def add_fit(parser: Parser) -> None:
+    parser.description = (
+        "Find the lengths of an arm from points that are known as joints and as pose: those of programs "
+        "(get_inverse_kin(pose, qnear=joints), pick_q and pick_p), or of a file. Exit code: 0 the model agrees, 1 it "
+        "differs, 2 usage."
+    )
+    parser.add_argument("files", nargs="*", metavar="FILE", help="programs of one arm")
+    parser.add_argument(
+        "--pairs",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="points of the same arm: CSV with q1 to q6 (rad) and x, y, z, rx, ry, rz (m, rad), or JSON with a list of "
+        '{"q": [...], "pose": [...]}; may be repeated',
+    )
+    parser.add_argument(
+        "--robot", default="CS66", metavar="MODEL", help="model to begin with, or its file (default %(default)s)"
+    )
+    parser.add_argument(
+        "--tcp", metavar="X,Y,Z,RX,RY,RZ", help="TCP offset of the poses, m and rad (default: set_tcp of the program)"
+    )
+    parser.add_argument("--zeros", action="store_true", help="find the zeros of the joints as well")
+    parser.add_argument("--out", metavar="MY_ARM.toml", help="write an arm file for --robot")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+
+
+def add_record(parser: Parser) -> None:
+    parser.description = (
+        "Write down what a controller shows: RTSI, states and messages of the primary port, answers of the dashboard, "
+        "into MCAP. It only reads, and needs no program on the robot. Ctrl-C ends it. Exit code: 0 recorded, 1 the "
+        "recording cannot be kept, 2 usage, or nobody is at the address. Needs: pip install 'elitescript[mcap]'"
+    )
+    parser.add_argument("host", metavar="HOST", help="name or address of the controller")
+    parser.add_argument(
+        "--out", metavar="RUN.mcap", default="run.mcap", help="the file, which must not exist (default %(default)s)"
+    )
+    parser.add_argument(
+        "--for", dest="seconds", type=float, metavar="SECONDS", help="end so long after the first connection"
+    )
+    parser.add_argument("--program", metavar="FILE", help="the program that runs there, to be kept in the recording")
+    parser.add_argument(
+        "--fetch-program",
+        metavar="PATH",
+        help="read the program from this path of the controller instead, by SFTP (extra `ssh`); needs --ssh-password",
+    )
+    parser.add_argument(
+        "--ssh-password", metavar="TEXT|@FILE", help="of the user root of the controller, for --fetch-program"
+    )
+    parser.add_argument("--world", metavar="FILE.toml", help="what is around the robot, to be kept in the recording")
+    parser.add_argument(
+        "--robot", metavar="MODEL", help="model of the arm, or its file, which is kept in the recording"
+    )
+    parser.add_argument(
+        "--rotate",
+        metavar="SIZE|SECONDS",
+        help="begin another file, RUN.0001.mcap and so on, at this size (500MB) or after this time (3600s)",
+    )
+    parser.add_argument(
+        "--rate", type=float, default=250.0, metavar="HZ", help="rows a second to ask for (default 250)"
+    )
+    parser.add_argument("--instance", type=int, default=0, metavar="N", help="moves every port by 100 * N (default 0)")
+    parser.add_argument(
+        "--port",
+        action="append",
+        default=[],
+        metavar="NAME=NUMBER",
+        help="one port of rtsi, primary and dashboard, such as rtsi=40004; may be repeated",
+    )
+    _add_color(parser)
+
+
 def add_commands(parser: Parser) -> None:
     parser.description = (
         "Print the list of all robot commands, one command in full, or those that a word finds in names, parameters "
@@ -475,11 +619,14 @@ COMMANDS: Final[dict[str, tuple[str, Callable[[Parser], None]]]] = {
     "ctl": ("work inputs, faults, popups and tasks of a running serve", add_ctl),
     "devices": ("the devices of a world file on real ports and serial lines", add_devices),
     "replay": ("play a recorded session of serve again", add_replay),
+    "audit": ("hold a recording of a controller against the simulated robot", add_audit),
+    "record": ("write down what a controller shows, without touching the robot", add_record),
     "dap": ("debug programs for an editor, back and forth in time", add_dap),
     "doctor": ("what this computer has that serving needs", add_doctor),
     "lsp": ("what editors show of programs, by the Language Server Protocol", add_lsp),
     "mcp": ("check, run and step through programs for agents", add_mcp),
     "studio": ("a page that shows the program while it is written, or a controller", add_studio),
+    "fit": ("lengths of an arm from points with joints and pose", add_fit),
     "commands": ("the catalogue of robot commands", add_commands),
     "completion": ("completion of calls for bash, zsh and fish", add_completion),
 }
@@ -495,6 +642,12 @@ def _add_json_lines(parser: Parser) -> None:
 
 def _add_until(parser: Parser, text: str = "stop after so much virtual time") -> None:
     parser.add_argument("--until", type=float, metavar="SECONDS", help=text)
+
+
+def _add_case(parser: Parser) -> None:
+    parser.add_argument(
+        "--case", metavar="CASE.toml", help="play a run again that failed in a sweep, with all that went wrong in it"
+    )
 
 
 def _add_set(parser: Parser, text: str) -> None:

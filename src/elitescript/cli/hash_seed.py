@@ -28,8 +28,10 @@ BYTES_MAX: Final = 1 << 20
 def program_of_any_seed(options: argparse.Namespace) -> Parsed | None:
     """Return the program of a call of `run` if neither it nor what is beside it can show the order of a set.
 
-    None also if it is long, or cannot be read, or only once.
+    None also if it is long, or cannot be read, or only once, or plays a case.
     """
+    if options.file is None or options.case is not None:
+        return None
     path = Path(options.file)
     try:
         if options.world is not None or not path.is_file() or path.stat().st_size > BYTES_MAX:

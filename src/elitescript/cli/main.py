@@ -28,7 +28,7 @@ INTERRUPTED = 130
 HASH_SEED = "0"
 """The order of a set of strings depends on it, so every process has the same."""
 
-_RUNNING = ("run", "plot", "serve", "replay")
+_RUNNING = ("run", "plot", "serve", "replay", "sweep", "audit")
 """Commands that run programs."""
 
 _AT_WORK = frozenset(("elitescript.world_file", "_lsprof", "bdb"))
@@ -93,6 +93,7 @@ def _run_here(arguments: list[str], start_again: Callable[[], Never] | None = No
             stream.reconfigure(encoding="utf-8", errors="backslashreplace")
     options = _parsed(arguments)
     options.parsed = None
+    options.command_line = arguments
     if start_again is not None:
         from elitescript.cli.hash_seed import program_of_any_seed
 

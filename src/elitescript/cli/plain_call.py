@@ -76,6 +76,8 @@ class PlainCall:
                     return None
                 found[settings["dest"]] = settings.get("const", True)
                 continue
+            if "nargs" in settings:
+                return None
             if not has_value:
                 value = next(left, "-")
                 if value.startswith("-"):

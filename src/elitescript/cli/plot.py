@@ -10,7 +10,7 @@ from typing import Final
 from elitescript.cli.output.report import TextRunReport
 from elitescript.cli.output.screen import palette_of, progress_on, rendered
 from elitescript.cli.robot_options import options_from
-from elitescript.cli.run import DOES_NOT_COMPILE
+from elitescript.cli.run import DOES_NOT_COMPILE, NO_FILE
 from elitescript.cli.watched import watch_for_crashes
 from elitescript.environment.program_file import source_of
 from elitescript.environment.start_values import parse_settings
@@ -40,6 +40,10 @@ _OF_PROGRAMS: Final = ("until", "task_dir", "set", "world")
 def plot(options: argparse.Namespace) -> int:
     """Write the page; return the exit code, which for a program is that of `run`."""
     watch_for_crashes()
+    if options.case is not None:
+        return _plot_case(options)
+    if options.file is None:
+        raise UsageError(NO_FILE)
     path = Path(options.file)
     target = Path(options.output) if options.output else Path(f"{path.stem}.plot.html")
     if target.exists() and path.exists() and target.samefile(path):
@@ -58,6 +62,31 @@ def plot(options: argparse.Namespace) -> int:
         if comparing:
             raise UsageError(f"--compare: {NOT_BUILT}")
         print(f"a plain page is written: {NOT_BUILT}", file=sys.stderr)
+    _write(target, recording, compared)
+    return code
+
+
+def _plot_case(options: argparse.Namespace) -> int:
+    """Write the page of a run of a sweep; return the exit code, which is that of its end."""
+    # Imported late: plots without a case need nothing of sweeps.
+    from elitescript.cli.case import replay_of
+
+    path = Path(options.case)
+    target = Path(options.output) if options.output else Path(f"{path.stem}.plot.html")
+    replay = replay_of(options)
+    report = TextRunReport(sys.stderr, sys.stderr)
+    robot = replay.robot(report.event)
+    robot.reports_signals = False
+    recorder = RunRecorder(robot, Sampling())
+    run = robot.run(**replay.arguments(), trace=recorder.sampling, watch=recorder.watch)
+    if not is_built():
+        print(f"a plain page is written: {NOT_BUILT}", file=sys.stderr)
+    source = source_of(replay.program)
+    _write(target, recorder.recording(path.name, robot, source, run, replay.runner.problems))
+    return EXIT_CODES[run.state]
+
+
+def _write(target: Path, recording: Recording, compared: Recording | None = None) -> None:
     found = page_of(recording, compared)
     try:
         # A text of a program may hold half a surrogate pair; its escape is valid JSON.
@@ -68,7 +97,6 @@ def plot(options: argparse.Namespace) -> int:
     step = "" if step_s <= PERIOD_S else f", a row every {1000.0 * step_s:g} ms"
     other = "" if compared is None else f"; compared with {_in_words(compared)}"
     print(f"{target}: {_in_words(recording)}{step}{other} ({target.stat().st_size / 1000:.0f} kB)")
-    return code
 
 
 def _in_words(recording: Recording) -> str:

@@ -8,7 +8,7 @@ import time
 from contextlib import ExitStack
 from pathlib import Path
 from types import FrameType
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 from elitescript.cli.output.report import JsonRunReport, RunReport, TextRunReport, parse_logs
 from elitescript.cli.output.screen import CALLS, Progress, progress_on
@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     import argparse
 
 DOES_NOT_COMPILE: Final = 3
+NO_FILE: Final = "FILE is missing: name a program"
+
 INTERRUPTED: Final = 130
 """Ctrl-C, as shells count it."""
 
@@ -47,9 +49,13 @@ def run(options: argparse.Namespace) -> int:
     """Run the program of the command line; return the exit code."""
     if watch_for_crashes():
         limit_memory(parse_size(options.memory_limit, "--memory-limit"))
-    path = Path(options.file)
     logs = parse_logs(options.log)
     report: RunReport = JsonRunReport(sys.stdout) if options.json else TextRunReport(sys.stdout, sys.stderr, logs)
+    if options.case is not None:
+        return _run_case(options, report)
+    if options.file is None:
+        raise UsageError(NO_FILE)
+    path = Path(options.file)
     levels, presets = parse_settings(options.set)
     robot = VirtualRobot(
         task_dir=options.task_dir or path.resolve().parent,
@@ -83,18 +89,7 @@ def run(options: argparse.Namespace) -> int:
     if errors := sum(problem.is_error for problem in checked.problems):
         report.goes_on(errors)
     with ExitStack() as stack:
-        trace: bool | Trace = False
-        if options.trace is not None:
-            step_ticks(options.step)  # before the file of that name is emptied
-            has_actual = not robot.controller.is_plant_ideal
-            signals = None if options.trace_signals is None else TraceSignals(options.trace_signals)
-            names = () if signals is None else signals.names
-            trace_file = stack.enter_context(TraceFile(Path(options.trace), has_actual=has_actual, signals=names))
-            trace = Trace(trace_file.write, options.step, signals)
-        elif options.step is not None:
-            raise UsageError("--step goes with --trace")
-        elif options.trace_signals is not None:
-            raise UsageError("--trace-signals goes with --trace")
+        trace = _trace(options, robot, stack)
         report.start()
         progress = None if options.json else progress_on(sys.stderr, robot.time_s)
         watch = _Watch(report, options.max_wall, progress)
@@ -110,6 +105,54 @@ def run(options: argparse.Namespace) -> int:
                 raise
     report.end(result, is_interrupted=interrupted.happened, overruns=None if pace is None else pace.overruns)
     return INTERRUPTED if interrupted.happened else EXIT_CODES[result.state]
+
+
+def _run_case(options: argparse.Namespace, report: RunReport) -> int:
+    """Play a run of a sweep again; return the exit code, which is that of its end."""
+    # Imported late: runs without a case need nothing of sweeps.
+    from elitescript.cli.case import CaseReport, replay_of
+
+    try:
+        replay = replay_of(options)
+    except ProgramError as error:
+        report.problems(error.problems, None)
+        return DOES_NOT_COMPILE
+    report.problems(replay.runner.problems, source_of(replay.program))
+    with ExitStack() as stack:
+        trace = _trace(options, replay.robot(), stack)
+        report.start()
+        handlers: list[_InterruptHandler] = []
+
+        def before(robot: VirtualRobot) -> None:
+            handlers.append(stack.enter_context(_InterruptHandler(robot)))
+
+        played = replay.play(trace=trace or None, on_event=report.event, before=before)
+        is_interrupted = bool(handlers) and handlers[0].happened
+    said = CaseReport(replay, played)
+    if options.json:
+        print(said.text(), flush=True)
+    if played.run is None:
+        raise UsageError(played.words)
+    report.end(played.run, is_interrupted=is_interrupted, overruns=None)
+    if not options.json:
+        print(*said.lines(), sep="\n", file=sys.stderr)
+    return INTERRUPTED if is_interrupted else EXIT_CODES[played.run.state]
+
+
+def _trace(options: argparse.Namespace, robot: VirtualRobot, stack: ExitStack) -> Trace | Literal[False]:
+    """Return what writes the rows of `--trace`; False without it."""
+    if options.trace is not None:
+        step_ticks(options.step)  # before the file of that name is emptied
+        has_actual = not robot.controller.is_plant_ideal
+        signals = None if options.trace_signals is None else TraceSignals(options.trace_signals)
+        names = () if signals is None else signals.names
+        file = stack.enter_context(TraceFile(Path(options.trace), has_actual=has_actual, signals=names))
+        return Trace(file.write, options.step, signals)
+    if options.step is not None:
+        raise UsageError("--step goes with --trace")
+    if options.trace_signals is not None:
+        raise UsageError("--trace-signals goes with --trace")
+    return False
 
 
 def _lines(bindings: list[str]) -> dict[str, str] | None:

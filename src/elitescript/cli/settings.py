@@ -15,10 +15,19 @@ def parse_joints(text: str) -> Six:
     Raises:
         UsageError: not six numbers.
     """
+    return parse_six("--joints", text, "rad")
+
+
+def parse_six(option: str, text: str, units: str) -> Six:
+    """Return six numbers, separated by commas, of an option of the command line.
+
+    Raises:
+        UsageError: not six numbers.
+    """
     try:
         a, b, c, d, e, f = (float(part) for part in text.strip("[] ").split(","))
     except ValueError:
-        raise UsageError(f"--joints {text}: write six numbers in rad, separated by commas") from None
+        raise UsageError(f"{option} {text}: write six numbers in {units}, separated by commas") from None
     return (a, b, c, d, e, f)
 
 

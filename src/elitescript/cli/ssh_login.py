@@ -42,10 +42,19 @@ def ssh_login(options: argparse.Namespace) -> Login | None:
         from secrets import token_urlsafe
 
         return Login("root", token_urlsafe(RANDOM_BYTES), is_random=True)
+    return Login("root", checked_password(given), is_random=False)
+
+
+def checked_password(given: str) -> str:
+    """Return the password of `--ssh-password`: the text itself, or the first line of the file behind `@`.
+
+    Raises:
+        UsageError: the file cannot be read, or this is no password.
+    """
     password = _read(given[1:]) if given.startswith("@") else given
     if not password or len(password) > PASSWORD_MAX or not password.isprintable():
         raise UsageError(f"--ssh-password: 1 to {PASSWORD_MAX} printable characters are a password")
-    return Login("root", password, is_random=False)
+    return password
 
 
 def has_extra() -> bool:

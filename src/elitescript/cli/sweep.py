@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 import time
 from collections.abc import Iterable
@@ -10,6 +11,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
 
+from elitescript.cli.optimise import search_values, searches
 from elitescript.cli.output.screen import progress_on
 from elitescript.cli.output.writable import Writable
 from elitescript.cli.robot_options import options_from
@@ -18,20 +20,23 @@ from elitescript.codec.json_text import to_text
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.diagnostics import render
 from elitescript.language.text.source import SourceFile
+from elitescript.page import NOT_BUILT, is_built
 from elitescript.sweep.engine import Engine
 from elitescript.sweep.findings import KINDS_MAX, Finding, Places, Remembered, find, remembered
 from elitescript.sweep.journal import SUFFIX, Journal
 from elitescript.sweep.local import LocalEngine
 from elitescript.sweep.making import make_plan, runs_of
 from elitescript.sweep.many_runs import cores
+from elitescript.sweep.page import PAGE_SAMPLE
 from elitescript.sweep.plan import Plan, Row
 from elitescript.sweep.plan_json import disturbance_data, plan_digest
 from elitescript.sweep.progress import Meter
+from elitescript.sweep.replays import write_pages
 from elitescript.sweep.single import Runner
 from elitescript.sweep.summary import Summary, summary_of
 from elitescript.sweep.sweeping import Sweeping, is_random
 from elitescript.sweep.tables import columns, format_of, json_line, properties_of, values
-from elitescript.sweep.totals import Totals
+from elitescript.sweep.totals import SAMPLE, Totals
 from elitescript.sweep.variations import grid_size, parse_variation
 
 TYPE_CHECKING = False
@@ -51,6 +56,8 @@ def sweep(options: argparse.Namespace) -> int:
     out = None if options.out is None else Path(options.out)
     part = None if out is None else out.with_name(out.name + SUFFIX)
     _check_out(options, out)
+    if options.page is not None and not is_built():
+        raise UsageError(f"--page: {NOT_BUILT}")
     plan = make_plan(
         Path(options.file),
         world=options.world,
@@ -65,9 +72,15 @@ def sweep(options: argparse.Namespace) -> int:
         chaos=options.chaos or "",
         step_s=options.step,
         has_margins=options.margins,
-        without_files=[path for path in (out, part) if path is not None],
+        without_files=[path for path in (out, part, options.page and Path(options.page)) if path],
     )
+    if searches(options):
+        return search_values(options, plan, _engine(options), out)
     runs = runs_of(variations, options.runs)
+    first = 0
+    if options.only is not None:
+        _check_only(options, runs)
+        first, runs = options.only, options.only + 1
     try:
         runner = Runner(plan)
     except ProgramError as error:
@@ -75,14 +88,15 @@ def sweep(options: argparse.Namespace) -> int:
         return DOES_NOT_COMPILE
     if not options.json:
         _print_problems(runner.problems, plan)
-    _note_grid(plan, runs)
+    if options.only is None:
+        _note_grid(plan, runs)
     with ExitStack() as stack:
         if part is None:
             part = Path(stack.enter_context(TemporaryDirectory(prefix="elitescript-sweep-"))) / "journal"
         elif part.exists() and not options.resume:
             print(f"elitescript sweep: {part} is written anew; --resume would have gone on with it", file=sys.stderr)
         journal = stack.enter_context(Journal(part, plan, resumes=options.resume))
-        sweeping = Sweeping(plan, runs, journal)
+        sweeping = Sweeping(plan, runs, journal, first)
         if sweeping.done and not options.json:
             print(f"{sweeping.done:,} of {runs:,} runs are there already", file=sys.stderr)
         return _go(options, sweeping, runner, out)
@@ -98,22 +112,25 @@ def _go(options: argparse.Namespace, sweeping: Sweeping, runner: Runner, out: Pa
         options_from(options),
     )
     reports = _JsonReport(plan) if options.json else _TextReport(sys.stdout)
-    totals = Totals(plan.variations, properties_of(plan), tuple(plan.measures))
+    sample = SAMPLE if options.page is None else PAGE_SAMPLE
+    totals = Totals(plan.variations, properties_of(plan), tuple(plan.measures), sample)
     known: list[Remembered] = []
     is_interrupted = False
     with _engine(options) as engine:
         try:
-            known = [] if options.no_cases else remembered(runner, engine, places)
+            known = [] if options.no_cases or options.only is not None else remembered(runner, engine, places)
             reports.remembered(known)
             sweeping.go(engine, _Meter(sweeping).update, reports.row)
         except KeyboardInterrupt:
             is_interrupted = True
         sweeping.finish(None if is_interrupted else out, totals.add)
-        summary = summary_of(totals, is_random=is_random(plan))
+        summary = summary_of(totals, is_random=options.only is None and is_random(plan))
         findings: list[Finding] = []
         if not is_interrupted and not options.no_cases:
             findings = _findings(totals, runner, engine, places, known)
     reports.end(summary, findings)
+    if options.page is not None and not is_interrupted:
+        _write_pages(options, runner, totals, summary, findings)
     if is_interrupted:
         rest = f"--resume goes on from {sweeping.journal.path}" if out is not None else "--out keeps them for --resume"
         done = f"{sweeping.done:,} of {sweeping.runs:,} runs are done"
@@ -128,15 +145,42 @@ def _findings(totals: Totals, runner: Runner, engine: Engine, places: Places, kn
     """Return the first failures of each kind, shrunk; Ctrl-C leaves out the rest."""
     found: list[Finding] = []
     progress = progress_on(sys.stderr)
-    groups = list(totals.groups.values())[:KINDS_MAX]
+    # First one of each mistake, then what other disturbances have led to.
+    alike = totals.alike()
+    groups = [kinds[0] for kinds in alike] + [group for kinds in alike for group in kinds[1:]]
+    groups = groups[:KINDS_MAX]
     try:
         for number, group in enumerate(groups, 1):
             if progress is not None:
                 progress.note(f"failure {number} of {len(groups)} is made smaller  (Ctrl-C leaves it as it is)")
-            found.append(find(group.rows[0], runner, engine, places, known))
+            found.append(find(group.rows[0], runner, engine, places, known, found))
     except KeyboardInterrupt:
         print("elitescript sweep: ended by Ctrl-C before all failures were made smaller", file=sys.stderr)
     return found
+
+
+def _write_pages(
+    options: argparse.Namespace, runner: Runner, totals: Totals, summary: Summary, findings: list[Finding]
+) -> None:
+    """Write the page of the sweep and its replays."""
+    progress = progress_on(sys.stderr)
+    target = Path(options.page)
+    command = shlex.join(["elitescript", *_without(options.command_line, "--page", "--only", "--out", "--jobs")])
+    note = progress.note if progress is not None else lambda _: None
+    write_pages(target, runner, totals, summary, findings, command, note)
+    if not options.json:
+        print(f"\n{target}: {totals.runs:,} runs ({target.stat().st_size / 1000:.0f} kB)")
+
+
+def _without(arguments: list[str], *names: str) -> list[str]:
+    """Return the arguments of a call without some options, which have a value each."""
+    kept: list[str] = []
+    is_value = False
+    for argument in arguments:
+        if not is_value and argument.partition("=")[0] not in names:
+            kept.append(argument)
+        is_value = not is_value and argument in names
+    return kept
 
 
 def _engine(options: argparse.Namespace) -> Engine:
@@ -146,6 +190,20 @@ def _engine(options: argparse.Namespace) -> Engine:
     if options.max_wall is not None and not options.max_wall > 0.0:
         raise UsageError(f"--max-wall must be > 0 s, got {options.max_wall:g}")
     memory_bytes = parse_size(options.memory_limit, "--memory-limit")
+    if options.dask is not None:
+        if options.jobs is not None:
+            raise UsageError("--jobs is for this computer; with --dask the cluster says how many workers there are")
+        from elitescript.sweep.cluster import ClusterEngine
+
+        return ClusterEngine(
+            options.dask,
+            max_wall_s=options.max_wall,
+            memory_bytes=memory_bytes,
+            is_mixed=options.mixed,
+            note=lambda text: print(f"elitescript sweep: {text}", file=sys.stderr),
+        )
+    if options.mixed:
+        raise UsageError("--mixed goes with --dask")
     return LocalEngine(jobs, max_wall_s=options.max_wall, memory_bytes=memory_bytes)
 
 
@@ -183,7 +241,10 @@ class _TextReport:
         """Say what was found."""
         for line in summary.lines():
             print(line, file=self._out)
+        cases: dict[Path, list[Finding]] = {}
         for finding in findings:
+            cases.setdefault(finding.case, []).append(finding)
+        for finding, *same in cases.values():
             print(file=self._out)
             if finding.story is not None:
                 for line in finding.story.lines:
@@ -191,6 +252,9 @@ class _TextReport:
             smaller = f", the smallest of {finding.tried} runs" if finding.tried else ""
             run = f"run {finding.first.choices.run}{smaller}"
             print(f"{run}: elitescript run --case {finding.case}", file=self._out)
+            if same:
+                runs = ", ".join(str(other.first.choices.run) for other in same)
+                print(f"made smaller, run{'s' if len(same) > 1 else ''} {runs} came to the same", file=self._out)
 
 
 class _JsonReport:
@@ -247,6 +311,13 @@ def _check_out(options: argparse.Namespace, out: Path | None) -> None:
         raise UsageError(f"--out {out}: there is no folder {out.parent}")
     if out.is_dir():
         raise UsageError(f"--out {out}: it is a folder")
+
+
+def _check_only(options: argparse.Namespace, runs: int) -> None:
+    if options.out is not None:
+        raise UsageError("--only: one run is no table; leave out --out")
+    if not 0 <= options.only < runs:
+        raise UsageError(f"--only must be a number from 0 to {runs - 1} (--runs), got {options.only}")
 
 
 def _measures(texts: Iterable[str]) -> dict[str, str]:

@@ -188,6 +188,8 @@ class RtsiClient:
 
     async def _read(self, end: float, what: str) -> None:
         """Read once, up to a time of the loop."""
+        # Raises if no message can follow those that were taken.
+        self._frames.feed(b"")
         left_s = end - asyncio.get_running_loop().time()
         self._waiting.extend(self._frames.feed(await read_some(self._reader, left_s, f"RTSI, {what}")))
 

@@ -58,6 +58,9 @@ class FrameReader:
         while end - at >= _FRAME.size:
             size, command = _FRAME.unpack_from(data, at)
             if size < _FRAME.size:
+                if frames:
+                    # What came in front is whole; the next call raises.
+                    break
                 raise PeerError(f"RTSI: a message says that it has {size} bytes; the shortest has {_FRAME.size}")
             if end - at < size:
                 break

@@ -80,6 +80,9 @@ class Drain:
         Args:
             tick: the one that has run.
         """
+        if self._pending:
+            # Nothing changes in ticks that are leapt over: what was under way then, was so until now.
+            self._busy_tick = max(self._busy_tick, tick - 1)
         pending = (*self._pending_channels(self._background.channels), *self._background.pending())
         if pending != self._pending:
             # The texts hold how many bytes there are: another text is progress.

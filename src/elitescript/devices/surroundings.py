@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from elitescript.devices.channels.faults import Fault
-    from elitescript.devices.channels.faulty_channels import Passing
     from elitescript.messages.events import Event
+    from elitescript.messages.faults import Passing
     from elitescript.messages.inputs import Input
     from elitescript.messages.machine import DisturbInput, EndInputFaults, WriteSignal
     from elitescript.messages.outputs import Output
@@ -109,7 +108,7 @@ class Surroundings:
         """Return what can have faults: each place, its kind in the table of faults, and the device there."""
         return ()
 
-    def check_fault(self, fault: Fault) -> Fault:
+    def check_fault(self, fault: Any) -> Any:
         """Refuse a fault that makes no sense here, else return it with the place that it means.
 
         Raises:

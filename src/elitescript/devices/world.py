@@ -21,13 +21,14 @@ from elitescript.devices.channels.faults import (
     nowhere,
     place_of,
 )
-from elitescript.devices.channels.faulty_channels import FaultyChannels, Passing
+from elitescript.devices.channels.faulty_channels import FaultyChannels
 from elitescript.devices.channels.machine_faults import channel_fault, input_request
 from elitescript.devices.channels.network import VirtualNetwork
 from elitescript.devices.device import Device, DeviceContext, misspelt
 from elitescript.devices.surroundings import REAL, VIRTUAL, RobotAccess, Surroundings
 from elitescript.environment.local_channels import LocalChannels
 from elitescript.errors import UsageError
+from elitescript.messages.faults import Passing
 from elitescript.messages.machine import DisturbInput, EndInputFaults
 from elitescript.messages.signals import Value
 from elitescript.records import replace

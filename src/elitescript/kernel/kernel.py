@@ -287,11 +287,13 @@ class Kernel:
 
     def leap(self, tick: int) -> None:
         """Go to a tick that is not later than the next one at which anything is due."""
+        is_next = not self._events or tick <= self.controller.tick + 1
         self.controller.leap(tick)
         if self._has_run:
             self._has_run = False
             if self._output is None:
-                del self._events[: self._left]  # no client has taken them in the tick that has run
+                # No client has taken them in the tick that has run; what happened in it may still be taken in the next.
+                del self._events[: self._left if is_next else None]
             self._left = len(self._events)
             self._output = None
 

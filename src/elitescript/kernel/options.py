@@ -215,7 +215,7 @@ class RobotOptions:
         Text(),
         flag="--robot",
         metavar="MODEL",
-        commands=("run", "sweep", "plot", "check", "serve", "studio"),
+        commands=("run", "sweep", "plot", "check", "serve", "studio", "audit"),
     )
     model_text: str = option("", "text of the file of an own arm; empty for a model of the package")
     firmware: str = option(
@@ -223,9 +223,16 @@ class RobotOptions:
         "controller firmware",
         Text(tuple(PROFILES)),
         flag="--firmware",
-        commands=("run", "sweep", "plot", "check", "serve", "studio"),
+        commands=("run", "sweep", "plot", "check", "serve", "studio", "audit"),
     )
-    seed: int = option(0, "seed of random()", Whole(), flag="--seed", metavar="N", commands=("run", "plot", "serve"))
+    seed: int = option(
+        0,
+        "seed of random()",
+        Whole(),
+        flag="--seed",
+        metavar="N",
+        commands=("run", "plot", "serve", "audit"),
+    )
     first_tick: int = option(0, "number of the first tick; of a robot that goes on where another one ended")
     epoch_s: float = option(
         1_704_067_200.0,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from elitescript.records import record
+from elitescript.records import NamedTuple, record
 
 
 @record
@@ -34,3 +34,17 @@ class ChannelFault:
     """Of `wrong_reply`: `bytes`, or a MODBUS answer that is wrong in one way."""
     reply: bytes = b""
     """Of `wrong_reply`: the bytes of the form `bytes`, the number of an `exception`."""
+
+
+class Passing(NamedTuple):
+    """A message, or the part of one that has come in a tick, on its way over a channel."""
+
+    tick: int
+    place: tuple[str, str, int]
+    """As `ChannelFault.place`."""
+    direction: str
+    """`to_robot` or `to_device`."""
+    data: bytes
+    """As it was sent."""
+    faults: tuple[tuple[str, int | str], ...]
+    """Kind and place of each fault that it meets."""

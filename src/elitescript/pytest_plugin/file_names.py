@@ -1,8 +1,8 @@
-"""Names of program files, and of those that hold tests in the language."""
+"""Names of program files, of those that hold tests in the language, and of cases of sweeps."""
 
 from __future__ import annotations
 
-from fnmatch import fnmatch
+from fnmatch import fnmatch, fnmatchcase
 from typing import Final
 
 SUFFIX: Final = ".script"
@@ -14,3 +14,12 @@ TEST_FILES: Final = ("test_*.script", "*_test.script")
 def holds_tests(name: str) -> bool:
     """Return whether a file is one of tests, by its name."""
     return any(fnmatch(name, pattern) for pattern in TEST_FILES)
+
+
+CASE_FILES: Final = ("CASE.toml", "*.case.toml")
+"""Files that are one test each; `sweep.cases` gives them these names."""
+
+
+def is_case(name: str) -> bool:
+    """Return whether a file is a case of a sweep, by its name."""
+    return any(fnmatchcase(name, pattern) for pattern in CASE_FILES)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Final
 import pytest
 
 from elitescript.observer import OBSERVATION
-from elitescript.pytest_plugin.file_names import SUFFIX, holds_tests
+from elitescript.pytest_plugin.file_names import SUFFIX, holds_tests, is_case
 from elitescript.pytest_plugin.watching import RunWatcher
 
 if TYPE_CHECKING:
@@ -160,7 +160,11 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
-    """Collect the tests of a script: of one that is named like a test, or that the command line names."""
+    """Collect the tests of a script, of one that is named like a test or that the command line names, and cases."""
+    if is_case(file_path.name):
+        from elitescript.pytest_plugin.case_files import CaseFile
+
+        return CaseFile.from_parent(parent, path=file_path)
     if file_path.suffix != SUFFIX:
         return None
     if not holds_tests(file_path.name) and not parent.session.isinitpath(file_path):

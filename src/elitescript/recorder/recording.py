@@ -19,7 +19,7 @@ class Message:
     Attributes:
         t: time of the controller, s, of the row before it; of the first row if it came before.
         arrived_s: when it came, s since the begin of the recording, by the clock of the recorder.
-        channel: `primary`, `dashboard`, `events` (of the recorder: lost, back, gaps).
+        channel: `primary`, `dashboard`, `events` (of the recorder: connected, lost, gap, restart, clock).
         data: the record as JSON has it, with its `type`.
     """
 
@@ -34,16 +34,22 @@ class Recording:
     """A recording, all of its files together.
 
     Attributes:
-        t: time of the controller of each row, s; rises, but for `restarts`.
+        t: time of the controller of each row, s; never falls but at `restarts`. A served robot on a busy computer sends
+            some rows twice.
         arrived_s: when each row came, s since the begin of the recording, by the clock of the recorder.
         columns: values of each variable by its name in RTSI; of a vector `NAME.0` and so on. NaN where a part of the
-            recording did not have the variable. SI units, base frame, as RTSI has them.
+            recording did not have the variable. SI units, base frame, as RTSI has them. Registers and settings that
+            were 0 all the time are left out.
         rate_hz: of the rows.
-        gaps: begin and end, s of the controller, of each stretch without rows that should have some.
+        gaps: last row before and first row after each stretch without rows that should have some, s of the controller.
         restarts: indices of rows at which the controller's time began anew.
         messages: of the other ports, in the order of arrival.
-        facts: what is known of the controller: `model`, `version`, `serial`, `tcp_offset`, `lengths`
-            (a, d, alpha of the primary port's configuration), `limits`, `host`, each missing where it was not shown.
+        facts: what is known of the controller, each missing where it was not shown: `model`, `version`, `serial`,
+            `task`, `tcp_offset`; of the primary port's configuration `lengths` (a, d, alpha), `limits` (q_min, q_max,
+            qd_max, qdd_max), `defaults` (joint_speed, joint_acceleration, tool_speed, tool_acceleration); of the
+            recorder `host`, and `program`, `world`, `robot` as they were given (names of attachments; of a robot the
+            model, if it was no file), `begin_ns` (UTC, ns since 1970), `clock_offset_s` (UTC less the time of the
+            controller, at the first row).
         attachments: program, world and arm files that were given, by name.
     """
 

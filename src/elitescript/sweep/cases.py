@@ -50,7 +50,7 @@ from elitescript.sweep.toml_text import TomlText
 
 SUFFIX: Final = ".case.toml"
 FILE_NAME: Final = "CASE.toml"
-"""Names that pytest collects: this one, and those that end so."""
+"""Names of cases: this one, and those that end so."""
 
 SECTIONS: Final = ("fault", "stop", "person")
 _KEYS: Final = (
@@ -60,12 +60,14 @@ _KEYS: Final = (
     "task_dir",
     "run",
     "seed",
+    "sweep_seed",
     "version",
     "until_s",
     "step_s",
     "settings",
     "options",
     "set",
+    "plain",
     *SECTIONS,
     "expect",
 )
@@ -89,6 +91,8 @@ class Case:
         task_dir: path of the task folder; empty for that of the program.
         options: of the robot; the path of an own arm is from the folder of the case.
         settings: `NAME=VALUE`, as of `--set`.
+        plain: values of the same names in the plain run of the sweep.
+        sweep_seed: of the sweep, and so of that run.
         until_s: limit of virtual time, s.
         step_s: time between two rows that properties over time see, s; None for each tick.
         version: of elitescript that has written it.
@@ -107,6 +111,8 @@ class Case:
     settings: tuple[str, ...] = ()
     until_s: float | None = None
     step_s: float | None = None
+    plain: Mapping[str, Value | str] = field(default_factory=dict)
+    sweep_seed: int = 0
     version: str = __version__
 
     @property
@@ -173,10 +179,6 @@ def case_of(text: str, file: str) -> Case:
     for name in options:
         if name not in OPTIONS or OPTIONS[name].kind is None:
             raise toml.unknown(("options", name), [name for name, row in OPTIONS.items() if row.kind is not None])
-    values = dict(toml.table(("set",)))
-    for name, value in values.items():
-        if not isinstance(value, bool | int | float | str):
-            raise toml.error(("set", name), f"must be a number, true, false or a text, got {value!r:.60}")
     settings = toml.value(("settings",)) or []
     if not isinstance(settings, list) or not all(isinstance(item, str) for item in settings):
         raise toml.error(("settings",), f'must be a list such as ["standard_digital_in[3]=true"], got {settings!r:.60}')
@@ -190,7 +192,7 @@ def case_of(text: str, file: str) -> Case:
         toml.text(("digest",), ""),
         toml.whole(("run",), 0, _INT_MAX, 0),
         toml.whole(("seed",), -_INT_MAX, _INT_MAX, 0),
-        values,
+        _values(toml, "set"),
         in_order(_disturbances(toml)),
         toml.text(("world",), ""),
         toml.text(("task_dir",), ""),
@@ -198,8 +200,18 @@ def case_of(text: str, file: str) -> Case:
         tuple(settings),
         _seconds(toml, "until_s"),
         _seconds(toml, "step_s"),
+        _values(toml, "plain"),
+        toml.whole(("sweep_seed",), -_INT_MAX, _INT_MAX, 0),
         toml.text(("version",), ""),
     )
+
+
+def _values(toml: TomlText, section: str) -> dict[str, Value | str]:
+    values = dict(toml.table((section,)))
+    for name, value in values.items():
+        if not isinstance(value, bool | int | float | str):
+            raise toml.error((section, name), f"must be a number, true, false or a text, got {value!r:.60}")
+    return values
 
 
 def _seconds(toml: TomlText, key: str) -> float | None:
@@ -242,13 +254,14 @@ def text_of(case: Case, story: Sequence[str] = ()) -> str:
         "task_dir": case.task_dir,
         "run": case.run,
         "seed": case.seed,
+        "sweep_seed": case.sweep_seed,
         "version": case.version,
         "until_s": case.until_s,
         "step_s": case.step_s,
         "settings": list(case.settings),
     }
     out += [f"{name} = {toml_value(value)}" for name, value in rows.items() if value not in ("", None, [])]
-    for name, table in (("options", case.options), ("set", case.values)):
+    for name, table in (("options", case.options), ("set", case.values), ("plain", case.plain)):
         if table:
             out += ["", f"[{name}]", *(f"{_key(key)} = {toml_value(value)}" for key, value in table.items())]
     for disturbance in case.disturbances:

@@ -458,9 +458,12 @@ class _Tasks:
 @contextmanager
 def _no_logs() -> Iterator[None]:
     """Keep what distributed logs from the terminal: what matters of it is raised here."""
-    logger = logging.getLogger("distributed")
-    handlers, logger.handlers = logger.handlers, [logging.NullHandler()]
+    loggers = [logging.getLogger(name) for name in logging.root.manager.loggerDict if name.startswith("distributed")]
+    handlers = [(logger, logger.handlers) for logger in loggers]
+    for logger in loggers:
+        logger.handlers = [logging.NullHandler()]
     try:
         yield
     finally:
-        logger.handlers = handlers
+        for logger, before in handlers:
+            logger.handlers = before

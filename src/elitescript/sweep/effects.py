@@ -12,7 +12,7 @@ Two questions, each answered with what chance alone would do held against it:
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Final
 
 from elitescript.messages.signals import Value
@@ -94,7 +94,7 @@ class Region:
     """Where in the box of variations and disturbances runs fail.
 
     Attributes:
-        kind: number of the kind of failure that it is about; None: failing in whatever way.
+        kind: place in `alike` of the kind of failure that it is about.
         conditions: which hold together.
         failing: runs of the sample inside that fail in this way.
         inside: runs of the sample inside.
@@ -103,7 +103,7 @@ class Region:
         p: probability that chance does as much, by the half of the sample in which it was not looked for.
     """
 
-    kind: int | None
+    kind: int
     conditions: tuple[Condition, ...]
     failing: int
     inside: int
@@ -269,18 +269,20 @@ def regions_of(totals: Totals) -> tuple[Region, ...]:
     """Return where runs fail: for the most frequent kinds of failures, most frequent first."""
     holding, _ = totals.holding_sample.at_most(SAMPLE)
     failing, _ = totals.failing_sample.at_most(SAMPLE)
-    kinds = sorted(totals.groups.values(), key=lambda group: (-group.count, group.number))[:KINDS]
-    found = [_region(totals, group.number, holding, failing) for group in kinds]
+    numbers = [{group.number for group in groups} for groups in totals.alike()[:KINDS]]
+    found = [_region(totals, place, kinds, holding, failing) for place, kinds in enumerate(numbers)]
     return tuple(region for region in found if region is not None)
 
 
-def _region(totals: Totals, kind: int, holding: Sequence[Kept], failing: Sequence[Kept]) -> Region | None:
-    failing = [kept for kept in failing if kept.kind == kind]
+def _region(
+    totals: Totals, place: int, kinds: Collection[int], holding: Sequence[Kept], failing: Sequence[Kept]
+) -> Region | None:
+    failing = [kept for kept in failing if kept.kind in kinds]
     if len(failing) < LEAST or len(holding) < LEAST:
         return None
     rows = sorted([*holding, *failing], key=lambda kept: kept.run)
     everything = (1 << len(rows)) - 1
-    bad = _bits([kept.kind == kind for kept in rows])
+    bad = _bits([kept.kind >= 0 for kept in rows])
     # Another bit of the hash than those that thin the sample.
     training = _bits([bool(mixed(kept.run) >> 40 & 1) for kept in rows])
     if (bad & training).bit_count() < 2 or (bad & ~training & everything).bit_count() < 2:
@@ -300,7 +302,7 @@ def _region(totals: Totals, kind: int, holding: Sequence[Kept], failing: Sequenc
     if p >= LEVEL:
         return None
     conditions = tuple(candidate.condition for candidate in rule)
-    return Region(kind, conditions, (inside & bad).bit_count(), inside.bit_count(), bad.bit_count(), len(rows), p)
+    return Region(place, conditions, (inside & bad).bit_count(), inside.bit_count(), bad.bit_count(), len(rows), p)
 
 
 def _searched(candidates: Sequence[_Candidate], bad: int, all_rows: int) -> tuple[_Candidate, ...]:

@@ -83,7 +83,14 @@ class Remembered:
     is_same: bool
 
 
-def find(first: Row, runner: Runner, engine: Engine, places: Places, known: Iterable[Remembered] = ()) -> Finding:
+def find(
+    first: Row,
+    runner: Runner,
+    engine: Engine,
+    places: Places,
+    known: Iterable[Remembered] = (),
+    found: Iterable[Finding] = (),
+) -> Finding:
     """Shrink a run that failed, tell its story, and write its case.
 
     Args:
@@ -92,6 +99,7 @@ def find(first: Row, runner: Runner, engine: Engine, places: Places, known: Iter
         engine: runs the candidates.
         places: of the files.
         known: cases that were played before; one that failed in the same way is not written again.
+        found: what was found before: a smallest run that is the same again is not written again.
 
     Raises:
         UsageError: the case cannot be written.
@@ -103,6 +111,9 @@ def find(first: Row, runner: Runner, engine: Engine, places: Places, known: Iter
         choices, tried = shrunk.choices, shrunk.runs
         story, failure = _told(runner, choices, failure)
     path = next((row.path for row in known if is_same(row.row.failure, failure)), None)
+    if path is None and story is not None:
+        # Other faults may have led to the same mistake.
+        path = next((row.case for row in found if _is_same_run(row, choices, failure)), None)
     if path is None:
         path = _free_name(places.folder)
         lines = [failure.text] if story is None else story.lines
@@ -115,6 +126,12 @@ def _shrunk(choices: Choices, failure: Failure, plan: Plan, engine: Engine) -> S
         return is_same(engine.row(plan, candidate).failure, failure)
 
     return shrink(choices, still_fails, plain=plain_values(plan), budget=BUDGET)
+
+
+def _is_same_run(finding: Finding, choices: Choices, failure: Failure) -> bool:
+    mine = finding.choices
+    is_equal = (mine.values, mine.disturbances) == (choices.values, choices.disturbances)
+    return is_equal and is_same(finding.failure, failure)
 
 
 def plain_values(plan: Plan) -> dict[str, Any]:
@@ -138,7 +155,6 @@ def case_of_run(runner: Runner, choices: Choices, failure: Failure, places: Plac
     options = dict(places.options)
     if is_model_file(model := options.get("model", "")):
         options["model"] = relative_to(model, folder)
-    until_s = plan.until_s if not choices.disturbances else runner.chaos.until_s(choices.disturbances)
     return Case(
         relative_to(places.program, folder),
         failure,
@@ -151,8 +167,10 @@ def case_of_run(runner: Runner, choices: Choices, failure: Failure, places: Plac
         relative_to(places.task_dir, folder) if places.task_dir else "",
         options,
         plan.settings,
-        until_s,
+        runner.chaos.until_s(choices.disturbances),
         plan.step_s,
+        plain_values(plan),
+        plan.seed,
     )
 
 

@@ -43,13 +43,11 @@ class Journal:
         self._places: dict[int, tuple[int, int]] = {}
         """Where the rows of a range begin, by its first number: offset in the file, and the number behind the last."""
         parts = plan_parts(plan)
-        if resumes and path.exists():
-            end = self._read(parts)
-            self._file: IO[bytes] = path.open("r+b")
-            self._file.truncate(end)
-            self._file.seek(end)
-        else:
-            self._file = path.open("w+b")
+        end = self._read(parts) if resumes and path.exists() else 0
+        self._file: IO[bytes] = path.open("r+b" if end else "w+b")
+        self._file.truncate(end)
+        self._file.seek(end)
+        if not end:
             self._write({"journal": _FORMAT, "digest": data_digest(parts), "plan": parts})
             self._file.flush()
 
@@ -112,7 +110,11 @@ class Journal:
     def _read(self, parts: Mapping[str, Any]) -> int:
         """Take in what is in the file; return where its last complete line ends."""
         with self.path.open("rb") as file:
-            head = _content(file.readline())
+            line = file.readline()
+            if not line.endswith(b"\n"):
+                # Torn before anything else was written.
+                return 0
+            head = _content(line)
             if not isinstance(head, dict) or head.get("journal") != _FORMAT:
                 raise UsageError(f"--resume: {self.path} is no journal of a sweep of this version; delete it")
             if head["digest"] != data_digest(parts):

@@ -15,6 +15,8 @@ from elitescript.errors import UsageError
 from elitescript.kernel.arm import named_model
 from elitescript.kernel.options import ROBOT_SECTION
 from elitescript.properties.parsing import function_place
+from elitescript.sweep.cases import is_case
+from elitescript.sweep.page import REPLAYS
 from elitescript.sweep.plan import Plan, Variation
 from elitescript.sweep.python_files import python_texts
 from elitescript.sweep.tables import columns
@@ -75,7 +77,7 @@ def make_plan(
         chaos: name of a profile, or the path of a profile file.
         step_s: time between two rows that properties over time see, s; each tick if None.
         has_margins: whether rows have the margin of each property.
-        without_files: that are left out of the task folder: the results themselves.
+        without_files: that are left out of the task folder: the results themselves; so are cases and replays.
 
     Raises:
         UsageError: a file cannot be read, is too large, or something makes no sense.
@@ -154,6 +156,11 @@ def _profile_text(chaos: str) -> str:
         raise UsageError(f"--chaos {chaos}: {why}") from error
 
 
+def _is_left_out(folder: str) -> bool:
+    """Return whether a folder is none that programs use: caches, and what sweeps have written."""
+    return folder in _NOT_COPIED or folder.endswith(REPLAYS)
+
+
 def _task_files(folder: Path, left_out: Collection[Path]) -> dict[str, str]:
     """Return the files of a task folder as Base64.
 
@@ -167,10 +174,16 @@ def _task_files(folder: Path, left_out: Collection[Path]) -> dict[str, str]:
     found: dict[str, str] = {}
     size = 0
     for home, inner, names in os.walk(folder):
-        inner[:] = sorted(name for name in inner if not name.startswith(".") and name not in _NOT_COPIED)
+        inner[:] = sorted(name for name in inner if not name.startswith(".") and not _is_left_out(name))
         for name in sorted(names):
             path = Path(home, name)
-            if name.startswith(".") or path.is_symlink() or not path.is_file() or path.resolve() in left_out:
+            if (
+                name.startswith(".")
+                or is_case(name)
+                or path.is_symlink()
+                or not path.is_file()
+                or path.resolve() in left_out
+            ):
                 continue
             size += path.stat().st_size
             if len(found) == FILES_MAX or size > FILES_BYTES_MAX:

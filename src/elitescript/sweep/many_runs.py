@@ -6,8 +6,9 @@ import os
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import mkdtemp
 from typing import Any
+from weakref import finalize
 
 from elitescript.errors import UsageError
 from elitescript.kernel.options import OPTIONS, Section, accept, check_keywords
@@ -136,8 +137,8 @@ def sweep(
         )
     if jobs is not None and jobs < 1:
         raise UsageError(f"jobs must be >= 1, got {jobs}")
-    home = TemporaryDirectory(prefix="elitescript-sweep-", ignore_cleanup_errors=True)
-    kept = Path(home.name, "journal")
+    result = Sweep(runner)
+    kept = result.journal
     totals = Totals(plan.variations, properties_of(plan), tuple(plan.measures))
     with Journal(part or kept, plan, resumes=resume) as journal:
         sweeping = Sweeping(plan, count, journal)
@@ -152,11 +153,14 @@ def sweep(
     if part is not None:
         shutil.move(part, kept)
         journal.path = kept
-    return Sweep(sweeping, runner, summary_of(totals, is_random=is_random(plan)), home)
+    result.sweeping, result.summary = sweeping, summary_of(totals, is_random=is_random(plan))
+    return result
 
 
 class Sweep:
     """What came of many runs; iterating over it gives their rows, in the order of their numbers.
+
+    The rows are in a file of their own, which goes with this object.
 
     Attributes:
         plan: everything that determines the rows.
@@ -164,18 +168,22 @@ class Sweep:
         problems: warnings about the program.
     """
 
-    def __init__(self, sweeping: Sweeping, runner: Runner, summary: Summary, home: TemporaryDirectory[str]) -> None:
-        self.plan = sweeping.plan
-        self.summary = summary
+    sweeping: Sweeping
+    summary: Summary
+
+    def __init__(self, runner: Runner) -> None:
+        self.plan = runner.plan
         self.problems = runner.problems
-        self._sweeping = sweeping
         self._runner = runner
-        self._home = home
+        home = mkdtemp(prefix="elitescript-sweep-")
+        self.journal = Path(home, "journal")
+        """The file."""
+        finalize(self, shutil.rmtree, home, ignore_errors=True)
 
     @property
     def holds(self) -> bool:
         """Whether everything held in every run."""
-        return not self._sweeping.failed
+        return not self.sweeping.failed
 
     @property
     def failures(self) -> list[Row]:
@@ -206,10 +214,11 @@ class Sweep:
         return run
 
     def __iter__(self) -> Iterator[Row]:
-        return self._sweeping.rows()
+        # A generator keeps this object, and so the file.
+        yield from self.sweeping.rows()
 
     def __len__(self) -> int:
-        return self._sweeping.done
+        return self.sweeping.done
 
     def __bool__(self) -> bool:
         return True

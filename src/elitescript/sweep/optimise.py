@@ -1,8 +1,8 @@
 """Values that make a measure as small, or as large, as possible while properties hold: extra `optimise`.
 
-Candidates come from Optuna's TPE with a seed, in batches of a fixed size: so they depend on the plan alone, not on the
-number of workers. Each is run as a run of a sweep is, on either engine; if it is run several times, then with the same
-seeds, variations and disturbances as every other candidate.
+Candidates come from Optuna's TPE with a seed, in batches of a fixed size, and the last ones are steps from the best:
+so they depend on the plan alone, not on the number of workers. Each is run as a run of a sweep is, on either engine; if
+it is run several times, then with the same seeds, variations and disturbances as every other candidate.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from elitescript.records import field, record, replace
 from elitescript.sweep.engine import Engine
 from elitescript.sweep.plan import Choices, Plan, Row, Variation
 from elitescript.sweep.seeds import seed_of_run
+from elitescript.sweep.single import Runner
 from elitescript.sweep.variations import Draw
 
 if TYPE_CHECKING:
@@ -34,7 +35,13 @@ DIGITS: Final = 3
 """Candidates are rounded to so many digits of the width of their range: nobody types seventeen."""
 
 STEP: Final = 0.1
-"""Share of its range by which each value is changed alone at the end, to see what matters."""
+"""Share of its range by which a value is changed alone: by the first steps, and at the end to see what matters."""
+
+LOCAL_SHARE: Final = 0.25
+"""Share of the candidates that are steps from the best one, in one value each: TPE ends near an optimum, not in it."""
+
+LEAST_STEP: Final = 0.002
+"""Share of its range below which a step is no step."""
 
 UNACCEPTABLE: Final = ("alarm", "stuck", "error", "crashed", "hung")
 """States that no objective can make good."""
@@ -67,6 +74,23 @@ class Search:
         """How many are tried."""
         return self.runs // self.repeats
 
+    @property
+    def plain_plan(self) -> Plan:
+        """Of the program with its own values."""
+        measures = {**self.plan.measures, OBJECTIVE: self.objective}
+        return replace(self.plan, measures=measures, has_margins=True)
+
+    @property
+    def table_plan(self) -> Plan:
+        """Of the candidates: what is chosen is varied there."""
+        return replace(self.plain_plan, variations=(*self.plan.variations, *self.over))
+
+    def better(self, best: Candidate | None, candidate: Candidate) -> Candidate | None:
+        """Return the better of two candidates: the first one if they are equal, None if neither holds."""
+        if not candidate.holds:
+            return best
+        return candidate if best is None or _cost(self, candidate) < _cost(self, best) else best
+
 
 @record
 class Candidate:
@@ -87,6 +111,11 @@ class Candidate:
     objective: float | None
     failed: str
     margins: tuple[float | None, ...]
+
+    @property
+    def rows_digest(self) -> tuple[str, ...]:
+        """Digests of its runs: equal if nothing differs."""
+        return tuple(row.digest for row in self.rows)
 
     @property
     def holds(self) -> bool:
@@ -130,11 +159,12 @@ class Outcome:
     changes: tuple[Change, ...] = field(default_factory=tuple)
 
 
-def check_search(search: Search) -> None:
-    """Refuse what cannot be searched.
+def check_search(search: Search) -> Sequence[Any]:
+    """Refuse what cannot be searched; return warnings about the program.
 
     Raises:
         UsageError: the text names the option.
+        ProgramError: the program does not compile.
     """
     if not search.over:
         raise UsageError("--minimise, --maximise: say what may change, as --over 'speed=uniform(0.1, 1)'")
@@ -146,6 +176,9 @@ def check_search(search: Search) -> None:
             raise UsageError(f"--over {row.name}: --vary draws it; it cannot be chosen as well")
     if not 1 <= search.repeats <= search.runs:
         raise UsageError(f"--repeat {search.repeats}: write a whole number from 1 to --runs, {search.runs}")
+    if OBJECTIVE in search.plan.measures:
+        raise UsageError(f"--measure {OBJECTIVE}: that is the name of what --minimise or --maximise measures")
+    return Runner(search.table_plan).problems
 
 
 def optimise(
@@ -154,34 +187,47 @@ def optimise(
     """Look for the best values.
 
     Args:
-        search: what is looked for.
+        search: what is looked for; `check_search` has looked at it.
         engine: entered; does the runs.
         on_candidate: called for each candidate, in their order.
 
     Raises:
         UsageError: the search or its plan makes no sense, or optuna is missing.
     """
-    check_search(search)
     runner = _Runner(search, engine)
     sampler = _Sampler(search)
     candidates: list[Candidate] = []
-    plain = runner.plain()
-    while len(candidates) < search.candidates:
-        trials = sampler.ask(min(BATCH, search.candidates - len(candidates)))
-        tried = runner.candidates([values for _, values in trials], len(candidates))
-        for (trial, _), candidate in zip(trials, tried, strict=True):
-            sampler.tell(trial, candidate)
+    best: Candidate | None = None
+
+    def tried(values: Sequence[Mapping[str, Any]]) -> list[Candidate]:
+        nonlocal best
+        found = runner.candidates(values, len(candidates))
+        for candidate in found:
+            best = search.better(best, candidate)
             on_candidate(candidate)
-        candidates += tried
-    best = best_of(search, candidates)
+        candidates.extend(found)
+        return found
+
+    def sample(until: int) -> None:
+        while len(candidates) < until:
+            trials = sampler.ask(min(BATCH, until - len(candidates)))
+            for (trial, _), candidate in zip(trials, tried([values for _, values in trials]), strict=True):
+                sampler.tell(trial, candidate)
+
+    plain = runner.plain()
+    sample(search.candidates - int(LOCAL_SHARE * search.candidates))
+    step = STEP
+    while best is not None and len(candidates) < search.candidates and step >= LEAST_STEP:
+        before = best
+        known = [candidate.values for candidate in candidates]
+        around = [values for _, _, values in _around(search, best, step) if values not in known]
+        tried(around[: search.candidates - len(candidates)])
+        if best is before:
+            step /= 2
+    # What no step is fine enough for, and a search in which nothing holds yet, goes on as it began.
+    sample(search.candidates)
     changes = tuple(runner.changes(best)) if best is not None else ()
     return Outcome(search, plain, best, tuple(candidates), changes)
-
-
-def best_of(search: Search, candidates: Sequence[Candidate]) -> Candidate | None:
-    """Return the candidate with the best objective of those that hold; the first of equal ones."""
-    holding = [candidate for candidate in candidates if candidate.holds]
-    return min(holding, key=lambda candidate: _cost(search, candidate), default=None)
 
 
 def rounded(variation: Variation, value: float) -> float:
@@ -201,21 +247,19 @@ class _Runner:
         engine: does the runs.
     """
 
-    __slots__ = ("_base", "_draw", "_engine", "_plan", "_search")
+    __slots__ = ("_drawn", "_engine", "_plan", "_search")
 
     def __init__(self, search: Search, engine: Engine) -> None:
-        plan = search.plan
-        measures = {**plan.measures, OBJECTIVE: search.objective}
         self._search = search
         self._engine = engine
-        self._base = replace(plan, measures=measures, has_margins=True)
-        self._plan = replace(self._base, variations=(*plan.variations, *search.over))
-        self._draw = Draw(plan.variations, plan.seed)
+        self._plan = search.table_plan
+        runner = Runner(search.plain_plan)
+        self._drawn = [runner.choices_of(repeat) for repeat in range(search.repeats)]
 
     def plain(self) -> Candidate:
         """Run the program with its own values."""
         choices = [self._choices(repeat, repeat, {}) for repeat in range(self._search.repeats)]
-        return self._judged(-1, {}, self._engine.rows_of(self._base, choices))
+        return self._judged(-1, {}, self._engine.rows_of(self._search.plain_plan, choices))
 
     def candidates(self, values: Sequence[Mapping[str, Any]], first: int) -> list[Candidate]:
         """Run several candidates; the first one has the number `first`, or all have -1."""
@@ -232,10 +276,7 @@ class _Runner:
 
     def changes(self, best: Candidate) -> Iterator[Change]:
         """Change one value of the best candidate at a time."""
-        asked: list[tuple[str, str, dict[str, Any]]] = []
-        for row in self._search.over:
-            for side, value in _neighbours(row, best.values[row.name]):
-                asked.append((row.name, side, {**best.values, row.name: value}))
+        asked = list(_around(self._search, best, STEP))
         found = self.candidates([values for _, _, values in asked], -1)
         for row in self._search.over:
             sides: dict[str, list[Candidate]] = {"low": [], "high": [], "other": []}
@@ -247,8 +288,8 @@ class _Runner:
 
     def _choices(self, run: int, repeat: int, values: Mapping[str, Any]) -> Choices:
         """Return the choices of a run: all candidates have the same seed, variations and disturbances in a repeat."""
-        plan = self._search.plan
-        return Choices(run, seed_of_run(plan.seed, repeat), {**self._draw.values(repeat), **values})
+        drawn = self._drawn[repeat]
+        return replace(drawn, run=run, values={**drawn.values, **values})
 
     def _judged(self, number: int, values: Mapping[str, Any], rows: Sequence[Row]) -> Candidate:
         search = self._search
@@ -282,8 +323,15 @@ def _cost(search: Search, candidate: Candidate) -> float:
     return -candidate.objective if search.is_maximum else candidate.objective
 
 
-def _neighbours(row: Variation, value: Any) -> Iterator[tuple[str, Any]]:
-    """Yield what a value is changed into, and to which side of it that lies."""
+def _around(search: Search, best: Candidate, step: float) -> Iterator[tuple[str, str, dict[str, Any]]]:
+    """Yield values that differ from the best ones in one, with its name and to which side it is changed."""
+    for row in search.over:
+        for side, value in _neighbours(row, best.values[row.name], step):
+            yield row.name, side, {**best.values, row.name: value}
+
+
+def _neighbours(row: Variation, value: Any, step: float) -> Iterator[tuple[str, Any]]:
+    """Yield what a value is changed into, by this share of its range, and to which side of it that lies."""
     if row.kind == "choice":
         for other in row.arguments:
             if other != value:
@@ -291,16 +339,16 @@ def _neighbours(row: Variation, value: Any) -> Iterator[tuple[str, Any]]:
         return
     if row.kind == "grid":
         points = Draw((row,), 0)
-        all_points = [points.values(at)[row.name] for at in range(int(row.arguments[2]))]
-        at = all_points.index(value)
+        every = [points.values(at)[row.name] for at in range(int(row.arguments[2]))]
+        at = every.index(value)
         if at > 0:
-            yield "low", all_points[at - 1]
-        if at + 1 < len(all_points):
-            yield "high", all_points[at + 1]
+            yield "low", every[at - 1]
+        if at + 1 < len(every):
+            yield "high", every[at + 1]
         return
     low, high = (float(end) for end in row.arguments)
-    step = STEP * (high - low)
-    for side, other in (("low", rounded(row, value - step)), ("high", rounded(row, value + step))):
+    width = step * (high - low)
+    for side, other in (("low", rounded(row, value - width)), ("high", rounded(row, value + width))):
         if other != value:
             yield side, other
 

@@ -23,7 +23,7 @@ from elitescript.messages.signals import Value
 from elitescript.plotting.packing import shown_text
 from elitescript.records import field, record
 from elitescript.sweep.plan import Plan, Row
-from elitescript.sweep.summary import Kind, Summary, title_of
+from elitescript.sweep.summary import Kind, Summary
 from elitescript.sweep.totals import KINDS_MAX, OTHERS, Kept, Totals, name_of
 
 FORMAT: Final = 1
@@ -33,6 +33,9 @@ PAGE_SAMPLE: Final = 50_000
 
 LABELS_MAX: Final = 1000
 """Different texts in one column; the rest are shown as one."""
+
+REPLAYS: Final = ".replays"
+"""End of the name of the folder with the replays."""
 
 KINDS_SHOWN: Final = 100
 """Kinds of failures in the table."""
@@ -47,7 +50,7 @@ class Replay:
 
     Attributes:
         page: address of its page beside that of the sweep; empty without one.
-        command: line that plays it again; empty if there is no case file.
+        command: line that plays it again; empty without one of its own.
     """
 
     page: str = ""
@@ -61,16 +64,18 @@ class PageTexts:
     Attributes:
         title: of the page.
         command: line of the sweep.
-        case_command: line that writes the case of a run, with `{run}` for its number; empty if there is none.
+        run_command: line that makes the replay of a run, with `{run}` for its number; empty if there is none.
         stories: words about the first failure of a kind, by the number of its run.
         replays: by number of run.
+        smallest: of the smallest run of a kind, by the number of its first run.
     """
 
     title: str
     command: str = ""
-    case_command: str = ""
+    run_command: str = ""
     stories: Mapping[int, Sequence[str]] = field(default_factory=dict)
     replays: Mapping[int, Replay] = field(default_factory=dict)
+    smallest: Mapping[int, Replay] = field(default_factory=dict)
 
 
 def sweep_page(plan: Plan, totals: Totals, summary: Summary, texts: PageTexts) -> str:
@@ -93,7 +98,7 @@ def packed(plan: Plan, totals: Totals, summary: Summary, texts: PageTexts) -> by
         "format": FORMAT,
         "title": shown_text(texts.title),
         "command": shown_text(texts.command, 2000),
-        "case_command": shown_text(texts.case_command, 2000),
+        "run_command": shown_text(texts.run_command, 2000),
         "version": plan.version,
         "seed": plan.seed,
         "runs": summary.runs,
@@ -105,10 +110,7 @@ def packed(plan: Plan, totals: Totals, summary: Summary, texts: PageTexts) -> by
         "holding": [len(totals.holding_sample), totals.holding_sample.one_in],
         "failing": [len(totals.failing_sample), totals.failing_sample.one_in],
         "columns": [column for column, _ in columns],
-        "kinds": [
-            _kind(kind, group.number, group.rows, texts)
-            for kind, group in zip(summary.kinds, _groups(totals), strict=True)
-        ][:KINDS_SHOWN],
+        "kinds": [_kind(kind, place, texts) for place, kind in enumerate(summary.kinds[:KINDS_SHOWN])],
         "kinds_left_out": max(0, len(summary.kinds) - KINDS_SHOWN) + (summary.other_kinds > 0),
         "nearest": [
             {"property": shown_text(text), "margin": nearest.margin, **_run(row, texts)}
@@ -120,29 +122,29 @@ def packed(plan: Plan, totals: Totals, summary: Summary, texts: PageTexts) -> by
     return gzip.compress(struct.pack("<I", len(text)) + text + b"".join(data for _, data in columns), 6, mtime=0)
 
 
-def _groups(totals: Totals) -> list[Any]:
-    return sorted(totals.groups.values(), key=lambda group: (-group.count, group.number))
-
-
 def _cycle_of(summary: Summary) -> list[float] | None:
     finished = summary.times.get("finished")
     return None if finished is None else [finished.least, finished.median, finished.most]
 
 
-def _kind(kind: Kind, number: int, rows: Sequence[Row], texts: PageTexts) -> dict[str, Any]:
+def _kind(kind: Kind, number: int, texts: PageTexts) -> dict[str, Any]:
     first = kind.first
+    runs = [row.choices.run for row in kind.rows]
+    smallest = next((texts.smallest[run] for run in runs if run in texts.smallest), Replay())
+    story = next((texts.stories[run] for run in runs if run in texts.stories), ())
     return {
         "number": number,
-        "title": shown_text(title_of(first), 500),
+        "title": shown_text(kind.title(), 500),
         "property": shown_text(first.expression),
         "state": first.state,
         "code": first.code,
         "line": first.line,
         "text": shown_text(first.text, 1000),
-        "story": [shown_text(line, 1000) for line in texts.stories.get(rows[0].choices.run, ())],
+        "story": [shown_text(line, 1000) for line in story],
+        "smallest": {"page": smallest.page, "command": shown_text(smallest.command, 2000)},
         "region": "" if kind.region is None else shown_text(kind.region.words()),
         "count": kind.count,
-        "runs": [_run(row, texts) for row in rows],
+        "runs": [_run(row, texts) for row in kind.rows],
     }
 
 
@@ -151,7 +153,6 @@ def _run(row: Row, texts: PageTexts) -> dict[str, Any]:
     return {
         "run": row.choices.run,
         "page": replay.page,
-        "command": shown_text(replay.command, 2000),
         "disturbances": [
             shown_text(f"{disturbance.at_s:.3f} s: {name_of(disturbance)}") for disturbance in row.choices.disturbances
         ],
@@ -161,7 +162,7 @@ def _run(row: Row, texts: PageTexts) -> dict[str, Any]:
 def _columns(totals: Totals, rows: Sequence[Kept]) -> Iterator[tuple[dict[str, Any], bytes]]:
     """Give what the head says of each column, and its bytes."""
     yield {"name": "run", "role": "run", "type": "i32"}, _bytes("i", [kept.run for kept in rows])
-    yield {"name": "kind", "role": "kind", "type": "i16"}, _bytes("h", [min(kept.kind, KINDS_MAX) for kept in rows])
+    yield {"name": "kind", "role": "kind", "type": "i16"}, _bytes("h", _places_of_kinds(totals, rows))
     for index, variation in enumerate(totals.variations):
         yield _column(variation.name, "varied", [kept.values[index] for kept in rows])
     yield _column("time_s", "time", [kept.time_s for kept in rows])
@@ -174,6 +175,12 @@ def _columns(totals: Totals, rows: Sequence[Kept]) -> Iterator[tuple[dict[str, A
     yield _column("state", "state", [kept.state for kept in rows])
     if any(kept.disturbances for kept in rows):
         yield _column("disturbances", "disturbances", [", ".join(kept.disturbances) for kept in rows])
+
+
+def _places_of_kinds(totals: Totals, rows: Sequence[Kept]) -> list[int]:
+    """Return for each row the place of its kind in the summary; -1 if it holds."""
+    places = {group.number: place for place, groups in enumerate(totals.alike()) for group in groups}
+    return [-1 if kept.kind < 0 else places.get(kept.kind, KINDS_MAX) for kept in rows]
 
 
 def _column(name: str, role: str, values: Sequence[Value | str | None]) -> tuple[dict[str, Any], bytes]:

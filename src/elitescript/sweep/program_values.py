@@ -8,7 +8,8 @@ from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 from elitescript.errors import UsageError, did_you_mean
-from elitescript.language.parser import Parsed
+from elitescript.language.parser import Parsed, parse
+from elitescript.language.text.source import SourceFile
 
 MARK: Final = "@"
 """Before a name: the preset that stands in the place of a constant. The variable monitor leaves out such names."""
@@ -45,6 +46,19 @@ def put_presets(parsed: Parsed, names: Sequence[str]) -> dict[str, str]:
 def constants(parsed: Parsed) -> list[str]:
     """Return the names that a program gives a constant, in the order of the text: those that can be varied."""
     return list(dict.fromkeys(name for name, statement in _assignments(parsed) if _is_constant(statement.value)))
+
+
+def constant_lines(program: str, names: Sequence[str]) -> dict[str, int]:
+    """Return the line in which a program gives each of these names a constant; others are left out.
+
+    Args:
+        program: its text.
+        names: as they are varied, with or without an index.
+    """
+    lines: dict[str, int] = {}
+    for name, statement in _assignments(parse(SourceFile("", program))):
+        lines.setdefault(name, statement.lineno)
+    return {text: lines[text.partition("[")[0]] for text in names if text.partition("[")[0] in lines}
 
 
 def _preset(parsed: Parsed, text: str, name: str, indices: list[int]) -> str:

@@ -8,7 +8,7 @@ from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from random import Random
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.controller.views.trace import Trace
 from elitescript.devices.scenario import python_files
@@ -107,11 +107,11 @@ class Runner:
                 program_names.append(row.name)
         self._fixed_file = self._fixed()
         self._plain = Choices(0, seed_of_run(plan.seed, 0), {row.name: plain_value(row) for row in plan.variations})
+        self._check_extremes()
         robot = self.robot(self._plain)
         self._unit, self._preset_names, self.problems = self._compiled(program_names, robot)
         self.chaos = ChaosSession(plan, self._plain, robot, self._play_plain, self._source_of)
         self._checks = self._checks_of(plan)
-        self._check_extremes()
 
     def _fixed(self) -> WorldFile | None:
         """Return what the world file says of the robot, if that is the same in every run."""
@@ -126,7 +126,7 @@ class Runner:
         """Return the program, the preset of each name that is varied, and warnings."""
         source = SourceFile(self.plan.program_name, self.plan.program)
         parsed = parse(source, robot.text_options(source))
-        found = put_presets(parsed, names) if parsed.is_complete or not parsed.has_errors else {}
+        found = put_presets(parsed, names) if not parsed.has_errors else {}
         known = {*self._presets, *found.values()}
         checked = check_parsed(parsed, robot.profile, presets=known, arm=robot.model)
         if checked.unit is None or checked.is_refused:
@@ -165,11 +165,12 @@ class Runner:
         return vars(self._python.modules([path])[path])
 
     def _check_extremes(self) -> None:
-        """Try the ends of each variation before the first run."""
+        """Try the ends of each variation before the first run, and before them the world as it stands in its file."""
+        self.robot(Choices(0, 0))
         for row in self.plan.variations:
             for value in extremes(row):
                 try:
-                    self.robot(Choices(0, 0, {**self._plain.values, row.name: value}))
+                    self.robot(Choices(0, 0, {row.name: value}))
                 except UsageError as error:
                     raise UsageError(f"--vary {row.name}: {value!r} is not possible: {error}") from error
 
@@ -205,7 +206,8 @@ class Runner:
             robot.cell = file.cell
             robot.set_start(file.signals)
         robot.set_start(self._levels)
-        robot.set_start({name: choices.values[name] for name in self._signal_names})  # type: ignore[misc]
+        levels: dict[str, Any] = {name: choices.values.get(name) for name in self._signal_names}
+        robot.set_start({name: level for name, level in levels.items() if level is not None})
         return robot
 
     def _options_from(self, file: WorldFile) -> dict[str, Any]:
@@ -217,7 +219,8 @@ class Runner:
     def _world_file(self, choices: Choices) -> WorldFile:
         tables = self._tables
         for name, place in self._places.items():
-            tables = with_value(tables, place, choices.values[name])
+            if name in choices.values:
+                tables = with_value(tables, place, choices.values[name])
         if not self._has_world and self._fixed_file is not None:
             return self._fixed_file
         if self._has_world:
@@ -236,7 +239,11 @@ class Runner:
             self._fixed_file.signals,
             self._fixed_file.cell,
         )
-        file.world = build_world(beside, self._world_path.parent, network=VIRTUAL, modules=modules)
+        try:
+            file.world = build_world(beside, self._world_path.parent, network=VIRTUAL, modules=modules)
+        except UsageError:
+            # Read again for the line of the mistake.
+            return read_tables(self._world_path, self.plan.world, tables, network=VIRTUAL, modules=modules)
         file.world.settings = file
         return file
 
@@ -250,6 +257,7 @@ class Runner:
         *,
         before: Callable[[VirtualRobot], None] | None = None,
         trace: Trace | None = None,
+        watch: Callable[[VirtualRobot], None] | None = None,
         on_event: Callable[[Event], None] | None = None,
     ) -> tuple[Row, Run | None]:
         """Run the program once, and look on: for a story, or for a page.
@@ -258,6 +266,7 @@ class Runner:
             choices: of the run.
             before: called with the robot before its program begins.
             trace: receives rows of the arm.
+            watch: called with the robot after each tick that is run.
             on_event: receives every event at the moment it happens.
 
         Returns:
@@ -271,12 +280,8 @@ class Runner:
             if before is not None:
                 before(robot)
             traces = [one for one in (watching.trace, trace) if one]
-            run = self._run(
-                robot,
-                choices,
-                self.chaos.until_s(choices.disturbances),
-                False if not traces else traces[0] if len(traces) == 1 else _Both(*traces),
-            )
+            seen = False if not traces else traces[0] if len(traces) == 1 else _Both(*traces)
+            run = robot.run(**self.arguments(choices), trace=seen, watch=watch)
         except ElitescriptError as error:
             # The world cannot be made with these values, or one of its devices failed.
             return Row(choices, ERROR, None, failure=Failure(ERROR, ERROR, text=str(error))), run
@@ -288,9 +293,13 @@ class Runner:
         margins = tuple(verdict.margin for verdict in results.verdicts)
         return Row(choices, run.state, run.time_s, results.measures, digest_of(run), failure, margins), run
 
-    def _run(self, robot: VirtualRobot, choices: Choices, until_s: float | None, trace: Trace | Literal[False]) -> Run:
+    def arguments(self, choices: Choices) -> dict[str, Any]:
+        """Return the arguments of `VirtualRobot.run`: the program, its presets and the limit of time."""
+        return {**self._program(choices), "until_s": self.chaos.until_s(choices.disturbances)}
+
+    def _program(self, choices: Choices) -> dict[str, Any]:
         presets = {preset: choices.values[name] for name, preset in self._preset_names.items()}
-        return robot.run(self._unit, until_s=until_s, presets={**self._presets, **presets}, trace=trace)
+        return {"program": self._unit, "presets": {**self._presets, **presets}}
 
     def _play_plain(
         self, choices: Choices, until_s: float | None, before: Callable[[VirtualRobot], None]
@@ -298,7 +307,7 @@ class Runner:
         """Run the program without properties, for `ChaosSession`."""
         robot = self.robot(choices)
         before(robot)
-        return robot, self._run(robot, choices, until_s, False)
+        return robot, robot.run(**self._program(choices), until_s=until_s)
 
 
 class _Both(Trace):

@@ -6,14 +6,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.devices.channels.faults import LINE, TABLE, is_of_input, place_of
-from elitescript.devices.channels.faulty_channels import Passing
 from elitescript.messages.events import DeviceNoted, Warned
+from elitescript.messages.faults import Passing
 from elitescript.messages.timing import seconds
 from elitescript.records import NamedTuple, record
 from elitescript.sweep.chaos.applying import STOP_REASON, fault_of, in_order
 from elitescript.sweep.chaos.ground import Ground
 from elitescript.sweep.chaos.kinds import is_fault
-from elitescript.sweep.chaos.properties import STUCK
+from elitescript.sweep.chaos.properties import STUCK, waited_for
 from elitescript.sweep.plan import Choices, Disturbance, Failure
 
 if TYPE_CHECKING:
@@ -222,7 +222,7 @@ def _end(failure: Failure, run: Run) -> Moment:
     if failure.state in ("stuck", "time_limit") and run.threads and failure.expression == "never_stuck":
         waits = [
             f"{'the program' if row.name == 'main' else f'thread {row.name}'} waited in line {row.line}"
-            + (f" for {row.waits_for}" if row.waits_for else "")
+            + (f" for {waited_for(row.waits_for)}" if row.waits_for else "")
             for row in run.threads
         ]
         first = run.threads[0]

@@ -7,13 +7,15 @@ from typing import Any, Final
 
 from elitescript.records import record
 from elitescript.sweep.effects import Effect, Region, effects_of, regions_of
-from elitescript.sweep.plan import Failure
+from elitescript.sweep.plan import Failure, Row
 from elitescript.sweep.sketches import Distribution
 from elitescript.sweep.statistics import share_interval
-from elitescript.sweep.totals import Nearest, Totals
+from elitescript.sweep.totals import ROWS_OF_KIND, SAMPLE, Group, Nearest, Totals
 
 KINDS_SHOWN: Final = 5
 RUNS_SHOWN: Final = 5
+AFTER_SHOWN: Final = 4
+"""Last disturbances of a kind."""
 EFFECTS_SHOWN: Final = 3
 """Of each outcome."""
 
@@ -22,19 +24,38 @@ MEASURES_SHOWN: Final = 8
 
 @record
 class Kind:
-    """Failures that are alike.
+    """Failures that are alike: the same property, alarm and line.
 
     Attributes:
         first: the first of them.
         count: how many there are.
-        runs: numbers of the first ones.
+        rows: the first ones, in the order of their runs.
+        after: how many there are by their last disturbance; the text is empty for those without one.
         region: where they lie; None if nothing was found.
     """
 
     first: Failure
     count: int
-    runs: tuple[int, ...]
+    rows: tuple[Row, ...]
+    after: Mapping[str, int]
     region: Region | None
+
+    def title(self) -> str:
+        """Return the kind in a few words: property, alarm, line, last disturbances."""
+        first = self.first
+        title = first.expression
+        if first.code:
+            title += f": alarm {first.code}"
+        elif first.state != "finished":
+            title += f": {first.state}"
+        if first.line:
+            title += f" in line {first.line}"
+        after = [f"{name} {count:,}\N{MULTIPLICATION SIGN}" for name, count in _most(self.after, AFTER_SHOWN) if name]
+        if len(after) == 1 and len(self.after) == 1:
+            after = list(self.after)
+        return (
+            f"{title}, after {', '.join(after)}{', ...' if len(self.after) > AFTER_SHOWN else ''}" if after else title
+        )
 
 
 @record
@@ -140,9 +161,10 @@ class Summary:
             return []
         lines = ["", f"{_count(self.failed, 'failure')} of {_count(len(self.kinds), 'kind')}:"]
         for kind in self.kinds[:KINDS_SHOWN]:
-            runs = ", ".join(map(str, kind.runs[:RUNS_SHOWN])) + (", ..." if kind.count > RUNS_SHOWN else "")
+            shown = [str(row.choices.run) for row in kind.rows[:RUNS_SHOWN]]
+            runs = ", ".join(shown) + (", ..." if kind.count > RUNS_SHOWN else "")
             of = f"run{'s' if kind.count > 1 else ''} {runs}"
-            lines.append(f"  {kind.count:,}\N{MULTIPLICATION SIGN} {title_of(kind.first)} ({of})")
+            lines.append(f"  {kind.count:,}\N{MULTIPLICATION SIGN} {kind.title()} ({of})")
             if kind.first.text:
                 lines.append(f"     {_one_line(kind.first.text)}")
             if kind.region is not None:
@@ -163,9 +185,9 @@ class Summary:
             for effect in effects[:EFFECTS_SHOWN]:
                 lines.append(f"  {_effect_words(effect)}")
             if len(effects) > EFFECTS_SHOWN:
-                lines.append(f"  {outcome}: {len(effects) - EFFECTS_SHOWN} more")
+                lines.append(f"  {_outcome_words(outcome)}: {len(effects) - EFFECTS_SHOWN} more")
         if self.sampled < self.runs:
-            lines.append(f"  (from a sample of {self.sampled:,} runs)")
+            lines.append(f"  (effects and regions are from a sample of {self.sampled:,} runs)")
         return lines
 
 
@@ -177,7 +199,6 @@ def summary_of(totals: Totals, is_random: bool = True) -> Summary:
         is_random: whether anything is drawn: without, the share of failures is no estimate of a probability.
     """
     regions = {region.kind: region for region in regions_of(totals)}
-    kinds = sorted(totals.groups.values(), key=lambda group: (-group.count, group.number))
     return Summary(
         runs=totals.runs,
         failed=totals.failed,
@@ -190,38 +211,19 @@ def summary_of(totals: Totals, is_random: bool = True) -> Summary:
         failing=dict(totals.failing),
         nearest=tuple(totals.nearest),
         worst=tuple(totals.worst),
-        kinds=tuple(
-            Kind(
-                _failure(group.rows[0].failure),
-                group.count,
-                tuple(row.choices.run for row in group.rows),
-                regions.get(group.number),
-            )
-            for group in kinds
-        ),
+        kinds=tuple(_kind_of(groups, regions.get(place)) for place, groups in enumerate(totals.alike())),
         other_kinds=totals.other_kinds,
         effects=effects_of(totals),
-        sampled=len(totals.holding_sample) + len(totals.failing_sample),
+        sampled=sum(len(kept.at_most(SAMPLE)[0]) for kept in (totals.holding_sample, totals.failing_sample)),
     )
 
 
-def title_of(failure: Failure) -> str:
-    """Return a kind of failure in a few words: property, alarm, line, last disturbance."""
-    title = failure.expression
-    if failure.code:
-        title += f": alarm {failure.code}"
-    elif failure.state != "finished":
-        title += f": {failure.state}"
-    if failure.line:
-        title += f" in line {failure.line}"
-    if failure.disturbance:
-        title += f", after {failure.disturbance}"
-    return title
-
-
-def _failure(failure: Failure | None) -> Failure:
-    assert failure is not None
-    return failure
+def _kind_of(groups: Sequence[Group], region: Region | None) -> Kind:
+    rows = sorted((row for group in groups for row in group.rows), key=lambda row: row.choices.run)[:ROWS_OF_KIND]
+    first = rows[0].failure
+    assert first is not None
+    after = {group.kind[3]: group.count for group in groups}
+    return Kind(first, sum(after.values()), tuple(rows), after, region)
 
 
 def _effect_words(effect: Effect) -> str:
@@ -232,10 +234,14 @@ def _effect_words(effect: Effect) -> str:
         (worse, where), (better, there) = sorted(sides, key=lambda side: -side[0])
         return f"failing: {_percent(worse)} of runs {where}, {_percent(better)} {there}"
     unit = " s" if effect.outcome == "time_s" else ""
-    name = "cycle time" if effect.outcome == "time_s" else effect.outcome
+    name = _outcome_words(effect.outcome)
     share = f"{_percent(effect.share)} of its spread"
     means = f"{_number(effect.low)}{unit} {lowest}, {_number(effect.high)}{unit} {highest}"
     return f"{name}: {share} by {effect.of}; mean {means}"
+
+
+def _outcome_words(outcome: str) -> str:
+    return "cycle time" if outcome == "time_s" else outcome
 
 
 def _words_of(distribution: Distribution, unit: str = "") -> str:
@@ -262,10 +268,10 @@ def _json_of_kind(kind: Kind) -> dict[str, Any]:
         "state": first.state,
         "code": first.code,
         "line": first.line,
-        "disturbance": first.disturbance,
         "text": first.text,
         "count": kind.count,
-        "runs": list(kind.runs),
+        "after": dict(kind.after),
+        "runs": [row.choices.run for row in kind.rows],
         "region": None if kind.region is None else _json_of_region(kind.region),
     }
 

@@ -21,6 +21,7 @@ class Sweeping:
         plan: what is run.
         runs: how often.
         journal: where rows are kept.
+        first: number of the first run; those before it are left out.
 
     Attributes:
         plan: see above.
@@ -30,10 +31,11 @@ class Sweeping:
         failed: how many of them failed.
     """
 
-    def __init__(self, plan: Plan, runs: int, journal: Journal) -> None:
+    def __init__(self, plan: Plan, runs: int, journal: Journal, first: int = 0) -> None:
         self.plan = plan
         self.runs = runs
         self.journal = journal
+        self._first = first
         self.done = self.failed = 0
         for row in self.rows():
             self._count(row)
@@ -49,7 +51,7 @@ class Sweeping:
             in_order: called with each row, in the order of numbers, as soon as all before it are there.
         """
         shown = self._shown_in_order(in_order) if in_order is not None else None
-        missing = self.journal.missing(self.runs)
+        missing = [range(max(numbers.start, self._first), numbers.stop) for numbers in self.journal.missing(self.runs)]
         if shown is not None:
             next(shown)
         if not missing:
@@ -93,7 +95,7 @@ class Sweeping:
 
     def _shown_in_order(self, show: Callable[[Row], None]) -> Iterator[None]:
         """Show the rows of the journal as far as none is missing; each step goes on from there."""
-        at = 0
+        at = self._first
         while True:
             for row in self.journal.rows_from(at):
                 show(row)

@@ -145,6 +145,16 @@ class Totals:
         """Number of failing runs."""
         return self.failing.total()
 
+    def alike(self) -> list[list[Group]]:
+        """Return the kinds of failures, those together that differ in the last disturbance alone; most frequent first.
+
+        Many disturbances show one mistake of a program.
+        """
+        found: dict[tuple[str, str, int], list[Group]] = {}
+        for group in self.groups.values():
+            found.setdefault(group.kind[:3], []).append(group)
+        return sorted(found.values(), key=lambda groups: (-sum(group.count for group in groups), groups[0].number))
+
     def _add_margins(self, row: Row) -> None:
         for index, margin in enumerate(row.margins[: len(self.properties)]):
             if margin is None:

@@ -125,3 +125,4 @@ def test_the_limit_of_time_leaves_room_for_pauses(ground: Ground) -> None:
     assert time_limit_s(ground, (), 5.0) == 5.0
     endless = replace(ground, plain=replace(ground.plain, state="time_limit"))
     assert time_limit_s(endless, (), 20.0) == 20.0
+    assert time_limit_s(endless, (), None) == 600.0

@@ -35,7 +35,7 @@ def verdict(
     text: str, program: str, *disturbances: Disturbance, plain: End | None = None, robot: VirtualRobot | None = None
 ) -> tuple[Verdict, Run]:
     robot = robot or VirtualRobot(MODEL)
-    situation = Situation(MODEL, robot.options.safety, plain)
+    situation = Situation(MODEL, robot.options.safety, None if plain is None else lambda: plain)
     situation.disturbances = disturbances
     watching = Checks([built_in(text, situation)]).watch()
     apply(robot, disturbances)
@@ -90,7 +90,7 @@ def test_an_output_is_left_on_by_a_stop() -> None:
     assert not found.holds
     assert "standard_digital_out[2], switched on in line 2 at 0.000 s" in found.words
     assert verdict("no_output_left_on", LAMP)[0].holds
-    situation = Situation(MODEL, None, plain_of(LAMP))
+    situation = Situation(MODEL, None, lambda: plain_of(LAMP))
     situation.disturbances = (STOP,)
     failure = failure_of("no_output_left_on", found, run, situation)
     assert (failure.code, failure.line, failure.disturbance, failure.state) == ("", 2, "protective_stop", "alarm")
@@ -112,9 +112,7 @@ def test_a_contact_has_a_depth_and_a_clearance_a_distance() -> None:
     def found(height: float) -> Verdict:
         robot = VirtualRobot(MODEL)
         robot.cell = read_cell({"box": [{"name": "post", "size": [0.4, 0.4, height], "pose": [0.5, 0.2, height / 2]}]})
-        return verdict("no_contact", "def p():\n  movej([0.6, -1.2, 1.4, -1.2, 1.5, 0], a=2, v=2)\nend", robot=robot)[
-            0
-        ]
+        return verdict("no_contact", "def p():\n  movej([0.6, -1.2, 1.4, -1.2, 1.5, 0], a=2, v=2)\nend", robot=robot)[0]
 
     low, high = found(0.02), found(0.9)
     assert low.holds
@@ -147,7 +145,7 @@ def test_the_plain_run_of_the_same_values_decides_before_an_end_differs() -> Non
         asked.append(True)
         return plain_of(LAMP)
 
-    situation = Situation(MODEL, None, End("alarm", (), {}, 1.0), plain_end)
+    situation = Situation(MODEL, None, lambda: End("alarm", (), {}, 1.0), plain_end)
     situation.disturbances = (Disturbance("pause", at_s=0.5, for_s=0.5),)
     watch = built_in("same_end", situation).watch()
     assert watch.verdict(VirtualRobot(MODEL).run(LAMP), 0).holds

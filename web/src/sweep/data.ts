@@ -16,8 +16,6 @@ export interface ShownRun {
   readonly run: number;
   /** Address of its replay beside this page; empty without one. */
   readonly page: string;
-  /** Line that plays it again; empty without a case file. */
-  readonly command: string;
   readonly disturbances: readonly string[];
 }
 
@@ -27,6 +25,8 @@ export interface Kind {
   readonly title: string;
   readonly text: string;
   readonly story: readonly string[];
+  /** The smallest run that fails so: its page and the line that plays it again; empty without them. */
+  readonly smallest: { readonly page: string; readonly command: string };
   readonly region: string;
   readonly count: number;
   readonly runs: readonly ShownRun[];
@@ -36,8 +36,8 @@ interface Head {
   readonly format: number;
   readonly title: string;
   readonly command: string;
-  /** Line that writes the case of a run, with `{run}` for its number; empty if there is none. */
-  readonly case_command: string;
+  /** Line that makes the replay of a run, with `{run}` for its number; empty if there is none. */
+  readonly run_command: string;
   readonly version: string;
   readonly seed: number;
   readonly runs: number;

@@ -80,7 +80,7 @@ export function runsOf(sweep: Sweep): Column["values"] {
 }
 
 /** The row nearest to a place in pixels, at most `reach` away; -1: none. Of several, failing ones come first. */
-export function nearestRow(x: ArrayLike<number>, y: ArrayLike<number>, kinds: ArrayLike<number>, at: readonly [number, number], reach = 12): number {
+export function nearestRow(x: ArrayLike<number>, y: ArrayLike<number>, kinds: ArrayLike<number>, at: readonly [number, number], reach = 24): number {
   let found = -1;
   let least = reach * reach;
   for (let row = 0; row < x.length; row++) {

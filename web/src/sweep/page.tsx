@@ -223,6 +223,8 @@ function KindRow({ state, kind, place }: { state: State; kind: Kind; place: numb
       <td lang="en">
         <div class="title">{kind.title}</div>
         {kind.story.length > 0 ? kind.story.map((line, index) => <p key={index}>{line}</p>) : kind.text !== "" && <p>{kind.text}</p>}
+        {kind.smallest.page !== "" && <p lang={language.value}><a href={kind.smallest.page}>{text("smallest")}</a></p>}
+        {kind.smallest.command !== "" && <Command words={kind.smallest.command} />}
         {kind.region !== "" && <p class="faint">{kind.region}</p>}
       </td>
       <td class="runs">
@@ -379,19 +381,19 @@ function Chosen({ state }: Props) {
             </>
           )}
           {found.shown !== null && found.shown.page !== "" && <p><a href={found.shown.page}>{text("open_replay")}</a></p>}
-          <Again state={state} run={found.run} command={found.shown?.command ?? ""} />
+          <Again state={state} run={found.run} />
         </>
       )}
     </section>
   );
 }
 
-function Again({ state: { sweep }, run, command }: { state: State; run: number; command: string }) {
-  const words = command !== "" ? command : sweep.case_command.replaceAll("{run}", String(run));
-  if (words === "") return null;
+function Again({ state: { sweep }, run }: { state: State; run: number }) {
+  if (sweep.run_command === "") return null;
+  const words = sweep.run_command.replaceAll("{run}", String(run));
   return (
     <>
-      <h3>{text(command !== "" ? "again" : "make_case")}</h3>
+      <h3>{text("again")}</h3>
       <Command key={words} words={words} />
     </>
   );

@@ -31,13 +31,13 @@ class JointLoads:
 
     def remaining_torques(self, tick: int) -> Six:
         """Return the torques of this tick less those that the arm alone needs, N m."""
-        joints, qdd = self._arm_state.joints(tick), self._arm_state.actual_acceleration()
+        joints, qdd = self._arm_state.joints(tick), self._arm_state.actual_acceleration(tick)
         setup = self._setup
         return self._dynamics.remaining_torques(joints.q_actual, joints.qd_actual, qdd, setup.gravity, setup.payload)
 
     def measured(self, tick: int) -> tuple[Six, Six]:
         """Return the torques of all joints, N m, and the currents of their motors, A (*assumed*)."""
-        joints, qdd = self._arm_state.joints(tick), self._arm_state.actual_acceleration()
+        joints, qdd = self._arm_state.joints(tick), self._arm_state.actual_acceleration(tick)
         setup = self._setup
         torques = self._dynamics.measured_torques(joints.q_actual, joints.qd_actual, qdd, setup.gravity, setup.payload)
         return torques, self._dynamics.currents(torques)

@@ -152,26 +152,31 @@ class ArmState:
             return [(joints.q_target, joints.qd_target) for joints in map(self.joints, ticks)]
         return self._motion.setpoints(ticks)
 
-    def target_acceleration(self) -> Six:
-        """Return the acceleration of the target after the present tick, rad/s^2.
+    def target_acceleration(self, tick: int | None = None) -> Six:
+        """Return the acceleration of the target after a tick, rad/s^2.
 
         It is the difference of the speeds of this instant and the next (of the next tick, for stepped motions), because
         path, profile and speed percentage all contribute. It uses nothing before the tick, so it does not depend on
         which ticks were run.
-        """
-        before = self.joints(self._tick).qd_target
-        if self._is_stepped:
-            ahead_s, after = PERIOD_S, self.joints(self._tick + 1).qd_target
-        elif self._motion.is_stepped:
-            ahead_s, after = PERIOD_S, self._motion.sample(self._tick + 1).qd
-        else:
-            ahead_s, after = _INSTANT_S, self._motion.sample(self._tick + _INSTANT_S / PERIOD_S).qd
-        return _change(before, after, ahead_s)
 
-    def actual_acceleration(self) -> Six:
-        """Return the acceleration of the actual joints after the present tick, rad/s^2."""
+        Args:
+            tick: the present one if None. Time may have leapt to a later one that has not run, at which a motion may
+                have changed: what was before is not known any more then.
+        """
+        if self._is_stepped:
+            ahead_s, before, after = PERIOD_S, self.joints(self._tick), self.joints(self._tick + 1).qd_target
+        elif self._motion.is_stepped:
+            ahead_s, before, after = PERIOD_S, self.joints(self._tick), self._motion.sample(self._tick + 1).qd
+        else:
+            tick = self._tick if tick is None else tick
+            ahead_s, before = _INSTANT_S, self.joints(tick)
+            after = self._motion.sample(tick + _INSTANT_S / PERIOD_S).qd
+        return _change(before.qd_target, after, ahead_s)
+
+    def actual_acceleration(self, tick: int | None = None) -> Six:
+        """Return the acceleration of the actual joints after a tick, rad/s^2; see `target_acceleration`."""
         if self._plant is None or not self._is_stepped:
-            return self.target_acceleration()
+            return self.target_acceleration(tick)
         return _change(self.joints(self._tick).qd_actual, self.joints(self._tick + 1).qd_actual, PERIOD_S)
 
     def settle(self, tick: int) -> None:

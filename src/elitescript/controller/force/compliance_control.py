@@ -135,12 +135,12 @@ class ComplianceControl:
         joints = arm.joints(tick)
         if is_compensated:
             return self.sensor.compensated(joints.q_actual, joints.qd_actual)
-        return self.sensor.raw(joints.q_actual, joints.qd_actual, arm.actual_acceleration)
+        return self.sensor.raw(joints.q_actual, joints.qd_actual, lambda: arm.actual_acceleration(tick))
 
     def wrenches(self, arm: ArmState, tick: int) -> tuple[Six, Six]:
         """Return the wrench on the TCP at the present tick, compensated and raw, TCP frame."""
         joints = arm.joints(tick)
-        return self.sensor.readings(joints.q_actual, joints.qd_actual, arm.actual_acceleration)
+        return self.sensor.readings(joints.q_actual, joints.qd_actual, lambda: arm.actual_acceleration(tick))
 
     def is_done(self, call: int) -> bool:
         """Return whether the call of that number is over."""

@@ -11,10 +11,10 @@ from elitescript.devices.channels.faults import BOTH, LINE, TCP, TO_DEVICE, TO_R
 from elitescript.devices.channels.wrong_replies import wrong_reply
 from elitescript.errors import UsageError
 from elitescript.messages.enums import ChannelError
-from elitescript.messages.faults import ChannelFault
+from elitescript.messages.faults import ChannelFault, Passing
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
 from elitescript.messages.line import LineSettings
-from elitescript.records import NamedTuple, replace
+from elitescript.records import replace
 from elitescript.runtime.environment import Channels
 
 PAUSE_TICKS: Final = 2
@@ -25,20 +25,6 @@ REFUSED: Final = "connection refused"
 
 Pieces = list[tuple[int, bytes]]
 """Parts of a message with the ticks that each comes later."""
-
-
-class Passing(NamedTuple):
-    """A message, or the part of one that has come in a tick, on its way over a channel."""
-
-    tick: int
-    place: tuple[str, str, int]
-    """As `ChannelFault.place`."""
-    direction: str
-    """`to_robot` or `to_device`."""
-    data: bytes
-    """As it was sent."""
-    faults: tuple[tuple[str, int | str], ...]
-    """Kind and place of each fault that it meets."""
 
 
 class _Active:

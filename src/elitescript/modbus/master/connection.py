@@ -236,6 +236,8 @@ class MasterConnection:
 
     def next_tick(self, tick: int) -> int | None:
         """Return the earliest tick after `tick` at which something is due without an event."""
+        if self.is_unused:
+            return tick + 1  # then it is closed
         if self._state is _CLOSED and self.retry_tick is None:
             return None
         last = self._last_tick

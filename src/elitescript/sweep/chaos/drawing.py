@@ -141,6 +141,9 @@ def is_over(disturbance: Disturbance, end_s: float) -> bool:
     return disturbance.kind in TABLE and disturbance.settings.get("count") is not None
 
 
+PLAIN_UNTIL_S: Final = 600.0
+"""Limit of virtual time of the plain run, and of every run if that reaches it, unless there is another, *assumed*."""
+
 SLACK_S: Final = 30.0
 """Time that a disturbed run has beyond twice that of the plain one, *assumed*."""
 
@@ -154,7 +157,7 @@ def time_limit_s(ground: Ground, disturbances: Sequence[Disturbance], until_s: f
         until_s: limit that was asked for; None for none.
     """
     if ground.plain.state == "time_limit":
-        return until_s
+        return PLAIN_UNTIL_S if until_s is None else until_s
     held_s = sum(item.for_s or 0.0 for item in disturbances)
     slow = [float(item.settings["fraction"]) for item in disturbances if item.kind == "slider" and item.for_s is None]
     factor = max(1.0, *(1.0 / max(fraction, 0.01) for fraction in slow), 1.0)

@@ -11,11 +11,11 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.devices.channels.faults import ANALOG, DIGITAL, FORMS, INPUTS, LINE, TABLE, TCP, Fault, place_of
-from elitescript.devices.channels.faulty_channels import Passing
 from elitescript.errors import UsageError
 from elitescript.language.parser import parse
 from elitescript.lint.program import AnalysedProgram
 from elitescript.messages.events import SignalChanged
+from elitescript.messages.faults import Passing
 from elitescript.messages.signals import SIGNALS, parse_signal_name, point_names, signal_name
 from elitescript.messages.timing import seconds
 from elitescript.records import NamedTuple, record

@@ -212,9 +212,14 @@ def waits_of(run: Run) -> str:
     """Return where each thread of a run that did not end by itself was, in words."""
     return "; ".join(
         f"{row.name} {'waited' if row.waits_for else 'was'} in line {row.line}"
-        + (f" for {row.waits_for}" if row.waits_for else "")
+        + (f" for {waited_for(row.waits_for)}" if row.waits_for else "")
         for row in run.threads
     )
+
+
+def waited_for(reason: str) -> str:
+    """Return what a thread waited for, without the time at which it would have looked again."""
+    return reason.partition(", until ")[0]
 
 
 def _no_alarm(situation: Situation, run: Run) -> Verdict:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from elitescript.records import replace
 from elitescript.sweep.chaos.applying import apply
-from elitescript.sweep.chaos.drawing import Source, draw, time_limit_s
+from elitescript.sweep.chaos.drawing import PLAIN_UNTIL_S, Source, draw, time_limit_s
 from elitescript.sweep.chaos.ground import Ears, End, Ground, end_of, survey
 from elitescript.sweep.chaos.profile import profile_of
 from elitescript.sweep.chaos.properties import BuiltInProperty, Situation, asked_for, built_in, failure_of
@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     from elitescript.properties.verdicts import Verdict
     from elitescript.robot import VirtualRobot
     from elitescript.run import Run
-
-PLAIN_UNTIL_S: Final = 600.0
-"""Limit of virtual time of the plain run, if the plan has none, *assumed*."""
 
 Play = Callable[[Choices, float | None, Callable[["VirtualRobot"], None]], tuple["VirtualRobot", "Run"]]
 """Runs a program without properties: with choices, up to a time, and with a call for the robot before it begins."""

@@ -1,0 +1,239 @@
+"""Audits a recording: runs its program with the recorded inputs, and says where both part."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any, Final
+
+from elitescript.audit.configuration import arm_differences
+from elitescript.audit.differences import Comparer
+from elitescript.audit.findings import AuditedRun, AuditFindings, arm_file_of
+from elitescript.audit.inputs import inputs_of
+from elitescript.audit.motion import Tolerance
+from elitescript.audit.series import is_edge, marks_of, recorded, recorded_signals, runs_of
+from elitescript.audit.simulation import Cell, Simulated, cell_of, simulate
+from elitescript.audit.words import audit_as_json, audit_in_words
+from elitescript.commands.catalogue import CATALOGUE
+from elitescript.errors import UsageError
+from elitescript.language.text.source import SourceFile
+from elitescript.messages.signals import SIGNALS
+from elitescript.models.model import load_model
+from elitescript.protocol.primary.messages import SCRIPT_EXCEPTION
+from elitescript.recorder.recording import Recording
+from elitescript.records import record, replace
+
+if TYPE_CHECKING:
+    from elitescript.models.model import RobotModel
+
+ALL: Final = "all"
+PROGRAMS: Final = (".script", ".txt")
+"""Suffixes of programs among the attachments of a recording."""
+
+_CHANNELS: Final = frozenset({"socket", "serial", "modbus", "modbus_rtu", "rpc"})
+"""Families of commands that speak to devices; what these say is not in a recording."""
+_FORCES: Final = "force"
+_EXCEPTION_S: Final = 0.1
+"""Time between the end of a program and the message about its cause, at most (*assumed*)."""
+_CALL: Final = re.compile(r"\b([A-Za-z_]\w*)\s*\(")
+
+
+@record
+class Audit(AuditFindings):
+    """What an audit has found, in words (`str`) and as JSON has it (`json`)."""
+
+    def json(self) -> dict[str, Any]:
+        """Return the audit as JSON has it; see docs/how-to/audit.md."""
+        return audit_as_json(self)
+
+    def __str__(self) -> str:
+        return audit_in_words(self)
+
+
+def audit(
+    recording: Recording | str | Path,
+    program: str | Path | SourceFile | None = None,
+    *,
+    robot: str | None = None,
+    world: str | Path | None = None,
+    run: int | str = ALL,
+    tolerance: Tolerance | None = None,
+    presets: Mapping[str, object] | None = None,
+    fit: bool = False,
+    **options: Any,
+) -> Audit:
+    """Run the program of a recording with the recorded inputs, and compare.
+
+    Args:
+        recording: of `elitescript record`, or the path of its file.
+        program: text, path or source of the program that ran; that of the recording if None.
+        robot: name of the arm or path of its file; if None that of the world file, else the recorded model.
+        world: path of the world file: devices over channels are not in a recording.
+        run: number of the run to audit, from 1 on; `all` for each.
+        tolerance: what does not count as a difference.
+        presets: program globals that have a value before the program begins.
+        fit: whether to estimate parameters of the arm too.
+        **options: further options of the robot, as of `VirtualRobot`.
+
+    Raises:
+        UsageError: no such file, no program, a recording without a run, or without target joints.
+        ProgramError: the program does not compile.
+    """
+    from elitescript.recorder.mcap_file import read_recording
+
+    found = recording if isinstance(recording, Recording) else read_recording(recording)
+    if not found.t:
+        raise UsageError("the recording has no rows")
+    source = _program(found, program)
+    with TemporaryDirectory() as folder:
+        # An arm is read from a file.
+        arm = robot or (None if world is not None else _recorded_arm(found, Path(folder)))
+    cell = cell_of(source, arm, world, options, presets)
+    return _audit(found, cell, run, tolerance or Tolerance(), is_fitted=fit)
+
+
+def _audit(recording: Recording, cell: Cell, run: int | str, tolerance: Tolerance, *, is_fitted: bool) -> Audit:
+    model = cell.robot().model
+    ranges = runs_of(recording)
+    if not ranges:
+        raise UsageError("no program ran while the recording was made, so there is nothing to compare")
+    if run != ALL and (not isinstance(run, int) or not 1 <= run <= len(ranges)):
+        raise UsageError(f"run: the recording has the runs 1 to {len(ranges)}, got {run!r}")
+    chosen = [(number, rows) for number, rows in enumerate(ranges, 1) if run in (ALL, number)]
+    runs = tuple(_audited(recording, cell, number, rows, tolerance) for number, rows in chosen)
+    lost = sum(round((end - begin) * recording.rate_hz) - 1 for begin, end in recording.gaps)
+    fit = None
+    if is_fitted:
+        from elitescript.audit.fit.recordings import fit_recording
+
+        fit = fit_recording(recording, model, cell.source.text)
+    return Audit(
+        recording,
+        cell,
+        model,
+        runs,
+        len(ranges),
+        tuple(arm_differences(recording.facts, model)),
+        tuple(_not_compared(recording, cell, model)),
+        lost,
+        fit,
+    )
+
+
+def _audited(recording: Recording, cell: Cell, number: int, rows: range, tolerance: Tolerance) -> AuditedRun:
+    series = recorded(recording, rows)
+    signals = recorded_signals(recording)
+    driven = cell.driven() & set(signals)
+    inputs = inputs_of(recording, rows, series, driven)
+    edges = {name for name in signals if is_edge(name)} | {name for name in driven if _is_level(name)}
+    by_lines = series.has_lines
+    marks = marks_of(series, edges, by_lines=by_lines)
+    if series.is_headless:
+        # Where the recording begins nothing has happened.
+        marks = [mark for mark in marks if mark.row]
+    made = simulate(cell, inputs, series, marks, signals, by_lines=by_lines)
+    comparer = Comparer(
+        series,
+        made.series,
+        marks,
+        marks_of(made.series, edges, by_lines=by_lines),
+        arrivals=inputs.arrivals,
+        tolerance=tolerance,
+        ending=_ending(made),
+        recorded_ending=_exception(recording, recording.t[rows.stop - 1]),
+    )
+    comparison = comparer.compare(signals)
+    notes = [*comparison.notes, *inputs.unknown, *made.refused]
+    if series.is_headless:
+        notes.insert(0, "the program ran already when the recording began: what was before is not compared")
+    if not by_lines:
+        notes.insert(0, "the recording does not show lines: pieces are cut at standstills and edges of outputs")
+    return AuditedRun(
+        number,
+        recording.t[rows.start],
+        recording.t[rows.stop - 1],
+        replace(comparison, notes=tuple(notes)),
+        inputs,
+        series,
+        tuple(marks),
+        by_lines,
+        made,
+    )
+
+
+def _is_level(name: str) -> bool:
+    return SIGNALS[name.partition("[")[0]].kind != "float"
+
+
+def _ending(made: Simulated) -> str:
+    """Return how the simulated run ended, if its program did not come to its end."""
+    run = made.run
+    if run.alarms:
+        alarm = run.alarms[-1]
+        verb = "waits for ever" if run.state == "stuck" else "ends with an alarm"
+        return f"{verb} in line {alarm.line}: {alarm.text}"
+    if run.state != "time_limit":
+        return ""
+    lines = [line for line in made.series.lines[-2:] if line]
+    return f"is still in line {lines[-1]} at {made.series.t[-1]:.3f} s" if lines else "goes on"
+
+
+def _exception(recording: Recording, end_s: float) -> str:
+    """Return the exception that a controller has told of when a program ended, with its line; empty if it has not."""
+    for message in recording.messages:
+        data = message.data
+        if message.channel == "primary" and data.get("type") == SCRIPT_EXCEPTION.name:
+            t = data["timestamp"] * 1e-6 if "timestamp" in data else message.t
+            if abs(t - end_s) < _EXCEPTION_S:
+                return f"line {data.get('line', 0)}: {data.get('text', '')}"
+    return ""
+
+
+def _program(recording: Recording, program: str | Path | SourceFile | None) -> str | Path | SourceFile:
+    """Return the program: the given one, else the one in the recording."""
+    if program is not None:
+        return program
+    names = [name for name in recording.attachments if Path(name).suffix.lower() in PROGRAMS]
+    if not names:
+        raise UsageError("the recording holds no program; name the one that ran (--program FILE)")
+    if len(names) > 1:
+        raise UsageError(f"the recording holds {', '.join(names)}; name the program that ran (--program FILE)")
+    # Bytes of a file are text of UTF-8, as those that are read from the disk.
+    return SourceFile(f"<{names[0]}>", recording.attachments[names[0]].decode("utf-8", "replace"))
+
+
+def _recorded_arm(recording: Recording, folder: Path) -> RobotModel | None:
+    """Return the arm of a recording: the file that it holds, else the model that the controller named."""
+    if file := arm_file_of(recording):
+        path = folder / Path(file).name
+        path.write_bytes(recording.attachments[file])
+        return load_model(str(path))
+    name = str(recording.facts.get("model", "")).strip()
+    try:
+        return load_model(name) if name else None
+    except UsageError:
+        return None
+
+
+def _not_compared(recording: Recording, cell: Cell, model: RobotModel) -> Iterable[str]:
+    families = {
+        command.family for name in _CALL.findall(cell.source.text) if (command := CATALOGUE.get(name)) is not None
+    }
+    if found := sorted(families & _CHANNELS):
+        if cell.world is None:
+            yield f"devices ({', '.join(found)}): what they answered is not in a recording; --world gives them"
+        else:
+            yield f"devices ({', '.join(found)}): those of the world file answered, not the recorded ones"
+    named = str(recording.facts.get("model", "")).strip()
+    if named and named != model.name and not model.name.startswith(named):
+        yield f"the arm of the recording, {named}: the simulated one is {model.name}"
+    if cell.world is None:
+        for name in recording.attachments:
+            if name.endswith(".toml") and name != arm_file_of(recording):
+                yield f"{name}, which the recording holds: as a world it is given with --world"
+    if _FORCES in families:
+        yield "forces at the TCP: the simulated arm has only those of the world file"
+    for rows in (gap for gap in recording.gaps if gap[1] - gap[0] > 1.0):
+        yield f"{rows[0]:.3f} to {rows[1]:.3f} s of the controller: no rows"

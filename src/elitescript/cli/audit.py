@@ -1,0 +1,146 @@
+"""`elitescript audit`: holds a recording of a controller against the simulated robot."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any, Final
+
+from elitescript.audit import Tolerance
+from elitescript.audit.auditing import ALL, Audit
+from elitescript.audit.auditing import audit as audited
+from elitescript.audit.fit.arm_file import arm_text
+from elitescript.cli.output.screen import palette_of, rendered
+from elitescript.cli.robot_options import options_from
+from elitescript.environment.program_file import source_of
+from elitescript.errors import ProgramError, UsageError, did_you_mean
+from elitescript.language.text.source import SourceFile
+from elitescript.models.datafile import parsed, read_text
+from elitescript.models.model import is_model_file
+from elitescript.page import NOT_BUILT, is_built
+from elitescript.paths import why_no_file
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    import argparse
+
+AGREES: Final = 0
+DIFFERS: Final = 1
+USAGE: Final = 2
+
+_TOLERANCES: Final = {"joints": "joints", "time": "time_s", "share": "share"}
+"""Names on the command line of the fields of `Tolerance`."""
+
+
+def audit(options: argparse.Namespace) -> int:
+    """Audit the recording of the command line; return the exit code."""
+    path = Path(options.file)
+    if options.fit is not None and not is_model_file(options.fit):
+        raise UsageError(f"--fit {options.fit}: the name of an arm file ends in .toml")
+    for flag, target in (("--page", options.page), ("--fit", options.fit)):
+        if target is not None and Path(target).exists() and path.exists() and Path(target).samefile(path):
+            raise UsageError(f"{flag} {target}: this is the recording")
+    if options.page is not None and not is_built():
+        raise UsageError(f"--page: {NOT_BUILT}")
+    tolerance = parse_tolerance(options.tolerance)
+    given = options_from(options)
+    try:
+        found = audited(
+            path,
+            _program(options.program),
+            robot=given.pop("model", None),
+            world=options.world,
+            run=_run(options.run),
+            tolerance=tolerance,
+            fit=options.fit is not None,
+            **given,
+        )
+    except ProgramError as error:
+        _print_problems(options.program, error)
+        return USAGE
+    if options.fit is not None:
+        _write(options.fit, "--fit", _arm_text(found, getattr(options, "model", None)))
+    if options.page is not None:
+        from elitescript.audit.page import audit_page
+
+        _write(options.page, "--page", audit_page(found, path.name).text)
+    if options.json:
+        print(json.dumps(found.json(), ensure_ascii=False))
+    else:
+        print(found)
+    return AGREES if found.agrees else DIFFERS
+
+
+def parse_tolerance(texts: list[str]) -> Tolerance:
+    """Return the tolerance of the command line.
+
+    Args:
+        texts: a number, rad, or `joints=RAD`, `time=SECONDS`, `share=FRACTION`, several with commas between them.
+
+    Raises:
+        UsageError: another name, or no number of at least 0.
+    """
+    values: dict[str, float] = {}
+    for part in (part for text in texts for part in text.split(",")):
+        name, equals, text = part.strip().rpartition("=")
+        name = name.strip() if equals else "joints"
+        if name not in _TOLERANCES:
+            known = ", ".join(_TOLERANCES)
+            raise UsageError(f"--tolerance: {name!r} is not known; there are {known}{did_you_mean(name, _TOLERANCES)}")
+        try:
+            value = float(text)
+        except ValueError:
+            value = -1.0
+        if not 0.0 <= value < float("inf"):
+            raise UsageError(f"--tolerance {part.strip()}: write a number of at least 0")
+        values[_TOLERANCES[name]] = value
+    return Tolerance(**values)
+
+
+def _run(text: str) -> int | str:
+    if text == ALL:
+        return ALL
+    if not text.isdecimal():
+        raise UsageError(f"--run: write the number of a run, or {ALL}, not {text!r}")
+    return int(text)
+
+
+def _program(path: str | None) -> SourceFile | None:
+    if path is None:
+        return None
+    if why := why_no_file(Path(path), is_stream_allowed=True):
+        raise UsageError(f"--program: {path} {why}")
+    return source_of(path)
+
+
+def _print_problems(path: str | None, error: ProgramError) -> None:
+    if path is None:
+        print(f"elitescript audit: the program of the recording: {error}", file=sys.stderr)
+        return
+    source = SourceFile(path, Path(path).read_bytes().decode("utf-8", "replace"))
+    for problem in error.problems:
+        print(rendered(problem, source, palette_of(sys.stderr)), file=sys.stderr)
+
+
+def _arm_text(found: Audit, robot: str | None) -> str:
+    """Return an arm file with what the fit has found; it goes on from the arm file that was given, or recorded."""
+    assert found.fit is not None
+    base: dict[str, Any] = {"base": found.model.name}
+    if robot is not None and is_model_file(robot):
+        base = parsed(robot, read_text(Path(robot)))
+    elif (name := found.arm_file) and robot is None:
+        base = parsed(name, found.recording.attachments[name].decode())
+    return arm_text(
+        base,
+        found.fit.parameters,
+        [joint.qd_max for joint in found.model.joints],
+        about="fitted to a recording of its controller",
+    )
+
+
+def _write(path: str, flag: str, text: str) -> None:
+    try:
+        Path(path).write_text(text, encoding="utf-8", errors="backslashreplace", newline="\n")
+    except OSError as error:
+        raise UsageError(f"{flag} {path}: {error.strerror or error}") from error

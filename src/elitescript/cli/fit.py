@@ -1,0 +1,114 @@
+"""`elitescript fit`: lengths of an arm from points that are known as joints and as pose."""
+
+from __future__ import annotations
+
+import json
+import sys
+from math import isfinite
+from pathlib import Path
+from typing import Any, Final
+
+from elitescript.audit.fit.arm_file import arm_text
+from elitescript.audit.fit.lengths import LengthFit, fit_lengths
+from elitescript.audit.fit.pairs import ARITHMETIC, Point, Points, points_of_file, points_of_program
+from elitescript.audit.fit.words import table
+from elitescript.cli.settings import parse_six
+from elitescript.errors import UsageError
+from elitescript.messages.motion import Six
+from elitescript.models.datafile import parsed, read_text
+from elitescript.models.model import RobotModel, is_model_file, load_model
+from elitescript.paths import why_no_file
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    import argparse
+
+AGREES: Final = 0
+DIFFERS: Final = 1
+MAX_BYTES: Final = 50_000_000
+"""Of a file with points."""
+
+
+def fit(options: argparse.Namespace) -> int:
+    """Fit the lengths of an arm to the points of the command line; return the exit code."""
+    if not options.files and not options.pairs:
+        raise UsageError("name programs with points, or --pairs FILE with joints and poses")
+    model = load_model(options.robot)
+    tcp = None if options.tcp is None else parse_six("--tcp", options.tcp, "m and rad")
+    if tcp is not None and not all(map(isfinite, tcp)):
+        raise UsageError(f"--tcp {options.tcp}: six finite numbers are needed")
+    points = _all_points(options.files, options.pairs, tcp)
+    fitted = fit_lengths(points, model.arm, zeros=options.zeros)
+    if options.out is not None:
+        _write_arm(options.out, options.robot, model, fitted)
+    if options.json:
+        print(json.dumps({"robot": model.name, **fitted.json()}, allow_nan=False))
+    else:
+        _print(model, fitted)
+        if options.out is not None:
+            print(f"{options.out}: an arm file for --robot", file=sys.stderr)
+    return DIFFERS if fitted.differs else AGREES
+
+
+def _all_points(programs: list[str], files: list[str], tcp: Six | None) -> Points:
+    parts = [(name, points_of_program(_text(name), name, tcp)) for name in programs]
+    parts += [(name, points_of_file(_text(name), name, tcp)) for name in files]
+    many = len(parts) > 1
+
+    def named(point: Point, name: str) -> Point:
+        return point._replace(name=f"{name}: {point.name}") if many and not point.name.startswith(name) else point
+
+    return Points(
+        points=tuple(named(point, name) for name, part in parts for point in part.points),
+        tcp_words="; ".join(
+            dict.fromkeys(f"{name}: {part.tcp_words}" if many else part.tcp_words for name, part in parts)
+        ),
+        # The digits of the coarsest file: all weigh alike.
+        q_step=max((part.q_step for _, part in parts if part.points), default=ARITHMETIC),
+        position_step=max((part.position_step for _, part in parts if part.points), default=ARITHMETIC),
+        angle_step=max((part.angle_step for _, part in parts if part.points), default=ARITHMETIC),
+    )
+
+
+def _text(name: str) -> str:
+    path = Path(name)
+    if why := why_no_file(path, is_stream_allowed=True):
+        raise UsageError(f"{path}: cannot be read: it {why}")
+    try:
+        with path.open("rb") as file:
+            data = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be read: {error.strerror}") from None
+    if len(data) > MAX_BYTES:
+        raise UsageError(f"{path}: larger than {MAX_BYTES} bytes")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise UsageError(f"{path}: not UTF-8 at byte {error.start}") from None
+
+
+def _write_arm(out: str, robot: str, model: RobotModel, fitted: LengthFit) -> None:
+    if not out.endswith(".toml"):
+        raise UsageError(f"--out {out}: the name of an arm file ends in .toml")
+    base: dict[str, Any] = {"base": model.name}
+    if is_model_file(robot):
+        base = parsed(robot, read_text(Path(robot)))
+    about = f"lengths fitted to {fitted.used} points with joints and poses"
+    text = arm_text(base, fitted.parameters, [joint.qd_max for joint in model.joints], about=about)
+    try:
+        Path(out).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise UsageError(f"--out {out}: {error.strerror}") from None
+
+
+def _print(model: RobotModel, fitted: LengthFit) -> None:
+    count = f"{fitted.used} point{'' if fitted.used == 1 else 's'}"
+    print(f"{model.name} against {count} with joints and pose:")
+    print("\n".join(table(fitted.parameters)))
+    before, after = 1e3 * fitted.rms_before, 1e3 * fitted.rms_after
+    print(f"positions: {before:.6g} mm rms from the model, {after:.6g} mm with what was found")
+    for words in fitted.words:
+        print(f"- {words}")
+    for words in fitted.left_out:
+        print(f"- left out: {words}")
+    print("they differ" if fitted.differs else "they agree")

@@ -1,0 +1,98 @@
+"""The journal: torn at any byte it gives back whole ranges, and it goes on with its own plan alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from elitescript.errors import UsageError
+from elitescript.records import replace
+from elitescript.sweep.journal import Journal, difference, plan_parts
+from elitescript.sweep.plan import Choices, Disturbance, Failure, Plan, Row, Variation
+
+PLAN = Plan("def p():\nend\n", variations=(Variation("r", "uniform", (0, 1)),), options={"model": "CS66"}, seed=13)
+
+
+def row(run: int) -> Row:
+    failure = Failure("never_stuck", "stuck", "R130", 4, "drop", "it waits", 1.5, -0.25) if run % 3 == 0 else None
+    happened = (Disturbance("drop", 5000, 1.0, None, {"count": 1}),)
+    choices = Choices(run, run * 7, {"r": run / 8, "m": "\u00e9\n"}, happened)
+    return Row(choices, "finished", None if run == 4 else 2.5, {"m": None, "n": 1e-17}, "d1", failure, (None, 0.5))
+
+
+def test_rows_come_back_in_their_order(tmp_path: Path) -> None:
+    with Journal(tmp_path / "out.csv.part", PLAN, resumes=False) as journal:
+        for first in (4, 0, 6):
+            journal.add([row(first), row(first + 1)])
+        assert journal.missing(10) == [range(2, 4), range(8, 10)]
+        assert journal.missing(5) == [range(2, 4)]
+        assert list(journal.rows(10)) == [row(run) for run in (0, 1, 4, 5, 6, 7)]
+        assert list(journal.rows(5)) == [row(run) for run in (0, 1, 4)]
+        assert list(journal.rows_from(4)) == [row(run) for run in (4, 5, 6, 7)]
+        assert list(journal.rows_from(2)) == []
+    with Journal(journal.path, PLAN, resumes=True) as journal:
+        assert journal.done == 6
+        journal.add([row(2), row(3)])
+        assert list(journal.rows_from(0)) == [row(run) for run in range(8)]
+    with Journal(journal.path, PLAN, resumes=False) as journal:
+        assert journal.missing(3) == [range(3)]
+
+
+def test_a_torn_line_and_what_follows_it_are_dropped(tmp_path: Path) -> None:
+    path = tmp_path / "out.csv.part"
+    with Journal(path, PLAN, resumes=False) as journal:
+        journal.add([row(0)])
+        journal.add([row(1)])
+    whole = path.read_bytes()
+    ends = [at + 1 for at in range(len(whole)) if whole[at : at + 1] == b"\n"]
+    for cut in [*range(ends[0], len(whole), 9), len(whole) - 1]:
+        path.write_bytes(whole[:cut])
+        with Journal(path, PLAN, resumes=True) as journal:
+            assert journal.done == sum(end <= cut for end in ends) - 1
+            journal.add([row(5)])
+            assert list(journal.rows(9))[-1] == row(5)
+    # One bit on the disk has changed.
+    broken = bytearray(whole)
+    broken[ends[0] + 20] ^= 1
+    path.write_bytes(broken)
+    with Journal(path, PLAN, resumes=True) as journal:
+        assert journal.done == 0
+
+
+def test_a_journal_without_its_first_line_begins_anew(tmp_path: Path) -> None:
+    path = tmp_path / "out.csv.part"
+    with Journal(path, PLAN, resumes=False):
+        pass
+    path.write_bytes(path.read_bytes()[:-10])
+    with Journal(path, PLAN, resumes=True) as journal:
+        assert journal.missing(2) == [range(2)]
+    path.write_text("run,seed\n1,2\n")
+    with pytest.raises(UsageError, match="is no journal of a sweep"):
+        Journal(path, PLAN, resumes=True)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"seed": 11}, "--seed 11, was 13"),
+        ({"program": "def p():\n  sleep(1)\nend\n"}, "the program is another one"),
+        ({"variations": ()}, "--vary nothing, was r=uniform(0, 1)"),
+        ({"options": {"model": "CS63"}}, "--model CS63, was CS66"),
+        ({"options": {"model": "CS66", "speed": 0.5}}, "--speed 0.5, was not there"),
+        ({"until_s": 5.0}, "--until 5.0, was None"),
+        ({"ensure": ("time_s < 3",)}, "--ensure time_s < 3, was nothing"),
+        ({"version": "9"}, f"the version of elitescript is 9, was {PLAN.version}"),
+        ({"files": {"a.txt": "YQ=="}}, "a.txt of the task folder"),
+    ],
+)
+def test_another_plan_is_refused_by_its_first_difference(
+    changes: dict[str, object], words: str, tmp_path: Path
+) -> None:
+    other = replace(PLAN, **changes)
+    assert difference(plan_parts(PLAN), plan_parts(other)).startswith(words)
+    with Journal(tmp_path / "out.part", PLAN, resumes=False):
+        pass
+    with pytest.raises(UsageError) as caught:
+        Journal(tmp_path / "out.part", other, resumes=True)
+    assert words in str(caught.value)
