@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from elitescript.messages.timing import PERIOD_S
+from elitescript.messages.outputs import REPEAT_AFTER_S
 from elitescript.protocol.rtsi import connection as rtsi
 from elitescript.protocol.rtsi import recipes as rtsi_recipes
 from elitescript.protocol.rtsi.inputs import INPUT_ROWS, InputVariable
@@ -12,7 +12,6 @@ from tools.markdown import NOTICE, cell
 
 def rtsi_page() -> str:
     """Commands, types and variables of the RTSI port."""
-    silence_s = rtsi.SILENCE_TICKS * PERIOD_S
     low, high = rtsi_recipes.FREQUENCY_MIN_HZ, rtsi_recipes.FREQUENCY_MAX_HZ
     types = {row.type.name: row.type.size for row in (*OUTPUT_ROWS, *INPUT_ROWS)}
     lines = [
@@ -45,9 +44,10 @@ def rtsi_page() -> str:
         f"- Frequencies are {low:g} to {high:g} Hz; others are clamped, and a text message says so (*assumed*).",
         "- The first package of each recipe follows the start at once; n ticks later a recipe of f Hz has sent",
         "  floor(n f / 250) more. Values are those of the tick.",
-        "- Each tick gives a package once, with its own time stamp, also when `serve` is late: then there is none for",
-        f"  a while, but a text message every {silence_s:g} s (*assumed*), and what is made up for comes together. A",
-        "  tick is missing only where the robot was restarted (R132), or for a client that reads too slowly.",
+        "- Each tick gives a package once, with its own time stamp, also when `serve` is late: what is made up for",
+        "  comes together. A tick is missing only where the robot was restarted (R132), or for a client that reads too",
+        f"  slowly. After {REPEAT_AFTER_S:g} s without a new tick each recipe repeats its last package at its rate until",
+        "  there is one (*assumed*): a package with the time stamp of the one before is no news.",
         "- Inputs count while data flows and while it is paused, in local control too (*assumed*).",
         "- What cannot be obeyed is ignored and answered with a text message, at most once a second for each kind: a",
         "  package of a wrong size or of no recipe, a value out of range, an unknown command. A size below 3 ends the",

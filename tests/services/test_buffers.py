@@ -1,8 +1,10 @@
 import itertools
+import time
 
 from elitescript.messages.events import TextMessage
-from elitescript.messages.outputs import TickResult
-from elitescript.services.child.buffers import DELAY_MAX_TICKS, OutputBuffer
+from elitescript.messages.outputs import REPEAT_AFTER_S, TickResult
+from elitescript.messages.timing import PERIOD_S
+from elitescript.services.child.buffers import DELAY_MAX_TICKS, REPEAT_AFTER_TICKS, OutputBuffer
 from tests.protocol.snapshots import output
 
 
@@ -36,6 +38,35 @@ class TestOutputBuffer:
             counts.append(len(found.rows))
         assert counts == [1, 1, 0, 0, 1, 1, 1, 6, 1, 1, 1, 7]
         assert rows == [(tick, tick) for tick in range(21)]
+
+    def test_streams_repeat_their_row_when_there_was_none_for_long_by_ticks_and_by_the_clock(self, monkeypatch):
+        now = [100.0]
+        monkeypatch.setattr(time, "monotonic", lambda: now[0])
+        buffer, tick = OutputBuffer(), itertools.count()
+
+        def repeats(arrivals, period_s, ticks):
+            found = []
+            for _ in range(ticks):
+                now[0] += period_s
+                for _ in range(arrivals):
+                    buffer.add(output(0))
+                found.append(buffer.take(next(tick)).repeats)
+            return found
+
+        assert repeats(1, PERIOD_S, 50) == [False] * 50
+        assert repeats(0, PERIOD_S, 40) == [False] * REPEAT_AFTER_TICKS + [True] * (40 - REPEAT_AFTER_TICKS)
+        assert repeats(1, PERIOD_S, 1) == [False]
+        # Ticks that are made up for follow one another at once.
+        assert repeats(0, 0.0001, 125) == [False] * 125
+        assert repeats(0, REPEAT_AFTER_S, 1) == [True]
+        assert repeats(1, PERIOD_S, 1) == [False]
+        # The computer was away.
+        assert repeats(0, 3.0, 3) == [False] * 3
+        # A tick may be waited for before it leaves.
+        assert repeats(1, PERIOD_S, 1) == [False]
+        buffer.note_lack()
+        assert repeats(0, REPEAT_AFTER_S, 1) == [False]
+        assert repeats(0, 0.0001, REPEAT_AFTER_TICKS) == [False] * (REPEAT_AFTER_TICKS - 1) + [True]
 
     def test_an_output_without_a_snapshot_is_a_row_with_the_one_before(self):
         buffer = OutputBuffer()

@@ -12,10 +12,11 @@ import pytest
 from elitescript.kernel import RobotOptions
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot_parts import ALL_PARTS
-from elitescript.protocol.rtsi.connection import SILENCE_TICKS, RtsiConnection
+from elitescript.protocol.rtsi.connection import RtsiConnection
 from elitescript.protocol.rtsi.recipes import RtsiPort
+from elitescript.services.child import buffers
 from elitescript.services.child import link as child_link
-from elitescript.services.child.buffers import DELAY_MAX_TICKS
+from elitescript.services.child.buffers import DELAY_MAX_TICKS, REPEAT_AFTER_TICKS
 from elitescript.services.child.link import ChildLink
 from tests.protocol import rtsi_client
 from tests.protocol.snapshots import description
@@ -186,27 +187,89 @@ def test_a_client_that_starts_while_the_child_is_late_gets_each_tick_once(far_ch
     with_link(body)
 
 
-def test_a_client_without_packages_is_told_why_now_and_then(far_children: list[FarChild]) -> None:
-    """The vendor's client in C++ ends a connection that is silent for 1 s."""
+@pytest.fixture
+def no_wall_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ticks follow one another at once here: only they count."""
+    monkeypatch.setattr(buffers, "REPEAT_AFTER_S", 0.0)
+
+
+@pytest.mark.usefixtures("no_wall_time")
+def test_while_a_child_hangs_streams_repeat_their_last_row_and_leave_nothing_out(far_children: list[FarChild]) -> None:
+    lateness = 3 * REPEAT_AFTER_TICKS
 
     async def body(link: ChildLink) -> None:
-        reader = Reader(1.0)
-        reader.start(await link.tick((), ALL_PARTS))
+        fast, half, slow = Reader(250.0), Reader(125.0), Reader(5.0)
+        readers = (fast, half, slow)
+
+        async def ticks(count: int) -> Output:
+            for _ in range(count):
+                found = await link.tick((), ALL_PARTS)
+                for reader in readers:
+                    reader.publish(found)
+                await turns()
+            return found
+
+        first = await link.tick((), ALL_PARTS)
+        for reader in readers:
+            reader.start(first)
+        await ticks(9)
         (child,) = far_children
         child.is_prompt = False
-        for _ in range(3 * SILENCE_TICKS):
-            reader.publish(await link.tick(()))
-        assert len(reader.texts) == 2
-        assert "late" in reader.texts[0]
+        # What it has answered before.
+        await ticks(1)
+        last = fast.ticks[-1]
+        await ticks(REPEAT_AFTER_TICKS)
+        assert fast.ticks == list(range(last + 1))
+        # The others of its ticks.
+        await ticks(lateness - REPEAT_AFTER_TICKS)
+        repeats = lateness - REPEAT_AFTER_TICKS
+        assert fast.ticks[last + 1 :] == [last] * repeats
+        assert half.ticks[last // 2 + 1 :] == [last // 2 * 2] * (repeats // 2)
+        assert slow.ticks == [0, 0]
         child.read()
         while child.waiting:
             child.answer(min(len(child.waiting), 25))
             await turns()
         child.is_prompt = True
-        for _ in range(2 * SILENCE_TICKS):
-            reader.publish(await link.tick(()))
+        found = await ticks(60)
+        assert fast.ticks[last + 1 + repeats :] == list(range(last + 1, fast.ticks[-1] + 1))
+        assert found.tick - fast.ticks[-1] <= DELAY_MAX_TICKS + 1
+        news = list(dict.fromkeys(half.ticks))
+        assert news == list(range(0, news[-1] + 1, 2))
+        assert len(half.ticks) == len(news) + repeats // 2
+        assert slow.ticks == [0, 0, 50, 100]
+        assert not any(reader.texts for reader in readers)
+
+    with_link(body)
+
+
+@pytest.mark.usefixtures("no_wall_time")
+def test_a_client_that_starts_while_the_child_hangs_gets_the_last_row_at_once(far_children: list[FarChild]) -> None:
+    async def body(link: ChildLink) -> None:
+        await link.tick((), ALL_PARTS)
+        (child,) = far_children
+        child.is_prompt = False
+        early, late = Reader(), Reader()
+        for number in range(2 * REPEAT_AFTER_TICKS):
+            found = await link.tick((), ALL_PARTS)
+            early.publish(found)
+            late.publish(found)
+            if number == 2:
+                early.start(found)
+        late.start(found)
+        for _ in range(4):
+            late.publish(await link.tick((), ALL_PARTS))
+        assert early.ticks == [0] * REPEAT_AFTER_TICKS
+        # What nothing read before may be old for a tick more.
+        assert late.ticks == [0] * 3
+        child.read()
+        child.is_prompt = True
+        child.answer(len(child.waiting))
+        await turns()
+        for _ in range(10):
+            late.publish(await link.tick((), ALL_PARTS))
             await turns()
-        assert len(reader.texts) == 2
-        assert reader.ticks == [0, 250, 500]
+        assert late.ticks[3:] == list(range(1, late.ticks[-1] + 1))
+        assert late.ticks[-1] > 2 * REPEAT_AFTER_TICKS
 
     with_link(body)

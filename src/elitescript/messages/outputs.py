@@ -84,6 +84,10 @@ class Reply:
     outcome: Outcome
 
 
+REPEAT_AFTER_S: Final = 0.1
+"""So long without a new row streams are silent, s; then they repeat the last one (*assumed*)."""
+
+
 @record
 class TickResult:
     """What happened in one tick."""
@@ -108,6 +112,8 @@ class Output(TickResult):
     """Parts of the snapshot that are of its tick, as bits; the others may be older. See `messages.snapshot_parts`."""
     late_rows: tuple[Output, ...] | None = field(default=None, metadata=NOT_WRITTEN)
     """See `rows`; None while the robot keeps up."""
+    repeats: bool = field(default=False, metadata=NOT_WRITTEN)
+    """Whether streams send their last row again: for `REPEAT_AFTER_S` there has been no new one."""
 
     @property
     def rows(self) -> tuple[Output, ...]:

@@ -31,9 +31,6 @@ from elitescript.records import NamedTuple, replace
 
 HELD_BACK_TICKS: Final = TICKS_PER_S // 2
 """Longest wait of packages after the start for inputs that were sent before it; a restarted robot loses them."""
-SILENCE_TICKS: Final = TICKS_PER_S // 2
-"""While the robot is late there are no packages, but a text message so often: the vendor's client in C++ ends a
-connection that is silent for 1 s."""
 PROTOCOL_VERSION: Final = 1
 MESSAGE_MAX: Final = 65535
 RECIPES_MAX: Final = 254
@@ -105,7 +102,6 @@ class RtsiConnection(Connection):
         "_outputs",
         "_port",
         "_reported",
-        "_silent_since",
         "_values",
         "_written_tick",
     )
@@ -123,8 +119,6 @@ class RtsiConnection(Connection):
         self._is_started = False
         self._answers = 0
         self._written_tick: int | None = None
-        self._silent_since: int | None = None
-        """Since when the robot is late, or the tick of the last text about that."""
         self._first_tick = 0
         """Tick of the first package after the start, which shows the inputs that were sent before the start."""
         self._held_back_until = 0
@@ -196,35 +190,50 @@ class RtsiConnection(Connection):
         if not self._is_started or tick == self._written_tick:
             return
         if output.late_rows is None:
-            self._silent_since = None
             self._queue(output, tick)
             return
-        self._note_silence(output)
         for row in output.late_rows:
             self._queue(row, tick)
+        if output.repeats:
+            self._repeat(output)
 
     def _queue(self, row: Output, now: int) -> None:
         """Queue the packages that are due at the tick of a row."""
-        if self._first_tick:
-            if row.snapshot.robot.tick < self._first_tick and now < self._held_back_until:
-                return
-            self._first_tick = 0
+        if self._is_held_back(row, now):
+            return
         tick = row.tick
         for recipe in self._outputs:
             if tick < recipe.new_before and not row.has(recipe.parts):
                 continue
             if recipe.schedule.is_due(tick):
-                self._out.append(self._port.packages.package(recipe, row))
+                package = recipe.newest = self._port.packages.package(recipe, row)
+                self._out.append(package)
 
-    def _note_silence(self, output: Output) -> None:
-        """Send a text message if the robot has been late for so long that the client may take it for gone."""
-        if output.late_rows:
-            self._silent_since = None
-        elif self._silent_since is None:
-            self._silent_since = output.tick
-        elif output.tick - self._silent_since >= SILENCE_TICKS:
-            self._silent_since = output.tick
-            self.send_text(WARNING, "the robot is late: packages follow when it goes on")
+    def _repeat(self, output: Output) -> None:
+        """Queue the last package of each recipe again where one would be due; a first one shows the last snapshot.
+
+        What is due of later rows stays as it is.
+        """
+        tick = output.tick
+        if self._is_held_back(output, tick):
+            return
+        for recipe in self._outputs:
+            if not recipe.newest:
+                if tick < recipe.new_before and not output.has(recipe.parts):
+                    continue
+                recipe.newest = self._port.packages.package(recipe, output)
+                recipe.schedule.is_due(tick)
+            elif not recipe.schedule.falls_on(tick):
+                continue
+            self._out.append(recipe.newest)
+
+    def _is_held_back(self, row: Output, now: int) -> bool:
+        """Return whether the first package after the start waits for inputs that were sent before it."""
+        if self._first_tick:
+            if row.snapshot.robot.tick < self._first_tick and now < self._held_back_until:
+                return True
+            self._first_tick = 0
+        return False
 
     def next_tick(self, tick: int) -> int | None:
         if not self._is_started:
@@ -355,7 +364,7 @@ class RtsiConnection(Connection):
         if not self._is_started:
             self._is_started = True
             for recipe in self._outputs:
-                recipe.schedule.reset()
+                recipe.begin()
                 self._hold_back_old(recipe, output)
             self._held_back_until = output.tick + HELD_BACK_TICKS
             # Of several rows that left together the newest one.

@@ -410,6 +410,8 @@ class ChildLink:
             had_turn: whether the event loop has a turn before each tick anyhow.
         """
         grace_s, transport = self._grace_of(tick), self._transport
+        if self._outputs.is_empty:
+            self._outputs.note_lack()
         if transport is not None and transport.unanswered and self._outputs.is_empty:
             began_s = time.monotonic()
             await self._wait_until(lambda: not transport.unanswered or bool(transport.end_reason), grace_s)
