@@ -19,7 +19,8 @@ class Message:
     Attributes:
         t: time of the controller, s, of the row before it; of the first row if it came before.
         arrived_s: when it came, s since the begin of the recording, by the clock of the recorder.
-        channel: `primary`, `dashboard`, `events` (of the recorder: connected, lost, gap, restart, clock).
+        channel: `primary`, `dashboard`, `events` (of the recorder: connected, lost, gap, repeated, restart,
+            clock).
         data: the record as JSON has it, with its `type`.
     """
 
