@@ -10,7 +10,7 @@ from collections.abc import Awaitable, Callable
 import pytest
 
 from elitescript.kernel import RobotOptions
-from elitescript.messages.outputs import Output
+from elitescript.messages.outputs import REPEAT_AFTER_S, Output
 from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.protocol.rtsi.connection import RtsiConnection
 from elitescript.protocol.rtsi.recipes import RtsiPort
@@ -241,6 +241,18 @@ def test_while_a_child_hangs_streams_repeat_their_last_row_and_leave_nothing_out
         assert not any(reader.texts for reader in readers)
 
     with_link(body)
+
+
+def test_the_time_that_a_late_output_was_waited_for_counts(far_children: list[FarChild]) -> None:
+    """A tick that waits leaves late; those after it are made up for at once."""
+
+    async def body(link: ChildLink) -> None:
+        await link.tick((), ALL_PARTS)
+        far_children[0].is_prompt = False
+        repeats = [(await link.tick((), ALL_PARTS)).repeats for _ in range(REPEAT_AFTER_TICKS + 1)]
+        assert repeats == [False] * REPEAT_AFTER_TICKS + [True]
+
+    with_link(body, grace_s=REPEAT_AFTER_S)
 
 
 @pytest.mark.usefixtures("no_wall_time")
