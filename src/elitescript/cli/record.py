@@ -85,7 +85,8 @@ def _summary(session: Session, sink: McapSink) -> str:
     pace = session.pace
     files = f" in {sink.files} files" if sink.files > 1 else ""
     restarts = f", the controller's time began anew {pace.restarts} x" if pace.restarts else ""
-    rows = f"{pace.rows:,} rows at {pace.rate_hz:g} Hz, {_gaps(session)}{restarts}"
+    repeated = f", {pace.repeated:,} repeated rows left out" if pace.repeated else ""
+    rows = f"{pace.rows:,} rows at {pace.rate_hz:g} Hz, {_gaps(session)}{repeated}{restarts}"
     return f"{sink.path}: {rows}; {shown_size(sink.size)}{files}"
 
 
