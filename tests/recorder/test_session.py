@@ -126,7 +126,8 @@ def test_what_the_ports_say_reaches_the_sinks():
     connected = next(data for data in heard.of(EVENTS, "connected") if data["port"] == "rtsi")
     assert connected["version"] == "2.14.0.1"
     assert connected["missing"] == []
-    assert said == []
+    number = session.target.ports["dashboard"]
+    assert said == [f"CS66, serial ES1234, id 7, at {HOST}, dashboard {number}; task: cells/pick.task"]
 
 
 def session_is_told(heard: Heard) -> bool:
