@@ -14,6 +14,7 @@ from elitescript.audit.findings import AuditedRun, AuditFindings, arm_file_of
 from elitescript.audit.inputs import inputs_of
 from elitescript.audit.motion import Tolerance
 from elitescript.audit.series import is_edge, marks_of, recorded, recorded_signals, runs_of
+from elitescript.audit.settings import MASS, TCP, setter_lines, setting_pairs
 from elitescript.audit.simulation import Cell, Simulated, cell_of, simulate
 from elitescript.audit.words import audit_as_json, audit_in_words
 from elitescript.commands.catalogue import CATALOGUE
@@ -149,6 +150,7 @@ def _audited(recording: Recording, cell: Cell, number: int, rows: range, toleran
         if not marks:
             return None
     made = simulate(cell, inputs, series, marks, signals, by_lines=by_lines)
+    settings, setters = [*setting_pairs(recording, rows, made.settings)], setter_lines(cell.source.text)
     comparer = Comparer(
         series,
         made.series,
@@ -158,9 +160,17 @@ def _audited(recording: Recording, cell: Cell, number: int, rows: range, toleran
         tolerance=tolerance,
         ending=_ending(made),
         recorded_ending=_exception(recording, recording.t[rows.stop - 1]),
+        settings=settings,
+        setters=setters,
     )
     comparison = comparer.compare(signals)
-    notes = [*comparison.notes, *inputs.unknown, *made.refused]
+    compared = {pair.kind.command for pair in settings}
+    missing = [
+        f"{kind.name} ({kind.command}): the recording does not show it all the time"
+        for kind in (MASS, TCP)
+        if setters[kind.command] and kind.command not in compared
+    ]
+    notes = [*comparison.notes, *missing, *inputs.unknown, *made.refused]
     if series.is_headless:
         notes.insert(0, "the program ran already when the recording began: what was before is not compared")
     if not by_lines:

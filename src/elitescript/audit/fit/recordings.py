@@ -13,6 +13,7 @@ from elitescript.audit.fit.moves import RESOLUTION, Estimate, RecordedMove, reco
 from elitescript.audit.fit.pairs import ARITHMETIC, NO_TCP, Point, Points
 from elitescript.audit.fit.parameters import AT_LEAST, DETERMINED, Parameter, determined, not_determined
 from elitescript.audit.fit.program_moves import ProgramMove, moves_of
+from elitescript.audit.settings import TCP_LATE_S
 from elitescript.errors import UsageError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.dynamics import RigidBody, mass_chain, torques_of
@@ -26,9 +27,6 @@ LENGTH_ROWS: Final = 60
 """Rows that the lengths are fitted to."""
 LENGTH_DISTANCE_RAD: Final = 0.02
 """Distance between two of them, sum over the joints."""
-
-TCP_CHANGE_S: Final = 0.4
-"""Time around a change of the TCP offset in which no row counts: the primary port shows it ten times a second."""
 
 LAG_ROWS: Final = 10
 """Fewest rows of a cruise, behind the transient, for the lag."""
@@ -188,7 +186,7 @@ def _tcp_offsets(recording: Recording) -> list[tuple[float, Six]]:
 
 def _tcp_at(offsets: Sequence[tuple[float, Six]], t: float) -> Six | None:
     """Return the TCP offset at a time; None near a change, whose moment the primary port tells only roughly."""
-    if any(abs(t - since) < TCP_CHANGE_S for since, _ in offsets):
+    if any(abs(t - since) < TCP_LATE_S for since, _ in offsets):
         return None
     return [offset for since, offset in offsets if since <= t][-1]
 
