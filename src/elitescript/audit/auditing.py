@@ -8,7 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final
 
-from elitescript.audit.configuration import arm_differences
+from elitescript.audit.configuration import arm_differences, shows_lengths
 from elitescript.audit.differences import Comparer
 from elitescript.audit.findings import AuditedRun, AuditFindings, arm_file_of
 from elitescript.audit.inputs import inputs_of
@@ -254,8 +254,9 @@ def _not_compared(recording: Recording, cell: Cell, model: RobotModel) -> Iterab
         else:
             yield f"devices ({', '.join(found)}): those of the world file answered, not the recorded ones"
     named = str(recording.facts.get("model", "")).strip()
-    if named and named != model.name and not model.name.startswith(named):
-        yield f"the arm of the recording, {named}: the simulated one is {model.name}"
+    if named and named != model.name and not model.name.startswith(named) and not shows_lengths(recording.facts):
+        # A fitted arm has another name, and the lengths of the recorded one.
+        yield f"lengths of the arm: the recording shows none of its {named}, the simulated one is {model.name}"
     if cell.world is None:
         for name in recording.attachments:
             if name.endswith(".toml") and name != arm_file_of(recording):
