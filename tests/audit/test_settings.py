@@ -57,7 +57,15 @@ def test_what_is_the_same_agrees():
     [
         ("(1.5, [", "(1.2, [", 2, "payload", "payload", "1.5 kg", "1.2 kg"),
         ("(2.5, [", "(4, [", 5, "payload", "payload", "2.5 kg", "4 kg"),
-        ("0, 0.02,", "0.3, 0.02,", 5, "payload", "centre of the payload", "[0, 0.02, 0.05] m", "[0.3, 0.02, 0.05] m"),
+        (
+            "0, 0.02,",
+            "0.3, 0.02,",
+            5,
+            "payload centre",
+            "centre of the payload",
+            "[0, 0.02, 0.05] m",
+            "[0.3, 0.02, 0.05] m",
+        ),
         (
             "0, 0.1, 0",
             "0, 0.12, 0",
@@ -87,6 +95,15 @@ def test_another_value_is_a_difference_with_its_line_and_both_sides(old, new, li
     divergence = found.json()["divergence"]
     assert (divergence["line"], divergence["what"]) == (line, what)
     assert f"line {line}: {what}" in str(found)
+
+
+def test_parts_of_the_payload_that_were_0_all_the_time_are_not_in_a_file():
+    whole = recorded()
+    columns = {name: column for name, column in whole.columns.items() if any(column)}
+    assert "payload_cog.0" not in columns
+    written = replace(whole, columns=columns, facts={**whole.facts, "host": "127.0.0.1"})
+    assert audit(written, PROGRAM.replace("2.5, [", "4, [")).divergence.what == "payload 2.5 kg, simulated 4 kg"
+    assert audit(written, PROGRAM).agrees
 
 
 def test_a_payload_that_only_the_recorded_program_sets_at_its_begin():

@@ -52,7 +52,7 @@ class Finding(NamedTuple):
         line: of the recorded program.
         what: in words.
         cause: `slider`, `speed scaling`, `acceleration`, `speed`, `blend`, `target`, `waiting`, `program`, `signal`,
-            `payload`, `tcp`, or empty if it is not known.
+            `payload`, `payload centre`, `tcp`, or empty if it is not known.
     """
 
     t: float

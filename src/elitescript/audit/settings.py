@@ -7,6 +7,7 @@ so a change is known a little late.
 from __future__ import annotations
 
 import re
+from array import array
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from math import inf, isfinite
@@ -47,7 +48,7 @@ class Kind(NamedTuple):
 
 
 MASS: Final = Kind("payload", "kg", "set_payload", "payload")
-CENTRE: Final = Kind("centre of the payload", "m", "set_payload", "payload")
+CENTRE: Final = Kind("centre of the payload", "m", "set_payload", "payload centre")
 TCP: Final = Kind("TCP offset", "m, rad", "set_tcp", "tcp", TCP_LATE_S)
 
 
@@ -134,10 +135,14 @@ def difference_at(pair: SettingPair, t: float, its_t: float, slack_s: float, end
 
 def recorded_payload(recording: Recording, rows: range) -> tuple[Timeline, Timeline] | None:
     """Return mass and centre of the payload in a run; None if the recording does not have them."""
-    if not all(name in recording.columns for name in PAYLOAD):
+    # A recorder leaves out what was 0 all the time.
+    if "host" not in recording.facts and not all(name in recording.columns for name in PAYLOAD):
         return None
     mass, centre = Timeline(), Timeline()
-    columns = [recording.columns[name][rows.start : rows.stop] for name in PAYLOAD]
+    zeros = array("d", bytes(8 * len(rows)))
+    columns = [
+        recording.columns[name][rows.start : rows.stop] if name in recording.columns else zeros for name in PAYLOAD
+    ]
     t0 = recording.t[rows.start]
     changed = {0}
     for column in columns:
