@@ -13,6 +13,7 @@ from elitescript.audit import Tolerance, audit
 from elitescript.audit.series import runs_of
 from elitescript.errors import UsageError
 from elitescript.messages.plant import PlantConfig
+from elitescript.models.model import load_model
 from elitescript.recorder.recording import Message, Recording
 from elitescript.records import replace
 from elitescript.testing.world import Wire, World
@@ -34,6 +35,31 @@ def without(recording: Recording, name: str) -> dict:
 def changed(program: str, old: str, new: str) -> str:
     assert program.count(old) == 1, old
     return program.replace(old, new)
+
+
+def arm_facts(**changed: object) -> dict:
+    a, d, alpha = load_model("CS66").arm.modified_dh
+    return {"model": "OURS", "lengths": {"a": a, "d": d, "alpha": alpha, **changed}}
+
+
+class TestArms:
+    @pytest.mark.parametrize("lengths", [{}, {"alpha": [0.0] * 6}])
+    def test_an_arm_of_another_name_with_the_same_lengths_is_the_same(self, lengths):
+        found = audit(replace(undisturbed(MOVES), facts=arm_facts(**lengths)), MOVES, robot="CS66")
+        assert found.agrees
+        assert found.not_compared == ()
+
+    def test_other_lengths_are_a_difference_and_compared(self):
+        d = list(load_model("CS66").arm.modified_dh[1])
+        d[5] += 0.003
+        found = audit(replace(undisturbed(MOVES), facts=arm_facts(d=d)), MOVES, robot="CS66")
+        assert [its.name for its in found.arm] == ["d6"]
+        assert found.not_compared == ()
+
+    def test_an_arm_of_another_name_that_shows_no_lengths_is_not_compared(self):
+        recording = replace(undisturbed(MOVES), facts={"model": "OURS"})
+        words = "lengths of the arm: the recording shows none of its OURS, the simulated one is CS66"
+        assert audit(recording, MOVES, robot="CS66").not_compared == (words,)
 
 
 class TestAgreement:

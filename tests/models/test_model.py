@@ -196,6 +196,10 @@ def full(changed: str) -> str:
         ("name = 3\n", r"mine\.toml: name: needs a text, has 3"),
         ('name = "Mine"\n', r"mine\.toml: joints\.qd_max: missing"),
         ('name = "Mine"\nbased_on = { value = 1, source = "sdk" }\n', r"mine\.toml: based_on: unknown key"),
+        ('like = "CS66"\n[arm]\nd6 = 0.1\n', r"^mine\.toml: like: unknown key; did you mean 'base'\?$"),
+        ('bas = "CS67"\n', r"^mine\.toml: bas: unknown key; did you mean 'base'\?$"),
+        ("payload_max = 5\n", r"^mine\.toml: payload_max: unknown key; did you mean 'payload_max_kg'\?$"),
+        ('name = "Mine"\n[plant]\nlag_s = 0.1\n', r"^mine\.toml: plant: unknown key"),
         (full("payload_max_kg = 5\n"), r"mine\.toml: payload_max_kg: needs the form \{ value = "),
         (full("payload_max_kg = { value = 5 }\n"), r"mine\.toml: payload_max_kg: no source"),
         (
@@ -346,6 +350,7 @@ class TestOwnArm:
             ('base = "CS66"\n[arm]\nd6_deg = 5\n', r"mine\.toml: arm\.d6_deg: unknown key"),
             ('base = "CS66"\nhom_deg = [0, 0]\n', r"mine\.toml: hom_deg: unknown key; did you mean 'home_deg'\?"),
             ('base = "CS66"\nbased_on = "CS66"\n', r"mine\.toml: based_on: unknown key"),
+            ('base = "CS66"\nabot = "mine"\n', r"^mine\.toml: abot: unknown key; did you mean 'about'\?$"),
             ('base = "CS66"\n[arm]\nd6 = "0.1"\n', r"mine\.toml: arm\.d6: needs a number, has '0\.1'"),
             ('base = "CS66"\n[arm]\nd6 = [0.1]\n', r"mine\.toml: arm\.d6: needs a number, has \[0\.1\]"),
             ('base = "CS66"\n[arm]\nd6 = nan\n', r"mine\.toml: arm\.d6: needs a finite number, has nan"),

@@ -127,7 +127,8 @@ def test_what_the_ports_say_reaches_the_sinks():
     connected = next(data for data in heard.of(EVENTS, "connected") if data["port"] == "rtsi")
     assert connected["version"] == "2.14.0.1"
     assert connected["missing"] == []
-    assert said == []
+    number = session.target.ports["dashboard"]
+    assert said == [f"CS66, serial ES1234, id 7, at {HOST}, dashboard {number}; task: cells/pick.task"]
 
 
 def session_is_told(heard: Heard) -> bool:
@@ -190,7 +191,7 @@ def test_rows_that_are_repeated_are_counted_apart_and_not_stored(tmp_path, befor
     assert list(found.t) == ticks(1.0, before + 40)
     assert (found.gaps, found.restarts, found.rate_hz) == ((), (), 250.0)
     assert [said.data["t"] for said in found.messages if said.data["type"] == "repeated"] == [times[-1]]
-    assert said == []
+    assert not [text for text in said if "missing" in text or "lost" in text]
 
 
 def test_a_controller_that_was_started_anew():

@@ -8,12 +8,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final
 
-from elitescript.audit.configuration import arm_differences
+from elitescript.audit.configuration import arm_differences, shows_lengths
 from elitescript.audit.differences import Comparer
 from elitescript.audit.findings import AuditedRun, AuditFindings, arm_file_of
 from elitescript.audit.inputs import inputs_of
 from elitescript.audit.motion import Tolerance
 from elitescript.audit.series import edges_of, marks_of, recorded, recorded_signals, runs_of
+from elitescript.audit.settings import MASS, TCP, setter_lines, setting_pairs
 from elitescript.audit.simulation import Cell, Simulated, cell_of, simulate
 from elitescript.audit.words import audit_as_json, audit_in_words
 from elitescript.commands.catalogue import CATALOGUE
@@ -148,6 +149,7 @@ def _audited(recording: Recording, cell: Cell, number: int, rows: range, toleran
         if not marks:
             return None
     made = simulate(cell, inputs, series, marks, signals, by_lines=by_lines)
+    settings, setters = [*setting_pairs(recording, rows, made.settings)], setter_lines(cell.source.text)
     comparer = Comparer(
         series,
         made.series,
@@ -157,9 +159,17 @@ def _audited(recording: Recording, cell: Cell, number: int, rows: range, toleran
         tolerance=tolerance,
         ending=_ending(made),
         recorded_ending=_exception(recording, recording.t[rows.stop - 1]),
+        settings=settings,
+        setters=setters,
     )
     comparison = comparer.compare(signals)
-    notes = [*comparison.notes, *inputs.unknown, *made.refused]
+    compared = {pair.kind.command for pair in settings}
+    missing = [
+        f"{kind.name} ({kind.command}): the recording does not show it all the time"
+        for kind in (MASS, TCP)
+        if setters[kind.command] and kind.command not in compared
+    ]
+    notes = [*comparison.notes, *missing, *inputs.unknown, *made.refused]
     if series.is_headless:
         notes.insert(0, "the program ran already when the recording began: what was before is not compared")
     if not by_lines:
@@ -239,8 +249,9 @@ def _not_compared(recording: Recording, cell: Cell, model: RobotModel) -> Iterab
         else:
             yield f"devices ({', '.join(found)}): those of the world file answered, not the recorded ones"
     named = str(recording.facts.get("model", "")).strip()
-    if named and named != model.name and not model.name.startswith(named):
-        yield f"the arm of the recording, {named}: the simulated one is {model.name}"
+    if named and named != model.name and not model.name.startswith(named) and not shows_lengths(recording.facts):
+        # A fitted arm has another name, and the lengths of the recorded one.
+        yield f"lengths of the arm: the recording shows none of its {named}, the simulated one is {model.name}"
     if cell.world is None:
         for name in recording.attachments:
             if name.endswith(".toml") and name != arm_file_of(recording):

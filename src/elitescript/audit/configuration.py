@@ -35,6 +35,12 @@ class ArmDifference(NamedTuple):
     """Whether it moves the TCP elsewhere for the same joints."""
 
 
+def shows_lengths(facts: Mapping[str, Any]) -> bool:
+    """Return whether a recording shows lengths by which its arm can be compared."""
+    lengths = facts.get("lengths", {})
+    return all(any(map(isfinite, known)) and any(known) for known in (lengths.get("a", ()), lengths.get("d", ())))
+
+
 def arm_differences(facts: Mapping[str, Any], model: RobotModel) -> Iterator[ArmDifference]:
     """Yield what the recorded configuration has that the model has not: lengths first, then limits, then defaults."""
     lengths = facts.get("lengths", {})

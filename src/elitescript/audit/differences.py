@@ -7,8 +7,9 @@ no rows there.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise, takewhile
 from typing import Final, Literal
 
@@ -23,6 +24,7 @@ from elitescript.audit.motion import (
     root_mean_square,
 )
 from elitescript.audit.series import Mark, Series
+from elitescript.audit.settings import Numbers, SettingPair, difference_at, setter_line
 from elitescript.messages.machine import WriteSignal
 from elitescript.messages.signals import Value, parse_signal_name
 from elitescript.messages.timing import PERIOD_S
@@ -55,7 +57,7 @@ class Finding(NamedTuple):
         line: of the recorded program.
         what: in words.
         cause: `slider`, `speed scaling`, `acceleration`, `speed`, `blend`, `target`, `waiting`, `program`, `signal`,
-            `configuration`, or empty if it is not known.
+            `payload`, `payload centre`, `tcp`, or empty if it is not known.
     """
 
     t: float
@@ -151,6 +153,8 @@ class Comparer:
         recorded_ending: the exception that ended the recorded program, in words; empty if none is known.
         is_live: whether both runs go on; then a piece that only one has behind it is one that takes longer in the
             other.
+        settings: payload and TCP offset in both.
+        setters: lines of the program that set them, by command.
     """
 
     __slots__ = (
@@ -168,6 +172,8 @@ class Comparer:
         "_other_marks",
         "_recorded",
         "_recorded_ending",
+        "_setters",
+        "_settings",
         "_signals",
         "_tolerance",
     )
@@ -184,6 +190,8 @@ class Comparer:
         ending: str = "",
         recorded_ending: str = "",
         is_live: bool = False,
+        settings: Sequence[SettingPair] = (),
+        setters: Mapping[str, Sequence[int]] | None = None,
     ) -> None:
         self._recorded = recorded
         self._other = simulated
@@ -196,6 +204,8 @@ class Comparer:
         self._ending = ending
         self._recorded_ending = recorded_ending
         self._is_live = is_live
+        self._settings = settings
+        self._setters = setters or {}
         self._findings: list[Finding] = []
         self._signals: list[SignalDifference] = []
         self._notes: list[str] = []
@@ -222,6 +232,7 @@ class Comparer:
             self._compare_stretch(stretch)
             self._compared = stretch.begin.first
         self._compare_numbers(pairs, signals)
+        self._compare_settings(pairs)
         self._name_gaps()
         self._findings.sort(key=lambda finding: finding.t)
         if self._findings and self._findings[0].cause == "program" and (shift := self._shift_of_lines(pairs)):
@@ -638,6 +649,25 @@ class Comparer:
                     mark = self._marks[first]
                     t = self._recorded.t[mark.row]
                     self._find(t, mark.line, f"{name} is {here:g}, simulated {there:g}", "signal")
+
+    def _compare_settings(self, pairs: Sequence[Match]) -> None:
+        """Compare payload and TCP offset where marks belong together; each pair of values is one difference."""
+        recorded, other = self._recorded, self._other
+        known: dict[str, tuple[Numbers, Numbers] | None] = {}
+        for first, second in pairs:
+            if self._is_over and first > self._compared:
+                break
+            row, its_row = self._row(first), self._its_row(second)
+            slack_s = 2.0 * PERIOD_S + recorded.waited_s(row) + recorded.waited_s(min(row + 1, len(recorded) - 1))
+            for pair in self._settings:
+                found = difference_at(pair, recorded.t[row], other.t[its_row], slack_s, recorded.t[-1])
+                values = None if found is None else found.values
+                if found is not None and values != known.get(pair.kind.name):
+                    at = max(bisect_right(recorded.t, found.t + _ROUNDING_S) - 1, 0)
+                    before = recorded.lines[at - 1] if at else 0
+                    line = setter_line(self._setters.get(pair.kind.command, ()), before, recorded.lines[at])
+                    self._find(found.t, line, found.what, pair.kind.cause)
+                known[pair.kind.name] = values
 
     def _name_gaps(self) -> None:
         t = self._recorded.t

@@ -14,6 +14,7 @@ from typing import Final
 
 from elitescript.audit.alignment import Follower
 from elitescript.audit.series import SCALING, SLIDER, STATE, Change, Mark, Series
+from elitescript.audit.settings import PAYLOAD, tcp_at_begin
 from elitescript.controller.signals.by_name import signal_write
 from elitescript.messages.enums import AnalogDomain, SafetyMode, TaskState
 from elitescript.messages.machine import (
@@ -34,7 +35,6 @@ from elitescript.records import NamedTuple, record
 from elitescript.robot import VirtualRobot
 
 SAFETY: Final = ("safety_status", "safety_mode")
-_PAYLOAD: Final = ("payload_mass", "payload_cog.0", "payload_cog.1", "payload_cog.2")
 _DOMAINS: Final = "analog_io_types"
 
 _STOPS: Final = {
@@ -207,13 +207,13 @@ def _safety(recording: Recording, rows: range, series: Series) -> tuple[list[Arr
 
 
 def _requests(recording: Recording, rows: range) -> Iterator[MachineRequest]:
-    tcp = recording.facts.get("tcp_offset")
-    if tcp is not None and len(tcp) == 6 and all(map(isfinite, tcp)):
-        x, y, z, rx, ry, rz = map(float, tcp)
-        yield SetTcp((x, y, z, rx, ry, rz))
+    if (tcp := tcp_at_begin(recording, rows)) is not None:
+        yield SetTcp(tcp)
     columns = recording.columns
-    if _PAYLOAD[0] in columns:
-        mass, x, y, z = (columns[name][rows.start] if name in columns else 0.0 for name in _PAYLOAD)
+    if PAYLOAD[0] in columns:
+        # The first row of a run may have the payload that its program has set already.
+        before = rows.start - (rows.start > 0 and rows.start not in recording.restarts)
+        mass, x, y, z = (columns[name][before] if name in columns else 0.0 for name in PAYLOAD)
         if all(map(isfinite, (mass, x, y, z))):
             yield SetPayload(mass, (x, y, z))
     if _DOMAINS in columns and isfinite(word := columns[_DOMAINS][rows.start]):

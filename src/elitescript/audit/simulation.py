@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from elitescript.audit.inputs import Inputs, Schedule
 from elitescript.audit.series import Mark, Series, simulated
+from elitescript.audit.settings import SettingsTrace
 from elitescript.controller.views.trace import Trace
 from elitescript.controller.views.trace_rows import TraceRecorder
 from elitescript.controller.views.trace_signals import TraceSignals
@@ -78,6 +79,7 @@ class Simulated(NamedTuple):
     """A simulated run."""
 
     series: Series
+    settings: SettingsTrace
     run: Run
     robot: VirtualRobot
     refused: tuple[str, ...]
@@ -110,9 +112,10 @@ def simulate(
     trace = TraceRecorder(signals=TraceSignals(signals))
     robot, refused = started_robot(cell, inputs)
     place = robot.state.tcp_pose_target
-    _, run = play(cell, inputs, recorded, marks, trace, by_lines=by_lines, robot=robot)
+    settings = SettingsTrace(robot)
+    _, run = play(cell, inputs, recorded, marks, trace, by_lines=by_lines, robot=robot, watch=settings.watch)
     series = simulated(trace.rows, inputs.joints, place, is_open=run.state in ("time_limit", "stuck"))
-    return Simulated(series, run, robot, refused)
+    return Simulated(series, settings, run, robot, refused)
 
 
 def play(

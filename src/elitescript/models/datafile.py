@@ -67,6 +67,7 @@ class DataFile:
     Args:
         file: name of the file, for error texts.
         document: its content; it is used up.
+        known: keys that a model has.
 
     Attributes:
         name: of the model; that of the base if the file gives none.
@@ -76,11 +77,12 @@ class DataFile:
         UsageError: an entry of the wrong form; the text begins with file and key.
     """
 
-    __slots__ = ("_entries", "_tags", "file", "name", "tables")
+    __slots__ = ("_entries", "_known", "_tags", "file", "name", "tables")
 
-    def __init__(self, file: str, document: dict[str, Any]) -> None:
+    def __init__(self, file: str, document: dict[str, Any], known: frozenset[str]) -> None:
         self._entries: dict[str, Entry] = {}
         self._tags: dict[str, dict[str, str]] = {}
+        self._known = known
         self.file: Final = file
         self.name = ""
         self.tables: Final[dict[str, dict[str, Any]]] = {}
@@ -88,6 +90,7 @@ class DataFile:
         if "base" in document:
             self._add_own(document)
         else:
+            self._refuse_unknown(document)
             self._add_document(file, document)
         if not self.name:
             raise UsageError(
@@ -125,11 +128,11 @@ class DataFile:
         """Return the keys of all entries, sorted."""
         return tuple(sorted(self._entries))
 
-    def refuse_other_keys(self, known: frozenset[str]) -> None:
+    def refuse_other_keys(self) -> None:
         """Raise UsageError if there is an entry of an unknown key."""
         for key in self._entries:
-            if key not in known:
-                raise UsageError(f"{self._entries[key].file}: {key}: unknown key{did_you_mean(key, known)}")
+            if key not in self._known:
+                raise UsageError(f"{self._entries[key].file}: {key}: unknown key{did_you_mean(key, self._known)}")
 
     def source(self, key: str) -> NumberSource:
         """Return the source of an entry.
@@ -159,6 +162,15 @@ class DataFile:
             raise UsageError(f"{entry.file}: {key}: needs a number above 0, has {raw!r}")
         return radians(value) if entry.in_degrees else value
 
+    def _refuse_unknown(self, document: dict[str, Any]) -> None:
+        """Raise UsageError if a complete model has an unknown key outside of its tables."""
+        known = {"name", "sources", *(key.partition(".")[0] for key in self._known)}
+        for key, item in document.items():
+            if key not in known:
+                is_model = isinstance(item, str) and item.upper() in known_names()
+                meant = "; did you mean 'base'?" if is_model else did_you_mean(key, {*known, "base"})
+                raise UsageError(f"{self.file}: {key}: unknown key{meant}")
+
     def _add_own(self, document: dict[str, Any]) -> None:
         """Add the entries of an own arm: plain numbers on top of its base."""
         base = _text(self.file, "base", document.pop("base"))
@@ -186,8 +198,9 @@ class DataFile:
         name = key.removesuffix("_deg")
         in_degrees = name != key
         if name not in known or (in_degrees and name not in ANGLES):
-            angles = {f"{angle}_deg" for angle in ANGLES}
-            raise UsageError(f"{self.file}: {key}: unknown key{did_you_mean(key, known | angles)}")
+            texts_and_tables = {"base", "name", *_OWN_SOURCE, *OTHER_TABLES}
+            near = known | texts_and_tables | {f"{angle}_deg" for angle in ANGLES}
+            raise UsageError(f"{self.file}: {key}: unknown key{did_you_mean(key, near)}")
         if name in self._entries and self._entries[name].source == OWN_SOURCE:
             raise UsageError(f"{self.file}: {key}: given twice, in rad and in degrees")
         self._entries[name] = Entry(self.file, raw, in_degrees, OWN_SOURCE, "")

@@ -244,7 +244,7 @@ def load_model(name: str | Path) -> RobotModel:
 
 @lru_cache(MODELS_KEPT)
 def _packaged_model(name: str) -> RobotModel:
-    return _model(DataFile(*packaged(name)))
+    return _model(DataFile(*packaged(name), _KNOWN_KEYS))
 
 
 def is_model_file(name: str | Path) -> bool:
@@ -273,11 +273,11 @@ def parse_model(file: str, text: str) -> RobotModel:
     Raises:
         UsageError: an entry is missing, unknown or wrong; the text names file and key.
     """
-    return _model(DataFile(file, parsed(file, text)))
+    return _model(DataFile(file, parsed(file, text), _KNOWN_KEYS))
 
 
 def _model(data: DataFile) -> RobotModel:
-    data.refuse_other_keys(_KNOWN_KEYS)
+    data.refuse_other_keys()
     joints = _joints(data)
     return RobotModel(
         name=data.name,

@@ -97,6 +97,8 @@ class Session:
         self._said: dict[str, Any] = {}
         self._slow_s: WireValue | None = None
         """Time of the last package of what is slow."""
+        self._robot = ""
+        """As it was named last."""
         self._gaps: list[Gap] = []
         """Since the last tick."""
         self._offset_ns = time.time_ns() - time.monotonic_ns()
@@ -315,15 +317,25 @@ class Session:
         async with dashboard_client(target.host, target.ports["dashboard"]) as client:
             self._is_back("dashboard")
             questions: tuple[str, ...] = (*ONCE, *AGAIN)
+            answers: dict[str, str] = {}
             while True:
                 for question in questions:
-                    answer = await client.ask(question)
+                    answer = answers[question] = await client.ask(question)
                     if question == "task":
                         self.task = facts.task_of(answer)
+                        self._name_robot(answers)
                     data = {"type": facts.ANSWER, "question": question, "answer": answer}
                     self._pass_on(DASHBOARD, question, data)
                 questions = AGAIN
                 await asyncio.sleep(ASK_S)
+
+    def _name_robot(self, answers: Mapping[str, str]) -> None:
+        """Say once which robot this is, so that a wrong address or instance is noticed at the begin."""
+        where = f"{self.target.host}, dashboard {self.target.ports['dashboard']}"
+        robot = f"{answers['robot -t']}, serial {answers['robot -s']}, id {answers['robot -id']}"
+        if robot != self._robot:
+            self._robot = robot
+            self._say(f"{robot}, at {where}; task: {self.task or 'none'}")
 
     # ---------------------------------------------------------------- sinks
 

@@ -146,6 +146,29 @@ def test_moves_that_give_it_or_are_of_another_kind_do_not_count(call, name):
     assert found[f"default_joint_{name}"].why == "no movej without v was recorded"
 
 
+LIMITED = "every movej without v that cruises has a joint at its limit (base 0.8 rad/s)"
+
+
+def test_moves_at_the_limit_that_the_controller_shows_leave_the_default_open():
+    recording = by_hand(0.8, 1.6, 2.0)
+    text = "def f():\n  movej(q)\nend"
+    limited = of(replace(recording, facts={"limits": {"qd_max": [0.8] * 6}}), text)["default_joint_speed"]
+    assert (limited.state, limited.found, limited.why) == ("at least", pytest.approx(0.8), LIMITED)
+    assert not limited.differs
+    free = of(replace(recording, facts={"limits": {"qd_max": [1.2] * 6}}), text)["default_joint_speed"]
+    assert free.state == "determined"
+
+
+def test_moves_as_fast_as_one_that_was_limited_leave_the_default_open():
+    first, second = by_hand(0.8, 1.6, 2.0), by_hand(0.8, 1.6, 2.0, line=3)
+    later = array("d", [t + 5.0 for t in second.t])
+    columns = {name: column + second.columns[name] for name, column in first.columns.items()}
+    recording = replace(first, t=first.t + later, arrived_s=first.t + later, columns=columns)
+    found = of(recording, "def f():\n  movej(q, a=10, v=2)\n  movej(q)\nend")
+    assert (found["default_joint_speed"].state, found["default_joint_speed"].why) == ("at least", LIMITED)
+    assert found["qd_max.1"].found == pytest.approx(0.8)
+
+
 def test_a_limited_move_with_two_joints_at_once_leaves_it_open():
     one = of(by_hand(2.0, 8.0, 2.0), "def f():\n  movej(q, a=10, v=6)\nend")
     assert one["qd_max.1"].found == pytest.approx(2.0)

@@ -13,6 +13,7 @@ from elitescript.audit.fit.moves import RESOLUTION, Estimate, RecordedMove, reco
 from elitescript.audit.fit.pairs import ARITHMETIC, NO_TCP, Point, Points
 from elitescript.audit.fit.parameters import AT_LEAST, DETERMINED, Parameter, determined, not_determined
 from elitescript.audit.fit.program_moves import ProgramMove, moves_of
+from elitescript.audit.settings import TCP_LATE_S
 from elitescript.errors import UsageError
 from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.dynamics import RigidBody, mass_chain, torques_of
@@ -20,15 +21,12 @@ from elitescript.messages.motion import Six
 from elitescript.models.model import RobotModel
 from elitescript.motion.limits import JOINT_NAMES
 from elitescript.recorder.recording import Recording
-from elitescript.records import record, replace
+from elitescript.records import NamedTuple, record, replace
 
 LENGTH_ROWS: Final = 60
 """Rows that the lengths are fitted to."""
 LENGTH_DISTANCE_RAD: Final = 0.02
 """Distance between two of them, sum over the joints."""
-
-TCP_CHANGE_S: Final = 0.4
-"""Time around a change of the TCP offset in which no row counts: the primary port shows it ten times a second."""
 
 LAG_ROWS: Final = 10
 """Fewest rows of a cruise, behind the transient, for the lag."""
@@ -101,8 +99,9 @@ def fit_recording(recording: Recording, model: RobotModel, program: str | None =
         parameters.extend(
             not_determined(name, "m", getattr(model.arm, name), "the recording has no poses") for name in LENGTHS
         )
-    parameters.extend(_defaults(moves, texts, model, words))
-    parameters.extend(_limits(recording, moves, texts, model))
+    limited = _limited_moves(recording, moves, texts)
+    parameters.extend(_defaults(recording, moves, texts, limited, model, words))
+    parameters.extend(_limits(recording, limited, model))
     parameters.append(_ramp_shape(moves, texts, words))
     parameters.extend(_drives(recording, moves, model))
     parameters.extend(_reported(recording, words))
@@ -187,7 +186,7 @@ def _tcp_offsets(recording: Recording) -> list[tuple[float, Six]]:
 
 def _tcp_at(offsets: Sequence[tuple[float, Six]], t: float) -> Six | None:
     """Return the TCP offset at a time; None near a change, whose moment the primary port tells only roughly."""
-    if any(abs(t - since) < TCP_CHANGE_S for since, _ in offsets):
+    if any(abs(t - since) < TCP_LATE_S for since, _ in offsets):
         return None
     return [offset for since, offset in offsets if since <= t][-1]
 
@@ -217,16 +216,23 @@ def _compare_reported(recording: Recording, model: RobotModel, words: list[str])
 
 
 def _defaults(
-    moves: Sequence[RecordedMove], texts: dict[int, ProgramMove], model: RobotModel, words: list[str]
+    recording: Recording,
+    moves: Sequence[RecordedMove],
+    texts: dict[int, ProgramMove],
+    limited: Sequence[LimitedMove],
+    model: RobotModel,
+    words: list[str],
 ) -> Iterable[Parameter]:
     """Yield the speeds and accelerations that moves have which give none."""
+    limits = _speed_limits(recording, limited, model)
     for name, unit, argument, joint in (
         ("default_joint_speed", "rad/s", "v", True),
         ("default_joint_acceleration", "rad/s^2", "a", True),
         ("default_tool_speed", "m/s", "v", False),
         ("default_tool_acceleration", "m/s^2", "a", False),
     ):
-        seen = []
+        seen: list[tuple[int, Estimate | None]] = []
+        at_limit: list[tuple[Estimate, str]] = []
         for move in moves:
             text = texts.get(move.line)
             if text is None or text.is_joint != joint or not text.has_default(argument):
@@ -235,14 +241,29 @@ def _defaults(
                 estimate = move.cruise if joint else move.tool_cruise
             else:
                 estimate = move.ramp if joint else move.tool_ramp
-            seen.append((move.line, estimate))
-        yield _default(name, unit, getattr(model, name), argument, seen, words)
+            its_limit = _limit_reached(recording, move, limits) if argument == "v" else ""
+            if estimate is not None and its_limit:
+                at_limit.append((estimate, its_limit))
+            else:
+                seen.append((move.line, estimate))
+        yield _default(name, unit, getattr(model, name), argument, seen, at_limit, words)
 
 
 def _default(
-    name: str, unit: str, ours: float, argument: str, seen: list[tuple[int, Estimate | None]], words: list[str]
+    name: str,
+    unit: str,
+    ours: float,
+    argument: str,
+    seen: list[tuple[int, Estimate | None]],
+    at_limit: list[tuple[Estimate, str]],
+    words: list[str],
 ) -> Parameter:
     kind = "movej" if "joint" in name else "movel"
+    if at_limit and not any(estimate for _, estimate in seen):
+        largest = max(estimate.value for estimate, _ in at_limit)
+        its_limits = ", ".join(dict.fromkeys(its_limit for _, its_limit in at_limit))
+        why = f"every {kind} without {argument} that cruises has a joint at its limit ({its_limits})"
+        return Parameter(name, unit, ours, largest, None, AT_LEAST, why)
     if not seen:
         return not_determined(name, unit, ours, f"no {kind} without {argument} was recorded")
     usable = [(line, estimate) for line, estimate in seen if estimate is not None]
@@ -278,17 +299,23 @@ def _combined(estimates: Sequence[Estimate]) -> Estimate:
     return Estimate(mean, max(half, RESOLUTION * abs(mean)))
 
 
-def _limits(
-    recording: Recording, moves: Sequence[RecordedMove], texts: dict[int, ProgramMove], model: RobotModel
-) -> Iterable[Parameter]:
-    """Yield the speed limit of each joint.
+class LimitedMove(NamedTuple):
+    """A `movej` that cruises below the speed that it gives, so that one of its joints is at its limit."""
 
-    A move that cruises below the speed that it gives has a joint at its limit. No joint can be at its limit in one
-    move and faster in another, so what remains is often one joint.
+    speeds: dict[int, Estimate]
+    """Speed of each joint that can be the one, rad/s, at full scaling."""
+
+
+def _limited_moves(
+    recording: Recording, moves: Sequence[RecordedMove], texts: dict[int, ProgramMove]
+) -> list[LimitedMove]:
+    """Return the moves that a joint has limited.
+
+    No joint can be at its limit in one move and faster in another, so what remains is often one joint.
     """
     speeds = six_columns(recording, "target_joint_speeds") or []
-    largest = [max((abs(value) for value in column if isfinite(value)), default=0.0) for column in speeds]
-    at_limit: dict[int, list[Estimate]] = {}
+    largest = [_largest(column) for column in speeds]
+    found = []
     for move in moves:
         text = texts.get(move.line)
         if text is None or not text.is_joint or move.cruise is None or text.given.get("t", 0.0) != 0.0:
@@ -296,16 +323,57 @@ def _limits(
         asked = text.given.get("v")
         if asked is None or move.cruise.value >= asked * (1.0 - SAME_SPEED) or move.scaling is None:
             continue
-        cruise = move.cruise
-        joints = [
-            joint
-            for joint in range(6)
-            if abs(move.shares[joint]) > 1e-6
-            and abs(move.shares[joint]) * cruise.value * move.scaling >= largest[joint] * (1.0 - SAME_SPEED)
-        ]
-        if len(joints) == 1:
-            share = abs(move.shares[joints[0]])
-            at_limit.setdefault(joints[0], []).append(Estimate(cruise.value * share, cruise.half * share))
+        shares = {joint: abs(share) for joint, share in enumerate(move.shares) if abs(share) > 1e-6}
+        found.append(
+            LimitedMove(
+                {
+                    joint: Estimate(move.cruise.value * share, move.cruise.half * share)
+                    for joint, share in shares.items()
+                    if share * move.cruise.value * move.scaling >= largest[joint] * (1.0 - SAME_SPEED)
+                }
+            )
+        )
+    return found
+
+
+def _speed_limits(recording: Recording, limited: Sequence[LimitedMove], model: RobotModel) -> list[list[float]]:
+    """Return for each joint what may be its limit, rad/s.
+
+    It is the one that the controller shows, else the model's; and the speeds of moves that the joint may have limited.
+    """
+    shown = recording.facts.get("limits", {}).get("qd_max", ())
+    found = [[shown[joint] if joint < len(shown) else model.joints[joint].qd_max] for joint in range(6)]
+    for move in limited:
+        for joint, speed in move.speeds.items():
+            found[joint].append(speed.value)
+    return found
+
+
+def _limit_reached(recording: Recording, move: RecordedMove, limits: Sequence[Sequence[float]]) -> str:
+    """Return the first joint that is at a limit in a move, with the limit, in words; empty if none is."""
+    speeds = six_columns(recording, "target_joint_speeds")
+    if speeds is None or move.scaling is None:
+        return ""
+    for joint, name in enumerate(JOINT_NAMES):
+        largest = _largest(speeds[joint][move.first : move.last + 1]) / move.scaling
+        for limit in limits[joint]:
+            if limit > 0.0 and abs(largest - limit) <= SAME_SPEED * limit:
+                return f"{name} {limit:.6g} rad/s"
+    return ""
+
+
+def _largest(speeds: Sequence[float]) -> float:
+    return max((abs(value) for value in speeds if isfinite(value)), default=0.0)
+
+
+def _limits(recording: Recording, limited: Sequence[LimitedMove], model: RobotModel) -> Iterable[Parameter]:
+    """Yield the speed limit of each joint."""
+    largest = [_largest(column) for column in six_columns(recording, "target_joint_speeds") or []]
+    at_limit: dict[int, list[Estimate]] = {}
+    for move in limited:
+        if len(move.speeds) == 1:
+            ((joint, speed),) = move.speeds.items()
+            at_limit.setdefault(joint, []).append(speed)
     for joint, name in enumerate(JOINT_NAMES):
         ours = model.joints[joint].qd_max
         key = f"qd_max.{joint + 1}"
