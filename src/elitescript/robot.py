@@ -483,7 +483,11 @@ class VirtualRobot:
             if self._run is not None:
                 self._run.is_alone = False
             self._choose_record()
-        return self._clients.connect(port, self._step)
+        client = self._clients.connect(port, self._step)
+        if not self._is_advancing:
+            # The tick in which a run has ended is not another client's: what follows counts from the next.
+            self._leave_published_tick()
+        return client
 
     def _step(self) -> None:
         """Let one tick go by for a client that waits."""
