@@ -547,6 +547,7 @@ class Controller:
 
     def request(self, request: MachineRequest) -> None:
         """Carry out a request."""
+        self.arm_state.step_before_request(self._tick)
         self.requests += 1
         HANDLERS[type(request)](self, request)
 
