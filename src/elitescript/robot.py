@@ -32,7 +32,6 @@ from elitescript.language.compiler import CompiledUnit, compile_task, compile_un
 from elitescript.language.hash_order import may_hold_set
 from elitescript.language.options import SECONDARY, Options
 from elitescript.language.text.source import SourceFile
-from elitescript.messages.enums import TaskState
 from elitescript.messages.events import UNDELIVERED, Alarm, Event, SignalChanged, Warned
 from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSpeedScale, StopTask
 from elitescript.messages.signals import Value
