@@ -32,7 +32,6 @@ from elitescript.language.compiler import CompiledUnit, compile_task, compile_un
 from elitescript.language.hash_order import may_hold_set
 from elitescript.language.options import SECONDARY, Options
 from elitescript.language.text.source import SourceFile
-from elitescript.messages.enums import TaskState
 from elitescript.messages.events import UNDELIVERED, Alarm, Event, SignalChanged, Warned
 from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSpeedScale, StopTask
 from elitescript.messages.signals import Value
@@ -394,7 +393,7 @@ class VirtualRobot:
 
         Raises:
             ProgramError: the text does not compile.
-            ScriptStateError: a program is running.
+            ScriptStateError: a program is running; it goes on, and its record too.
         """
         unit = program if isinstance(program, CompiledUnit) else self.compile(program)
         values = _checked_presets(presets or {})
@@ -402,13 +401,14 @@ class VirtualRobot:
         self._interrupted_as = ""
         self._drain_last()
         self._leave_published_tick()
+        # The record of a program that runs must not become that of one that is refused.
+        self.controller.task.require("start")
         self._globals = None
         run = Run(unit, self.tick)
         run.is_alone = self._outside.is_alone and self._clients is None and not may_hold_set(values.values())
         run.look = lambda: self._look(run)
-        if self.controller.task_state is TaskState.STOPPED:
-            self._run = run
-            self._choose_record()
+        self._run = run
+        self._choose_record()
         if self.options.power_on and not self.controller.safety.refusal("power_on"):
             self.controller.power_up()
         self._trace = trace if isinstance(trace, Trace) else None
@@ -424,7 +424,7 @@ class VirtualRobot:
             self._watch = run.watch = ContactWatch(self.cell, self.model, self._contact)
         if OBSERVATION.observer is not None:
             self._trace = OBSERVATION.observer.started(self, run, values, self._trace)
-        if unit.kind == SECONDARY and self._run is run:
+        if unit.kind == SECONDARY:
             self._host.start_secondary(unit, world=world)
         else:
             self.controller.task_started(unit.name)
@@ -483,7 +483,11 @@ class VirtualRobot:
             if self._run is not None:
                 self._run.is_alone = False
             self._choose_record()
-        return self._clients.connect(port, self._step)
+        client = self._clients.connect(port, self._step)
+        if not self._is_advancing:
+            # The tick in which a run has ended is not another client's: what follows counts from the next.
+            self._leave_published_tick()
+        return client
 
     def _step(self) -> None:
         """Let one tick go by for a client that waits."""

@@ -227,6 +227,16 @@ class TestTime:
         assert len(found) > 75
         assert len(set(found)) == len(found)
 
+    def test_advance_takes_its_time_after_a_run_that_a_client_follows(self):
+        robot = VirtualRobot()
+        robot.run("sleep(0.02)")
+        client = robot.connect("dashboard")
+        begin_s = robot.time_s
+        client.send(b"robotMode\n")
+        robot.advance(0.1)
+        assert robot.time_s == pytest.approx(begin_s + 0.1, abs=1e-9)
+        assert client.receive().endswith(b"robotMode: RUNNING\r\n")
+
     def test_a_client_acts_in_watch(self):
         robot = VirtualRobot()
         client = robot.connect("dashboard")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import pytest
 
 from elitescript import VirtualRobot
@@ -130,3 +132,36 @@ def test_an_input_does_not_guide_an_arm_that_may_not_move():
     place = robot.state.tcp_pose_target
     robot.advance(1.0)
     assert robot.state.tcp_pose_target == place
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda robot: robot.signals.__setitem__("external_wrench[4]", -5.2),
+        lambda robot: robot.pause(),
+        lambda robot: robot.stop(),
+        lambda robot: robot.protective_stop(),
+    ],
+    ids=["push", "pause", "stop", "protective stop"],
+)
+def test_what_comes_between_two_ticks_does_not_move_the_arm_in_that_moment(change):
+    robot = VirtualRobot("CS66")
+    run = robot.start(
+        "def p():\n  force_mode([0, 0, 0, 0, 0, 0], [1, 1, 1, 1, 1, 1], [0, 0, 0, 0, 0, 0], 0, "
+        "[0.1, 0.1, 0.1, 0.5, 0.5, 0.5])\n  sleep(1)\nend\n",
+        trace=True,
+    )
+    robot.advance(0.02)
+    robot.signals["external_wrench[4]"] = 5.2
+    robot.advance(0.04)
+    before = robot.state
+    assert max(map(abs, before.qd_target)) > 0.1
+    change(robot)
+    after = robot.state
+    assert (after.q_target, after.qd_target) == (before.q_target, before.qd_target)
+    robot.advance(0.02)
+    rows = list(run.trace)
+    most = [0.5 * joint.qdd_max * 0.004**2 for joint in robot.model.joints]
+    for row, later in pairwise(rows):
+        for q, w, q_later, w_later, jump in zip(row.q, row.qd, later.q, later.qd, most, strict=True):
+            assert abs(q_later - q - 0.002 * (w + w_later)) <= jump

@@ -500,3 +500,26 @@ def test_how_much_a_thread_may_do_in_a_tick_is_a_setting():
     program = "def a():\n  for i in range(100000):\n    pass\n  end\nend\n"
     slow, quick = (VirtualRobot(work_per_tick=work).run(program).time_s for work in (1000, 100_000))
     assert quick < 0.01 < 0.3 < slow
+
+
+def test_a_program_that_is_refused_takes_nothing_from_the_one_that_runs(tmp_path):
+    world = tmp_path / "world.toml"
+    world.write_text('[[sphere]]\nname = "ball"\nradius = 0.05\npose = [0.9, 0.9, 0.9]\n', encoding="utf-8")
+
+    def played(*, refused: bool):
+        robot = VirtualRobot(world=world)
+        run = robot.start("def mine():\n  movej([0.2, -1.5, -1.5, -1.5, 1.5, 0], v=2, a=9)\nend\n", trace=True)
+        robot.advance(0.02)
+        if refused:
+            with pytest.raises(Exception, match="cannot start: a task is running"):
+                robot.start("def other():\n  sleep(1)\nend\n", trace=True)
+            assert robot.current is run
+        name = robot.controller.task.name
+        robot.advance(0.4)
+        assert run.state == "finished"
+        return name, list(run.trace), run.clearances
+
+    alone, beside = played(refused=False), played(refused=True)
+    assert alone[0] == "mine"
+    assert len(alone[1]) > 50
+    assert beside == alone

@@ -250,6 +250,7 @@ def test_an_input_that_somebody_else_changes(robot: Serve, attach: Attach) -> No
 
 def test_ctl_asks_one_question(robot: Serve) -> None:
     robot.send(COUNT)
+    robot.until("PLAYING")
     answer = robot.order("debug", do="threads")
     assert (answer["ok"], answer["result"]["result"][0]["name"]) == (True, "main")
     assert robot.order("debug", do="what")["error"].startswith('debug: a request is an object of JSON in which "do" is')

@@ -547,6 +547,7 @@ class Controller:
 
     def request(self, request: MachineRequest) -> None:
         """Carry out a request."""
+        self.arm_state.step_before_request(self._tick)
         self.requests += 1
         HANDLERS[type(request)](self, request)
 
@@ -592,7 +593,12 @@ class Controller:
         self.power.go_up(RobotMode.RUNNING, self._tick)
 
     def task_started(self, name: str) -> None:
-        """Begin the task of a program in this tick."""
+        """Begin the task of a program in this tick.
+
+        Raises:
+            ScriptStateError: a task is running; nothing has changed.
+        """
+        self.task.require("start")
         self.task.name = name
         self._node = (0, "")
         self.motion.begin_program()

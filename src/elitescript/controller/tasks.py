@@ -160,9 +160,15 @@ class Task:
         Raises:
             ScriptStateError: the table does not have it; the reason is in the text.
         """
-        before = self.state
-        after = TRANSITIONS.get((before, action))
-        if after is None:
-            raise ScriptStateError(f"cannot {action}: {REFUSALS[before, action]}")
-        self.state = after
-        self._on_change(before, after)
+        self.require(action)
+        before, self.state = self.state, TRANSITIONS[self.state, action]
+        self._on_change(before, self.state)
+
+    def require(self, action: str) -> None:
+        """Check that a transition is possible.
+
+        Raises:
+            ScriptStateError: the table does not have it; the reason is in the text.
+        """
+        if (self.state, action) not in TRANSITIONS:
+            raise ScriptStateError(f"cannot {action}: {REFUSALS[self.state, action]}")

@@ -191,6 +191,14 @@ class ArmState:
         if q_left is not None:
             self._motion.rebase(q_left)
 
+    def step_before_request(self, tick: int) -> None:
+        """Advance to a tick that has not run yet, where the arm is stepped: what is asked now changes the next step.
+
+        The joints of this tick were readable already, and a push or pause in it comes too late to change them.
+        """
+        if tick > self._tick and self._is_stepped:
+            self.settle(tick)
+
     def pause(self, tick: int) -> None:
         """Come to rest until `resume`."""
         self._motion.pause(tick)
