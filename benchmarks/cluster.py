@@ -10,13 +10,13 @@ from typing import Any
 
 from benchmarks.measure import least
 from benchmarks.table import Row, Time, timed_row
-from elitescript.sweep import cluster_worker
-from elitescript.sweep.cluster import Cluster, ClusterEngine
-from elitescript.sweep.cluster_worker import work_bytes
-from elitescript.sweep.engine import Engine
-from elitescript.sweep.local import LocalEngine
-from elitescript.sweep.plan import Plan, Variation
-from elitescript.sweep.plan_json import plan_data, row_data
+from elitescript.sweep.engines import cluster_worker
+from elitescript.sweep.engines.cluster import Cluster, ClusterEngine
+from elitescript.sweep.engines.cluster_worker import work_bytes
+from elitescript.sweep.engines.engine import Engine
+from elitescript.sweep.engines.local import LocalEngine
+from elitescript.sweep.plans.plan import Plan, Variation
+from elitescript.sweep.plans.plan_json import plan_data, row_data
 
 RUNS = 600
 ORDERS = 1000

@@ -16,11 +16,11 @@ from time import perf_counter, process_time
 from benchmarks.measure import ROOT, best_of_calls
 from benchmarks.table import Row, Time, print_rows, timed_row
 from elitescript.robot import VirtualRobot
-from elitescript.sweep.local import LocalEngine
+from elitescript.sweep.engines.local import LocalEngine
 from elitescript.sweep.many_runs import cores
-from elitescript.sweep.plan import Plan
+from elitescript.sweep.plans.plan import Plan
+from elitescript.sweep.plans.variations import parse_variation
 from elitescript.sweep.single import Runner
-from elitescript.sweep.variations import parse_variation
 
 RUNS = int(os.environ.get("SWEEP_RUNS", "1500"))
 TEXT = (ROOT / "examples" / "pick_and_place.script").read_text(encoding="utf-8").replace("PARTS = 20", "PARTS = 1")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from elitescript.messages.outputs import REPEAT_AFTER_S
 from elitescript.protocol.rtsi import connection as rtsi
 from elitescript.protocol.rtsi import recipes as rtsi_recipes
 from elitescript.protocol.rtsi.inputs import INPUT_ROWS, InputVariable
@@ -43,6 +44,10 @@ def rtsi_page() -> str:
         f"- Frequencies are {low:g} to {high:g} Hz; others are clamped, and a text message says so (*assumed*).",
         "- The first package of each recipe follows the start at once; n ticks later a recipe of f Hz has sent",
         "  floor(n f / 250) more. Values are those of the tick.",
+        "- Each tick gives a package once, with its own time stamp, also when `serve` is late: what is made up for",
+        "  comes together. A tick is missing only where the robot was restarted (R132), or for a client that reads too",
+        f"  slowly. After {REPEAT_AFTER_S:g} s without a new tick each recipe repeats its last package at its rate,",
+        "  until there is one (*assumed*): a package with the time stamp of the one before is no news.",
         "- Inputs count while data flows and while it is paused, in local control too (*assumed*).",
         "- What cannot be obeyed is ignored and answered with a text message, at most once a second for each kind: a",
         "  package of a wrong size or of no recipe, a value out of range, an unknown command. A size below 3 ends the",

@@ -602,11 +602,14 @@ class VirtualRobot:
         for event in self._limit.rest(self.tick):
             run.add(event)
             self._tell(event)
+        # A tick that has not run is the next program's: what the arm does in it is not known yet.
+        has_run = self._kernel.has_run
         if self._trace is not None:
-            self._trace.finish(self.controller)
+            if has_run:
+                self._trace.finish(self.controller)
             self._trace = None
         if self._watch is not None:
-            self._watch.finish(self.controller)
+            self._watch.finish(self.controller, has_run=has_run)
             self._watch = None
         run.rest(self._look(run))
         self._drain = Drain(

@@ -14,6 +14,7 @@ from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.text.source import apply_fixes
 from elitescript.lint.program import Span
 from tests.assist.layouts import compiled, mangled, texts_of_the_repository
+from tests.invariants.cases import first_of
 from tests.invariants.random_programs import random_program as random_robot_program
 from tests.language.random_programs import random_program
 
@@ -226,7 +227,7 @@ class TestEdits:
         whole_block = with_edits(text, format_edits(document, Span(3, 2, 6, 3)))
         assert whole_block == "def job():\n    a=1\n    if b:\n      c = 2\n      d = 3\n    end\nend\n"
 
-    @pytest.mark.parametrize("seed", range(20))
+    @pytest.mark.parametrize("seed", first_of(range(20), 8))
     def test_random_ranges_keep_what_runs(self, seed):
         rng = Random(seed)
         text = mangled(rng, random_program(rng))
@@ -247,16 +248,19 @@ class TestNothingChanges:
             assert formatted(text).text == text or not formatted(text).problems
             return
         rng = Random(name)
-        for variant in (text, mangled(rng, text), "\ufeff" + text.replace("\n", "\r\n")):
+        variants = [text, mangled(rng, text)]
+        if name.endswith(".script"):
+            variants.append("\ufeff" + text.replace("\n", "\r\n"))
+        for variant in variants:
             check_that_nothing_changes(variant)
 
-    @pytest.mark.parametrize("seed", range(60))
+    @pytest.mark.parametrize("seed", first_of(range(60), 25))
     def test_in_random_programs(self, seed):
         rng = Random(seed)
         write = rng.choice((random_program, random_robot_program))
         check_that_nothing_changes(mangled(rng, write(rng)))
 
-    @pytest.mark.parametrize("seed", range(20))
+    @pytest.mark.parametrize("seed", first_of(range(20), 8))
     def test_in_damaged_texts_and_nothing_is_raised(self, seed):
         rng = Random(seed)
         for text in map(rng.choice, [list(TEXTS.values())] * 40):

@@ -49,7 +49,7 @@ class TestMatched:
         # As a program that ran on: the pass behind those in common.
         assert missing == list(range(10, 15))
         # Of a recording that began in the middle it is one of the passes before.
-        begun = matched(twice[5:], twice, is_end_known=True)
+        begun = matched(twice[5:], twice, has_begin=False)
         assert [pair.second for pair in begun] == list(range(5, len(twice)))
 
     def test_random_ones_are_as_long_as_possible(self):

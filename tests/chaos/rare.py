@@ -9,9 +9,10 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from elitescript.environment.memory import MemoryFiles
-from elitescript.messages.inputs import Input
+from elitescript.messages.inputs import Input, RunUnit
 from elitescript.services.journal.replay import RecordedRobot, Replay
 from elitescript.services.journal.writer import Journal, JournalReader
+from tests.chaos.programs import PROGRAMS
 from tests.debugger.test_walks import walk
 from tests.invariants.test_served_leaping import random_inputs, random_options
 
@@ -29,7 +30,11 @@ def drawn(seed: int, kind: str) -> dict[str, Any]:
 
 
 def _inputs(seed: int) -> list[tuple[int, Input]]:
-    given = random_inputs(Random(f"journal {seed}"))
+    chance = Random(f"journal {seed}")
+    given = random_inputs(chance)
+    if chance.random() < 0.7:
+        program = PROGRAMS[chance.choice(("presses", "raises", "shifts", "interpreted", "belts"))](chance)
+        given.setdefault(3, []).insert(0, RunUnit("primary#1", "program", program))
     return [(tick, item) for tick in sorted(given) for item in given[tick] if tick < TICKS]
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from elitescript.cli.main import main
-from elitescript.sweep.cases import digest_of
+from elitescript.sweep.failures.cases import digest_of
 
 PROGRAM = "def p():\n  set_standard_digital_out(1, True)\n  sleep(2)\n  set_standard_digital_out(1, False)\nend\n"
 CASE = f"""

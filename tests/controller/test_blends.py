@@ -15,6 +15,7 @@ from elitescript.messages.machine import PauseTask, ResumeTask, SetSpeedScale, S
 from elitescript.messages.motion import MoveC, MoveJ, MoveL, MoveP, ServoJ, SpeedJ, StopJ, StopL
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
+from tests.invariants.cases import first_of
 
 MODEL = load_model("CS66")
 HOME = MODEL.home
@@ -525,7 +526,7 @@ def random_session(seed, *, leap):
     return rows, machine.events, machine.q
 
 
-@pytest.mark.parametrize("seed", range(25))
+@pytest.mark.parametrize("seed", first_of(range(25), 10))
 def test_position_and_speed_never_jump_and_a_session_leaps_as_it_steps(seed):
     rows, stepped_events, stepped_q = random_session(seed, leap=False)
     previous = [0.0] * 6

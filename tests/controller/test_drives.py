@@ -14,6 +14,7 @@ from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSp
 from elitescript.messages.motion import MoveJ, MoveL, ServoJ, SpeedJ, SpeedL, StopJ, StopL
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
+from tests.invariants.cases import first_of
 
 MODEL = load_model("CS66")
 HOME = MODEL.home
@@ -370,7 +371,7 @@ def random_session(seed, *, leap):
     return rows, machine.events, machine.q
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", first_of(range(40), 15))
 def test_position_and_speed_never_jump_and_limits_hold(seed):
     rows, _, _ = random_session(seed, leap=False)
     # A stop or pause may add its own deceleration to that of a planned move.
@@ -384,7 +385,7 @@ def test_position_and_speed_never_jump_and_limits_hold(seed):
             assert abs(q_after[joint] - q[joint] - mean * PERIOD_S) <= 0.5 * change_max * PERIOD_S
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", first_of(range(40), 15))
 def test_a_session_leaps_as_it_steps(seed):
     _, stepped_events, stepped_q = random_session(seed, leap=False)
     _, leaped_events, leaped_q = random_session(seed, leap=True)

@@ -25,6 +25,7 @@ from elitescript.messages.motion import MoveL, SpeedL, StopL, StopTracking, Trac
 from elitescript.messages.timing import PERIOD_S
 from elitescript.messages.yielding import EndForceMode, ForceMode, Freedrive
 from elitescript.models.model import load_model
+from tests.invariants.cases import first_of
 
 MODEL = load_model("CS66")
 LIMITS = motion_limits(MODEL)
@@ -449,7 +450,7 @@ def test_a_belt_is_not_taken_up_while_the_arm_presses():
     assert caught.value.code == "R114"
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", first_of(range(12), 5))
 def test_nothing_jumps_and_leaping_is_stepping_whatever_happens(seed):
     def story(machine, leap):
         random = Random(seed)

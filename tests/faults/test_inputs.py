@@ -143,31 +143,36 @@ def test_another_seed_is_another_pattern() -> None:
 # ---------------------------------------------------------------- mixes
 
 
+def random_settings(random: Random, seed: int) -> tuple[str, dict[str, Any]]:
+    """An input, and a fault of it that lasts."""
+    is_digital = random.random() < 0.6
+    digital = [
+        {"kind": "stuck"},
+        {"kind": "stuck", "value": random.random() < 0.5},
+        {"kind": "inverted"},
+        {"kind": "bouncing", "settle_s": 0.06, "bounces": random.randint(1, 4), "seed": seed},
+        {"kind": "open_wire"},
+        {"kind": "noisy", "rate_hz": random.choice((3, 60)), "seed": seed},
+        {"kind": "late", "delay_s": random.choice((0.004, 0.05))},
+    ]
+    analog = [
+        {"kind": "stuck"},
+        {"kind": "open_wire", "value": 0.5},
+        {"kind": "drifting", "per_s": random.choice((-3, 2)), "bound": random.choice((None, 0.1))},
+        {"kind": "noisy", "sigma": 0.1, "every_s": random.choice((0.004, 0.03)), "seed": seed},
+        {"kind": "late", "delay_s": 0.1},
+    ]
+    return DIN if is_digital else AIN, random.choice(digital if is_digital else analog)
+
+
 def mix(seed: int) -> tuple[list[Fault], list[tuple[int, str, Any]]]:
     """Some faults of two inputs that overlap, and what is applied to these."""
     random = Random(seed)
     faults = []
     for _ in range(random.randint(1, 5)):
-        is_digital = random.random() < 0.6
-        digital = [
-            {"kind": "stuck"},
-            {"kind": "stuck", "value": random.random() < 0.5},
-            {"kind": "inverted"},
-            {"kind": "bouncing", "settle_s": 0.06, "bounces": random.randint(1, 4), "seed": seed},
-            {"kind": "open_wire"},
-            {"kind": "noisy", "rate_hz": random.choice((3, 60)), "seed": seed},
-            {"kind": "late", "delay_s": random.choice((0.004, 0.05))},
-        ]
-        analog = [
-            {"kind": "stuck"},
-            {"kind": "open_wire", "value": 0.5},
-            {"kind": "drifting", "per_s": random.choice((-3, 2)), "bound": random.choice((None, 0.1))},
-            {"kind": "noisy", "sigma": 0.1, "every_s": random.choice((0.004, 0.03)), "seed": seed},
-            {"kind": "late", "delay_s": 0.1},
-        ]
-        settings = random.choice(digital if is_digital else analog)
+        on, settings = random_settings(random, seed)
         times = {"at_s": random.randrange(150) * 0.004, "for_s": random.choice((None, 0.004, 0.1, 0.3))}
-        faults.append(Fault(on=DIN if is_digital else AIN, **settings, **times))
+        faults.append(Fault(on=on, **settings, **times))
     applied: list[tuple[int, str, Any]] = []
     for tick in sorted(random.sample(range(1, 240), 25)):
         level: Any = random.random() < 0.5

@@ -1,6 +1,6 @@
 """Random moves of three models: limits, continuity, exact ends, exact paths, stops from anywhere.
 
-`ELITESCRIPT_INVARIANTS` sets how many cases are tried (20 if unset). Start points are spread over
+`ELITESCRIPT_INVARIANTS` sets how many cases are tried (10 if unset). Start points are spread over
 the whole joint range, so that many lines are refused and many pass near singularities.
 """
 

@@ -14,7 +14,7 @@ from elitescript.runtime.environment import EmptyEnvironment
 from tests.invariants.cases import CASES
 from tests.invariants.random_programs import random_program
 
-COUNT = max(CASES // 5, 10)
+COUNT = max(CASES // 5, 6)
 MODEL = load_model("CS66")
 UNTIL_S = 12.0
 """A program that runs longer is cut off, be it in the middle of a braking."""

@@ -1,7 +1,7 @@
 """Stops, safeguards, reduced mode and limits at random ticks of random programs: no jump, no limit of the arm exceeded,
 nothing left undone, and leaping cannot be told from stepping.
 
-`ELITESCRIPT_INVARIANTS` sets how many cases are tried, a third of that here (20 if unset).
+`ELITESCRIPT_INVARIANTS` sets how many cases are tried, a third of that here (10 if unset).
 """
 
 from itertools import pairwise
@@ -87,7 +87,7 @@ def modes_of(run_events):
 
 
 @pytest.mark.invariants
-@pytest.mark.parametrize("seed", range(max(COUNT, 10)))
+@pytest.mark.parametrize("seed", range(max(COUNT, 6)))
 def test_stops_keep_continuity_and_limits_and_leaping_equals_stepping(seed):
     program, leaped = outcome(seed, None)
     _, stepped = outcome(seed, lambda tick: None)
@@ -181,7 +181,7 @@ def test_each_stop_in_each_kind_of_motion_brakes_without_a_jump_and_the_way_back
 
 
 @pytest.mark.invariants
-@pytest.mark.parametrize("seed", range(max(COUNT, 10)))
+@pytest.mark.parametrize("seed", range(max(COUNT, 6)))
 def test_reduced_mode_keeps_its_speeds_after_the_grace(seed):
     """Planned moves, speedj and speedl; a stream may be stopped protectively instead."""
     chance = Random(f"reduced {seed}")

@@ -39,7 +39,7 @@ from tests.protocol import modbus_client, rtsi_client
 from tests.services.made_up_time import Line, timed
 from tests.services.served import Scene
 
-COUNT = max(CASES // 4, 5)
+COUNT = max(CASES // 4, 3)
 TICKS = 1500
 PERIOD_NS = 4_000_000
 

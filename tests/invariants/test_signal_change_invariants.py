@@ -2,7 +2,7 @@
 
 The program is written together with the changes that it must make. They are compared with those of a run that nothing
 listens to, whose events are made when they are read, and of runs in which something needs each event at once.
-`ELITESCRIPT_INVARIANTS` sets how many are tried (20 if unset).
+`ELITESCRIPT_INVARIANTS` sets how many are tried (10 if unset).
 """
 
 from __future__ import annotations

@@ -16,6 +16,7 @@ from elitescript.messages.inputs import ClosePopup, Do, Input, Query, RunUnit
 from elitescript.messages.machine import PauseTask, ResumeTask, StopTask
 from elitescript.messages.outputs import Output
 from elitescript.protocol.interpreter import WORDS, InterpreterConnection
+from tests.invariants.cases import first_of
 from tests.kernel.machine import READY, program
 
 SEEDS = range(12)
@@ -163,7 +164,7 @@ class Play:
         self.inputs += client.send(data, self.output, in_bytes=self.in_bytes)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("seed", first_of(SEEDS, 6))
 def test_every_line_has_one_reply_whatever_happens(seed: int) -> None:
     play = Play(seed).run()
     assert play.output.snapshot.robot.task_state is TaskState.STOPPED
@@ -188,14 +189,14 @@ def test_every_line_has_one_reply_whatever_happens(seed: int) -> None:
         assert words == {word: count for word, count in client.words.items() if WORDS[word].reply}
 
 
-@pytest.mark.parametrize("seed", SEEDS[:3])
+@pytest.mark.parametrize("seed", first_of(SEEDS[:3], 1))
 def test_it_is_the_same_in_every_run_and_however_the_bytes_arrive(seed: int) -> None:
     said = Play(seed).run().said
     assert Play(seed).run().said == said
     assert Play(seed, in_bytes=True).run().said == said
 
 
-@pytest.mark.parametrize("seed", SEEDS[:5])
+@pytest.mark.parametrize("seed", first_of(SEEDS[:5], 2))
 def test_numbers_of_a_program_have_no_gaps(seed: int) -> None:
     numbers = [int(found) for text in Play(seed).run().said for found in re.findall(r"text=.ack: (\d+):", text)]
     for before, after in pairwise(numbers):

@@ -8,6 +8,7 @@ import pytest
 
 from elitescript.language.checkpoints import insert_checkpoints, is_checkpoint
 from elitescript.language.nodes import Census
+from tests.invariants.cases import first_of
 from tests.language.stage import Stage, Stopped
 
 GUARD = "if not @tick(): @cp()"
@@ -299,7 +300,7 @@ def random_loops(seed):
     return "\n".join(text) + "\n"
 
 
-@pytest.mark.parametrize("seed", range(150))
+@pytest.mark.parametrize("seed", first_of(range(150), 50))
 def test_payments_change_nothing_but_the_time_it_takes(seed):
     text = random_loops(seed)
     paid, counted = Counted(text, True), Counted(text, False)

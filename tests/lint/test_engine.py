@@ -17,6 +17,7 @@ from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import all_rules
 from elitescript.lint.rules.blend_too_long import blend_too_long
 from elitescript.messages.profile import profile
+from tests.invariants.cases import first_of
 from tests.invariants.random_programs import random_program
 from tests.lint.checking import body, found, problems
 from tests.specification.pages import Case, Expectation, parse_page
@@ -123,7 +124,7 @@ class TestRealTexts:
     def test_the_examples_have_no_problem(self, path):
         assert check_source(SourceFile(str(path), path.read_text(encoding="utf-8")), profile()) == ()
 
-    @pytest.mark.parametrize("seed", range(40))
+    @pytest.mark.parametrize("seed", first_of(range(40), 15))
     def test_random_programs_have_none_either(self, seed):
         assert problems(random_program(Random(seed))) == ()
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Iterator
+from io import StringIO
+
 import pytest
 
 pytest.importorskip("pygls", reason="needs the extra lsp")
@@ -24,3 +28,16 @@ def client(bare):
     """A client after `initialize`, which asks for nothing special."""
     bare.initialize()
     return bare
+
+
+@pytest.fixture
+def log() -> Iterator[StringIO]:
+    """What is logged. The plugin of pytest for it is off: it takes a tenth of a short test, in every test."""
+    text = StringIO()
+    handler = logging.StreamHandler(text)
+    logging.getLogger().addHandler(handler)
+    # Import-linter, which other tests call in this process, switches the loggers off that there are.
+    for name in [name for name in logging.root.manager.loggerDict if name.startswith("elitescript.")]:
+        logging.getLogger(name).disabled = False
+    yield text
+    logging.getLogger().removeHandler(handler)

@@ -173,7 +173,7 @@ class TestProgress:
         assert bare.answer(asked["id"])["error"]["code"] == -32803
         assert runs.killed == 1
 
-    def test_a_late_answer_to_a_request_that_was_given_up_is_nothing(self, bare, runs, caplog):
+    def test_a_late_answer_to_a_request_that_was_given_up_is_nothing(self, bare, runs, log):
         bare.initialize({"window": {"workDoneProgress": True}})
         bare.open(PROGRAM)
         created = bare.until(lambda message: message.get("method") == "window/workDoneProgress/create")
@@ -181,7 +181,7 @@ class TestProgress:
         until(bare, lambda: runs.killed)
         passes(bare)
         bare.reply(created, None)
-        assert caplog.text == ""
+        assert log.getvalue() == ""
         assert created["id"] not in bare.server.connection._request_futures
 
     def test_a_cancelled_request_kills_its_run(self, bare, runs, monkeypatch):

@@ -187,7 +187,7 @@ class TestOrder:
 
 
 class TestMistakesOfTheServer:
-    def test_an_exception_is_an_answer_and_is_logged(self, client, monkeypatch, caplog):
+    def test_an_exception_is_an_answer_and_is_logged(self, client, monkeypatch, log):
         def broken(server, document, params):
             raise ZeroDivisionError("oh")
 
@@ -196,19 +196,19 @@ class TestMistakesOfTheServer:
         error = client.ask(HOVER, at(0, 0))["error"]
         assert error["code"] == -32603
         assert "ZeroDivisionError: oh" in error["message"]
-        assert "textDocument/hover failed" in caplog.text
+        assert "textDocument/hover failed" in log.getvalue()
         assert "error" not in client.ask("textDocument/foldingRange", {"textDocument": {"uri": URI}})
 
-    def test_an_exception_of_a_slow_request_too(self, client, monkeypatch, caplog):
+    def test_an_exception_of_a_slow_request_too(self, client, monkeypatch, log):
         async def broken(document, params):
             raise ZeroDivisionError("oh")
 
         monkeypatch.setitem(client.server.connection.slow, "textDocument/diagnostic", broken)
         client.open("x = 1\n")
         assert client.ask("textDocument/diagnostic", {"textDocument": {"uri": URI}})["error"]["code"] == -32603
-        assert "textDocument/diagnostic failed" in caplog.text
+        assert "textDocument/diagnostic failed" in log.getvalue()
 
-    def test_an_exception_on_a_notification_is_logged(self, client, monkeypatch, caplog):
+    def test_an_exception_on_a_notification_is_logged(self, client, monkeypatch, log):
         def broken(params):
             raise ZeroDivisionError("oh")
 
@@ -216,7 +216,7 @@ class TestMistakesOfTheServer:
         client.received.clear()
         client.notify("textDocument/didSave", {"textDocument": {"uri": URI}})
         assert client.received == []
-        assert "could not be handled" in caplog.text
+        assert "could not be handled" in log.getvalue()
 
 
 def _answering(client, feature):

@@ -13,6 +13,7 @@ from elitescript.messages.motion import MoveJ
 from elitescript.motion.planner import plan_movej, plan_movel
 from elitescript.motion.segment import Segment
 from elitescript.motion.timing.timescale import TimeScale, change_ramp, stop_ramp, stop_ramp_tool
+from tests.invariants.cases import first_of
 from tests.motion.moves import ARM, LIMITS, Q_NEAR_WRIST, Q_WORK, T_FLANGE_TCP, line_by
 
 ROUNDING_S = 1e-12
@@ -76,7 +77,7 @@ def test_change_without_a_ramp_takes_effect_at_once() -> None:
     assert scale.path_time(2.0) == 0.7
 
 
-@pytest.mark.parametrize("seed", range(100))
+@pytest.mark.parametrize("seed", first_of(range(100), 40))
 def test_path_time_and_rate_are_continuous_where_the_target_changes(seed: int) -> None:
     scales = random_scales(seed)
     for before, after in pairwise(scales):
@@ -84,7 +85,7 @@ def test_path_time_and_rate_are_continuous_where_the_target_changes(seed: int) -
         assert after.rate(after.t_start_s) == before.rate(after.t_start_s)
 
 
-@pytest.mark.parametrize("seed", range(100))
+@pytest.mark.parametrize("seed", first_of(range(100), 40))
 def test_rate_stays_between_its_targets_and_changes_no_faster_than_the_ramp(seed: int) -> None:
     for scale in random_scales(seed):
         low, high = sorted((scale.rate_start, scale.rate_target))
@@ -99,7 +100,7 @@ def test_rate_stays_between_its_targets_and_changes_no_faster_than_the_ramp(seed
                 assert change == 0.0
 
 
-@pytest.mark.parametrize("seed", range(100))
+@pytest.mark.parametrize("seed", first_of(range(100), 40))
 def test_path_time_is_the_integral_of_the_rate(seed: int) -> None:
     for scale in random_scales(seed):
         for t_s, dt in ((scale.t_start_s, 0.5 * scale.ramp_s), (scale.settled_s, 1.3)):
@@ -109,7 +110,7 @@ def test_path_time_is_the_integral_of_the_rate(seed: int) -> None:
             assert gained >= -ROUNDING_S
 
 
-@pytest.mark.parametrize("seed", range(100))
+@pytest.mark.parametrize("seed", first_of(range(100), 40))
 def test_time_of_finds_the_path_time_again(seed: int) -> None:
     rng = random.Random(seed)
     for scale in random_scales(seed):

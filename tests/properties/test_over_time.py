@@ -65,6 +65,22 @@ def test_random_expressions_come_to_what_every_tick_says(seed):
     assert compare(seed, 8) > 0
 
 
+def test_a_function_over_time_of_what_never_changes_sees_the_whole_run():
+    program = "def p():\n  sleep(0.5)\nend"
+    measures = ["duration(True)", "count(1 < 2)", "first(True)", "max_of(3)"]
+    results = measured(
+        program, ["always(1 > 2)", "eventually(1 < 2)", "before(True, False)", "not always(False)"], measures
+    )
+    assert [verdict.holds for verdict in results.verdicts] == [False, True, True, True]
+    assert [results.measures[text] for text in measures] == [0.5, 1, 0.0, 3]
+
+
+def test_what_never_holds_has_no_time():
+    verdict = measured("def p():\n  sleep(0.1)\nend", ['first(signal("standard_digital_out[5]")) > 3']).verdicts[0]
+    assert (verdict.holds, verdict.t) == (False, None)
+    assert verdict.words == 'signal("standard_digital_out[5]") never holds'
+
+
 def test_an_arm_that_lags_is_seen_as_its_target():
     assert compare(7, 5, plant=PlantConfig(lag_s=0.02)) > 0
 

@@ -21,6 +21,7 @@ from elitescript.protocol.primary.connection import (
     SILENCE_TICKS,
     UNITS_PER_TICK,
 )
+from tests.invariants.cases import first_of
 from tests.protocol import primary_client as client
 from tests.protocol.primary_link import ME, PROGRAM, connect, run, told
 from tests.protocol.snapshots import output
@@ -274,7 +275,7 @@ FRAGMENTS = (
 )
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", first_of(range(40), 15))
 def test_no_bytes_harm_the_connection(seed):
     """Random bytes and fragments, in random pieces, with random pauses: inputs or refusals, never an exception."""
     chance = random.Random(seed)
@@ -301,7 +302,7 @@ def test_no_bytes_harm_the_connection(seed):
     assert fresh.receive(f"{PROGRAM}\n".encode(), output(tick)) == [RunUnit(ME, "program", PROGRAM)]
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", first_of(range(40), 15))
 def test_how_a_stream_is_cut_into_pieces_changes_nothing(seed):
     chance = random.Random(seed)
     stream = b"".join(chance.choice(FRAGMENTS) for _ in range(60))

@@ -53,6 +53,15 @@ def test_any_frequency_is_exact_and_even() -> None:
         assert len(due) == 1 + 4999 * Fraction(frequency_hz) // 250
 
 
+@pytest.mark.parametrize("frequency_hz", [250.0, 125.0, 33.3, 1.0])
+def test_what_falls_on_a_tick_is_known_without_asking_for_it(frequency_hz: float) -> None:
+    due = ticks_due(frequency_hz, range(70, 1000))
+    schedule = RecipeSchedule(frequency_hz)
+    assert schedule.is_due(70)
+    assert [tick for tick in range(71, 1000) if schedule.falls_on(tick)] == due[1:]
+    assert [tick for tick in range(71, 1000) if schedule.is_due(tick)] == due[1:]
+
+
 def test_a_schedule_does_not_drift_in_a_year() -> None:
     schedule = RecipeSchedule(33.3)
     assert schedule.is_due(0)

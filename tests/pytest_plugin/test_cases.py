@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from elitescript.pytest_plugin.file_names import CASE_FILES
-from elitescript.sweep.cases import FILE_NAME, SUFFIX
+from elitescript.sweep.failures.cases import FILE_NAME, SUFFIX
 
 PROGRAM = "def p():\n  set_standard_digital_out(1, True)\n  sleep(2)\n  set_standard_digital_out(1, False)\nend\n"
 CASE = """

@@ -1,4 +1,4 @@
-"""Gaps and restarts while rows come."""
+"""Gaps, restarts and repeated rows while rows come."""
 
 from __future__ import annotations
 
@@ -44,3 +44,10 @@ def test_time_that_begins_anew_is_no_gap():
     pace = Pace(250.0)
     assert shown(pace, [*ticks(50.0, 40), *ticks(0.1, 40)]) == [Restart(50.156, 0.1)]
     assert (pace.gaps, pace.restarts) == (0, 1)
+
+
+def test_rows_with_the_time_of_the_one_before_are_counted_apart():
+    pace = Pace(250.0)
+    times = [1.0, 1.004, 1.004, 1.004, 1.008, 0.5, 0.5, 1.008]
+    assert [pace.repeats(t) for t in times] == [0, 0, 1, 2, 0, 0, 1, 0]
+    assert (pace.repeated, pace.rows) == (3, 0)

@@ -46,14 +46,15 @@ class Heard:
         return [data for name, data in self.messages if name == channel and kind in ("", data.get("type"))]
 
 
-def record(controller: FakeController, sink, rows: int, *ports: str, also=lambda: True) -> tuple[Session, list[str]]:
+def record(controller: FakeController, sinks, rows: int, *ports: str, also=lambda: True) -> tuple[Session, list[str]]:
     """Run a session until so many rows have come."""
+    sinks = sinks if isinstance(sinks, list) else [sinks]
     said: list[str] = []
     sessions: list[Session] = []
 
     async def test() -> None:
         async with served(controller, *ports) as target:
-            session = Session(target, [sink], said.append)
+            session = Session(target, sinks, said.append)
             sessions.append(session)
 
             async def enough() -> None:
@@ -168,6 +169,30 @@ def test_a_lost_connection_is_taken_up_again_and_the_gap_is_counted():
     assert any("rtsi: lost, trying again (RTSI" in text for text in said)
     assert any(text.startswith("rtsi: connected, after 0.") for text in said)
     assert "150 rows are missing between 1.396 s and 2.000 s of the controller" in said
+
+
+@pytest.mark.parametrize("before", [10, 60])
+def test_rows_that_are_repeated_are_counted_apart_and_not_stored(tmp_path, before):
+    """As a served robot sends while a call of its program hangs: then what it makes up for, nothing left out."""
+    times = ticks(1.0, before)
+    again = [times[-1]] * 75
+    controller = FakeController([*times, *again, *ticks(times[-1] + 0.004, 40)], asks_first=True)
+    path = tmp_path / "run.mcap"
+    heard, sink = Heard(), McapSink(path, {})
+    session, said = record(controller, [heard, sink], before + 40)
+    sink.close()
+    assert heard.rows == ticks(1.0, before + 40)
+    pace = session.pace
+    assert (pace.rows, pace.repeated, pace.gaps, pace.restarts) == (before + 40, 75, 0, 0)
+    assert heard.of(EVENTS, "repeated") == [{"type": "repeated", "t": times[-1]}]
+    stamps = [values["timestamp"] for values in heard.of(SLOW)]
+    assert stamps == sorted(set(stamps))
+    found = read_recording(path)
+    assert list(found.t) == ticks(1.0, before + 40)
+    assert (found.gaps, found.restarts, found.rate_hz) == ((), (), 250.0)
+    assert [said.data["t"] for said in found.messages if said.data["type"] == "repeated"] == [times[-1]]
+    # The dashboard names the robot whenever it has answered.
+    assert [text for text in said if "CS66" not in text] == []
 
 
 def test_a_controller_that_was_started_anew():

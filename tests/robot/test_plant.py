@@ -147,3 +147,20 @@ def test_hours_of_work_leave_nothing_behind() -> None:
     for _ in range(3):
         last = grown()
     assert last - first < 1000
+
+
+@pytest.mark.parametrize("plant", [None, PlantConfig(lag_s=0.02)])
+def test_a_run_that_another_follows_while_the_arm_brakes_has_rows_up_to_the_tick_before(plant):
+    robot = VirtualRobot("CS66", plant=plant)
+    first = robot.start("def p():\n  movej([-0.4, -1.4, -1.6, -1.4, 1.3, 0.2], a=0.6)\nend\n", trace=True)
+    robot.advance(0.2)
+    robot.stop()
+    robot.advance(0.004)
+    assert any(robot.state.qd_target)
+    second = robot.start("def q():\n  sleep(0.02)\nend\n", trace=True)
+    robot.advance(0.2)
+    rows = [*first.trace, *second.trace]
+    assert [round(row.t / 0.004) for row in rows] == list(range(len(rows)))
+    for row, later in pairwise(rows):
+        for q, qd, q_later, qd_later in zip(row.q, row.qd, later.q, later.qd, strict=True):
+            assert q_later - q == pytest.approx(0.002 * (qd + qd_later), abs=1e-4)

@@ -3,6 +3,7 @@
 import asyncio
 import os
 import signal
+import subprocess
 import sys
 import time
 from collections.abc import Awaitable, Callable
@@ -30,7 +31,7 @@ from elitescript.services.child import link as child_link
 from elitescript.services.child.frames import REFRESH_TICKS
 from elitescript.services.child.jail import is_complete
 from elitescript.services.child.link import ChildLink
-from elitescript.services.child.process import child_environment, processor_time_s
+from elitescript.services.child.process import child_environment, is_runnable, processor_time_s
 from elitescript.services.child.supervision import BOOTS_MAX, COMPILE_HINT, HANG_LIMIT_TICKS, HINT
 from elitescript.services.clients.input_queue import InputQueue
 from elitescript.services.journal.replay import Replay
@@ -68,6 +69,7 @@ class FakeChild:
         """Of the ticks that it was asked for."""
         self.due = frames.NEVER
         self.processor_s: float | None = None
+        self.has_no_processor = False
         type(self).made.append(self)
 
     def watch(self, is_watched: bool) -> None:
@@ -114,6 +116,9 @@ class FakeChild:
 
     def worked_s(self) -> float | None:
         return self.processor_s
+
+    def is_runnable(self) -> bool:
+        return self.has_no_processor
 
     def ask_where(self) -> None:
         self.is_asked = True
@@ -393,6 +398,26 @@ class TestLink:
                 children[0].processor_s = worked_before_s + processor_s
             await link.tick(())
             assert children[0].is_asked is is_given_up
+
+        with_link(body)
+
+    @pytest.mark.parametrize("has_no_processor", [True, False])
+    def test_a_child_that_waits_for_a_processor_does_not_hang(self, children, clock, has_no_processor):
+        async def body(link):
+            child = children[0]
+            child.processor_s, child.has_no_processor = 3.0, has_no_processor
+            await link.tick(())
+            child.is_mute = True
+            for _ in range(HANG_LIMIT_TICKS + 1):
+                await link.tick(())
+            clock[0] += 60.0
+            child.processor_s += 0.6
+            await link.tick(())
+            assert child.is_asked is not has_no_processor
+            # What it has worked counts in any case.
+            child.processor_s += 0.2
+            await link.tick(())
+            assert child.is_asked
 
         with_link(body)
 
@@ -799,6 +824,16 @@ def test_processor_time_of_a_process_is_known():
     assert found_s is not None
     assert before_s <= found_s <= time.process_time()
     assert processor_time_s(2**22 + 1) is None
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems do not show it")
+def test_whether_a_process_waits_for_a_processor_is_known():
+    assert is_runnable(os.getpid())
+    with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as sleeping:
+        while is_runnable(sleeping.pid):
+            time.sleep(0.01)
+        sleeping.communicate(b"\n")
+    assert not is_runnable(sleeping.pid)
 
 
 def test_a_child_gets_a_clean_environment(monkeypatch):

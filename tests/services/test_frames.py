@@ -18,6 +18,16 @@ class TestFrameReader:
                 found += reader.feed(data[at : at + size])
             assert found == [("T", b"[]"), ("O", '["ä"]'.encode()), ("A", b"")]
 
+    def test_bytes_that_are_fed_while_messages_are_taken_follow_them(self):
+        """What a message sets off may read on: each message comes once, in order."""
+        first, second = b"".join(frame("T", str(number)) for number in range(3)), frame("T", "3") + frame("T", "4")
+        reader, found = FrameReader(), []
+        for letter, text in reader.feed(first + second[:4]):
+            found.append((letter, text))
+            if text == b"0":
+                found += reader.feed(second[4:])
+        assert [int(text) for _, text in found] == [0, 1, 2, 3, 4]
+
     @pytest.mark.parametrize("length", [0, DOWN_MAX + 1, 2**32 - 1])
     def test_refuses_a_length_that_is_none(self, length):
         with pytest.raises(CodecError, match="bytes"):

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from elitescript.sweep.page import PageTexts, Replay, sweep_page
-from elitescript.sweep.plan import Plan, Row
-from elitescript.sweep.summary import summary_of
+from elitescript.sweep.plans.plan import Plan, Row
+from elitescript.sweep.results.page import PageTexts, Replay, sweep_page
+from elitescript.sweep.results.summary import summary_of
 from tests.studio_page.conftest import AXE, NARROW, WIDE
 from tests.sweep.made import BOX, row, swept
 

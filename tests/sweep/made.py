@@ -6,8 +6,8 @@ import random
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from elitescript.sweep.plan import Choices, Disturbance, Failure, Row, Variation
-from elitescript.sweep.totals import Totals
+from elitescript.sweep.plans.plan import Choices, Disturbance, Failure, Row, Variation
+from elitescript.sweep.results.totals import Totals
 
 BOX = (
     Variation("part_x", "uniform", (-1.0, 1.0)),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from elitescript.records import NamedTuple
-from elitescript.sweep.plan import Plan, Variation
+from elitescript.sweep.plans.plan import Plan, Variation
 
 
 class Planted(NamedTuple):

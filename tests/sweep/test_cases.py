@@ -8,8 +8,17 @@ from pathlib import Path
 import pytest
 
 from elitescript.errors import UsageError
-from elitescript.sweep.cases import Case, case_of, digest_of, is_case, read_case, text_of, toml_value, write_case
-from elitescript.sweep.plan import Choices, Disturbance, Failure
+from elitescript.sweep.failures.cases import (
+    Case,
+    case_of,
+    digest_of,
+    is_case,
+    read_case,
+    text_of,
+    toml_value,
+    write_case,
+)
+from elitescript.sweep.plans.plan import Choices, Disturbance, Failure
 
 CASE = Case(
     "../cell.script",

@@ -16,12 +16,12 @@ from typing import Any
 import pytest
 
 from elitescript.errors import UsageError
-from elitescript.sweep import cluster, cluster_worker
-from elitescript.sweep.cluster import ClusterEngine, Pace, Pieces, check_address
-from elitescript.sweep.executor import Result
-from elitescript.sweep.local import LocalEngine
-from elitescript.sweep.plan import Plan, Row, Variation
-from elitescript.sweep.plan_json import row_data
+from elitescript.sweep.engines import cluster, cluster_worker
+from elitescript.sweep.engines.cluster import ClusterEngine, Pace, Pieces, check_address
+from elitescript.sweep.engines.executor import Result
+from elitescript.sweep.engines.local import LocalEngine
+from elitescript.sweep.plans.plan import Plan, Row, Variation
+from elitescript.sweep.plans.plan_json import row_data
 
 pytest.importorskip("distributed", reason="extra `cluster`")
 
@@ -321,7 +321,7 @@ import sys
 
 if any("dask_worker" in word for word in sys.orig_argv):
     import os
-    from elitescript.sweep import cluster_worker
+    from elitescript.sweep.engines import cluster_worker
     do = cluster_worker._answer
 
     def run_range(work, first, count):
@@ -329,7 +329,7 @@ if any("dask_worker" in word for word in sys.orig_argv):
             os._exit(9)
         return do(work, lambda executor: [r for rs in executor.results([range(first, first + count)]) for r in rs])
 
-    run_range.__module__, run_range.__qualname__ = "elitescript.sweep.cluster_worker", "run_range"
+    run_range.__module__, run_range.__qualname__ = "elitescript.sweep.engines.cluster_worker", "run_range"
     cluster_worker.run_range = run_range
 """
 

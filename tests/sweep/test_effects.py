@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from elitescript.sweep.effects import effects_of, regions_of
-from elitescript.sweep.plan import Disturbance
+from elitescript.sweep.plans.plan import Disturbance
+from elitescript.sweep.results.effects import effects_of, regions_of
 from tests.sweep.made import row, swept
 
 
@@ -115,7 +115,7 @@ def test_a_sample_of_many_rows_gives_the_true_shares():
 def test_the_same_rows_give_the_same_findings_in_any_order():
     rows = []
     swept(500, lambda run, v, _: rows.append(row(run, v, "ok" if v["part_x"] > 0.5 else "")) or rows[-1])
-    from elitescript.sweep.totals import Totals
+    from elitescript.sweep.results.totals import Totals
     from tests.sweep.made import BOX
 
     found = []

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from elitescript.errors import ElitescriptError, UsageError
-from elitescript.sweep.executor import Executor, Result, _Work
+from elitescript.sweep.engines.executor import Executor, Result, _Work
 
 JOB = "tests.sweep.jobs:squares"
 
@@ -96,7 +96,7 @@ def test_time_in_which_this_process_was_stopped_does_not_count(monkeypatch: pyte
             executor._news.put((child, [["value", 1]]))
         return next(now_s)
 
-    monkeypatch.setattr("elitescript.sweep.executor.time.monotonic", late_news)
+    monkeypatch.setattr("elitescript.sweep.engines.executor.time.monotonic", late_news)
     assert executor._next_news() == (child, [["value", 1]], "")
     assert child.since_s == 90.0
 

@@ -8,8 +8,8 @@ import pytest
 
 from elitescript.errors import InternalError, UsageError
 from elitescript.records import replace
-from elitescript.sweep.journal import Journal, difference, plan_parts
-from elitescript.sweep.plan import Choices, Disturbance, Failure, Plan, Row, Variation
+from elitescript.sweep.plans.plan import Choices, Disturbance, Failure, Plan, Row, Variation
+from elitescript.sweep.results.journal import Journal, difference, plan_parts
 
 PLAN = Plan("def p():\nend\n", variations=(Variation("r", "uniform", (0, 1)),), options={"model": "CS66"}, seed=13)
 

@@ -7,17 +7,17 @@ from typing import Any
 
 import pytest
 
-from elitescript.sweep.cases import read_case
-from elitescript.sweep.engine import row_of_result
-from elitescript.sweep.executor import Result
-from elitescript.sweep.findings import Places, find, remembered
-from elitescript.sweep.here import HereEngine
+from elitescript.sweep.engines.engine import row_of_result
+from elitescript.sweep.engines.executor import Result
+from elitescript.sweep.engines.here import HereEngine
+from elitescript.sweep.failures.cases import read_case
+from elitescript.sweep.failures.findings import Places, find, remembered
 from elitescript.sweep.making import make_plan
-from elitescript.sweep.plan import CRASHED, HUNG, Choices, Disturbance, Failure, Plan, Row
-from elitescript.sweep.plan_json import choices_data, plan_data, row_of
+from elitescript.sweep.plans.plan import CRASHED, HUNG, Choices, Disturbance, Failure, Plan, Row
+from elitescript.sweep.plans.plan_json import choices_data, plan_data, row_of
+from elitescript.sweep.plans.variations import Draw, parse_variation
 from elitescript.sweep.replay import Replay
 from elitescript.sweep.single import Runner, job
-from elitescript.sweep.variations import Draw, parse_variation
 
 PROGRAM = "def p():\n  n = 1\n  sleep(0.1)\nend\n"
 VARIED = (parse_variation("n=grid(0, 2, 3)"),)
@@ -67,7 +67,7 @@ def test_the_case_of_a_lost_run_can_be_played(state: str, tmp_path: Path) -> Non
     engine: Any = HereEngine(runner)
     found = find(row, runner, engine, Places(tmp_path, str(program)))
     assert read_case(found.case).failure.state == state
-    assert Replay(found.case).play().words == "the failure did not come again: the run comes back now"
+    assert Replay(found.case).play().words == "the failure did not come again: the run comes to its end now"
 
 
 def test_a_case_that_cannot_be_read_is_said_and_left_out(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 from elitescript import Run
 from elitescript.errors import ProgramError, UsageError
 from elitescript.sweep import choice, grid, sweep, uniform
-from elitescript.sweep.local import LocalEngine
+from elitescript.sweep.engines.local import LocalEngine
 
 PROGRAM = """\
 def cell():

@@ -13,10 +13,10 @@ import pytest
 
 from elitescript.cli.main import main
 from elitescript.errors import UsageError
-from elitescript.sweep.local import LocalEngine
+from elitescript.sweep.engines.local import LocalEngine
 from elitescript.sweep.optimise import BATCH, Candidate, Outcome, Search, check_search, optimise, rounded
-from elitescript.sweep.plan import Choices, Failure, Plan, Row, Variation
-from elitescript.sweep.variations import parse_variation
+from elitescript.sweep.plans.plan import Choices, Failure, Plan, Row, Variation
+from elitescript.sweep.plans.variations import parse_variation
 
 pytest.importorskip("optuna", reason="extra `optimise`")
 

@@ -9,9 +9,9 @@ import struct
 from array import array
 from base64 import b64decode
 
-from elitescript.sweep.page import LABELS_MAX, PageTexts, Replay, packed, sweep_page
-from elitescript.sweep.plan import Disturbance, Plan
-from elitescript.sweep.summary import summary_of
+from elitescript.sweep.plans.plan import Disturbance, Plan
+from elitescript.sweep.results.page import LABELS_MAX, PageTexts, Replay, packed, sweep_page
+from elitescript.sweep.results.summary import summary_of
 from tests.plotting.front_end import pretend_built
 from tests.sweep.made import BOX, row, swept
 

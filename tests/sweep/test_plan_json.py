@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from elitescript.errors import UsageError
-from elitescript.sweep.plan import Choices, Disturbance, Plan, Variation
-from elitescript.sweep.plan_json import choices_data, choices_of, plan_data, plan_digest, plan_of, row_of
+from elitescript.sweep.plans.plan import Choices, Disturbance, Plan, Variation
+from elitescript.sweep.plans.plan_json import choices_data, choices_of, plan_data, plan_digest, plan_of, row_of
 
 PLAN = Plan(
     "def p():\nend\n",

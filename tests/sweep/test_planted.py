@@ -6,15 +6,16 @@ from pathlib import Path
 
 import pytest
 
+from elitescript.errors import UsageError
 from elitescript.records import replace
-from elitescript.sweep.cases import write_case
 from elitescript.sweep.chaos.ground import Ears
-from elitescript.sweep.findings import Places, case_of_run, plain_values
-from elitescript.sweep.plan import Choices, Failure
+from elitescript.sweep.failures.cases import write_case
+from elitescript.sweep.failures.findings import Places, case_of_run, plain_values
+from elitescript.sweep.failures.shrinking import Shrunk, is_same, shrink
+from elitescript.sweep.failures.story import tell
+from elitescript.sweep.plans.plan import Choices, Disturbance, Failure, Plan
 from elitescript.sweep.replay import Replay, robot_for_case
-from elitescript.sweep.shrinking import Shrunk, is_same, shrink
 from elitescript.sweep.single import Runner
-from elitescript.sweep.story import tell
 from tests.sweep.planted import PLANTED, Planted
 
 RUNS = 60
@@ -84,6 +85,32 @@ def test_the_lost_acknowledgement_is_told_with_time_device_message_and_line() ->
     )
 
 
+@pytest.mark.parametrize(
+    ("passes", "end"), [(60, "when the run was cut off; with more time it ends at 90.100 s"), (1000, "for ever")]
+)
+def test_what_would_end_with_more_time_is_not_said_to_last_for_ever(passes: int, end: str) -> None:
+    program = f"""
+def slow():
+  sleep(0.1)
+  if get_standard_digital_in(1):
+    for n in range({passes}):
+      sleep(1.5)
+    end
+  end
+end
+"""
+    runner = Runner(Plan(program, chaos="inputs"))
+    choices = Choices(0, 0, {}, (Disturbance("stuck", "standard_digital_in[1]", 0.0, 1.0, {"value": True}),))
+    ears: list[Ears] = []
+    row, run = runner.play(choices, before=lambda robot: ears.append(Ears(robot)))
+    assert run is not None
+    assert row.failure is not None
+    story = tell(choices, row.failure, run, ears[0].heard, runner.chaos.ground, runner.ends_s(row))
+    assert story.text == (
+        "at 0.000 s standard_digital_in[1] was stuck at high for 1 s; the program waited in line 6 " + end
+    )
+
+
 def test_the_corner_keeps_the_values_that_it_needs() -> None:
     planted = PLANTED["a corner of the box"]
     runner = Runner(planted.plan)
@@ -120,3 +147,54 @@ def test_a_planted_mistake_is_found_within_a_thousand_runs_of_any_seed(name: str
     choices, failure = first_failure(runner, planted, LONG_RUNS)
     found = smallest(runner, choices, failure)
     assert tuple(item.kind for item in found.choices.disturbances) in planted.kinds
+
+
+BROKEN = """
+from elitescript.testing.world import TcpServer
+
+
+class Bad(TcpServer):
+    port = 5000
+
+    def line_received(self, connection, line):
+        raise RuntimeError("broken")
+"""
+
+
+def test_a_case_of_a_run_whose_device_failed_can_be_played(tmp_path: Path) -> None:
+    (tmp_path / "bad.py").write_text(BROKEN, encoding="utf-8")
+    (tmp_path / "cell.toml").write_text('[[tcp]]\nclass = "bad.py:Bad"\n', encoding="utf-8")
+    program = tmp_path / "cell.script"
+    program.write_text(_ASKS, encoding="utf-8")
+    file = tmp_path / "CASE.toml"
+    file.write_text('program = "cell.script"\nworld = "cell.toml"\n[expect]\nproperty = "error"\nstate = "error"\n')
+    played = Replay(file).play()
+    assert played.words.startswith("the failure came again: bad.py:9: device Bad: RuntimeError: broken")
+    program.write_text("def p():\n  sleep(0.1)\nend\n", encoding="utf-8")
+    assert Replay(file).play().words == "the failure did not come again: the run comes to its end now"
+    file.write_text(file.read_text().replace('"error"', '"no_alarm"', 1))
+    program.write_text(_ASKS, encoding="utf-8")
+    assert Replay(file).play().words.startswith("it failed in another way: bad.py:9")
+
+
+_ASKS = 'def p():\n  socket_open("10.0.0.1", 5000)\n  socket_send_line("go")\n  sleep(1)\nend\n'
+
+
+@pytest.mark.parametrize(
+    ("rows", "refused"),
+    [
+        ('[[fault]]\nkind = "drop"\non = 6001\n', "disturbance 1: on: no device of this world is at 6001"),
+        ('[options]\nmodel = "CS67"\n', "there is no robot model 'CS67'"),
+        ("[set]\nwidth = 3\n", "--vary width: the program has no such name"),
+    ],
+)
+def test_what_makes_no_sense_in_a_case_is_refused_with_the_name_of_the_case(
+    tmp_path: Path, rows: str, refused: str
+) -> None:
+    (tmp_path / "cell.script").write_text(_ASKS, encoding="utf-8")
+    (tmp_path / "cell.toml").write_text("[[tcp]]\nport = 5000\n", encoding="utf-8")
+    file = tmp_path / "CASE.toml"
+    file.write_text(f'program = "cell.script"\nworld = "cell.toml"\n{rows}[expect]\nproperty = "no_alarm"\n')
+    with pytest.raises(UsageError) as caught:
+        Replay(file)
+    assert str(caught.value).startswith(f"{file}: {refused}")

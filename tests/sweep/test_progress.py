@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.sweep.progress import Meter, duration
+from elitescript.sweep.results.progress import Meter, duration
 
 
 def test_the_line_has_share_rate_failures_and_time_left():

@@ -8,8 +8,8 @@ import sys
 import pytest
 
 from elitescript import __version__
-from elitescript.sweep import reference
-from elitescript.sweep.reference import platform_here, platform_of_child
+from elitescript.sweep.engines import reference
+from elitescript.sweep.engines.reference import platform_here, platform_of_child
 
 
 def test_a_child_process_is_of_the_same_platform_as_this_one():
@@ -31,6 +31,6 @@ def test_a_child_that_fails_says_why(monkeypatch: pytest.MonkeyPatch):
     def run(*_: object, **__: object) -> subprocess.CompletedProcess[bytes]:
         return subprocess.CompletedProcess([], 1, b"", b"no room\n")
 
-    monkeypatch.setattr("elitescript.sweep.reference.subprocess.run", run)
+    monkeypatch.setattr("elitescript.sweep.engines.reference.subprocess.run", run)
     with pytest.raises(RuntimeError, match="no room"):
         platform_of_child()

@@ -8,14 +8,14 @@ import pytest
 
 from elitescript.cli.main import main
 from elitescript.errors import UsageError
-from elitescript.sweep.findings import Finding
-from elitescript.sweep.plan import Plan, Row
-from elitescript.sweep.replays import REPLAYS_MAX, replay_of, write_pages
+from elitescript.sweep.chaos.properties import properties_of
+from elitescript.sweep.failures.findings import Finding
+from elitescript.sweep.plans.plan import Plan, Row
+from elitescript.sweep.plans.variations import parse_variation
+from elitescript.sweep.results.replays import REPLAYS_MAX, replay_of, write_pages
+from elitescript.sweep.results.summary import summary_of
+from elitescript.sweep.results.totals import Totals
 from elitescript.sweep.single import Runner
-from elitescript.sweep.summary import summary_of
-from elitescript.sweep.tables import properties_of
-from elitescript.sweep.totals import Totals
-from elitescript.sweep.variations import parse_variation
 from tests.plotting.front_end import pretend_built, pretend_not_built, recordings_of
 
 PROGRAM = """def job():

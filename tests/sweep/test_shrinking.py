@@ -8,8 +8,8 @@ import pytest
 
 from elitescript.errors import UsageError
 from elitescript.records import replace
-from elitescript.sweep.plan import Choices, Disturbance, Failure
-from elitescript.sweep.shrinking import Shrunk, is_same, shrink
+from elitescript.sweep.failures.shrinking import Shrunk, is_same, shrink
+from elitescript.sweep.plans.plan import Choices, Disturbance, Failure
 
 NOISE = tuple(Disturbance("pause", at_s=0.5 * at, for_s=1.0) for at in range(12))
 
@@ -73,6 +73,21 @@ def test_kinds_become_simpler() -> None:
         assert found.choices.disturbances == (
             Disturbance("drop", 5000, 0.0, None, {"count": 1, "direction": "to_robot"}),
         )
+
+
+@pytest.mark.parametrize("kind", ["silence", "drop"])
+def test_one_message_of_several_that_are_lost_is_found(kind: str) -> None:
+    def still_fails(choices: Choices) -> bool:
+        # The first message from 0 s on does not matter, the second does.
+        item = choices.disturbances[0] if choices.disturbances else None
+        return item is not None and (
+            item.for_s is not None or {"nth": 2}.items() <= item.settings.items() or (item.settings["count"] > 1)
+        )
+
+    settings = {"count": 3} if kind == "drop" else {}
+    found = shrunk(still_fails, Disturbance(kind, 5000, 2.0, 1.0 if kind == "silence" else None, settings))
+    ((kind, settings),) = [(item.kind, dict(item.settings)) for item in found.choices.disturbances]
+    assert (kind, settings.pop("direction"), settings) == ("drop", "to_robot", {"count": 1, "nth": 2})
 
 
 def test_a_fault_of_an_input_becomes_a_level() -> None:

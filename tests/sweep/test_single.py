@@ -11,10 +11,10 @@ from elitescript.errors import ProgramError, UsageError
 from elitescript.records import replace
 from elitescript.robot import VirtualRobot
 from elitescript.sweep.making import make_plan
-from elitescript.sweep.plan import Choices, Plan, Row
-from elitescript.sweep.plan_json import choices_data, plan_data, row_of
+from elitescript.sweep.plans.plan import Choices, Plan, Row
+from elitescript.sweep.plans.plan_json import choices_data, plan_data, row_of
+from elitescript.sweep.plans.variations import parse_variation
 from elitescript.sweep.single import Runner, job
-from elitescript.sweep.variations import parse_variation
 
 PROGRAM = """\
 def cell():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import random
 
-from elitescript.sweep.sketches import BINS, Sample, Sketch
+from elitescript.sweep.results.sketches import BINS, Sample, Sketch
 
 
 def sketch(values):

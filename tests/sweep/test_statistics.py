@@ -8,7 +8,7 @@ import random
 
 import pytest
 
-from elitescript.sweep.statistics import (
+from elitescript.sweep.results.statistics import (
     at_least_so_many,
     chi_squared_tail,
     groups_differ,

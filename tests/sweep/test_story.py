@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from elitescript import VirtualRobot
-from elitescript.sweep.plan import Choices, Failure
-from elitescript.sweep.story import tell
+from elitescript.sweep.failures.story import tell
+from elitescript.sweep.plans.plan import Choices, Failure
 
 PROGRAM = "def cell():\n  sleep(1)\nend\n"
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 
-from elitescript.sweep.plan import Disturbance
-from elitescript.sweep.summary import summary_of
-from elitescript.sweep.totals import KINDS_MAX, Totals
+from elitescript.sweep.plans.plan import Disturbance
+from elitescript.sweep.results.summary import summary_of
+from elitescript.sweep.results.totals import KINDS_MAX, Totals
 from tests.sweep.made import row, swept
 
 TIMES = "\N{MULTIPLICATION SIGN}"
@@ -123,7 +123,7 @@ def test_one_mistake_that_many_disturbances_show_is_one_kind():
 
 def test_the_rows_that_a_page_keeps_change_nothing(monkeypatch):
     for module in ("effects", "summary"):
-        monkeypatch.setattr(f"elitescript.sweep.{module}.SAMPLE", 512)
+        monkeypatch.setattr(f"elitescript.sweep.results.{module}.SAMPLE", 512)
 
     def made(run, v, chance):
         return row(run, v, "always(ok)" if v["part_x"] > 0.6 else "", chance.gauss(9, 1))

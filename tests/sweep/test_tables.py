@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from elitescript.errors import UsageError
-from elitescript.sweep.plan import Choices, Failure, Plan, Row, Variation
-from elitescript.sweep.tables import columns, csv_line, format_of, write_table
+from elitescript.sweep.plans.plan import Choices, Failure, Plan, Row, Variation
+from elitescript.sweep.results.tables import columns, csv_line, format_of, write_table
 
 PLAN = Plan(
     "",

@@ -7,9 +7,9 @@ from statistics import NormalDist, fmean, pstdev
 import pytest
 
 from elitescript.errors import UsageError
-from elitescript.sweep.plan import Variation
-from elitescript.sweep.seeds import normal_quantile, seed_of_run
-from elitescript.sweep.variations import Draw, check_names, extremes, grid_size, parse_variation, plain_value
+from elitescript.sweep.plans.plan import Variation
+from elitescript.sweep.plans.seeds import normal_quantile, seed_of_run
+from elitescript.sweep.plans.variations import Draw, check_names, extremes, grid_size, parse_variation, plain_value
 
 
 @pytest.mark.parametrize(

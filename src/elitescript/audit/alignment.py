@@ -27,7 +27,9 @@ class Match(NamedTuple):
     second: int
 
 
-def matched(first: Sequence[Hashable], second: Sequence[Hashable], *, is_end_known: bool = False) -> list[Match]:
+def matched(
+    first: Sequence[Hashable], second: Sequence[Hashable], *, has_begin: bool = True, has_end: bool = True
+) -> list[Match]:
     """Return the pairs of a longest common subsequence, in order.
 
     Where several are as long, as with one more pass of a loop, it is the one that stays together longest from the begin
@@ -39,16 +41,18 @@ def matched(first: Sequence[Hashable], second: Sequence[Hashable], *, is_end_kno
     Args:
         first: marks of one run.
         second: marks of the other.
-        is_end_known: whether the begin of one run is missing; then the one that is together longest up to the end.
+        has_begin: whether both are there from their begin on; else it is the one that is together longest up to the
+            end.
+        has_end: whether both are over. If they go on, the last marks of one need not be the last of the other.
     """
     numbers: dict[Hashable, int] = {}
     a = [numbers.setdefault(mark, len(numbers)) for mark in first]
     b = [numbers.setdefault(mark, len(numbers)) for mark in second]
     least = min(len(a), len(b))
     begin = end = 0
-    while not is_end_known and begin < least and a[begin] == b[begin]:
+    while has_begin and begin < least and a[begin] == b[begin]:
         begin += 1
-    while end < least - begin and a[len(a) - 1 - end] == b[len(b) - 1 - end]:
+    while has_end and end < least - begin and a[len(a) - 1 - end] == b[len(b) - 1 - end]:
         end += 1
     x_end, y_end = len(a) - end, len(b) - end
     found = [Match(place, place) for place in range(begin)]

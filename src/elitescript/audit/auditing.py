@@ -13,14 +13,13 @@ from elitescript.audit.differences import Comparer
 from elitescript.audit.findings import AuditedRun, AuditFindings, arm_file_of
 from elitescript.audit.inputs import inputs_of
 from elitescript.audit.motion import Tolerance
-from elitescript.audit.series import is_edge, marks_of, recorded, recorded_signals, runs_of
+from elitescript.audit.series import edges_of, marks_of, recorded, recorded_signals, runs_of
 from elitescript.audit.settings import MASS, TCP, setter_lines, setting_pairs
 from elitescript.audit.simulation import Cell, Simulated, cell_of, simulate
 from elitescript.audit.words import audit_as_json, audit_in_words
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.errors import UsageError, printable
 from elitescript.language.text.source import SourceFile
-from elitescript.messages.signals import SIGNALS
 from elitescript.models.model import load_model
 from elitescript.protocol.primary.messages import SCRIPT_EXCEPTION
 from elitescript.recorder.recording import Recording
@@ -141,7 +140,7 @@ def _audited(recording: Recording, cell: Cell, number: int, rows: range, toleran
     signals = recorded_signals(recording)
     driven = cell.driven() & set(signals)
     inputs = inputs_of(recording, rows, series, driven)
-    edges = {name for name in signals if is_edge(name)} | {name for name in driven if _is_level(name)}
+    edges = edges_of(signals, driven)
     by_lines = series.has_lines
     marks = marks_of(series, edges, by_lines=by_lines)
     if series.is_headless:
@@ -186,10 +185,6 @@ def _audited(recording: Recording, cell: Cell, number: int, rows: range, toleran
         by_lines,
         made,
     )
-
-
-def _is_level(name: str) -> bool:
-    return SIGNALS[name.partition("[")[0]].kind != "float"
 
 
 def _ending(made: Simulated) -> str:

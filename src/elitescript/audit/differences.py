@@ -11,6 +11,7 @@ from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise, takewhile
+from typing import Final, Literal
 
 from elitescript.audit.alignment import Match, matched
 from elitescript.audit.inputs import Arrival
@@ -39,6 +40,10 @@ SHIFT_MARKS = 300
 """Marks behind the first difference among which a shift of all lines is looked for."""
 _SHIFT_LINES = 8
 """Lines there of which one gives the shift."""
+
+GoesOn = Literal["", "recorded", "simulated", "both"]
+"""Runs in which a piece goes on behind its last row."""
+BOTH: Final = "both"
 
 LONG_GAP_S = 0.1
 """A stretch without rows that is named; in it nothing is compared."""
@@ -148,6 +153,8 @@ class Comparer:
         recorded_ending: the exception that ended the recorded program, in words; empty if none is known.
         settings: payload and TCP offset in both.
         setters: lines of the program that set them, by command.
+        is_live: whether both runs go on; then a piece that only one has behind it is one that takes longer in the
+            other.
     """
 
     __slots__ = (
@@ -156,6 +163,7 @@ class Comparer:
         "_compared",
         "_ending",
         "_findings",
+        "_is_live",
         "_is_over",
         "_marks",
         "_motions",
@@ -183,6 +191,7 @@ class Comparer:
         recorded_ending: str = "",
         settings: Sequence[SettingPair] = (),
         setters: Mapping[str, Sequence[int]] | None = None,
+        is_live: bool = False,
     ) -> None:
         self._recorded = recorded
         self._other = simulated
@@ -196,6 +205,7 @@ class Comparer:
         self._recorded_ending = recorded_ending
         self._settings = settings
         self._setters = setters or {}
+        self._is_live = is_live
         self._findings: list[Finding] = []
         self._signals: list[SignalDifference] = []
         self._notes: list[str] = []
@@ -210,11 +220,9 @@ class Comparer:
         Args:
             signals: that both runs have.
         """
-        pairs = matched(
-            [mark.key for mark in self._marks],
-            [mark.key for mark in self._other_marks],
-            is_end_known=self._recorded.is_headless and not self._recorded.is_open,
-        )
+        keys, other_keys = ([mark.key for mark in marks] for marks in (self._marks, self._other_marks))
+        has_begin = self._recorded.is_open or not self._recorded.is_headless
+        pairs = matched(keys, other_keys, has_begin=has_begin, has_end=not self._is_live)
         if not pairs:
             self._nothing_in_common()
         for stretch in self._stretches(pairs):
@@ -277,6 +285,9 @@ class Comparer:
         end = len(recorded) - 1 if stretch.end is None else self._row(stretch.end.first)
         its_end = len(other) - 1 if stretch.end is None else self._its_row(stretch.end.second)
         only_recorded, only_simulated = self._without_moved_edges(stretch)
+        if is_last and self._is_live:
+            self._compare_open(stretch, only_recorded, only_simulated)
+            return
         if is_last and recorded.is_open:
             overdue = [] if only_recorded else self._overdue(begin, end, its_begin, only_simulated)
             if overdue:
@@ -287,7 +298,7 @@ class Comparer:
             only_simulated = []
         if not only_recorded and not only_simulated:
             is_cut = is_last and (recorded.is_open or other.is_open)
-            self._compare_piece(begin, end, its_begin, its_end, is_cut=is_cut)
+            self._compare_piece(begin, end, its_begin, its_end, goes_on=BOTH if is_cut else "")
         elif not self._is_stopped_from_outside(stretch, only_recorded, only_simulated):
             self._part_ways(stretch, only_recorded, only_simulated)
 
@@ -388,9 +399,20 @@ class Comparer:
             f"the recorded program was ended at {self._recorded.t[end]:.3f} s in line {line}, by a stop or an alarm; "
             "what follows in the simulated run is not compared"
         )
-        self._compare_piece(begin, end, its_begin, its_end, is_cut=True)
+        self._compare_piece(begin, end, its_begin, its_end, goes_on=BOTH)
         self._is_over = True
         return True
+
+    def _compare_open(self, stretch: _Stretch, only_recorded: Sequence[int], only_simulated: Sequence[int]) -> None:
+        """Compare what there is of a stretch that has no end yet."""
+        if only_recorded and only_simulated:
+            self._part_ways(stretch, only_recorded, only_simulated)
+            return
+        begin, its_begin = self._row(stretch.begin.first), self._its_row(stretch.begin.second)
+        end = self._row(only_recorded[0]) if only_recorded else len(self._recorded) - 1
+        its_end = self._its_row(only_simulated[0]) if only_simulated else len(self._other) - 1
+        goes_on: GoesOn = "recorded" if only_simulated else "simulated" if only_recorded else BOTH
+        self._compare_piece(begin, end, its_begin, its_end, goes_on=goes_on)
 
     def _part_ways(self, stretch: _Stretch, only_recorded: Sequence[int], only_simulated: Sequence[int]) -> None:
         marks, its_marks = self._marks, self._other_marks
@@ -498,8 +520,8 @@ class Comparer:
 
     # ---------------------------------------------------------------- one piece
 
-    def _compare_piece(self, begin: int, end: int, its_begin: int, its_end: int, *, is_cut: bool) -> None:
-        """Compare motion and duration; of a piece that is cut off in one run only what both have."""
+    def _compare_piece(self, begin: int, end: int, its_begin: int, its_end: int, *, goes_on: GoesOn) -> None:
+        """Compare motion and duration; of a piece that goes on in a run behind its last row only what both have."""
         recorded, other, tolerance = self._recorded, self._other, self._tolerance
         is_disturbed = any(
             begin <= arrival.row <= end and not isinstance(arrival.request, WriteSignal) for arrival in self._arrivals
@@ -515,11 +537,14 @@ class Comparer:
             allowed_s += tolerance.time_s / max(slowest, _SLOWEST)
         allowed_s += _ROUNDING_S
         excess_s = lasts_s - its_s
-        if is_cut:
+        if goes_on == BOTH:
             excess_s = 0.0
+        elif goes_on:
+            # How much longer it will take is not known.
+            excess_s = max(excess_s, 0.0) if goes_on == "recorded" else min(excess_s, 0.0)
         line = recorded.lines[begin]
         off = motion.off_time
-        if is_cut and off is not None and recorded.t[off] - recorded.t[begin] > its_s:
+        if goes_on and off is not None and recorded.t[off] - recorded.t[begin] > its_s:
             off = None
         is_off_path = motion.off_path is not None and (off is not None or abs(excess_s) > allowed_s)
         if abs(excess_s) <= allowed_s and off is None:
@@ -535,7 +560,8 @@ class Comparer:
         if is_off_path:
             what = f"joint {motion.joint} is up to {motion.largest:.4f} rad off the simulated path"
         elif abs(excess_s) > allowed_s:
-            what = f"{lasts_s:.3f} s, simulated {its_s:.3f} s"
+            still = {"recorded": ("over ", ""), "simulated": ("", "over ")}.get(goes_on, ("", ""))
+            what = f"{still[0]}{lasts_s:.3f} s, simulated {still[1]}{its_s:.3f} s"
         else:
             what = "the arm is elsewhere at this time, on the same path"
         self._find(t, line, what + why, cause)

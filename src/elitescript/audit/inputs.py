@@ -34,7 +34,7 @@ from elitescript.recorder.recording import Recording
 from elitescript.records import NamedTuple, record
 from elitescript.robot import VirtualRobot
 
-_SAFETY: Final = ("safety_status", "safety_mode")
+SAFETY: Final = ("safety_status", "safety_mode")
 _DOMAINS: Final = "analog_io_types"
 
 _STOPS: Final = {
@@ -44,9 +44,9 @@ _STOPS: Final = {
     SafetyMode.REDUCED: "reduced_mode",
 }
 """Signals that bring the safety system into a mode."""
-_SAFETY_ROWS: Final = 3
+SAFETY_ROWS: Final = 3
 """Rows after a pause within which the safety mode shows that it was the cause."""
-_RELEASES: Final = (signal_write("safeguard_stop", False),)
+RELEASES: Final = (signal_write("safeguard_stop", False),)
 """What ends a stop so that the simulated program goes on."""
 
 
@@ -163,7 +163,7 @@ def _with_pauses(safety: Sequence[Arrival], recording: Recording, rows: range, s
     is_paused_by_safety = False
     for row, state in _changes(states):
         if state == TaskState.PAUSED:
-            near = modes[row : row + _SAFETY_ROWS]
+            near = modes[row : row + SAFETY_ROWS]
             is_paused_by_safety = any(mode not in (SafetyMode.NORMAL, SafetyMode.REDUCED) for mode in near)
             if not is_paused_by_safety:
                 found.append(Arrival(series.t[row], row, PauseTask(), "paused"))
@@ -171,9 +171,9 @@ def _with_pauses(safety: Sequence[Arrival], recording: Recording, rows: range, s
             if not is_paused_by_safety:
                 found.append(Arrival(series.t[row], row, ResumeTask(), "resumed"))
                 continue
-            last = max((its.row for its in found if its.row <= row and its.request in _RELEASES), default=None)
+            last = max((its.row for its in found if its.row <= row and its.request in RELEASES), default=None)
             found = [
-                its._replace(row=row, t=series.t[row]) if its.row == last and its.request in _RELEASES else its
+                its._replace(row=row, t=series.t[row]) if its.row == last and its.request in RELEASES else its
                 for its in found
             ]
     return found
@@ -181,7 +181,7 @@ def _with_pauses(safety: Sequence[Arrival], recording: Recording, rows: range, s
 
 def _modes(recording: Recording, rows: range) -> array[float]:
     """Return the safety mode of each row; empty if it is not recorded."""
-    name = next((name for name in _SAFETY if name in recording.columns), "")
+    name = next((name for name in SAFETY if name in recording.columns), "")
     return recording.columns.get(name, array("d"))[rows.start : rows.stop]
 
 

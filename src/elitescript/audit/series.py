@@ -291,10 +291,23 @@ def marks_of(series: Series, outputs: Collection[str], *, by_lines: bool) -> lis
     return found
 
 
-def is_edge(name: str) -> bool:
-    """Return whether changes of a signal are marks: outputs, but not the numbers that change with every row."""
+def edges_of(signals: Iterable[str], driven: Iterable[str]) -> set[str]:
+    """Return the signals whose changes are marks: outputs, but not the numbers that change with every row.
+
+    Args:
+        signals: that are compared.
+        driven: inputs that devices of the simulated cell set; what these do is a result too.
+    """
+    return {name for name in signals if _is_edge(name)} | {name for name in driven if _kind(name) != "float"}
+
+
+def _is_edge(name: str) -> bool:
     row, _ = parse_signal_name(name)
     return not row.is_input and row.kind != "float"
+
+
+def _kind(name: str) -> str:
+    return parse_signal_name(name)[0].kind
 
 
 def recorded_signals(recording: Recording) -> list[str]:

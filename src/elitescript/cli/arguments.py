@@ -66,7 +66,7 @@ def add_run(parser: Parser) -> None:
 def add_sweep(parser: Parser) -> None:
     from elitescript.cli.robot_options import add_options
     from elitescript.environment.process import MEMORY_DEFAULT
-    from elitescript.sweep.executor import MAX_WALL_S
+    from elitescript.sweep.engines.executor import MAX_WALL_S
 
     parser.description = (
         "Run a program many times and say what holds. Exit code: 0 all hold, 1 something failed, 2 usage, 3 the "
@@ -506,13 +506,7 @@ def add_audit(parser: Parser) -> None:
     parser.add_argument(
         "--run", default="all", metavar="N|all", help="which run of a program in the recording (default %(default)s)"
     )
-    parser.add_argument(
-        "--tolerance",
-        action="append",
-        default=[],
-        metavar="RAD|NAME=VALUE",
-        help="what does not count: joints=0.001 (rad), time=0.008 (s) or share=0.01 of a duration, whichever is more",
-    )
+    _add_tolerance(parser)
     parser.add_argument("--fit", metavar="MY_ARM.toml", help="write an arm file with what the recording determines")
     parser.add_argument("--page", metavar="OUT.html", help="write a page that lays both runs over each other")
     _add_color(parser)
@@ -559,14 +553,7 @@ def add_record(parser: Parser) -> None:
         "--for", dest="seconds", type=float, metavar="SECONDS", help="end so long after the first connection"
     )
     parser.add_argument("--program", metavar="FILE", help="the program that runs there, to be kept in the recording")
-    parser.add_argument(
-        "--fetch-program",
-        metavar="PATH",
-        help="read the program from this path of the controller instead, by SFTP (extra `ssh`); needs --ssh-password",
-    )
-    parser.add_argument(
-        "--ssh-password", metavar="TEXT|@FILE", help="of the user root of the controller, for --fetch-program"
-    )
+    _add_fetching(parser)
     parser.add_argument("--world", metavar="FILE.toml", help="what is around the robot, to be kept in the recording")
     parser.add_argument(
         "--robot", metavar="MODEL", help="model of the arm, or its file, which is kept in the recording"
@@ -579,15 +566,47 @@ def add_record(parser: Parser) -> None:
     parser.add_argument(
         "--rate", type=float, default=250.0, metavar="HZ", help="rows a second to ask for (default 250)"
     )
-    parser.add_argument("--instance", type=int, default=0, metavar="N", help="moves every port by 100 * N (default 0)")
-    parser.add_argument(
-        "--port",
-        action="append",
-        default=[],
-        metavar="NAME=NUMBER",
-        help="one port of rtsi, primary and dashboard, such as rtsi=40004; may be repeated",
-    )
+    _add_read_ports(parser)
     _add_color(parser)
+
+
+def add_shadow(parser: Parser) -> None:
+    from elitescript.cli.robot_options import add_options
+
+    parser.description = (
+        "Follow a controller, run its program on the simulated robot beside it, and say within a second where both "
+        "part. It only reads. Ctrl-C ends it. Exit code: 0 they agreed, 1 they parted, 2 usage, or nobody is at the "
+        "address."
+    )
+    parser.add_argument("host", metavar="HOST", help="name or address of the controller")
+    parser.add_argument("--program", metavar="FILE", help="the program that runs there")
+    _add_fetching(parser)
+    add_options(
+        parser,
+        "shadow",
+        model={"help": "arm, or its file (default: that of the world, else the one that the controller names)"},
+        speed={"help": "speed slider that is expected, as a fraction (default 1)"},
+    )
+    _add_world(parser, "what is around the robot: its devices answer the simulated program")
+    parser.add_argument(
+        "--payload",
+        metavar="KG[,X,Y,Z]",
+        help="payload that is expected when a program begins, with its centre in m (default: what the arm has then)",
+    )
+    _add_tolerance(parser)
+    parser.add_argument(
+        "--wait",
+        type=float,
+        default=30.0,
+        metavar="SECONDS",
+        help="so long a program may wait in one place, unless it sleeps (default 30)",
+    )
+    parser.add_argument(
+        "--for", dest="seconds", type=float, metavar="SECONDS", help="end so long after the first connection"
+    )
+    _add_read_ports(parser)
+    _add_color(parser)
+    _add_json_lines(parser)
 
 
 def add_commands(parser: Parser) -> None:
@@ -621,6 +640,7 @@ COMMANDS: Final[dict[str, tuple[str, Callable[[Parser], None]]]] = {
     "replay": ("play a recorded session of serve again", add_replay),
     "audit": ("hold a recording of a controller against the simulated robot", add_audit),
     "record": ("write down what a controller shows, without touching the robot", add_record),
+    "shadow": ("follow a controller with its program beside it, and say where they part", add_shadow),
     "dap": ("debug programs for an editor, back and forth in time", add_dap),
     "doctor": ("what this computer has that serving needs", add_doctor),
     "lsp": ("what editors show of programs, by the Language Server Protocol", add_lsp),
@@ -638,6 +658,38 @@ COMMANDS: Final[dict[str, tuple[str, Callable[[Parser], None]]]] = {
 
 def _add_json_lines(parser: Parser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object per line")
+
+
+def _add_tolerance(parser: Parser) -> None:
+    parser.add_argument(
+        "--tolerance",
+        action="append",
+        default=[],
+        metavar="RAD|NAME=VALUE",
+        help="what does not count: joints=0.001 (rad), time=0.008 (s) or share=0.01 of a duration, whichever is more",
+    )
+
+
+def _add_fetching(parser: Parser) -> None:
+    parser.add_argument(
+        "--fetch-program",
+        metavar="PATH",
+        help="read the program from this path of the controller instead, by SFTP (extra `ssh`); needs --ssh-password",
+    )
+    parser.add_argument(
+        "--ssh-password", metavar="TEXT|@FILE", help="of the user root of the controller, for --fetch-program"
+    )
+
+
+def _add_read_ports(parser: Parser) -> None:
+    parser.add_argument("--instance", type=int, default=0, metavar="N", help="moves every port by 100 * N (default 0)")
+    parser.add_argument(
+        "--port",
+        action="append",
+        default=[],
+        metavar="NAME=NUMBER",
+        help="one port of rtsi, primary and dashboard, such as rtsi=40004; may be repeated",
+    )
 
 
 def _add_until(parser: Parser, text: str = "stop after so much virtual time") -> None:

@@ -48,7 +48,7 @@ def audit(options: argparse.Namespace) -> int:
     try:
         found = audited(
             path,
-            _program(options.program),
+            given_program(options.program),
             robot=given.pop("model", None),
             world=options.world,
             run=_run(options.run),
@@ -57,7 +57,7 @@ def audit(options: argparse.Namespace) -> int:
             **given,
         )
     except ProgramError as error:
-        _print_problems(options.program, error)
+        print_problems("audit", options.program, error)
         return USAGE
     if options.fit is not None:
         _write(options.fit, "--fit", _arm_text(found, getattr(options, "model", None)))
@@ -106,7 +106,12 @@ def _run(text: str) -> int | str:
     return int(text)
 
 
-def _program(path: str | None) -> SourceFile | None:
+def given_program(path: str | None) -> SourceFile | None:
+    """Return the program of `--program`; None if there is none.
+
+    Raises:
+        UsageError: no such file.
+    """
     if path is None:
         return None
     if why := why_no_file(Path(path), is_stream_allowed=True):
@@ -114,9 +119,10 @@ def _program(path: str | None) -> SourceFile | None:
     return source_of(path)
 
 
-def _print_problems(path: str | None, error: ProgramError) -> None:
+def print_problems(command: str, path: str | None, error: ProgramError) -> None:
+    """Print what is wrong in a program: the file of a path, or one that came from elsewhere."""
     if path is None:
-        print(f"elitescript audit: the program of the recording: {error}", file=sys.stderr)
+        print(f"elitescript {command}: the program that was found: {error}", file=sys.stderr)
         return
     source = SourceFile(path, Path(path).read_bytes().decode("utf-8", "replace"))
     for problem in error.problems:

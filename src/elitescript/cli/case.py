@@ -10,8 +10,8 @@ from elitescript.codec.json_text import to_text
 from elitescript.errors import UsageError
 from elitescript.kernel.options import OPTIONS
 from elitescript.records import NamedTuple
+from elitescript.sweep.failures.shrinking import is_same
 from elitescript.sweep.replay import Played, Replay
-from elitescript.sweep.shrinking import is_same
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-import signal
 import sys
 import time
 from typing import Final
 
+from elitescript.cli.stopping import stop_by_signals
 from elitescript.devices.surroundings import VIRTUAL
 from elitescript.environment.line_bindings import parse_bindings
 from elitescript.errors import UsageError
@@ -50,20 +50,14 @@ def devices(options: argparse.Namespace) -> int:
 
 
 async def _serve(server: DeviceServer, options: argparse.Namespace) -> None:
-    stop = asyncio.Event()
-    loop = asyncio.get_running_loop()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        try:
-            loop.add_signal_handler(number, stop.set)
-        except NotImplementedError:
-            signal.signal(number, lambda *_: loop.call_soon_threadsafe(stop.set))
+    stop = stop_by_signals()
     await server.open()
     if options.json:
         print(jsonlines.line({"type": "ready", "host": options.host, "devices": server.places}), flush=True)
     else:
         print(f"ready on {options.host}: {', '.join(server.places)}", flush=True)
-    running = loop.create_task(server.run())
-    waiting = loop.create_task(stop.wait())
+    running = asyncio.create_task(server.run())
+    waiting = asyncio.create_task(stop.wait())
     try:
         await asyncio.wait([running, waiting], return_when=asyncio.FIRST_COMPLETED)
         if running.done():

@@ -28,7 +28,7 @@ INTERRUPTED = 130
 HASH_SEED = "0"
 """The order of a set of strings depends on it, so every process has the same."""
 
-_RUNNING = ("run", "plot", "serve", "replay", "sweep", "audit")
+_RUNNING = ("run", "plot", "serve", "replay", "sweep", "audit", "shadow")
 """Commands that run programs."""
 
 _AT_WORK = frozenset(("elitescript.world_file", "_lsprof", "bdb"))

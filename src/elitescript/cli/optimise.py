@@ -11,12 +11,13 @@ from elitescript.cli.output.screen import progress_on
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.diagnostics import render
 from elitescript.language.text.source import SourceFile
-from elitescript.sweep.engine import Engine
+from elitescript.sweep.chaos.properties import properties_of
+from elitescript.sweep.engines.engine import Engine
 from elitescript.sweep.optimise import Candidate, Change, Outcome, Search, check_search, optimise
-from elitescript.sweep.plan import Plan
-from elitescript.sweep.program_values import constant_lines
-from elitescript.sweep.tables import json_line, properties_of, write_table
-from elitescript.sweep.variations import parse_variation
+from elitescript.sweep.plans.plan import Plan
+from elitescript.sweep.plans.program_values import constant_lines
+from elitescript.sweep.plans.variations import parse_variation
+from elitescript.sweep.results.tables import json_line, write_table
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

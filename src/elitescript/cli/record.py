@@ -4,21 +4,17 @@ from __future__ import annotations
 
 import asyncio
 import re
-import signal
 import sys
-from contextlib import suppress
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Final
 
+from elitescript.cli.listening import check_fetching, check_host, check_positive, chosen_ports, ended, fetched
 from elitescript.cli.output.screen import ScreenStream, StatusLine
-from elitescript.cli.ssh_login import checked_password
 from elitescript.environment.allowance import shown_size
 from elitescript.errors import UsageError, printable
 from elitescript.paths import why_no_file
-from elitescript.recorder.fetching import fetch_program
 from elitescript.recorder.session import PORTS, Session, Target
 from elitescript.recorder.storing import McapSink, Rotation
-from elitescript.services.port_numbers import port_numbers
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -35,19 +31,13 @@ RATE_MAX_HZ: Final = 250.0
 def record(options: argparse.Namespace) -> int:
     """Record until a signal comes or the time is over; return the exit code."""
     host: str = options.host
-    if not host or any(letter.isspace() or letter == "/" for letter in host):
-        raise UsageError(f"HOST {host!r}: a name or an address is needed, such as 192.168.1.20")
-    for name, value in (("for", options.seconds), ("rate", options.rate)):
-        if value is not None and not 0.0 < value < float("inf"):
-            raise UsageError(f"--{name} {value:g}: a number above 0 is needed")
+    check_host(host)
+    check_positive(("for", options.seconds), ("rate", options.rate))
     if not RATE_MIN_HZ <= options.rate <= RATE_MAX_HZ:
         raise UsageError(f"--rate {options.rate:g}: a controller sends from {RATE_MIN_HZ:g} to {RATE_MAX_HZ:g} Hz")
     fetches = options.fetch_program is not None
-    if fetches and options.program is not None:
-        raise UsageError("--program and --fetch-program are two programs; write one of them")
-    if fetches != (options.ssh_password is not None):
-        raise UsageError("--fetch-program PATH and --ssh-password TEXT|@FILE go together")
-    ports = port_numbers(options.instance, _chosen(options.port, fetches=fetches), has_ssh=fetches)
+    check_fetching(options)
+    ports = chosen_ports("record", options)
     attachments = _attachments(options)
     about = {
         "host": host,
@@ -57,9 +47,7 @@ def record(options: argparse.Namespace) -> int:
     }
     sink = McapSink(Path(options.out), about, attachments, _rotation(options.rotate))
     if fetches:
-        name = PurePosixPath(options.fetch_program).name
-        data = fetch_program(host, ports["ssh"], checked_password(options.ssh_password), options.fetch_program)
-        sink.add_attachment(name, data, "program")
+        sink.add_attachment(*fetched(options, ports), "program")
     session = Session(Target(host, ports, options.rate), [sink], _say)
     try:
         asyncio.run(_record(session, sink, options.seconds))
@@ -70,27 +58,10 @@ def record(options: argparse.Namespace) -> int:
 
 
 async def _record(session: Session, sink: McapSink, for_s: float | None) -> None:
-    stop = asyncio.Event()
-    loop = asyncio.get_running_loop()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        try:
-            loop.add_signal_handler(number, stop.set)
-        except NotImplementedError:
-            signal.signal(number, lambda *_: loop.call_soon_threadsafe(stop.set))
     status = sys.stderr.status if isinstance(sys.stderr, ScreenStream) else None
     shown = asyncio.create_task(_show_status(session, sink, status)) if status is not None else None
-
-    async def ended() -> None:
-        if for_s is None:
-            await stop.wait()
-            return
-        # The time counts from the first connection, so that a recording is as long as it was asked for.
-        await session.heard.wait()
-        with suppress(TimeoutError):
-            await asyncio.wait_for(stop.wait(), for_s)
-
     try:
-        await session.run(ended())
+        await session.run(ended(session, for_s))
     finally:
         if shown is not None:
             shown.cancel()
@@ -114,7 +85,8 @@ def _summary(session: Session, sink: McapSink) -> str:
     pace = session.pace
     files = f" in {sink.files} files" if sink.files > 1 else ""
     restarts = f", the controller's time began anew {pace.restarts} x" if pace.restarts else ""
-    rows = f"{pace.rows:,} rows at {pace.rate_hz:g} Hz, {_gaps(session)}{restarts}"
+    repeated = f", {pace.repeated:,} repeated rows left out" if pace.repeated else ""
+    rows = f"{pace.rows:,} rows at {pace.rate_hz:g} Hz, {_gaps(session)}{repeated}{restarts}"
     return f"{sink.path}: {rows}; {shown_size(sink.size)}{files}"
 
 
@@ -128,19 +100,6 @@ def _gaps(session: Session) -> str:
 
 def _say(text: str) -> None:
     print(printable(f"elitescript record: {text}"), file=sys.stderr, flush=True)
-
-
-def _chosen(given: list[str], *, fetches: bool) -> dict[str, int]:
-    known = (*PORTS, "ssh") if fetches else PORTS
-    chosen: dict[str, int] = {}
-    for text in given:
-        name, equals, number = text.partition("=")
-        if not equals or not number.isdecimal():
-            raise UsageError(f"--port {text}: write NAME=NUMBER, such as rtsi=40004")
-        if name not in known:
-            raise UsageError(f"--port {text}: record reads the ports {', '.join(known)}")
-        chosen[name] = int(number)
-    return chosen
 
 
 def _rotation(text: str | None) -> Rotation:

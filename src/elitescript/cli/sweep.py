@@ -21,23 +21,24 @@ from elitescript.errors import ProgramError, UsageError
 from elitescript.language.diagnostics import render
 from elitescript.language.text.source import SourceFile
 from elitescript.page import NOT_BUILT, is_built
-from elitescript.sweep.engine import Engine
-from elitescript.sweep.findings import KINDS_MAX, Finding, Places, Remembered, find, remembered
-from elitescript.sweep.journal import SUFFIX, Journal
-from elitescript.sweep.local import LocalEngine
+from elitescript.sweep.chaos.properties import properties_of
+from elitescript.sweep.engines.engine import Engine
+from elitescript.sweep.engines.local import LocalEngine
+from elitescript.sweep.failures.findings import KINDS_MAX, Finding, Places, Remembered, find, remembered
 from elitescript.sweep.making import make_plan, runs_of
 from elitescript.sweep.many_runs import cores
-from elitescript.sweep.page import PAGE_SAMPLE
-from elitescript.sweep.plan import Plan, Row
-from elitescript.sweep.plan_json import disturbance_data, plan_digest
-from elitescript.sweep.progress import Meter
-from elitescript.sweep.replays import write_pages
+from elitescript.sweep.plans.plan import Plan, Row
+from elitescript.sweep.plans.plan_json import disturbance_data, plan_digest
+from elitescript.sweep.plans.variations import grid_size, parse_variation
+from elitescript.sweep.results.journal import SUFFIX, Journal
+from elitescript.sweep.results.page import PAGE_SAMPLE
+from elitescript.sweep.results.progress import Meter
+from elitescript.sweep.results.replays import write_pages
+from elitescript.sweep.results.summary import Summary, summary_of
+from elitescript.sweep.results.tables import check_table, columns, json_line, values
+from elitescript.sweep.results.totals import SAMPLE, Totals
 from elitescript.sweep.single import Runner
-from elitescript.sweep.summary import Summary, summary_of
 from elitescript.sweep.sweeping import Sweeping, is_random
-from elitescript.sweep.tables import check_table, columns, json_line, properties_of, values
-from elitescript.sweep.totals import SAMPLE, Totals
-from elitescript.sweep.variations import grid_size, parse_variation
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -196,7 +197,7 @@ def _engine(options: argparse.Namespace) -> Engine:
     if options.dask is not None:
         if options.jobs is not None:
             raise UsageError("--jobs is for this computer; with --dask the cluster says how many workers there are")
-        from elitescript.sweep.cluster import ClusterEngine
+        from elitescript.sweep.engines.cluster import ClusterEngine
 
         return ClusterEngine(
             options.dask,

@@ -175,6 +175,11 @@ class Device:
         return [value for value in values if isinstance(value, str) and value.partition("[")[0] in INPUTS]
 
     @property
+    def carrier(self) -> Device:
+        """What accepts programs at its port or line: itself, or what several devices at one place share."""
+        return self
+
+    @property
     def author(self) -> Device:
         """The device whose code ran last on its behalf; for messages about what went wrong."""
         return self

@@ -148,7 +148,7 @@ class World(Surroundings):
         return [input_request(fault) for fault in self._faults if is_of_input(fault)]
 
     def fault_places(self) -> list[tuple[str, str, str]]:
-        places = [(place, device) for device in self.devices for place in self.network.places(device)]
+        places = [(place, device) for device in self.devices for place in self.network.places(device.carrier)]
         names = [(name, device) for device in self.devices for name in device.driven_inputs]
         places += [(name, device) for name, device in names if name.partition("[")[0] in INPUTS]
         return [(str(place), place_of(place)[0], device.name or device.title) for place, device in places]
@@ -196,7 +196,7 @@ class World(Surroundings):
             raise nowhere(name, [device.name for device in self.devices if device.name])
         if len(devices) > 1:
             raise UsageError(f"on: {len(devices)} devices are called {name}; write a port, a line or an input")
-        places = devices[0].driven_inputs if is_input else self.network.places(devices[0])
+        places = devices[0].driven_inputs if is_input else self.network.places(devices[0].carrier)
         if len(places) == 1:
             return places[0]
         what = "set no input" if is_input else "has no port or line"

@@ -215,7 +215,7 @@ class RobotOptions:
         Text(),
         flag="--robot",
         metavar="MODEL",
-        commands=("run", "sweep", "plot", "check", "serve", "studio", "audit"),
+        commands=("run", "sweep", "plot", "check", "serve", "studio", "audit", "shadow"),
     )
     model_text: str = option("", "text of the file of an own arm; empty for a model of the package")
     firmware: str = option(
@@ -223,7 +223,7 @@ class RobotOptions:
         "controller firmware",
         Text(tuple(PROFILES)),
         flag="--firmware",
-        commands=("run", "sweep", "plot", "check", "serve", "studio", "audit"),
+        commands=("run", "sweep", "plot", "check", "serve", "studio", "audit", "shadow"),
     )
     seed: int = option(
         0,
@@ -231,7 +231,7 @@ class RobotOptions:
         Whole(),
         flag="--seed",
         metavar="N",
-        commands=("run", "plot", "serve", "audit"),
+        commands=("run", "plot", "serve", "audit", "shadow"),
     )
     first_tick: int = option(0, "number of the first tick; of a robot that goes on where another one ended")
     epoch_s: float = option(
@@ -258,7 +258,7 @@ class RobotOptions:
         Number(0.0, 1.0),
         flag="--speed",
         metavar="0..1",
-        commands=("run", "sweep", "plot", "serve"),
+        commands=("run", "sweep", "plot", "serve", "shadow"),
     )
     power_on: bool = option(
         False,

@@ -84,6 +84,10 @@ class Reply:
     outcome: Outcome
 
 
+REPEAT_AFTER_S: Final = 0.1
+"""So long without a new row streams are silent, s; then they repeat the last one (*assumed*)."""
+
+
 @record
 class TickResult:
     """What happened in one tick."""
@@ -106,6 +110,18 @@ class Output(TickResult):
     """Of this tick; an older one if no port reads more than its discrete state, see `has`."""
     parts: int = field(default=ALL_PARTS, metadata=NOT_WRITTEN)
     """Parts of the snapshot that are of its tick, as bits; the others may be older. See `messages.snapshot_parts`."""
+    late_rows: tuple[Output, ...] | None = field(default=None, metadata=NOT_WRITTEN)
+    """See `rows`; None while the robot keeps up."""
+    repeats: bool = field(default=False, metadata=NOT_WRITTEN)
+    """Whether streams send their last row again: for `REPEAT_AFTER_S` there has been no new one."""
+
+    @property
+    def rows(self) -> tuple[Output, ...]:
+        """The outputs of ticks that leave with this one, each once, the oldest first: this one alone, or others.
+
+        While a robot in a process of its own is late there is none; what it makes up for leaves together.
+        """
+        return (self,) if self.late_rows is None else self.late_rows
 
     def has(self, parts: int) -> bool:
         """Return whether these parts of the snapshot are of this tick."""

@@ -18,7 +18,26 @@ from elitescript.run import Run
 UNDEFINED: Final = (Undefined, ArithmeticError, ValueError, TypeError)
 
 
-class ExpressionProperty:
+class _Expression:
+    """Base of a property and of a measure."""
+
+    __slots__ = ("_parsed",)
+
+    def __init__(self, parsed: Parsed) -> None:
+        self._parsed = parsed
+
+    @property
+    def text(self) -> str:
+        """The expression as it was written."""
+        return self._parsed.text
+
+    @property
+    def needs(self) -> Needs:
+        """What its watches are shown."""
+        return self._parsed.needs
+
+
+class ExpressionProperty(_Expression):
     """An expression that is true or false. Implements `Property`.
 
     Args:
@@ -29,7 +48,7 @@ class ExpressionProperty:
         UsageError: it is no expression, or is neither true nor false; with the place.
     """
 
-    __slots__ = ("_parsed",)
+    __slots__ = ()
 
     def __init__(self, text: str, program_globals: Collection[str] | None = None) -> None:
         parsed = parse(text, program_globals)
@@ -37,24 +56,14 @@ class ExpressionProperty:
             raise wrong_at(
                 parsed.text, parsed.piece.node, f"this is {parsed.piece.kind}, not true or false: compare it"
             )
-        self._parsed = parsed
-
-    @property
-    def text(self) -> str:
-        """The property as it was written."""
-        return self._parsed.text
-
-    @property
-    def needs(self) -> Needs:
-        """What its watches are shown."""
-        return self._parsed.needs
+        super().__init__(parsed)
 
     def watch(self) -> PropertyWatch:
         """Return what watches one run."""
         return PropertyWatch(self._parsed)
 
 
-class ExpressionMeasure:
+class ExpressionMeasure(_Expression):
     """An expression that is a number. Implements `Measure`.
 
     Args:
@@ -65,7 +74,7 @@ class ExpressionMeasure:
         UsageError: it is no expression, or no number; with the place.
     """
 
-    __slots__ = ("_parsed",)
+    __slots__ = ()
 
     def __init__(self, text: str, program_globals: Collection[str] | None = None) -> None:
         parsed = parse(text, program_globals)
@@ -76,17 +85,7 @@ class ExpressionMeasure:
             raise wrong_at(
                 parsed.text, parsed.piece.node, f"a measure is a number, and this is {parsed.piece.kind}{hint}"
             )
-        self._parsed = parsed
-
-    @property
-    def text(self) -> str:
-        """The measure as it was written."""
-        return self._parsed.text
-
-    @property
-    def needs(self) -> Needs:
-        """What its watches are shown."""
-        return self._parsed.needs
+        super().__init__(parsed)
 
     def watch(self) -> ExpressionMeasureWatch:
         """Return what watches one run."""

@@ -55,6 +55,10 @@ DEPTH_MAX: Final = 40
 """Parts inside each other."""
 
 
+_ENDS: Final = Needs(line=True)
+"""What shows few moments, but the first and the last."""
+
+
 class OverTimeCall(NamedTuple):
     """A call of a function over time in an expression."""
 
@@ -163,7 +167,9 @@ class _Reader:
         else:
             clauses = [self._clause(body)]
             piece = clauses[0].piece
-        return Parsed(self._text, piece, tuple(self._calls), tuple(clauses), self._needs)
+        # A function over time that names nothing, as `duration(True)`, sees the first moment and the last.
+        needs = _ENDS if self._calls and self._needs.nothing else self._needs
+        return Parsed(self._text, piece, tuple(self._calls), tuple(clauses), needs)
 
     def _clause(self, node: ast.expr) -> Clause:
         calls, sides = len(self._calls), len(self._sides)

@@ -163,7 +163,7 @@ class _FirstTime:
     def __init__(self, part: Part) -> None:
         self.part = part
         self.tick: int | None = None
-        self.t = 0.0
+        self.t: float | None = None
         self.reason = ""
 
     def see(self, moment: Moment) -> None:
@@ -203,12 +203,12 @@ class Before:
 
     @property
     def t(self) -> float | None:
-        return None if self._second.tick is None else self._second.t
+        return self._second.t
 
     def words(self) -> str:
         return "; ".join(
             f"{one.part.text} first holds at {one.t:.3f} s"
-            if one.tick is not None
+            if one.t is not None
             else f"{one.part.text} never holds" + (f" ({one.reason})" if one.reason else "")
             for one in (self._first, self._second)
         )
@@ -223,14 +223,16 @@ class First(_FirstTime):
         """Nothing is left to do."""
 
     def value(self) -> float:
-        if self.tick is None:
-            raise Undefined(f"{self.part.text} never holds" + (f": {self.reason}" if self.reason else ""))
+        if self.t is None:
+            raise Undefined(self.words())
         return self.t
 
     def margin(self, index: int) -> float:
         raise AssertionError("a number has no margin")
 
     def words(self) -> str:
+        if self.t is None:
+            return f"{self.part.text} never holds" + (f": {self.reason}" if self.reason else "")
         return f"{self.part.text} first holds at {self.t:.3f} s"
 
 

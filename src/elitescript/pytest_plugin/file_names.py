@@ -17,7 +17,7 @@ def holds_tests(name: str) -> bool:
 
 
 CASE_FILES: Final = ("CASE.toml", "*.case.toml")
-"""Files that are one test each; `sweep.cases` gives them these names."""
+"""Files that are one test each; `sweep.failures.cases` gives them these names."""
 
 
 def is_case(name: str) -> bool:

@@ -24,8 +24,9 @@ class LiveRow(NamedTuple):
     """Time of the controller, s."""
     arrived_s: float
     """Since the first thing that was heard."""
-    values: Mapping[str, WireValue]
-    """By the name of the variable in RTSI, vectors as tuples: those of the row, and the newest of all others."""
+    values: ChainMap[str, WireValue]
+    """By the name of the variable in RTSI, vectors as tuples: those of the row, then the newest of all others,
+    which are the same object as long as nothing of them changes."""
 
 
 class LiveSink:

@@ -1,4 +1,4 @@
-"""Gaps and restarts in the controller's time, while rows come."""
+"""Gaps, restarts and repeated rows in the controller's time, while rows come."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Restart(NamedTuple):
 
 
 class Pace:
-    """Counts rows that are missing, by the controller's own time.
+    """Counts rows that are missing or repeated, by the controller's own time.
 
     Args:
         asked_hz: rate that was asked for.
@@ -39,25 +39,53 @@ class Pace:
         rows: that came.
         missing: that did not.
         gaps: number of stretches without them.
+        repeated: rows that came with the time of the one before; `rows` does not count them.
         restarts: how often the time began anew.
     """
 
-    __slots__ = ("_before_s", "_first", "_period_s", "gaps", "missing", "restarts", "rows")
+    __slots__ = (
+        "_before_s",
+        "_first",
+        "_newest_s",
+        "_period_s",
+        "_times",
+        "gaps",
+        "missing",
+        "repeated",
+        "restarts",
+        "rows",
+    )
 
     def __init__(self, asked_hz: float) -> None:
         self._period_s = 1.0 / asked_hz
         self._before_s: float | None = None
+        self._newest_s: float | None = None
+        self._times = 0
+        """How often the newest row was repeated."""
         self._first: list[float] | None = []
         """Times of the first rows; None once the rate is known."""
         self.rows = 0
         self.missing = 0
         self.gaps = 0
+        self.repeated = 0
         self.restarts = 0
 
     @property
     def rate_hz(self) -> float:
         """Rows a second that the controller sends; what was asked until that is known."""
         return 1.0 / self._period_s
+
+    def repeats(self, t: float) -> int:
+        """Return how often a row of this time has been repeated by now: 0 for a new one, which is to be taken.
+
+        A controller repeats its last row while it has nothing newer.
+        """
+        if t != self._newest_s:
+            self._newest_s, self._times = t, 0
+            return 0
+        self._times += 1
+        self.repeated += 1
+        return self._times
 
     def take(self, t: float) -> Gap | Restart | None:
         """Take the time of a row, s; return what it shows. Of the first rows, `settle` does."""

@@ -19,7 +19,8 @@ class Message:
     Attributes:
         t: time of the controller, s, of the row before it; of the first row if it came before.
         arrived_s: when it came, s since the begin of the recording, by the clock of the recorder.
-        channel: `primary`, `dashboard`, `events` (of the recorder: connected, lost, gap, restart, clock).
+        channel: `primary`, `dashboard`, `events` (of the recorder: connected, lost, gap, repeated, restart,
+            clock).
         data: the record as JSON has it, with its `type`.
     """
 
@@ -34,8 +35,7 @@ class Recording:
     """A recording, all of its files together.
 
     Attributes:
-        t: time of the controller of each row, s; never falls but at `restarts`. A served robot on a busy computer sends
-            some rows twice.
+        t: time of the controller of each row, s; rises, but for `restarts`.
         arrived_s: when each row came, s since the begin of the recording, by the clock of the recorder.
         columns: values of each variable by its name in RTSI; of a vector `NAME.0` and so on. NaN where a part of the
             recording did not have the variable. SI units, base frame, as RTSI has them. Registers and settings that

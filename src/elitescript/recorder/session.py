@@ -97,6 +97,8 @@ class Session:
         self._said: dict[str, Any] = {}
         self._robot = ""
         """As it was named last."""
+        self._slow_s: WireValue | None = None
+        """Time of the last package of what is slow."""
         self._gaps: list[Gap] = []
         """Since the last tick."""
         self._offset_ns = time.time_ns() - time.monotonic_ns()
@@ -250,6 +252,10 @@ class Session:
         t = float(flat[1])
         if not abs(t) < TIME_MAX_S:
             raise PeerError(f"RTSI: a row has the {TIME} {t:g}")
+        if times := self.pace.repeats(t):
+            if times == 1:
+                self._message(EVENTS, {"type": "repeated", "t": t}, arrived_ns)
+            return
         if self._is_clock_new:
             self._is_clock_new = False
             self._message(EVENTS, {"type": facts.CLOCK, "offset_s": arrived_ns * 1e-9 - t, "t": t}, arrived_ns)
@@ -261,6 +267,10 @@ class Session:
 
     def _take_slow(self, layout: OutputLayout, payload: bytes, arrived_ns: int) -> None:
         values = layout.values(layout.flat(payload))
+        if values[TIME] == self._slow_s:
+            # A repeated package.
+            return
+        self._slow_s = values[TIME]
         for sink in self._sinks:
             sink.message(SLOW, values, arrived_ns)
 

@@ -259,7 +259,7 @@ def _log_of(channel: str, data: Mapping[str, Any], time_ns: int) -> dict[str, An
     """Return what a viewer's log shows of a message; None for nothing."""
     kind = data.get("type", "")
     if channel == EVENTS:
-        level = "warning" if kind in ("lost", "gap", "restart") else "info"
+        level = "warning" if kind in ("lost", "gap", "repeated", "restart") else "info"
         rest = " ".join(f"{name}={value}" for name, value in data.items() if isinstance(value, str | float | int))
         return channels.log_line(time_ns, level, rest, "recorder")
     if channel != PRIMARY or "text" not in data:

@@ -262,13 +262,20 @@ class ContactWatch:
         self._by_climb.begin()
         self._turned = ZERO_SIX
 
-    def finish(self, arm: MovingArm) -> None:
-        """End the watch: the run is over."""
-        # The last row of a trace shows the arm after the motion of the last tick.
-        self.record(arm, arm.tick + 1)
+    def finish(self, arm: MovingArm, *, has_run: bool = True) -> None:
+        """End the watch: the run is over.
+
+        Args:
+            arm: the arm.
+            has_run: whether its present tick has run; if not, the one before is the last.
+        """
+        end = arm.tick + has_run
+        if has_run:
+            # The last row of a trace shows the arm after the motion of the last tick.
+            self.record(arm, end)
         for pair in self._pairs:
             if pair.contact is not None:
-                self._end(pair, arm.tick + 1)
+                self._end(pair, end)
 
     @property
     def now(self) -> list[Contact]:

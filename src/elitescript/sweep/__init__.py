@@ -9,24 +9,24 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from elitescript.sweep.many_runs import Sweep as Sweep
     from elitescript.sweep.many_runs import sweep as sweep
-    from elitescript.sweep.plan import Choices as Choices
-    from elitescript.sweep.plan import Failure as Failure
-    from elitescript.sweep.plan import Row as Row
-    from elitescript.sweep.variations import choice as choice
-    from elitescript.sweep.variations import grid as grid
-    from elitescript.sweep.variations import normal as normal
-    from elitescript.sweep.variations import uniform as uniform
+    from elitescript.sweep.plans.plan import Choices as Choices
+    from elitescript.sweep.plans.plan import Failure as Failure
+    from elitescript.sweep.plans.plan import Row as Row
+    from elitescript.sweep.plans.variations import choice as choice
+    from elitescript.sweep.plans.variations import grid as grid
+    from elitescript.sweep.plans.variations import normal as normal
+    from elitescript.sweep.plans.variations import uniform as uniform
 
 _HOMES = {
     "Sweep": "many_runs",
     "sweep": "many_runs",
-    "Choices": "plan",
-    "Failure": "plan",
-    "Row": "plan",
-    "choice": "variations",
-    "grid": "variations",
-    "normal": "variations",
-    "uniform": "variations",
+    "Choices": "plans.plan",
+    "Failure": "plans.plan",
+    "Row": "plans.plan",
+    "choice": "plans.variations",
+    "grid": "plans.variations",
+    "normal": "plans.variations",
+    "uniform": "plans.variations",
 }
 
 __all__ = list(_HOMES)

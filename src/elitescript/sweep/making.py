@@ -18,12 +18,12 @@ from elitescript.kernel.options import ROBOT_SECTION
 from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
 from elitescript.properties.parsing import function_place
-from elitescript.sweep.cases import is_case
-from elitescript.sweep.page import REPLAYS
-from elitescript.sweep.plan import Plan, Variation
-from elitescript.sweep.python_files import python_texts
-from elitescript.sweep.tables import columns
-from elitescript.sweep.variations import check_names, grid_size
+from elitescript.sweep.failures.cases import is_case
+from elitescript.sweep.plans.plan import Plan, Variation
+from elitescript.sweep.plans.python_files import python_texts
+from elitescript.sweep.plans.variations import check_names, grid_size
+from elitescript.sweep.results.page import REPLAYS
+from elitescript.sweep.results.tables import columns
 from elitescript.world_file import tables_of, world_text
 
 RUNS: Final = 100

@@ -15,19 +15,20 @@ from elitescript.kernel.options import OPTIONS, Section, accept, check_keywords
 from elitescript.messages.signals import Value
 from elitescript.records import replace
 from elitescript.run import Run
-from elitescript.sweep.engine import Engine
-from elitescript.sweep.executor import MAX_WALL_S
-from elitescript.sweep.here import HereEngine
-from elitescript.sweep.journal import SUFFIX, Journal
-from elitescript.sweep.local import LocalEngine
+from elitescript.sweep.chaos.properties import properties_of
+from elitescript.sweep.engines.engine import Engine
+from elitescript.sweep.engines.executor import MAX_WALL_S
+from elitescript.sweep.engines.here import HereEngine
+from elitescript.sweep.engines.local import LocalEngine
 from elitescript.sweep.making import make_plan, runs_of
-from elitescript.sweep.plan import Row, Variation
+from elitescript.sweep.plans.plan import Row, Variation
+from elitescript.sweep.plans.variations import checked, parse_variation
+from elitescript.sweep.results.journal import SUFFIX, Journal
+from elitescript.sweep.results.summary import Summary, summary_of
+from elitescript.sweep.results.tables import check_table, columns, values
+from elitescript.sweep.results.totals import Totals
 from elitescript.sweep.single import Runner
-from elitescript.sweep.summary import Summary, summary_of
 from elitescript.sweep.sweeping import Sweeping, is_random
-from elitescript.sweep.tables import check_table, columns, properties_of, values
-from elitescript.sweep.totals import Totals
-from elitescript.sweep.variations import checked, parse_variation
 
 Check = str | Callable[[Run], Any]
 """A property or measure: an expression, `FILE.py:function`, the name of a built-in property, or a function."""

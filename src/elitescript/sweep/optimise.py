@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import UsageError
 from elitescript.records import field, record, replace
-from elitescript.sweep.engine import Engine
-from elitescript.sweep.plan import LOST, Choices, Plan, Row, Variation
-from elitescript.sweep.seeds import seed_of_run
+from elitescript.sweep.engines.engine import Engine
+from elitescript.sweep.plans.plan import LOST, Choices, Plan, Row, Variation
+from elitescript.sweep.plans.seeds import seed_of_run
+from elitescript.sweep.plans.variations import Draw
 from elitescript.sweep.single import Runner
-from elitescript.sweep.variations import Draw
 
 if TYPE_CHECKING:
     from optuna.distributions import BaseDistribution

@@ -6,17 +6,18 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from elitescript.errors import UsageError
 from elitescript.messages.signals import Value
 from elitescript.models.model import is_model_file
 from elitescript.properties.parsing import function_place
 from elitescript.records import NamedTuple
-from elitescript.sweep.cases import Case, digest_of, read_case
 from elitescript.sweep.chaos.ground import Ears
+from elitescript.sweep.failures.cases import Case, digest_of, read_case
+from elitescript.sweep.failures.shrinking import is_same
+from elitescript.sweep.failures.story import Story, tell
 from elitescript.sweep.making import make_plan
-from elitescript.sweep.plan import LOST, Plan, Row, Variation
-from elitescript.sweep.shrinking import is_same
+from elitescript.sweep.plans.plan import LOST, Plan, Row, Variation
 from elitescript.sweep.single import Runner
-from elitescript.sweep.story import Story, tell
 
 if TYPE_CHECKING:
     from elitescript.controller.views.trace import Trace
@@ -69,10 +70,14 @@ class Replay:
         self.case = read_case(path)
         folder = Path(path).parent
         self.program = Path(program) if program is not None else folder / self.case.program
-        self.plan = plan_of(self.case, folder, self.program)
+        try:
+            self.plan = plan_of(self.case, folder, self.program)
+            self.runner = Runner(self.plan)
+            self.robot()  # so that what makes no sense in it is refused, instead of being a run that fails
+        except UsageError as error:
+            raise UsageError(f"{path}: {error}") from error
         changed = bool(self.case.digest) and digest_of(self.plan.program) != self.case.digest
         self.note = f"{self.program} has changed since the case was written" if changed else ""
-        self.runner = Runner(self.plan)
 
     def robot(self, on_event: Callable[[Event], None] | None = None) -> VirtualRobot:
         """Return the robot before the program begins, with everything that goes wrong in the run.
@@ -105,18 +110,22 @@ class Replay:
 
         row, run = self.runner.play(self.case.choices, before=prepare, trace=trace, on_event=on_event)
         expected, found = self.case.failure, row.failure
+        is_lost = expected.expression in LOST
         if found is None:
-            holds = "the run comes back now" if expected.state in LOST else f"{expected.expression} holds now"
-            return Played(row, run, f"the failure did not come again: {holds}", None)
-        words = f"{expected.expression} does not hold"
+            now = "the run comes to its end" if is_lost else f"{expected.expression} holds"
+            return Played(row, run, f"the failure did not come again: {now} now", None)
+        words = found.text if is_lost else f"{expected.expression} does not hold"
         if is_same(found, expected):
             words = f"the failure came again: {words}"
+        elif run is None or is_lost:
+            words = f"it failed in another way: {found.text}"
         else:
             words = f"the failure came again in another way: {words}; {found.text}"
         if run is None:
             return Played(row, run, words, None)
         ground = self.runner.chaos.ground if self.case.disturbances else None
-        return Played(row, run, words, tell(self.case.choices, found, run, ears[0].heard, ground))
+        ends_s = self.runner.ends_s(row)
+        return Played(row, run, words, tell(self.case.choices, found, run, ears[0].heard, ground, ends_s))
 
 
 def plan_of(case: Case, folder: Path, program: Path) -> Plan:
@@ -146,7 +155,7 @@ def plan_of(case: Case, folder: Path, program: Path) -> Plan:
         variations=[_variation(case, name, value) for name, value in case.values.items()],
         seed=case.sweep_seed,
         until_s=case.until_s,
-        ensure=[] if case.failure.state in LOST else [text],
+        ensure=[] if text in LOST else [text],
         step_s=case.step_s,
     )
 

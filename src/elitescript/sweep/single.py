@@ -15,7 +15,7 @@ from elitescript.controller.views.trace import Trace
 from elitescript.devices.scenario import python_files
 from elitescript.devices.surroundings import REAL, VIRTUAL
 from elitescript.environment.memory import MemoryEnvironment
-from elitescript.environment.start_values import parse_settings
+from elitescript.environment.start_values import check_presets, parse_settings
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
 from elitescript.kernel.options import ROBOT_SECTION
 from elitescript.language.compiler import CompiledUnit
@@ -31,17 +31,16 @@ from elitescript.properties.functions_of_files import FunctionMeasure, FunctionP
 from elitescript.properties.parsing import parse_measure, parse_property
 from elitescript.properties.verdicts import Measure, Property
 from elitescript.robot import VirtualRobot
-from elitescript.sweep.chaos.properties import BUILT_INS, BuiltInProperty, is_built_in
+from elitescript.sweep.chaos.properties import BUILT_INS, NEVER_STUCK, BuiltInProperty, is_built_in, properties_of
 from elitescript.sweep.chaos.session import ChaosSession
-from elitescript.sweep.plan import CRASHED, ERROR, Choices, Failure, Plan, Row
-from elitescript.sweep.plan_json import choices_data, choices_of, plan_of, row_data
-from elitescript.sweep.program_values import MARK, put_presets
-from elitescript.sweep.python_files import PythonFiles
-from elitescript.sweep.seeds import seed_of_name, seed_of_run
-from elitescript.sweep.tables import properties_of
-from elitescript.sweep.variations import Draw, extremes, plain_value
-from elitescript.sweep.world_values import Path as Place
-from elitescript.sweep.world_values import place_of, with_value
+from elitescript.sweep.plans.plan import CRASHED, ERROR, Choices, Failure, Plan, Row
+from elitescript.sweep.plans.plan_json import choices_data, choices_of, plan_of, row_data
+from elitescript.sweep.plans.program_values import MARK, put_presets
+from elitescript.sweep.plans.python_files import PythonFiles
+from elitescript.sweep.plans.seeds import seed_of_name, seed_of_run
+from elitescript.sweep.plans.variations import Draw, extremes, plain_value
+from elitescript.sweep.plans.world_values import Path as Place
+from elitescript.sweep.plans.world_values import place_of, with_value
 from elitescript.world_file import WORLD_SECTIONS, WorldFile, read_tables, tables_of
 
 if TYPE_CHECKING:
@@ -51,6 +50,9 @@ if TYPE_CHECKING:
 
 _HERE: Final = "<python>"
 """Stands for the file of functions that are no text."""
+
+LONGER: Final = 4.0
+"""How many times as long a run goes on that is said to last for ever, *assumed*."""
 
 
 class Runner:
@@ -79,6 +81,7 @@ class Runner:
             self._options.pop(name, None)
         self._files = {name: b64decode(data) for name, data in plan.files.items()}
         self._levels, presets = parse_settings(list(plan.settings))
+        check_presets(presets, plan.program)
         self._presets: dict[str, Any] = presets
         self._python = PythonFiles(plan.python)
         self._draw = Draw(plan.variations, plan.seed)
@@ -290,6 +293,23 @@ class Runner:
             failure = self.chaos.failure(self._checks.properties[failed].text, results.verdicts[failed], run)
         margins = tuple(verdict.margin for verdict in results.verdicts)
         return Row(choices, run.state, run.time_s, results.measures, digest_of(run), failure, margins), run
+
+    def ends_s(self, row: Row) -> float | None:
+        """Return when a run ends that was taken to be stuck, if it has `LONGER` times as long, s; None if it does not.
+
+        Args:
+            row: of the run that was cut off.
+        """
+        is_cut_off = row.failure is not None and row.failure.expression == NEVER_STUCK and row.state == "time_limit"
+        if not is_cut_off or row.time_s is None:
+            return None
+        try:
+            robot = self.robot(row.choices)
+            self.chaos.begin(robot, row.choices)
+            run = robot.run(**self._program(row.choices), until_s=LONGER * row.time_s)
+        except ElitescriptError:
+            return None  # a device has failed by then: it is not the program that ends
+        return None if run.state == "time_limit" else run.time_s
 
     def arguments(self, choices: Choices) -> dict[str, Any]:
         """Return the arguments of `VirtualRobot.run`: the program, its presets and the limit of time."""

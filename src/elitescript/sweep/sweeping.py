@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from elitescript.sweep.engine import Engine
-from elitescript.sweep.journal import Journal
-from elitescript.sweep.plan import Plan, Row
-from elitescript.sweep.tables import write_table
+from elitescript.sweep.engines.engine import Engine
+from elitescript.sweep.plans.plan import Plan, Row
+from elitescript.sweep.results.journal import Journal
+from elitescript.sweep.results.tables import write_table
 
 Progress = Callable[[int, int], None]
 """Called with the number of runs that are done, and of those that failed."""

@@ -10,7 +10,7 @@ from elitescript.messages.events import SafetyModeChanged, TaskStateChanged
 from elitescript.messages.timing import seconds
 from elitescript.run import Run
 from elitescript.sweep.chaos.applying import STOP_REASON, apply, check, disturbance_of, settings_of
-from elitescript.sweep.plan import Disturbance
+from elitescript.sweep.plans.plan import Disturbance
 from tests.sweep.chaos.cells import GRIPPER, world
 
 WAIT = "def p():\n  sleep(10)\nend"

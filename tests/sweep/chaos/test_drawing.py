@@ -14,7 +14,7 @@ from elitescript.sweep.chaos.applying import apply
 from elitescript.sweep.chaos.drawing import draw, is_over, time_limit_s
 from elitescript.sweep.chaos.ground import Ground
 from elitescript.sweep.chaos.profile import profile_named
-from elitescript.sweep.plan import Disturbance
+from elitescript.sweep.plans.plan import Disturbance
 from tests.sweep.chaos.cells import source, surveyed, world
 
 RUNS = 150
@@ -111,6 +111,9 @@ def test_times_are_whole_control_periods(ground: Ground) -> None:
         (Disturbance("stuck", "standard_digital_in[1]", 1.0), False),
         (Disturbance("drop", 5000, 1.0, None, {"count": 1}), True),
         (Disturbance("drop", 5000, 1.0), False),
+        (Disturbance("delay", 5000, 1.0, None, {"count": 2, "delay_s": 1.5}), True),
+        (Disturbance("delay", 5000, 1.0, None, {"count": 2, "delay_s": 1.6}), False),
+        (Disturbance("late", "standard_digital_in[1]", 1.0, 2.0, {"delay_s": 1.1}), False),
         (Disturbance("protective_stop", at_s=1.0), False),
     ],
 )
@@ -122,6 +125,10 @@ def test_the_limit_of_time_leaves_room_for_pauses(ground: Ground) -> None:
     plain_s = ground.plain.time_s
     assert time_limit_s(ground, (), None) == pytest.approx(2 * plain_s + 30)
     assert time_limit_s(ground, (Disturbance("pause", at_s=1.0, for_s=7.0),), None) == pytest.approx(2 * plain_s + 37)
+    late = Disturbance("delay", 5000, 1.0, None, {"delay_s": 4.0})
+    assert time_limit_s(ground, (late,), None) == pytest.approx(2 * plain_s + 30 + 6 * 4.0)  # six messages
+    twice = Disturbance("delay", 5000, 1.0, None, {"delay_s": 4.0, "count": 2})
+    assert time_limit_s(ground, (twice,), None) == pytest.approx(2 * plain_s + 38)
     assert time_limit_s(ground, (), 5.0) == 5.0
     endless = replace(ground, plain=replace(ground.plain, state="time_limit"))
     assert time_limit_s(endless, (), 20.0) == 20.0

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import pytest
+
 from elitescript import VirtualRobot
 from elitescript.controller.safety.limits import SafetyLimits
 from elitescript.devices.channels.faults import TABLE, Fault
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.profile import profile
 from elitescript.sweep.chaos.ground import read_of, survey
+from elitescript.testing.world import ModbusDevice, World
 from tests.sweep.chaos.cells import GRIPPER, surveyed, world
 
 
@@ -16,6 +21,17 @@ def test_places_are_those_of_the_world_that_the_program_uses() -> None:
     places = {(one.place.on, one.place.kind, one.place.device) for one in ground.chances if one.place}
     # Input 5 is driven but not read, and a register is no input that can be disturbed.
     assert places == {(5000, "tcp", "gripper"), ("standard_digital_in[4]", "digital", "sensor")}
+
+
+@pytest.mark.parametrize("place", [{"port": 502}, {"line": "tool", "unit": 1}])
+def test_a_modbus_device_can_be_disturbed_at_its_port_or_line(place: dict[str, Any]) -> None:
+    robot = VirtualRobot("CS66", world=World([ModbusDevice(name="plc", coils=1, **place)]), task_dir={})
+    assert robot.surroundings is not None
+    ((on, _, device),) = robot.surroundings.fault_places()
+    assert (on, device) == (str(place.get("port", "tool")), "plc")
+    assert str(robot.surroundings.check_fault(Fault("drop", "plc")).on) == on
+    ground = survey(robot, robot.run("def p():\n  sleep(0.1)\nend"), ())
+    assert {"drop", "silence", "wrong_reply"} <= {one.kind for one in ground.chances}
 
 
 def test_every_chance_is_a_fault_that_the_world_takes() -> None:

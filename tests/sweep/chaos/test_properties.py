@@ -10,20 +10,21 @@ from elitescript.messages.motion import Six
 from elitescript.models.model import load_model
 from elitescript.properties.checks import Checks
 from elitescript.properties.verdicts import Verdict
+from elitescript.records import replace
 from elitescript.run import Run
 from elitescript.solids.cell import read_cell
 from elitescript.sweep.chaos.applying import apply
 from elitescript.sweep.chaos.ground import End, end_of
 from elitescript.sweep.chaos.properties import (
     BUILT_INS,
-    USUAL,
+    USUAL_OF_CHAOS,
     Situation,
-    asked_for,
     built_in,
     failure_of,
     is_built_in,
+    properties_of,
 )
-from elitescript.sweep.plan import Disturbance
+from elitescript.sweep.plans.plan import Disturbance, Plan
 
 MODEL = load_model("CS66")
 LAMP = "def p():\n  set_standard_digital_out(2, True)\n  sleep(2)\n  set_standard_digital_out(2, False)\nend"
@@ -79,6 +80,24 @@ def test_an_alarm_does_not_hold_unless_it_is_the_stop_that_was_asked_for() -> No
     found, run = verdict("no_alarm", world, Disturbance("protective_stop", at_s=3.0), robot=robot)
     assert run.alarms[0].code == "R140"
     assert not found.holds
+
+
+@pytest.mark.parametrize(
+    "others",
+    [
+        (Disturbance("safeguard_stop", at_s=0.9, for_s=0.5),),
+        (Disturbance("pause", at_s=0.9, for_s=0.5),),
+        (Disturbance("protective_stop", at_s=0.0),),
+    ],
+)
+def test_a_stop_that_was_asked_for_is_no_alarm_whatever_else_happens(others: tuple[Disturbance, ...]) -> None:
+    move = "def p():\n  movej([0.5, -1.2, 1.0, -1.2, -1.2, 0], a=1, v=0.2)\nend"
+    found, run = verdict("no_alarm", move, *others, STOP)
+    assert (run.state, run.alarms[-1].code) == ("alarm", "R140")
+    assert found.holds
+    situation = Situation(MODEL)
+    situation.disturbances = (*others, STOP)
+    assert failure_of("same_end", found, run, situation).code == ""
 
 
 def test_a_deadlock_is_no_alarm_but_stuck() -> None:
@@ -188,10 +207,12 @@ def test_a_range_is_that_of_the_safety_system() -> None:
 
 
 def test_the_usual_ones_are_asked_for_unless_one_is_written() -> None:
-    assert asked_for((), has_chaos=True) == USUAL
-    assert asked_for(("time_s < 3",), has_chaos=True) == (*USUAL, "time_s < 3")
-    assert asked_for(("time_s < 3", "never_stuck"), has_chaos=True) == ("time_s < 3", "never_stuck")
-    assert asked_for(("time_s < 3",), has_chaos=False) == ("time_s < 3",)
+    plan = Plan("def p():\nend\n", chaos="all")
+    assert properties_of(plan) == USUAL_OF_CHAOS
+    assert properties_of(replace(plan, ensure=("time_s < 3",))) == (*USUAL_OF_CHAOS, "time_s < 3")
+    assert properties_of(replace(plan, ensure=("time_s < 3", "never_stuck"))) == ("time_s < 3", "never_stuck")
+    assert properties_of(replace(plan, ensure=("time_s < 3",), chaos="")) == ("time_s < 3",)
+    assert properties_of(replace(plan, chaos="")) == ("never_stuck", "no_alarm")
 
 
 @pytest.mark.parametrize(

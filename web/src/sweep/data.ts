@@ -1,4 +1,4 @@
-/** The data of the page of a sweep. `elitescript.sweep.page` writes it and says what it holds. */
+/** The data of the page of a sweep. `elitescript.sweep.results.page` writes it and says what it holds. */
 
 import { unpacked } from "../source/recording.ts";
 

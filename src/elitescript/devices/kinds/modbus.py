@@ -191,14 +191,19 @@ class ModbusDevice(Device):
         if self.unit in bus.slaves or (bus.slaves and ANY_UNIT in (self.unit, *bus.slaves)):
             raise UsageError(f"unit: {self.unit or 'every unit'} is taken by another device at the same place")
         bus.slaves[self.unit] = Slave(_Memory(self, bus))
+        self._carrier = bus
 
-    def _bus(self, context: DeviceContext) -> _Bus:
+    @property
+    def carrier(self) -> Device:
+        return self._carrier
+
+    def _bus(self, context: DeviceContext) -> _TcpBus | _RtuBus:
         """Return what carries requests to this device: several may share a line, or a port as behind a gateway."""
         network = context.network
         place: Endpoint = (self.address, self.port) if self.address else self.port
         server = network.servers.get(place) if self.port else network.lines.get(self.line)
         bus = getattr(server, "__self__", None)
-        if isinstance(bus, _Bus):
+        if isinstance(bus, _TcpBus | _RtuBus):
             return bus
         made: _TcpBus | _RtuBus
         if self.port:

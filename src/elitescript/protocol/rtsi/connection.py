@@ -27,7 +27,7 @@ from elitescript.protocol.connection import Connection, ProtocolError
 from elitescript.protocol.rtsi.inputs import INPUTS, Arrival, requests_of
 from elitescript.protocol.rtsi.recipes import FREQUENCY_MAX_HZ, FREQUENCY_MIN_HZ, InputRecipe, OutputRecipe, RtsiPort
 from elitescript.protocol.rtsi.variables import OUTPUTS
-from elitescript.records import NamedTuple
+from elitescript.records import NamedTuple, replace
 
 HELD_BACK_TICKS: Final = TICKS_PER_S // 2
 """Longest wait of packages after the start for inputs that were sent before it; a restarted robot loses them."""
@@ -181,7 +181,7 @@ class RtsiConnection(Connection):
         return parts
 
     def publish(self, output: Output) -> None:
-        """Queue the packages that are due at this tick.
+        """Queue the packages that are due: of this tick, or of earlier ones that leave with it (`Output.rows`).
 
         A client that has just written an input gets no package of an earlier tick, since it takes the next package for
         the answer. The first package after a start shows all inputs that were written before.
@@ -189,15 +189,51 @@ class RtsiConnection(Connection):
         tick = output.tick
         if not self._is_started or tick == self._written_tick:
             return
-        if self._first_tick:
-            if output.snapshot.robot.tick < self._first_tick and tick < self._held_back_until:
-                return
-            self._first_tick = 0
+        if output.late_rows is None:
+            self._queue(output, tick)
+            return
+        for row in output.late_rows:
+            self._queue(row, tick)
+        if output.repeats:
+            self._repeat(output)
+
+    def _queue(self, row: Output, now: int) -> None:
+        """Queue the packages that are due at the tick of a row."""
+        if self._is_held_back(row, now):
+            return
+        tick = row.tick
         for recipe in self._outputs:
-            if tick < recipe.new_before and not output.has(recipe.parts):
+            if tick < recipe.new_before and not row.has(recipe.parts):
                 continue
             if recipe.schedule.is_due(tick):
-                self._out.append(self._port.packages.package(recipe, output))
+                package = recipe.newest = self._port.packages.package(recipe, row)
+                self._out.append(package)
+
+    def _repeat(self, output: Output) -> None:
+        """Queue the last package of each recipe again where one would be due; a first one shows the last snapshot.
+
+        What is due of later rows stays as it is.
+        """
+        tick = output.tick
+        if self._is_held_back(output, tick):
+            return
+        for recipe in self._outputs:
+            if not recipe.newest:
+                if tick < recipe.new_before and not output.has(recipe.parts):
+                    continue
+                recipe.newest = self._port.packages.package(recipe, output)
+                recipe.schedule.is_due(tick)
+            elif not recipe.schedule.falls_on(tick):
+                continue
+            self._out.append(recipe.newest)
+
+    def _is_held_back(self, row: Output, now: int) -> bool:
+        """Return whether the first package after the start waits for inputs that were sent before it."""
+        if self._first_tick:
+            if row.snapshot.robot.tick < self._first_tick and now < self._held_back_until:
+                return True
+            self._first_tick = 0
+        return False
 
     def next_tick(self, tick: int) -> int | None:
         if not self._is_started:
@@ -328,10 +364,11 @@ class RtsiConnection(Connection):
         if not self._is_started:
             self._is_started = True
             for recipe in self._outputs:
-                recipe.schedule.reset()
+                recipe.begin()
                 self._hold_back_old(recipe, output)
             self._held_back_until = output.tick + HELD_BACK_TICKS
-            self.publish(output)
+            # Of several rows that left together the newest one.
+            self.publish(output if not output.late_rows else replace(output, late_rows=output.late_rows[-1:]))
         return []
 
     def _hold_back_old(self, recipe: OutputRecipe, output: Output) -> None:

@@ -68,6 +68,11 @@ class RecipeSchedule:
         self._due = self._start - (-(count + 1) * self._denominator // self._numerator)
         return True
 
+    def falls_on(self, tick: int) -> bool:
+        """Return whether a package falls on this tick after the first, whether it has been asked for or not."""
+        since = tick - self._start
+        return since * self._numerator // self._denominator > (since - 1) * self._numerator // self._denominator
+
     def next_tick(self, tick: int) -> int:
         """Return the first tick after `tick` at which a package is due."""
         return max(self._due, tick + 1)
@@ -82,7 +87,7 @@ class OutputRecipe:
         frequency_hz: 1 to 250.
     """
 
-    __slots__ = ("_layout", "_readers", "ident", "key", "names", "new_before", "parts", "schedule", "size")
+    __slots__ = ("_layout", "_readers", "ident", "key", "names", "new_before", "newest", "parts", "schedule", "size")
 
     def __init__(self, ident: int, names: tuple[str, ...], frequency_hz: float) -> None:
         rows = [OUTPUTS[name] for name in names]
@@ -97,10 +102,17 @@ class OutputRecipe:
             self.parts |= row.parts
         self.new_before = 0
         """Before this tick it is not sent with an older snapshot."""
+        self.newest = b""
+        """The last package since `begin`; empty before the first."""
         self._layout = struct.Struct(">" + "".join(row.type.layout for row in rows))
         self._readers = tuple((row.read, row.type.is_vector) for row in rows)
         self.size = HEAD.size + self._layout.size
         """Size of a package in bytes."""
+
+    def begin(self) -> None:
+        """Start anew: a package is due at the next tick."""
+        self.schedule.reset()
+        self.newest = b""
 
     def packed(self, output: Output) -> bytes:
         """Return the values at a tick, without head."""

@@ -49,6 +49,9 @@ RESUME: Final = "somebody to resume the program"
 POPUP: Final = "somebody to confirm a popup"
 """Reason of the wait for a blocking popup."""
 
+TIME_TO_GO_BY: Final = "time to go by"
+"""Reason of the wait in `sleep` and similar commands."""
+
 MOVE_END: Final = "the end of its move"
 """Reason of the wait in `movej` and similar commands."""
 
@@ -291,7 +294,7 @@ class Context:
         """Let `count` ticks go by; 0 returns at once."""
         if count > 0:
             scheduler = self.scheduler
-            scheduler.wait("time to go by", scheduler.now + count)
+            scheduler.wait(TIME_TO_GO_BY, scheduler.now + count)
 
     def start_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> int:
         """Start a script thread in this tick, after the threads that run already; return its handle.

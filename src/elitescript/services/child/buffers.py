@@ -3,28 +3,31 @@
 Inputs keep their order; as many go down in a tick as the child can do. Outputs leave one for each tick, though they
 come in uneven steps: while the child keeps up, the output of a tick leaves in that tick; once it has been late, its
 outputs leave a tick or two later, so that the next time does not show. When that has not been needed for a second, it
-is undone.
+is undone. Each output is a row for clients once, whenever it leaves (`Output.rows`). While there is none for long,
+streams repeat the last one (`Output.repeats`).
 """
 
 from __future__ import annotations
 
+import time
 from collections import deque
 from collections.abc import Iterable, Sequence
+from itertools import chain
 from typing import Final
 
 from elitescript.messages.events import Event
 from elitescript.messages.inputs import ChannelClosed, Input
 from elitescript.messages.outputs import (
+    REPEAT_AFTER_S,
     ChannelRequest,
     CloseChannel,
     OpenChannel,
     OpenLine,
     Output,
-    Reply,
     TickResult,
 )
 from elitescript.messages.snapshot import Snapshot
-from elitescript.messages.timing import TICKS_PER_S
+from elitescript.messages.timing import TICKS_PER_S, ticks_for
 from elitescript.services.clients.input_queue import CHANNEL_EVENTS, WORK_NS, price_ns
 
 WAITING_MAX: Final = 50_000
@@ -39,7 +42,8 @@ ROOM_MIN: Final = 0.05
 """Share of a tick's work for clients that is left then, so that a child that never catches up can be given another
 program."""
 DELAY_MAX_TICKS: Final = 2
-"""Outputs that may wait; what comes beyond that is put together."""
+"""Outputs that may wait; what comes beyond that leaves together."""
+REPEAT_AFTER_TICKS: Final = ticks_for(REPEAT_AFTER_S)
 
 
 def room_for(late_ticks: int) -> float:
@@ -118,7 +122,19 @@ class OutputBuffer:
         newest: the last snapshot that has come in.
     """
 
-    __slots__ = ("_events", "_fewest", "_is_flushed", "_parts", "_requests", "_shown", "_ticks", "_waiting", "newest")
+    __slots__ = (
+        "_events",
+        "_fewest",
+        "_is_flushed",
+        "_lacking_since_s",
+        "_lacking_ticks",
+        "_parts",
+        "_requests",
+        "_shown",
+        "_ticks",
+        "_waiting",
+        "newest",
+    )
 
     def __init__(self) -> None:
         self._waiting: deque[Output | TickResult] = deque()
@@ -129,6 +145,10 @@ class OutputBuffer:
         self._fewest = DELAY_MAX_TICKS
         self._ticks = 0
         self._is_flushed = False
+        self._lacking_since_s: float | None = None
+        """Since when the output of the tick that is next is not there; None if it is."""
+        self._lacking_ticks = 0
+        """Ticks that have left without one."""
         self.newest: Snapshot | None = None
 
     @property
@@ -152,38 +172,56 @@ class OutputBuffer:
         self._events += events
         self._requests += requests
 
+    def note_lack(self) -> None:
+        """Note that the output of the tick that is to leave is waited for from now on, if it was not before."""
+        if self._lacking_since_s is None:
+            self._lacking_since_s = time.monotonic()
+
     def flush(self) -> None:
         """Let everything that waits leave with the next tick."""
         self._is_flushed = True
 
     def take(self, tick: int) -> Output:
-        """Return what leaves in a tick; there must have been a snapshot."""
+        """Return what leaves in a tick; there must have been a snapshot.
+
+        It has the number of that tick, all that is new, and the newest snapshot; outputs of other ticks are its `rows`.
+        """
         count = min(len(self._waiting), 1 + self._surplus())
-        if count == 1 and not self._events and not self._requests:
+        taken = [self._own(self._waiting.popleft()) for _ in range(count)]
+        if taken:
+            self._lacking_since_s, self._lacking_ticks = None, 0
+        is_own = count == 1 and taken[0].tick == tick
+        if is_own and not self._events and not self._requests:
             # As it is while the child keeps up.
-            only = self._waiting.popleft()
-            if isinstance(only, Output):
-                self._shown, self._parts = only.snapshot, only.parts
-                if only.tick == tick:
-                    return only
-            assert self._shown is not None, "there is no snapshot yet"
-            return Output(tick, only.events, only.requests, only.replies, self._shown, self._parts)
-        taken = [self._waiting.popleft() for _ in range(count)]
-        events: list[Event] = []
-        requests: list[ChannelRequest] = []
-        replies: list[Reply] = []
-        for output in taken:
-            if isinstance(output, Output):
-                self._shown, self._parts = output.snapshot, output.parts
-            events += output.events
-            requests += output.requests
-            replies += output.replies
+            return taken[0]
         assert self._shown is not None, "there is no snapshot yet"
-        events += self._events
-        requests += self._requests
+        events = [*chain.from_iterable(output.events for output in taken), *self._events]
+        requests = [*chain.from_iterable(output.requests for output in taken), *self._requests]
+        replies = tuple(chain.from_iterable(output.replies for output in taken))
         self._events.clear()
         self._requests.clear()
-        return Output(tick, tuple(events), tuple(requests), tuple(replies), self._shown, self._parts)
+        rows, repeats = None if is_own else tuple(taken), not taken and self._lacks_for_long()
+        return Output(tick, tuple(events), tuple(requests), replies, self._shown, self._parts, rows, repeats)
+
+    def _lacks_for_long(self) -> bool:
+        """Count a tick without an output; return whether streams are to repeat their last row.
+
+        Ticks that are made up for follow one another at once: they say nothing about how late the child is.
+        """
+        self.note_lack()
+        assert self._lacking_since_s is not None
+        self._lacking_ticks += 1
+        if self._lacking_ticks <= REPEAT_AFTER_TICKS:
+            return False
+        return time.monotonic() - self._lacking_since_s >= REPEAT_AFTER_S
+
+    def _own(self, output: Output | TickResult) -> Output:
+        """Return an output with its snapshot, or the one before if it has none."""
+        if isinstance(output, Output):
+            self._shown, self._parts = output.snapshot, output.parts
+            return output
+        assert self._shown is not None, "there is no snapshot yet"
+        return output.with_snapshot(self._shown, self._parts)
 
     def _surplus(self) -> int:
         """Return how many outputs need not wait any longer."""

@@ -114,6 +114,8 @@ class FrameReader:
     def feed(self, data: bytes) -> Iterator[tuple[str, bytes]]:
         """Return the messages that are complete now: letter and text.
 
+        What a message sets off may feed more bytes, and take what is left before this call goes on.
+
         Raises:
             CodecError: a length that no message has.
         """
@@ -125,18 +127,16 @@ class FrameReader:
             yield chr(data[_LENGTH.size]), data[_LENGTH.size + 1 :]
             return
         buffer += data
-        at = 0
-        while len(buffer) - at >= _LENGTH.size:
-            (length,) = _LENGTH.unpack_from(buffer, at)
+        while len(buffer) >= _LENGTH.size:
+            (length,) = _LENGTH.unpack_from(buffer)
             if not 1 <= length <= self._limit:
                 raise CodecError(f"a message of {length} bytes; there are 1 to {self._limit}")
-            end = at + _LENGTH.size + length
+            end = _LENGTH.size + length
             if len(buffer) < end:
                 break
-            body = bytes(buffer[at + _LENGTH.size : end])
-            at = end
+            body = bytes(buffer[_LENGTH.size : end])
+            del buffer[:end]
             yield chr(body[0]), body[1:]
-        del buffer[:at]
 
 
 class BlockingLine:

@@ -1,9 +1,10 @@
 """A robot in a child process: no program that runs there can hold up the server.
 
-A tick is sent to the child, and its output taken, within the period. A child that is a little late is waited for, so
-that nothing is missing; if it takes longer, clients see the last snapshot meanwhile, the ticks queue up, and the child
-makes up for them; while it cannot, ticks leave late. One that does not answer, ends or sends what is no message is
-replaced (see `supervision`); a fresh child goes on from the last snapshot.
+A tick is sent to the child, and its output taken, within the period. A child that is a little late is waited for; if it
+takes longer, the last snapshot stands for the robot meanwhile, the ticks queue up, and the child makes up for them.
+Then their outputs leave together: as rows, each tick once (`Output.rows`). While the child cannot make up for them,
+ticks leave late. One that does not answer, ends or sends what is no message is replaced (see `supervision`); a fresh
+child goes on from the last snapshot.
 """
 
 from __future__ import annotations
@@ -409,6 +410,8 @@ class ChildLink:
             had_turn: whether the event loop has a turn before each tick anyhow.
         """
         grace_s, transport = self._grace_of(tick), self._transport
+        if self._outputs.is_empty:
+            self._outputs.note_lack()
         if transport is not None and transport.unanswered and self._outputs.is_empty:
             began_s = time.monotonic()
             await self._wait_until(lambda: not transport.unanswered or bool(transport.end_reason), grace_s)

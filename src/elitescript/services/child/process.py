@@ -149,6 +149,10 @@ class ChildProcess:
         """Return the processor time that it has used so far, s; None if that is not known here."""
         return processor_time_s(self._process.pid)
 
+    def is_runnable(self) -> bool:
+        """Return whether it runs, or waits for a processor; False if that is not known here."""
+        return is_runnable(self._process.pid)
+
     def ask_where(self) -> None:
         """Have it write to its output where its program is."""
         with suppress(ProcessLookupError):
@@ -294,6 +298,18 @@ def processor_time_s(pid: int) -> float | None:
         return time.clock_gettime((~pid << 3) | _SCHEDULER_CLOCK)
     except OSError:
         return None
+
+
+def is_runnable(pid: int) -> bool:
+    """Return whether the first thread of a process runs, or waits for a processor.
+
+    False if it has gone, or that is not known here: Linux shows it behind the name, in brackets, in `stat`.
+    """
+    try:
+        shown = Path(f"/proc/{pid}/stat").read_bytes()
+    except OSError:
+        return False
+    return shown.rpartition(b")")[2].split()[:1] == [b"R"]
 
 
 def child_environment() -> dict[str, str]:

@@ -2,8 +2,8 @@
 
 A child that has worked for `HANG_LIMIT_S` without an answer is in a call that does not come back. Its own processor
 time counts, so that a busy computer does not look like such a call; one that does not work either, because it sleeps,
-is killed after `SILENCE_MAX_S`. Reading a long program and its questions about files are no such calls: see
-`compile_s` and `FILES_MAX_S`.
+is killed after `SILENCE_MAX_S`, but not one that waits for a processor. Reading a long program and its questions about
+files are no such calls: see `compile_s` and `FILES_MAX_S`.
 
 The next child starts at once, after several failures in a row later and later.
 """
@@ -11,7 +11,7 @@ The next child starts at once, after several failures in a row later and later.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Final
 
 from elitescript.language.options import SECONDARY
@@ -21,6 +21,7 @@ from elitescript.messages.inputs import Input, PlayTask, RunUnit
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.records import NamedTuple
+from elitescript.services.child.process import ChildProcess
 from elitescript.services.child.transport import ChildTransport, SentTick
 
 HANG_LIMIT_S: Final = 0.7
@@ -28,7 +29,7 @@ HANG_LIMIT_S: Final = 0.7
 FIRST_HANG_LIMIT_S: Final = 3.0
 """The same before the first output of a fresh child, which has its robot to make."""
 SILENCE_MAX_S: Final = 5.0
-"""Wall time without an answer after which a child is killed, whatever it does."""
+"""Wall time without an answer after which a child is killed that sleeps."""
 COMPILE_S_PER_BYTE: Final = 40e-6
 """Added for every byte of program text; checking and compiling lines of `movel` takes a fifth of it (*measured*)."""
 COMPILE_MAX_S: Final = 160.0
@@ -175,7 +176,7 @@ class Supervision:
         if not self._is_measured:
             # Most answers come in the tick that they are asked for in, and this is not reached.
             self._worked_s, self._is_measured = process.worked_s(), True
-        if not self.is_hanging(tick - sent.number, process.worked_s, more_s=compile_s(sent.size)):
+        if not self._is_hanging(tick - sent.number, process, more_s=compile_s(sent.size)):
             return None
         if not self._asked_where_s:
             self._asked_where_s = time.monotonic()
@@ -186,22 +187,24 @@ class Supervision:
             return None
         return self._hang(sent, where, is_compiling=process.is_compiling)
 
-    def is_hanging(self, ticks: int, worked_s: Callable[[], float | None], *, more_s: float = 0.0) -> bool:
+    def _is_hanging(self, ticks: int, process: ChildProcess, *, more_s: float) -> bool:
         """Return whether the child takes too long to answer.
 
         Args:
             ticks: that have gone by since it was asked what it has not answered.
-            worked_s: returns its processor time.
+            process: it.
             more_s: how much longer than others it may take.
         """
         silent_s = self.silent_s()
         limit_s = (max(self.hang_limit_s, FIRST_HANG_LIMIT_S) if self.boots else self.hang_limit_s) + more_s
         if silent_s < limit_s or ticks < HANG_LIMIT_TICKS:
             return False
-        now_s = worked_s()
+        now_s = process.worked_s()
         if now_s is None or self._worked_s is None:
             return True
-        return now_s - self._worked_s >= limit_s or silent_s >= max(SILENCE_MAX_S, limit_s)
+        if now_s - self._worked_s >= limit_s:
+            return True
+        return silent_s >= max(SILENCE_MAX_S, limit_s) and not process.is_runnable()
 
     def _hang(self, sent: SentTick, where: tuple[str, int] | None, *, is_compiling: bool) -> Failure:
         silent_s = self.silent_s()

@@ -11,7 +11,7 @@ from elitescript.errors import UsageError, did_you_mean
 from elitescript.messages.machine import AskSafety, MachineRequest, PauseTask, ResumeTask, SetSpeedScale
 from elitescript.messages.timing import ticks_for
 from elitescript.sweep.chaos.kinds import KINDS, PLACED, is_fault
-from elitescript.sweep.plan import Disturbance
+from elitescript.sweep.plans.plan import Disturbance
 
 if TYPE_CHECKING:
     from elitescript.robot import VirtualRobot

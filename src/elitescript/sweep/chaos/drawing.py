@@ -12,7 +12,7 @@ from elitescript.sweep.chaos.applying import in_order
 from elitescript.sweep.chaos.ground import Chance, Ground, Place
 from elitescript.sweep.chaos.kinds import KINDS, Range
 from elitescript.sweep.chaos.profile import Profile
-from elitescript.sweep.plan import Disturbance
+from elitescript.sweep.plans.plan import Disturbance
 
 _AT_MOMENTS: Final = 0.7
 """Share of disturbances that begin shortly before something happens at their place; the others begin at any time."""
@@ -136,9 +136,12 @@ def is_over(disturbance: Disturbance, end_s: float) -> bool:
     """Return whether a disturbance was over before a time."""
     if disturbance.kind == "protective_stop":
         return False
+    # What is late comes late by so much, after the last message or change that was.
+    late_s = float(disturbance.settings.get("delay_s", 0.0))
     if disturbance.for_s is not None:
-        return disturbance.at_s + disturbance.for_s <= end_s
-    return disturbance.kind in TABLE and disturbance.settings.get("count") is not None
+        return disturbance.at_s + disturbance.for_s + late_s <= end_s
+    count = disturbance.settings.get("count")
+    return disturbance.kind in TABLE and count is not None and disturbance.at_s + count * late_s <= end_s
 
 
 PLAIN_UNTIL_S: Final = 600.0
@@ -146,6 +149,9 @@ PLAIN_UNTIL_S: Final = 600.0
 
 SLACK_S: Final = 30.0
 """Time that a disturbed run has beyond twice that of the plain one, *assumed*."""
+
+_LATE_MAX: Final = 50
+"""Late messages and changes of one disturbance that a program is taken to wait for one after the other, *assumed*."""
 
 
 def time_limit_s(ground: Ground, disturbances: Sequence[Disturbance], until_s: float | None) -> float | None:
@@ -158,8 +164,21 @@ def time_limit_s(ground: Ground, disturbances: Sequence[Disturbance], until_s: f
     """
     if ground.plain.state == "time_limit":
         return PLAIN_UNTIL_S if until_s is None else until_s
-    held_s = sum(item.for_s or 0.0 for item in disturbances)
+    moments = {chance.place.on: len(chance.place.moments) for chance in ground.chances if chance.place is not None}
+    held_s = sum(_held_s(item, moments.get(item.on, 1)) for item in disturbances)
     slow = [float(item.settings["fraction"]) for item in disturbances if item.kind == "slider" and item.for_s is None]
     factor = max(1.0, *(1.0 / max(fraction, 0.01) for fraction in slow), 1.0)
     own_s = 2.0 * ground.plain.time_s * factor + held_s + SLACK_S
     return own_s if until_s is None else min(until_s, own_s)
+
+
+def _held_s(disturbance: Disturbance, moments: int) -> float:
+    """Return how long a disturbance can hold a program up by itself, s.
+
+    Args:
+        disturbance: of the run.
+        moments: how often something passes or changes at its place in the plain run.
+    """
+    late_s = float(disturbance.settings.get("delay_s", 0.0))
+    count = disturbance.settings.get("count") or max(1, moments)
+    return (disturbance.for_s or 0.0) + late_s * min(count, _LATE_MAX)

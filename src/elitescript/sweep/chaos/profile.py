@@ -23,7 +23,7 @@ from typing import Any, Final
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.records import record
 from elitescript.sweep.chaos.kinds import ALL, GROUPS, KINDS, Range
-from elitescript.sweep.toml_text import TomlText
+from elitescript.sweep.plans.toml_text import TomlText
 
 MOST_MAX: Final = 20
 

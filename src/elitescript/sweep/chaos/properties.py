@@ -1,4 +1,4 @@
-"""Properties that need no writing: they have names, which `--ensure` takes, and `--chaos` asks for `USUAL` by itself.
+"""Properties that need no writing: they have names, which `--ensure` takes; `--chaos` asks for some by itself.
 
 A name of a limit takes the margin that is asked for, as in `joint_range(0.05)`.
 """
@@ -8,20 +8,20 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from math import cos, inf, sqrt
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.messages.enums import SafetyMode
 from elitescript.messages.events import Alarm, SignalChanged
 from elitescript.messages.signals import SIGNALS
-from elitescript.messages.timing import seconds
+from elitescript.messages.timing import seconds, ticks_for
 from elitescript.motion.limits import JOINT_NAMES
 from elitescript.properties.verdicts import NOTHING, Moment, Needs, Verdict, Watch
 from elitescript.records import NamedTuple
-from elitescript.sweep.chaos.applying import STOP_REASON
+from elitescript.runtime.names.context import TIME_TO_GO_BY
 from elitescript.sweep.chaos.drawing import is_over
 from elitescript.sweep.chaos.ground import End, end_of
-from elitescript.sweep.plan import Disturbance, Failure
+from elitescript.sweep.plans.plan import Disturbance, Failure, Plan
 
 if TYPE_CHECKING:
     from elitescript.controller.safety.limits import SafetyLimits
@@ -31,8 +31,13 @@ if TYPE_CHECKING:
 SAME_JOINT_RAD: Final = 1e-3
 """Joints that differ by less are the same at the end of a run, *assumed*."""
 
+_ROUNDING: Final = 1e-9
+"""What a planned motion at its limit may be beyond it."""
+
 STUCK: Final = "R130"
+_STOPPED: Final = "protective_stop"
 _PUSHED: Final = "push"
+NEVER_STUCK: Final = "never_stuck"
 _LEFT_ON: Final = "no_output_left_on"
 
 _FORM: Final = re.compile(r"\s*([a-z_]+)\s*(?:\(\s*([^()]*?)\s*\))?\s*")
@@ -168,7 +173,7 @@ class _LimitWatch:
         if self._margin == inf:
             return Verdict(True, words="there is no such limit")
         margin = self._margin - self._least
-        return Verdict(margin >= 0.0, margin, self._unit, self._t, self._words)
+        return Verdict(margin >= -_ROUNDING, margin, self._unit, self._t, self._words)
 
 
 # ---------------------------------------------------------------- ends
@@ -199,7 +204,7 @@ def failure_of(text: str, verdict: Verdict, run: Run, situation: Situation | Non
     disturbances = () if situation is None else situation.disturbances
     begun = [item for item in disturbances if item.at_s <= run.time_s + seconds(run.start_tick)]
     last = max(begun, key=lambda item: item.at_s).kind if begun else ""
-    alarms = [alarm for alarm in run.alarms if alarm.text != STOP_REASON]
+    alarms = causes_of(run, disturbances)
     code, line = (alarms[-1].code, alarms[-1].line) if alarms else ("", 0)
     if not alarms and run.threads:
         line = run.threads[0].line
@@ -210,36 +215,46 @@ def failure_of(text: str, verdict: Verdict, run: Run, situation: Situation | Non
 
 def waits_of(run: Run) -> str:
     """Return where each thread of a run that did not end by itself was, in words."""
-    return "; ".join(
-        f"{row.name} {'waited' if row.waits_for else 'was'} in line {row.line}"
-        + (f" for {waited_for(row.waits_for)}" if row.waits_for else "")
-        for row in run.threads
-    )
+    return "; ".join(f"{row.name} {place_of_thread(row)}" for row in run.threads)
 
 
-def waited_for(reason: str) -> str:
-    """Return what a thread waited for, without the time at which it would have looked again."""
-    return reason.partition(", until ")[0]
+def place_of_thread(row: Any) -> str:
+    """Return where a thread was, and what it waited for but time, in words; not when it would have looked again."""
+    if not row.waits_for:
+        return f"was in line {row.line}"
+    reason = row.waits_for.partition(", until ")[0]
+    return f"waited in line {row.line}" + (f" for {reason}" if reason != TIME_TO_GO_BY else "")
 
 
 def _no_alarm(situation: Situation, run: Run) -> Verdict:
-    for alarm in run.alarms:
-        if alarm.code != STUCK and not _is_asked_for(alarm, situation.disturbances):
+    for alarm in causes_of(run, situation.disturbances):
+        if alarm.code != STUCK:
             return Verdict(False, t=_time(run, alarm.tick), words=f"{alarm.class_name}: {alarm.text}")
     return Verdict(True)
 
 
-def _is_asked_for(alarm: Alarm, disturbances: Sequence[Disturbance]) -> bool:
-    """Return whether an alarm is the stop of a disturbance, which no program can prevent."""
+def is_asked_for(alarm: Alarm, disturbances: Sequence[Disturbance]) -> bool:
+    """Return whether an alarm is the stop of a disturbance, which no program can prevent.
+
+    A protective stop lasts to the end of the run, whatever text the alarm has by then: that of an open safeguard, or of
+    a program that does not begin any more.
+    """
     if alarm.code != "R140":
         return False
-    if alarm.text == STOP_REASON:
-        return True
     at_s = seconds(alarm.tick)
     return any(
-        item.kind == _PUSHED and item.at_s <= at_s and (item.for_s is None or at_s <= item.at_s + item.for_s + 0.1)
+        ticks_for(item.at_s) <= alarm.tick
+        and (
+            item.kind == _STOPPED
+            or (item.kind == _PUSHED and (item.for_s is None or at_s <= item.at_s + item.for_s + 0.1))
+        )
         for item in disturbances
     )
+
+
+def causes_of(run: Run, disturbances: Sequence[Disturbance]) -> list[Alarm]:
+    """Return the alarms of a run but for the stops of its disturbances."""
+    return [alarm for alarm in run.alarms if not is_asked_for(alarm, disturbances)]
 
 
 _SWITCHED: Final = frozenset(
@@ -374,7 +389,7 @@ def _reach(situation: Situation) -> _Limit:
 
 
 _ROWS: Final = (
-    BuiltIn("never_stuck", "the program ends; it does not wait for ever for what does not come", judge=_never_stuck),
+    BuiltIn(NEVER_STUCK, "the program ends; it does not wait for ever for what does not come", judge=_never_stuck),
     BuiltIn("no_alarm", "no alarm, but that of a protective stop that was part of the disturbances", judge=_no_alarm),
     BuiltIn(
         _LEFT_ON,
@@ -397,7 +412,10 @@ _ROWS: Final = (
 BUILT_INS: Final[dict[str, BuiltIn]] = {row.name: row for row in _ROWS}
 """All of them by name."""
 
-USUAL: Final = ("never_stuck", "no_alarm", "no_output_left_on", "no_contact", "same_end")
+USUAL: Final = (NEVER_STUCK, "no_alarm")
+"""Properties of a sweep that names none and has no chaos."""
+
+USUAL_OF_CHAOS: Final = (*USUAL, _LEFT_ON, "no_contact", "same_end")
 """Those that chaos asks for, unless a sweep names built-in properties itself."""
 
 
@@ -413,14 +431,15 @@ def has_limit(text: str) -> bool:
     return found is not None and found[1] in BUILT_INS and BUILT_INS[found[1]].limit is not None
 
 
-def asked_for(ensure: Sequence[str], *, has_chaos: bool) -> tuple[str, ...]:
-    """Return the properties of a sweep: those that are written, behind the usual ones if there is chaos.
+def properties_of(plan: Plan) -> tuple[str, ...]:
+    """Return the properties that hold or do not in each run, in their order: those of `Row.margins`.
 
-    The usual ones are left out if one of the built-in ones is written.
+    Those that are written, behind the usual ones if there is chaos and none of the built-in ones is written; the usual
+    ones if none is.
     """
-    if not has_chaos or any(map(is_built_in, ensure)):
-        return tuple(ensure)
-    return (*USUAL, *ensure)
+    if plan.chaos and not any(map(is_built_in, plan.ensure)):
+        return (*USUAL_OF_CHAOS, *plan.ensure)
+    return plan.ensure or USUAL
 
 
 def built_in(text: str, situation: Situation) -> BuiltInProperty:

@@ -10,8 +10,8 @@ from elitescript.sweep.chaos.applying import apply
 from elitescript.sweep.chaos.drawing import PLAIN_UNTIL_S, Source, draw, time_limit_s
 from elitescript.sweep.chaos.ground import Ears, End, Ground, end_of, survey
 from elitescript.sweep.chaos.profile import profile_of
-from elitescript.sweep.chaos.properties import BuiltInProperty, Situation, asked_for, built_in, failure_of
-from elitescript.sweep.plan import Choices, Disturbance, Failure, Plan
+from elitescript.sweep.chaos.properties import BuiltInProperty, Situation, built_in, failure_of
+from elitescript.sweep.plans.plan import Choices, Disturbance, Failure, Plan
 
 if TYPE_CHECKING:
     from elitescript.properties.verdicts import Verdict
@@ -27,8 +27,7 @@ class ChaosSession:
 
     A runner makes one if `plan.chaos` is not empty or a built-in property is asked for. It calls `draw` for the
     disturbances of a run; `begin` with the robot of a run before its program, which applies them; and runs it up to
-    `until_s`. `asked_for` has the properties of the plan; `property` returns those that are built in,
-    and `failure` says why a run failed.
+    `until_s`. `property` returns the properties that are built in, and `failure` says why a run failed.
 
     Args:
         plan: of the sweep.
@@ -70,11 +69,6 @@ class ChaosSession:
             robot, run = self._play(self._plain, until_s, lambda robot: ears.append(Ears(robot)))
             self._ground = survey(robot, run, ears[0].heard)
         return self._ground
-
-    @property
-    def asked_for(self) -> tuple[str, ...]:
-        """The properties of the plan, with the usual ones if there is chaos."""
-        return asked_for(self._plan.ensure, has_chaos=self._profile is not None)
 
     def property(self, text: str) -> BuiltInProperty:
         """Return a property that is built in.

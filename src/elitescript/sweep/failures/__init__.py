@@ -1,0 +1,1 @@
+"""Failing runs: made smaller, told, written as cases."""

@@ -1,0 +1,1 @@
+"""Results: the journal of rows, tables, summaries and pages."""

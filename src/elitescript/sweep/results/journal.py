@@ -1,0 +1,246 @@
+"""The rows of a sweep while it goes on: a file that only grows, from which it is resumed after any end.
+
+The first line says which plan it belongs to; each other one holds the rows of runs that follow each other. A line ends
+with a checksum of what stands before it, so that one which was torn when the process or the computer died is found,
+and dropped with all that follows it.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import IO, Any, Final
+from zlib import crc32
+
+from elitescript.environment.state_file import Disk
+from elitescript.errors import InternalError, UsageError
+from elitescript.sweep.plans.plan import Plan, Row
+from elitescript.sweep.plans.plan_json import data_digest, plan_data, row_data, row_of
+
+SUFFIX: Final = ".part"
+"""Behind the name of the table."""
+
+_FORMAT: Final = 1
+
+
+class Journal:
+    """Keeps the rows of one sweep in a file.
+
+    Args:
+        path: of the file.
+        plan: of the sweep.
+        resumes: whether a file that is there is continued; if not, it is written anew.
+
+    Attributes:
+        path: see above.
+
+    Raises:
+        UsageError: another sweep writes this file, or it belongs to another plan, or is no journal; the text names the
+            first difference.
+    """
+
+    def __init__(self, path: Path, plan: Plan, *, resumes: bool) -> None:
+        self.path = path
+        self._places: dict[int, tuple[int, int]] = {}
+        """Where the rows of a range begin, by its first number: offset in the file, and the number behind the last."""
+        parts = plan_parts(plan)
+        self._lock = _locked(path)
+        try:
+            end = self._read(parts) if resumes and path.exists() else 0
+            self._file: IO[bytes] = path.open("r+b" if end else "w+b")
+        except BaseException:
+            self._lock.close()
+            raise
+        self._file.truncate(end)
+        self._file.seek(end)
+        if not end:
+            self._write({"journal": _FORMAT, "digest": data_digest(parts), "plan": parts})
+
+    def __enter__(self) -> Journal:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        try:
+            # What could not be written is no news.
+            with suppress(OSError):
+                self._file.close()
+        finally:
+            self._lock.close()
+
+    def delete(self) -> None:
+        """Close the file and delete it; it may be gone."""
+        self.__exit__()
+        self.path.unlink(missing_ok=True)
+
+    @property
+    def done(self) -> int:
+        """Number of runs whose rows are here."""
+        return sum(stop - first for first, (_, stop) in self._places.items())
+
+    def missing(self, runs: int) -> list[range]:
+        """Return the numbers below `runs` whose rows are not here, in their order."""
+        found = []
+        at = 0
+        for first, (_, stop) in sorted(self._places.items()):
+            if first > at:
+                found.append(range(at, min(first, runs)))
+            at = max(at, stop)
+        if at < runs:
+            found.append(range(at, runs))
+        return [numbers for numbers in found if numbers]
+
+    def add(self, rows: list[Row]) -> None:
+        """Write down the rows of runs whose numbers follow each other.
+
+        Raises:
+            UsageError: they cannot be written; those before are kept.
+            InternalError: the numbers do not follow each other.
+        """
+        first = rows[0].choices.run
+        if [row.choices.run for row in rows] != list(range(first, first + len(rows))):
+            raise InternalError(f"rows from {first} on are not those of runs that follow each other")
+        offset = self._file.tell()
+        self._write({"first": first, "rows": [row_data(row) for row in rows]})
+        self._places[first] = (offset, first + len(rows))
+
+    def rows(self, runs: int) -> Iterator[Row]:
+        """Yield the rows of the runs below `runs` that are here, in the order of their numbers."""
+        with self.path.open("rb") as file:
+            for first, (offset, _) in sorted(self._places.items()):
+                if first >= runs:
+                    break
+                file.seek(offset)
+                for data in _content(file.readline())["rows"]:
+                    row = row_of(data)
+                    if row.choices.run < runs:
+                        yield row
+
+    def rows_from(self, first: int, runs: int) -> Iterator[Row]:
+        """Yield the rows from a number on, the first of a range that was added, up to the first that is missing.
+
+        Args:
+            first: the number.
+            runs: no row of this number, or above, is yielded.
+        """
+        while first < runs and first in self._places:
+            offset, stop = self._places[first]
+            with self.path.open("rb") as file:
+                file.seek(offset)
+                rows = _content(file.readline())["rows"]
+            yield from map(row_of, rows[: runs - first])
+            first = stop
+
+    def _write(self, content: Any) -> None:
+        text = json.dumps(content, separators=(",", ":"), check_circular=False).encode("ascii")
+        try:
+            self._file.write(b"%b %08x\n" % (text, crc32(text)))
+            self._file.flush()
+        except OSError as error:
+            raise UsageError(f"{self.path}: {error.strerror or error}; --resume goes on with what is there") from error
+
+    def _read(self, parts: Mapping[str, Any]) -> int:
+        """Take in what is in the file; return where its last complete line ends."""
+        with self.path.open("rb") as file:
+            line = file.readline()
+            if not line.endswith(b"\n"):
+                # Torn before anything else was written.
+                return 0
+            head = _content(line)
+            if not isinstance(head, dict) or head.get("journal") != _FORMAT:
+                raise UsageError(f"--resume: {self.path} is no journal of a sweep of this version; delete it")
+            if head["digest"] != data_digest(parts):
+                raise UsageError(
+                    f"--resume: {self.path} was begun with other settings: {difference(head['plan'], parts)}"
+                )
+            end = file.tell()
+            while (content := _content(file.readline())) is not None:
+                first = content["first"]
+                self._places[first] = (end, first + len(content["rows"]))
+                end = file.tell()
+        return end
+
+
+def _content(line: bytes) -> Any:
+    """Return what a line holds; None if it is torn, or there is none."""
+    text, _, checksum = line.rpartition(b" ")
+    if not line.endswith(b"\n") or checksum != b"%08x\n" % crc32(text):
+        return None
+    try:
+        return json.loads(text)
+    except ValueError:
+        return None
+
+
+def _locked(path: Path) -> IO[bytes]:
+    """Return what keeps a file for this process until it is closed; it is made if there is none.
+
+    Raises:
+        UsageError: another process has it.
+        OSError: it cannot be opened.
+    """
+    try:
+        return Disk().lock(path)
+    except BlockingIOError:
+        raise UsageError(f"{path}: another sweep writes it; wait for it, or give --out another name") from None
+    except OSError:
+        # Some file systems of clusters have no locks.
+        return path.open("ab")
+
+
+# ---------------------------------------------------------------- plans compared
+
+_SHOWN: Final = 60
+
+
+def plan_parts(plan: Plan) -> dict[str, Any]:
+    """Return what a plan is made of, by what a user calls it; texts and files as digests."""
+    data = plan_data(plan)
+    parts = {_CALLED.get(name, f"--{name}"): value for name, value in data.items() if name not in _SEVERAL}
+    parts["--vary"] = [f"{name}={kind}({', '.join(map(repr, values))})" for name, kind, values in data["variations"]]
+    parts |= {f"--{name}": value for name, value in data["options"].items()}
+    parts["the program"] = data_digest(data["program"])
+    parts["the world file"] = data_digest(data["world"])
+    parts |= {f"{name} of the task folder": data_digest(text) for name, text in data["files"].items()}
+    parts |= {name: data_digest(text) for name, text in data["python"].items()}
+    return parts
+
+
+_SEVERAL: Final = ("variations", "options", "program", "world", "files", "python")
+
+_CALLED: Final = {
+    "program_name": "the name of the program",
+    "world_name": "the name of the world file",
+    "settings": "--set",
+    "until_s": "--until",
+    "measures": "--measure",
+    "step_s": "--step",
+    "has_margins": "--margins",
+    "version": "the version of elitescript",
+}
+
+
+def difference(old: Mapping[str, Any], new: Mapping[str, Any]) -> str:
+    """Return the first difference between the parts of two plans, in words."""
+    for name in (*new, *old):
+        if name not in old:
+            return f"{name} {_shown(new[name])}, was not there"
+        if name not in new:
+            return f"{name} is not given, was {_shown(old[name])}"
+        if old[name] != new[name]:
+            if name.startswith("--"):
+                return f"{name} {_shown(new[name])}, was {_shown(old[name])}"
+            if name.startswith("the version"):
+                return f"{name} is {new[name]}, was {old[name]}"
+            return f"{name} is another one"
+    return "nothing that is known"
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, list):
+        value = " ".join(map(str, value)) or "nothing"
+    if isinstance(value, dict):
+        value = " ".join(f"{key}={item}" for key, item in value.items()) or "nothing"
+    text = str(value)
+    return text if len(text) <= _SHOWN else text[:_SHOWN] + "..."

@@ -1,0 +1,216 @@
+"""Tables of results: one row for each run, in the order of their numbers, as CSV, JSON lines or Parquet."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from itertools import islice
+from pathlib import Path
+from tempfile import NamedTemporaryFile
+from typing import IO, Any, Final, Protocol
+
+from elitescript.codec.json_text import to_text
+from elitescript.errors import UsageError
+from elitescript.sweep.chaos.properties import properties_of
+from elitescript.sweep.plans.plan import Plan, Row
+
+FORMATS: Final = {".csv": "csv", ".jsonl": "jsonl", ".parquet": "parquet"}
+"""Formats by the suffix of the file."""
+
+GROUP_ROWS: Final = 10_000
+"""Rows of a group of a Parquet file, which is kept in memory until it is complete."""
+
+FIXED: Final = ("run", "seed", "state", "time_s", "failed", "digest")
+"""Columns that every table has."""
+
+
+def format_of(path: Path) -> str:
+    """Return the format of a table by the name of its file.
+
+    Raises:
+        UsageError: no such format, or the library for it is missing; the text says how to get it.
+    """
+    found = FORMATS.get(path.suffix.lower())
+    if found is None:
+        raise UsageError(f"--out {path}: the name must end in {', '.join(FORMATS)}")
+    if found == "parquet":
+        _pyarrow()
+    return found
+
+
+def check_table(path: Path) -> None:
+    """Refuse a table that could not be written, before the first run.
+
+    Raises:
+        UsageError: no such format or folder, or the library for the format is missing.
+    """
+    format_of(path)
+    if not path.parent.is_dir():
+        raise UsageError(f"--out {path}: there is no folder {path.parent}")
+    if path.is_dir():
+        raise UsageError(f"--out {path}: it is a folder")
+
+
+def columns(plan: Plan) -> tuple[str, ...]:
+    """Return the names of the columns of a sweep.
+
+    Raises:
+        UsageError: two columns have the same name.
+    """
+    varied = [row.name for row in plan.variations]
+    margins = [margin_column(text) for text in properties_of(plan)] if plan.has_margins else []
+    names = ("run", "seed", *varied, "state", "time_s", *plan.measures, *margins, "failed", "digest")
+    for name in plan.measures:
+        if name in FIXED or name in varied:
+            what = "a column that every table has" if name in FIXED else "what is varied"
+            raise UsageError(f"--measure {name}: the name is that of {what}; choose another one")
+    for name in names:
+        if names.count(name) > 1:
+            raise UsageError(f"two columns of the table would be called {name!r}")
+    return names
+
+
+def margin_column(text: str) -> str:
+    """Return the name of the column with the margin of a property."""
+    return f"margin of {text}"
+
+
+def values(row: Row, plan: Plan) -> tuple[Any, ...]:
+    """Return the cells of a row, in the order of `columns`."""
+    choices = row.choices
+    varied = [choices.values.get(variation.name) for variation in plan.variations]
+    measures = [row.measures.get(name) for name in plan.measures]
+    margins: list[Any] = []
+    if plan.has_margins:
+        margins = list(row.margins) or [None] * len(properties_of(plan))
+    return (choices.run, choices.seed, *varied, row.state, row.time_s, *measures, *margins, row.failed, row.digest)
+
+
+def write_table(path: Path, plan: Plan, rows: Iterable[Row]) -> None:
+    """Write a table in one pass; the file is there when it is complete, and not before.
+
+    Raises:
+        UsageError: the file cannot be written, or the library for its format is missing.
+    """
+    write = _WRITERS[format_of(path)]
+    try:
+        with _complete(path) as file:
+            write(file, plan, rows)
+    except OSError as error:
+        raise UsageError(f"--out {path}: {error.strerror or error}") from error
+
+
+@contextmanager
+def _complete(path: Path) -> Iterator[IO[bytes]]:
+    """Open a file that takes the place of another one when the body has written it."""
+    with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as file:
+        temporary = Path(file.name)
+        try:
+            with file:
+                yield file
+            # Closed: Windows neither moves nor deletes a file that is open.
+            temporary.chmod(_mode(path))
+            temporary.replace(path)
+        except BaseException:
+            temporary.unlink(missing_ok=True)
+            raise
+
+
+def _mode(path: Path) -> int:
+    """Return the permissions of a file that is written anew: those that it has, else the usual ones."""
+    return path.stat().st_mode & 0o777 if path.exists() else 0o644
+
+
+class _Write(Protocol):
+    def __call__(self, file: IO[bytes], plan: Plan, rows: Iterable[Row]) -> None: ...
+
+
+def _write_csv(file: IO[bytes], plan: Plan, rows: Iterable[Row]) -> None:
+    file.write(csv_line(columns(plan)).encode())
+    for row in rows:
+        file.write(csv_line(values(row, plan)).encode("utf-8", "backslashreplace"))
+
+
+def csv_line(cells: Iterable[Any]) -> str:
+    """Return a line of a CSV file: numbers in the shortest form that reads back, empty cells for None."""
+    return ",".join(map(_cell, cells)) + "\n"
+
+
+def _cell(value: Any) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int | float):
+        return repr(value)
+    text = value if isinstance(value, str) else json.dumps(value)
+    if any(letter in text for letter in ',"\n\r'):
+        return '"' + text.replace('"', '""') + '"'
+    return text
+
+
+def _write_jsonl(file: IO[bytes], plan: Plan, rows: Iterable[Row]) -> None:
+    names = columns(plan)
+    for row in rows:
+        file.write((json_line(names, values(row, plan)) + "\n").encode())
+
+
+def json_line(names: Iterable[str], cells: Iterable[Any]) -> str:
+    """Return a row as one line of JSON."""
+    return to_text(dict(zip(names, cells, strict=True)))
+
+
+def _pyarrow() -> Any:
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        raise UsageError(
+            "tables as Parquet need a library: pip install 'elitescript[parquet]'; CSV and JSON lines need none"
+        ) from None
+    return pyarrow
+
+
+def _write_parquet(file: IO[bytes], plan: Plan, rows: Iterable[Row]) -> None:
+    arrow = _pyarrow()
+    names = columns(plan)
+    schema = arrow.schema([(name, _arrow_type(arrow, name, plan)) for name in names])
+    cells = (values(row, plan) for row in rows)
+    with arrow.parquet.ParquetWriter(file, schema, compression="zstd") as writer:
+        while group := list(islice(cells, GROUP_ROWS)):
+            arrays = [
+                arrow.array([_arrow_value(arrow, value, field.type) for value in column], field.type)
+                for column, field in zip(zip(*group, strict=True), schema, strict=True)
+            ]
+            writer.write_table(arrow.Table.from_arrays(arrays, schema=schema))
+
+
+def _arrow_type(arrow: Any, name: str, plan: Plan) -> Any:
+    """Return the type of a column, which depends on the plan alone: rows of later groups must fit too."""
+    if name in ("run", "seed"):
+        return arrow.int64()
+    if name in ("state", "failed", "digest"):
+        return arrow.string()
+    variation = next((row for row in plan.variations if row.name == name), None)
+    if variation is None or variation.kind in ("uniform", "normal", "grid"):
+        return arrow.float64()
+    kinds = {type(value) for value in variation.arguments}
+    if kinds == {bool}:
+        return arrow.bool_()
+    if kinds <= {int, float}:
+        return arrow.float64()
+    return arrow.string()
+
+
+def _arrow_value(arrow: Any, value: Any, kind: Any) -> Any:
+    if value is None:
+        return None
+    if kind == arrow.float64():
+        return float(value)
+    if kind == arrow.string():
+        return value if isinstance(value, str) else json.dumps(value)
+    return value
+
+
+_WRITERS: Final[dict[str, _Write]] = {"csv": _write_csv, "jsonl": _write_jsonl, "parquet": _write_parquet}
