@@ -151,10 +151,10 @@ class Comparer:
         tolerance: what does not count.
         ending: how the simulated run ended, in words; empty if its program came to its end.
         recorded_ending: the exception that ended the recorded program, in words; empty if none is known.
-        is_live: whether both runs go on; then a piece that only one has behind it is one that takes longer in the
-            other.
         settings: payload and TCP offset in both.
         setters: lines of the program that set them, by command.
+        is_live: whether both runs go on; then a piece that only one has behind it is one that takes longer in the
+            other.
     """
 
     __slots__ = (
@@ -189,9 +189,9 @@ class Comparer:
         tolerance: Tolerance | None = None,
         ending: str = "",
         recorded_ending: str = "",
-        is_live: bool = False,
         settings: Sequence[SettingPair] = (),
         setters: Mapping[str, Sequence[int]] | None = None,
+        is_live: bool = False,
     ) -> None:
         self._recorded = recorded
         self._other = simulated
@@ -203,9 +203,9 @@ class Comparer:
         self._tolerance = tolerance or Tolerance()
         self._ending = ending
         self._recorded_ending = recorded_ending
-        self._is_live = is_live
         self._settings = settings
         self._setters = setters or {}
+        self._is_live = is_live
         self._findings: list[Finding] = []
         self._signals: list[SignalDifference] = []
         self._notes: list[str] = []
