@@ -24,6 +24,7 @@ from elitescript.debugger.api import DataBreakpoint, DebugError, FunctionBreakpo
 from elitescript.debugger.living import REQUESTS, LivingDebugger
 from elitescript.debugger.session import DebugSession
 from elitescript.errors import UsageError
+from elitescript.services.control.channel import ask
 from elitescript.services.control.debugging import ServedSession
 from tests.protocol import rtsi_client
 
@@ -65,7 +66,8 @@ class Serve:
         with socket.socket(socket.AF_UNIX) as peer:
             peer.connect(self.ctl)
             peer.sendall(json.dumps({"verb": verb, "values": values}).encode() + b"\n")
-            answer: dict[str, Any] = json.loads(peer.makefile().readline())
+            answers = map(json.loads, peer.makefile())
+            answer: dict[str, Any] = next(answer for answer in answers if "event" not in answer)
             return answer
 
     @property
@@ -255,6 +257,12 @@ def test_ctl_asks_one_question(robot: Serve) -> None:
     assert (answer["ok"], answer["result"]["result"][0]["name"]) == (True, "main")
     assert robot.order("debug", do="what")["error"].startswith('debug: a request is an object of JSON in which "do" is')
     assert robot.task == "PLAYING"
+
+
+def test_what_the_program_says_meanwhile_is_no_answer(robot: Serve) -> None:
+    robot.send(COUNT.replace("0.01", "0.004"))
+    robot.until("PLAYING")
+    assert all(ask(Path(robot.ctl), "debug", [], {"do": "threads"})["ok"] for _ in range(20))
 
 
 def test_a_robot_that_hangs_is_replaced_under_its_debugger(robot: Serve, attach: Attach) -> None:

@@ -337,13 +337,14 @@ async def exchange(
     try:
         record = {"verb": verb, "arguments": list(arguments), "values": dict(values or {}), "wait": waits}
         writer.write(json.dumps({**record, "token": token} if token else record).encode() + b"\n")
-        line = await reader.readline()
+        while line := await reader.readline():
+            answer: dict[str, Any] = json.loads(line)
+            # What the program prints meanwhile comes in between.
+            if "event" not in answer:
+                return answer
     finally:
         writer.close()
-    if not line:
-        raise UsageError("the controller has gone before it answered")
-    answer: dict[str, Any] = json.loads(line)
-    return answer
+    raise UsageError("the controller has gone before it answered")
 
 
 async def _connect(path: Path) -> tuple[asyncio.StreamReader, asyncio.StreamWriter, str]:
