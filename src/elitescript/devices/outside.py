@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from elitescript.devices.surroundings import Surroundings
 from elitescript.environment.allowance import TASK_DIR_BYTES, Allowance
-from elitescript.environment.local_channels import LocalChannels
+from elitescript.environment.local_channels import NETWORK_DEFAULT, NONE, LocalChannels
+from elitescript.messages.line import bind_hint
 from elitescript.errors import UsageError
 from elitescript.messages.machine import DisturbInput
 from elitescript.messages.timing import seconds
@@ -25,6 +26,7 @@ class Outside:
             the program's own folder if None.
         lines: serial ports of this computer by those of the robot.
         task_dir_limit: bytes that programs may add to a task folder.
+        network: what programs reach besides what is in the world; see `environment.reach`.
 
     Attributes:
         channels: the network.
@@ -39,6 +41,7 @@ class Outside:
         "_contents",
         "_files",
         "_is_in_memory",
+        "_local",
         "_task_dir",
         "_task_dir_limit",
         "_world",
@@ -52,6 +55,7 @@ class Outside:
         task_dir: str | Path | Mapping[str, bytes] | None,
         lines: Mapping[str, str] | None,
         task_dir_limit: int = TASK_DIR_BYTES,
+        network: str = NETWORK_DEFAULT,
     ) -> None:
         self._contents = task_dir if isinstance(task_dir, Mapping) else {}
         self._is_in_memory = isinstance(task_dir, Mapping)
@@ -62,13 +66,14 @@ class Outside:
         self._files: Files | None = None
         self.surroundings: Surroundings | None = None
         self.channels: Channels
+        self._local: LocalChannels | None = None
         if isinstance(world, Surroundings):
             self.surroundings = world
             self.channels = world.channels
-            if lines:
-                world.lead_outside(LocalChannels(lines))
+            self._local = LocalChannels(lines, NONE if world.is_closed else network)
+            world.lead_outside(self._local)
         elif world is None:
-            self.channels = LocalChannels(lines)
+            self.channels = self._local = LocalChannels(lines, network)
         elif lines:
             raise UsageError("lines are ports of this computer; a world has its own: give one of them")
         else:
@@ -102,6 +107,41 @@ class Outside:
 
         return LocalEnvironment(folder, self.channels, self._allowance)
 
+    def wrap_local(self, wrap: Callable[[Channels], Channels]) -> None:
+        """Put something before the network of this computer; for a debugger."""
+        if self._local is None:
+            return
+        wrapped = wrap(self._local)
+        if self.surroundings is not None:
+            self.surroundings.lead_outside(wrapped)
+        else:
+            self.channels = wrapped
+
+    def reaches(self, address: str, port: int) -> tuple[bool, str]:
+        """Return whether a program may connect, and where it ends up, or why it may not; nothing is looked up."""
+        if self.surroundings is not None and self.surroundings.has_server(address, port):
+            return True, "beside the robot"
+        if self._local is None:
+            return True, "what the caller has put beside the robot"
+        decision = self._local.decide(address, port)
+        return not decision.why_not, decision.why_not or ("is looked up" if decision.is_name else "let through")
+
+    def reaches_line(self, device: str) -> tuple[bool, str]:
+        """Return whether something is on a serial port of the robot, and what, or what would bind it."""
+        if self.surroundings is not None and self.surroundings.has_line(device):
+            return True, "beside the robot"
+        target = None if self._local is None else self._local.target(device)
+        return (True, target) if target is not None else (False, bind_hint(device))
+
+    @property
+    def may_be_real(self) -> bool:
+        """Whether programs may reach something outside of their world."""
+        return self._local is not None and self._local.may_be_real
+
+    def take_refused(self) -> str:
+        """Return in words how many connections were not let through since the last call; empty if there were none."""
+        return "" if self._local is None else self._local.take_refused()
+
     def fault(self, tick: int, kind: str, on: int | str, settings: Mapping[str, Any]) -> DisturbInput | None:
         """Let something go wrong on channels, from a tick on or later; see `devices.channels.faults.Fault`.
 
@@ -128,7 +168,7 @@ class Outside:
             if tick or self._world is not None:
                 raise UsageError(
                     "the first fault of a robot without a `ProgramEnvironment` must be given before its time begins; "
-                    "VirtualRobot(world=World(network='real')) takes faults at any time"
+                    "VirtualRobot(world=World()) takes faults at any time"
                 )
             self.channels = FaultyChannels(self.channels)
         self.channels.add(channel_fault(fault))
