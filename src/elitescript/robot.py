@@ -18,7 +18,7 @@ from elitescript.controller.views.trace import Trace
 from elitescript.controller.views.trace_signals import SignalRecord, TraceSignals
 from elitescript.controller.views.warning_limit import LIMITED, WarningLimit
 from elitescript.devices.drain import DRAIN_S, Drain
-from elitescript.devices.outside import Outside
+from elitescript.devices.outside import Outside, Place
 from elitescript.devices.surroundings import RobotSettings, Surroundings
 from elitescript.environment.allowance import TASK_DIR_BYTES
 from elitescript.environment.interrupts import interrupts_passed_to
@@ -209,13 +209,9 @@ class VirtualRobot:
         """Return every script thread: name, line and what it waits for."""
         return self._host.threads()
 
-    def reaches(self, address: str, port: int) -> tuple[bool, str]:
-        """Return whether its programs may connect to an address, and where that ends, or why they may not."""
-        return self._outside.reaches(address, port)
-
-    def reaches_line(self, device: str) -> tuple[bool, str]:
-        """Return whether something is on a serial port, and what, or which option would bind it."""
-        return self._outside.reaches_line(device)
+    def place(self, kind: str, name: str, port: int = 0) -> Place:
+        """Return what becomes of a connection that its programs make; see `Outside.place`."""
+        return self._outside.place(kind, name, port)
 
     @property
     def may_be_real(self) -> bool:

@@ -1,4 +1,4 @@
-"""`elitescript check --reach`: lists what programs name outside of the robot, and whether the options let it through."""
+"""`elitescript check --reach`: lists what programs name outside the robot, and whether the options let it through."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 from elitescript.cli.program_texts import program_texts
 from elitescript.cli.robot_options import options_from
+from elitescript.environment.addresses import place_of
 from elitescript.environment.line_bindings import parse_bindings
 from elitescript.errors import ProgramError, ScriptError
 from elitescript.language.options import Options
@@ -33,7 +34,7 @@ class Verdict(NamedTuple):
     """What becomes of one place of a program.
 
     Attributes:
-        target: where it leads, in one word.
+        target: where it leads, in one word: address and port, a serial port, or a file.
         reached: whether the options let it through; None if that is not known before the run.
         why: where it ends, or why it is not let through and the option that would allow it.
     """
@@ -41,6 +42,8 @@ class Verdict(NamedTuple):
     target: str
     reached: bool | None
     why: str
+    address: str | None = None
+    port: int | None = None
 
 
 def reach(options: argparse.Namespace) -> int:
@@ -70,7 +73,10 @@ def reach(options: argparse.Namespace) -> int:
             count += 1
             left += verdict.reached is False
             print(_json(text.name, named, verdict) if options.json else _line(text.name, named, verdict))
-    print(f"{count} place{'s' * (count != 1)}, {left} not let through by --network {robot.options.network}", file=sys.stderr)
+    print(
+        f"{count} place{'s' * (count != 1)}, {left} not let through by --network {robot.options.network}",
+        file=sys.stderr,
+    )
     return code
 
 
@@ -79,20 +85,15 @@ def verdict_on(named: Named, robot: VirtualRobot) -> Verdict:
     if named.kind == FILE:
         return _file(named)
     if named.name is None or (named.port is None and named.kind not in (RPC, SERIAL)):
-        return Verdict(named.text if named.name is None else named.name, None, _LATER)
-    if named.kind == SERIAL:
-        return Verdict(named.name, *robot.reaches_line(named.name))
-    address, port = named.name, named.port or 0
-    if named.kind == RPC:
-        from elitescript.runtime.connections.rpc import server_of
-
-        try:
-            _, address, port, _ = server_of(named.name)
-        except ScriptError as error:
-            return Verdict(named.name, False, str(error))
-    from elitescript.environment.addresses import place_of
-
-    return Verdict(place_of(address, port), *robot.reaches(address, port))
+        address = None if named.kind in (RPC, SERIAL) else named.name
+        return Verdict(named.text if named.name is None else named.name, None, _LATER, address, named.port)
+    try:
+        place = robot.place(named.kind, named.name, named.port or 0)
+    except ScriptError as error:
+        return Verdict(named.name, False, str(error))
+    if place.port is None:
+        return Verdict(place.name, place.is_reached, place.words)
+    return Verdict(place_of(place.name, place.port), place.is_reached, place.words, place.name, place.port)
 
 
 def _file(named: Named) -> Verdict:
@@ -119,6 +120,8 @@ def _json(name: str, named: Named, verdict: Verdict) -> str:
             "kind": named.kind,
             "by": named.by,
             "target": verdict.target,
+            "address": verdict.address,
+            "port": verdict.port,
             "reached": verdict.reached,
             "why": verdict.why,
         }

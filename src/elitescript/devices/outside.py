@@ -9,12 +9,25 @@ from typing import Any
 from elitescript.devices.surroundings import Surroundings
 from elitescript.environment.allowance import TASK_DIR_BYTES, Allowance
 from elitescript.environment.local_channels import NETWORK_DEFAULT, NONE, LocalChannels
-from elitescript.messages.line import bind_hint
 from elitescript.errors import UsageError
+from elitescript.messages.line import bind_hint
 from elitescript.messages.machine import DisturbInput
 from elitescript.messages.timing import seconds
-from elitescript.records import replace
+from elitescript.records import NamedTuple, replace
 from elitescript.runtime.environment import Channels, Files, ProgramEnvironment
+
+
+class Place(NamedTuple):
+    """What becomes of a connection that a program makes."""
+
+    name: str
+    """Address, or serial port of the robot."""
+    port: int | None = None
+    is_reached: bool = False
+    is_beside: bool = False
+    """Whether it ends beside the robot, in its world."""
+    words: str = "beside the robot"
+    """Where it ends, or why it is not let through and the option that would allow it."""
 
 
 class Outside:
@@ -117,21 +130,32 @@ class Outside:
         else:
             self.channels = wrapped
 
-    def reaches(self, address: str, port: int) -> tuple[bool, str]:
-        """Return whether a program may connect, and where it ends up, or why it may not; nothing is looked up."""
-        if self.surroundings is not None and self.surroundings.has_server(address, port):
-            return True, "beside the robot"
-        if self._local is None:
-            return True, "what the caller has put beside the robot"
-        decision = self._local.decide(address, port)
-        return not decision.why_not, decision.why_not or ("is looked up" if decision.is_name else "let through")
+    def place(self, kind: str, name: str, port: int = 0) -> Place:
+        """Return what becomes of a connection that a program makes; nothing is looked up.
 
-    def reaches_line(self, device: str) -> tuple[bool, str]:
-        """Return whether something is on a serial port of the robot, and what, or what would bind it."""
-        if self.surroundings is not None and self.surroundings.has_line(device):
-            return True, "beside the robot"
-        target = None if self._local is None else self._local.target(device)
-        return (True, target) if target is not None else (False, bind_hint(device))
+        Args:
+            kind: `socket`, `modbus`, `rpc` or `serial`.
+            name: address, URL or serial port of the robot.
+            port: of an address.
+
+        Raises:
+            InvalidValueError: a URL that is none.
+        """
+        if kind == "serial":
+            if self.surroundings is not None and self.surroundings.has_line(name):
+                return Place(name, is_reached=True, is_beside=True)
+            target = None if self._local is None else self._local.target(name)
+            return Place(name, is_reached=target is not None, words=target or bind_hint(name))
+        if kind == "rpc":
+            from elitescript.runtime.connections.rpc import server_of
+
+            _, name, port, _ = server_of(name)
+        is_beside = self._local is None or (self.surroundings is not None and self.surroundings.has_server(name, port))
+        if is_beside or self._local is None:
+            return Place(name, port, is_reached=True, is_beside=True)
+        decision = self._local.decide(name, port)
+        words = decision.why_not or ("it is looked up" if decision.is_name else "let through")
+        return Place(name, port, is_reached=not decision.why_not, words=words)
 
     @property
     def may_be_real(self) -> bool:

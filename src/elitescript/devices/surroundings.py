@@ -88,12 +88,15 @@ class Surroundings:
     Attributes:
         channels: the network that programs see.
         settings: what a world file has about the robot; None without one.
-        is_closed: whether programs reach nothing else, whatever the options of the robot are.
     """
 
     channels: Channels
     settings: RobotSettings | None = None
-    is_closed: bool = False
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether programs reach nothing else, whatever the options of the robot are."""
+        return False
 
     def begin(self, robot: RobotAccess) -> None:
         """Join a robot, from now on."""

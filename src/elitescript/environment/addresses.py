@@ -98,7 +98,9 @@ def _rule(text: str, option: str, more: Collection[str]) -> AddressRule:
     except ValueError:
         pass
     if "%" in host:
-        raise UsageError(f"{option} {text}: write the address without {host[host.index('%') :]}: it holds on every link")
+        raise UsageError(
+            f"{option} {text}: write the address without {host[host.index('%') :]}: it holds on every link"
+        )
     if not _HOST.fullmatch(host) or _NUMBERS.fullmatch(host) or len(host) > HOST_MAX or "/" in text:
         raise UsageError(f"{option} {text}: {_form(more)}")
     return AddressRule((), plain_name(host), port)

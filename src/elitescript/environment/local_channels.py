@@ -68,10 +68,10 @@ class LocalChannels:
 
     __slots__ = (
         "_first_tick",
+        "_fixes",
         "_hope_tick",
         "_last",
         "_leaving",
-        "_fixes",
         "_lines",
         "_lost",
         "_met",

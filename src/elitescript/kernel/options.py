@@ -141,10 +141,11 @@ class Network:
             return str(value)
         if not isinstance(value, str):
             raise UsageError(f"must be {self}, got {value!r}")
-        from elitescript.environment.reach import Reach
+        # Few robots name addresses.
+        from elitescript.environment.addresses import parse_values
 
         try:
-            return Reach(value).text
+            return ",".join(parse_values([value], "--network")[2])
         except UsageError as error:
             raise UsageError(f"must be {self}, got {value!r}: {str(error).partition(': ')[2]}") from None
 
@@ -326,8 +327,8 @@ class RobotOptions:
     )
     network: str = option(
         "local",
-        "what programs reach besides what is beside the robot in its world: none; local, the loopback addresses of this "
-        "computer; HOST[:PORT],..., these as well; all",
+        "what programs reach besides what is beside the robot in its world: none; local, the loopback addresses of "
+        "this computer; HOST[:PORT],..., these as well; all",
         Network(),
         flag="--network",
         metavar="WHAT",

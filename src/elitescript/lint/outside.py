@@ -44,8 +44,19 @@ COMMANDS: Final[dict[str, _Target]] = {
 """Commands that begin to reach something outside; others use what these have opened."""
 
 _FUNCTIONS: Final = frozenset(
-    "open os.listdir os.makedirs os.mkdir os.remove os.unlink os.path.exists os.path.getmtime os.path.getsize "
-    "os.path.isdir os.path.isfile".split()  # noqa: SIM905
+    [
+        "open",
+        "os.listdir",
+        "os.makedirs",
+        "os.mkdir",
+        "os.remove",
+        "os.unlink",
+        "os.path.exists",
+        "os.path.getmtime",
+        "os.path.getsize",
+        "os.path.isdir",
+        "os.path.isfile",
+    ]
 )
 """Functions of Python that take the name of a file or folder first."""
 
@@ -145,7 +156,9 @@ def _aliases(program: AnalysedProgram) -> dict[str, str]:
     found: dict[str, str] = {}
     for statement in program.nodes(ast.Import):
         for alias in statement.names:
-            found[alias.asname or alias.name.partition(".")[0]] = alias.name if alias.asname else alias.name.partition(".")[0]
+            found[alias.asname or alias.name.partition(".")[0]] = (
+                alias.name if alias.asname else alias.name.partition(".")[0]
+            )
     for source in program.nodes(ast.ImportFrom):
         for alias in source.names:
             found[alias.asname or alias.name] = f"{source.module}.{alias.name}"

@@ -18,9 +18,8 @@ from typing import Final
 
 from elitescript.environment.addresses import (
     ALL,
-    ANY,
-    HOST_MAX,
     LOCAL,
+    LOCAL_HOST,
     LOOPBACK_RULE,
     NONE,
     Address,
@@ -40,6 +39,19 @@ DEFAULT_WITH_OWN_TEXT: Final = "every address except link-local ones"
 LOCAL_TEXT: Final = "this computer"
 
 
+def policy_values(given: Iterable[str], network: str | None) -> list[str]:
+    """Return values of `--allow-connect`: those that are given, else what `[robot] network` of a world file means.
+
+    Args:
+        given: on the command line.
+        network: of the world file; None if it has none.
+    """
+    values = list(given)
+    if values or network is None:
+        return values
+    return [network] if network in (NONE, LOCAL, ALL) else [network, LOCAL]
+
+
 class ConnectPolicy:
     """Decides which connections programs may open.
 
@@ -53,7 +65,7 @@ class ConnectPolicy:
         UsageError: a value makes no sense.
     """
 
-    __slots__ = ("_has_any", "_has_default", "_has_own", "_rules", "own_ports", "text")
+    __slots__ = ("_has_all", "_has_default", "_has_own", "_rules", "own_ports", "text")
 
     def __init__(self, texts: Iterable[str] = ()) -> None:
         words, rules, values = parse_values(texts, OPTION, (OWN_PORTS, DEFAULT))
@@ -88,6 +100,13 @@ class ConnectPolicy:
         if kind := special_kind(found):
             return f"{found} is {kind}; `serve {OPTION} {found}` allows it"
         return ""
+
+    def looks_up(self, name: str, port: int) -> bool:
+        """Return whether a name server may be asked for a name: a query is contact too."""
+        if self._has_all or self._has_default or any(rule.names(name, port) for rule in self._rules):
+            return True
+        # A name may stand for an address of a network that is allowed, but loopback addresses have one name.
+        return any(rule.networks and rule.name != LOCAL_HOST for rule in self._rules)
 
     def _shown(self, values: tuple[str, ...]) -> str:
         if self._has_all:
