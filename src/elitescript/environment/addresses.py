@@ -79,7 +79,7 @@ def parse_values(
     known = {ALL, ANY, LOCAL, NONE, *more}
     words = frozenset(ALL if part == ANY else part for part in parts if part in known)
     if NONE in words and len(parts) > 1:
-        raise UsageError(f"{option} {NONE} allows nothing; it cannot stand beside others")
+        raise UsageError(f"{option} {NONE}: it allows nothing, and cannot stand beside others")
     rules = tuple(_rule(part, option, more) for part in parts if part not in known)
     return words, rules, tuple(parts)
 
@@ -93,14 +93,13 @@ def _rule(text: str, option: str, more: Collection[str]) -> AddressRule:
     host, port = _host_and_port(text, option)
     if plain_name(host) == LOCAL_HOST:
         return AddressRule(_LOOPBACK, LOCAL_HOST, port)
+    if "%" in host:
+        link = host[host.index("%") :]
+        raise UsageError(f"{option} {text}: write the address without {link}: it holds on every link")
     try:
         return AddressRule((ip_network(host, strict=False),), "", port)
     except ValueError:
         pass
-    if "%" in host:
-        raise UsageError(
-            f"{option} {text}: write the address without {host[host.index('%') :]}: it holds on every link"
-        )
     if not _HOST.fullmatch(host) or _NUMBERS.fullmatch(host) or len(host) > HOST_MAX or "/" in text:
         raise UsageError(f"{option} {text}: {_form(more)}")
     return AddressRule((), plain_name(host), port)
