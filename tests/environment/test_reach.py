@@ -173,8 +173,10 @@ def test_a_value_is_a_list_of_addresses_networks_and_ports(value, address, port,
         "a b",
         "127.1",
         "999.1.1.1",
-    ]
-    + ["fe80::1%eth0", "http://10.0.0.1", "x" * 254],
+        "fe80::1%eth0",
+        "http://10.0.0.1",
+        "x" * 254,
+    ],
 )
 def test_a_value_without_sense_is_refused(value):
     with pytest.raises(UsageError, match="--network"):
