@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.devices.surroundings import REAL, VIRTUAL, RobotSettings
-from elitescript.devices.toml_lines import Path as TomlPath
-from elitescript.devices.toml_lines import line_of_refusal, lines_of, nearest
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.kernel.options import ROBOT_SECTION, SECTIONS, options_of_table
 from elitescript.messages.signals import Value
 from elitescript.paths import why_no_file
+from elitescript.untrusted.toml_lines import Path as TomlPath
+from elitescript.untrusted.toml_lines import line_of_refusal, lines_of, nearest
 
 if TYPE_CHECKING:
     from elitescript.assist.document import Settings

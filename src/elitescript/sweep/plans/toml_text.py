@@ -6,8 +6,8 @@ import tomllib
 from collections.abc import Collection, Mapping
 from typing import Any
 
-from elitescript.devices.toml_lines import Path, line_of_refusal, lines_of, nearest
 from elitescript.errors import UsageError, did_you_mean
+from elitescript.untrusted.toml_lines import Path, line_of_refusal, lines_of, nearest
 
 _REQUIRED: Any = object()
 
