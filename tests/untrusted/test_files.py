@@ -32,7 +32,7 @@ def test_a_file_within_its_limit_is_read_whole(tmp_path: Path) -> None:
 def test_one_byte_more_is_refused_with_size_and_limit(tmp_path: Path) -> None:
     path = tmp_path / "a.toml"
     path.write_bytes(b"0123456789a")
-    assert refusal(path) == f"world file {path}: it has 11 bytes; a world file has at most 10 bytes"
+    assert refusal(path) == f"cannot read {path}: it has 11 bytes; at most 10 bytes are read (world file)"
 
 
 def test_a_file_that_grows_while_it_is_read_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -41,12 +41,12 @@ def test_a_file_that_grows_while_it_is_read_is_refused(tmp_path: Path, monkeypat
     before = path.stat()
     path.write_bytes(b"x" * 1000)
     monkeypatch.setattr(os, "fstat", lambda _handle: before)
-    assert refusal(path) == f"world file {path}: it is larger; a world file has at most 10 bytes"
+    assert refusal(path) == f"cannot read {path}: it has more; at most 10 bytes are read (world file)"
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="/proc")
 def test_a_file_whose_size_is_not_known_is_read_up_to_its_limit() -> None:
-    assert "it is larger; a world file has at most 10 bytes" in refusal("/proc/self/status")
+    assert "it has more; at most 10 bytes are read (world file)" in refusal("/proc/self/status")
 
 
 def test_a_sparse_file_of_a_terabyte_is_refused_unread(tmp_path: Path) -> None:
@@ -72,8 +72,8 @@ def test_what_is_no_file_is_refused_unopened(tmp_path: Path) -> None:
         "loop": "Too many levels of symbolic links",
         "nowhere": "No such file or directory",
     }
-    assert refusal(tmp_path) == f"world file {tmp_path}: it is a folder, not a file"
-    assert refusal("/dev/zero") == "world file /dev/zero: it is a device, not a file"
+    assert refusal(tmp_path) == f"cannot read {tmp_path}: it is a folder, not a file"
+    assert refusal("/dev/zero") == "cannot read /dev/zero: it is a device, not a file"
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX files")
@@ -82,7 +82,7 @@ def test_a_pipe_that_takes_the_place_of_a_file_is_not_waited_for(
 ) -> None:
     os.mkfifo(tmp_path / "pipe")
     monkeypatch.setattr("elitescript.untrusted.files.why_no_file", lambda *_, **__: "")
-    assert refusal(tmp_path / "pipe") == f"world file {tmp_path / 'pipe'}: it is a named pipe, not a file"
+    assert refusal(tmp_path / "pipe") == f"cannot read {tmp_path / 'pipe'}: it is a named pipe, not a file"
 
 
 @pytest.mark.skipif(ROOT or os.name == "nt", reason="root may read all")
@@ -100,7 +100,7 @@ def test_names_that_no_file_has_are_refused(tmp_path: Path) -> None:
 
 def test_a_missing_file_can_be_told_from_others(tmp_path: Path) -> None:
     with pytest.raises(UnreadableError) as found:
-        opened(tmp_path / "none", "case")
+        opened(tmp_path / "none")
     assert found.value.is_missing
     assert found.value.why == "No such file or directory"
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import stat
 import sys
+from collections.abc import Iterator
 from typing import BinaryIO, Final
 
 from elitescript.errors import UsageError
@@ -45,9 +46,10 @@ PROFILE: Final = Kind("profile", 1_000_000)
 PYTHON: Final = Kind("Python file", 10_000_000)
 POINTS: Final = Kind("file of points", 50_000_000)
 TRACE: Final = Kind("trace", 500_000_000)
-MESH: Final = Kind("mesh", 64_000_000)
+MESH: Final = Kind("mesh", 32 << 20)
 TASK_FILE: Final = Kind("file of the task folder", 16_000_000)
 ADDRESS: Final = Kind("address file", 10_000)
+PASSWORD: Final = Kind("password file", 2_000)
 
 
 class UnreadableError(UsageError):
@@ -65,12 +67,11 @@ class UnreadableError(UsageError):
         self.is_missing = is_missing
 
 
-def opened(path: str | os.PathLike[str], noun: str, *, is_stream_allowed: bool = False) -> BinaryIO:
+def opened(path: str | os.PathLike[str], *, is_stream_allowed: bool = False) -> BinaryIO:
     """Return a file, opened to be read in pieces.
 
     Args:
         path: of an ordinary file; links are followed.
-        noun: what it is, for messages.
         is_stream_allowed: accept standard input and other streams of the shell.
 
     Raises:
@@ -80,20 +81,20 @@ def opened(path: str | os.PathLike[str], noun: str, *, is_stream_allowed: bool =
     is_stream = is_stream_allowed and name.startswith(STREAMS)
     # Before it is opened: opening alone has effects on some devices.
     if why := why_no_file(name, is_stream_allowed=is_stream_allowed):
-        raise _unreadable(name, noun, f"it {why}")
+        raise _unreadable(name, f"it {why}")
     try:
         handle = os.open(name, os.O_RDONLY if is_stream else _OPEN_FLAGS)
     except FileNotFoundError as error:
-        raise _unreadable(name, noun, error.strerror or str(error), is_missing=True) from None
+        raise _unreadable(name, error.strerror or str(error), is_missing=True) from None
     except OSError as error:
-        raise _unreadable(name, noun, error.strerror or str(error)) from None
+        raise _unreadable(name, error.strerror or str(error)) from None
     except ValueError as error:  # a NUL in the name
-        raise _unreadable(name, noun, str(error)) from None
-    file = os.fdopen(handle, "rb")
+        raise _unreadable(name, str(error)) from None
+    file = open(handle, "rb")  # noqa: PTH123, SIM115
     mode = os.fstat(handle).st_mode
     if not is_stream and not stat.S_ISREG(mode):
         file.close()
-        raise _unreadable(name, noun, f"it is {kind_of(mode)}, not a file")
+        raise _unreadable(name, f"it is {kind_of(mode)}, not a file")
     return file
 
 
@@ -109,14 +110,14 @@ def read_bytes(path: str | os.PathLike[str], kind: Kind, *, is_stream_allowed: b
         UnreadableError: there is none, it may not be read, something else stands there, or it is larger than its kind.
     """
     name = os.fspath(path)
-    with opened(name, kind.noun, is_stream_allowed=is_stream_allowed) as file:
+    with opened(name, is_stream_allowed=is_stream_allowed) as file:
         try:
             size = os.fstat(file.fileno()).st_size
             if size > kind.bytes_max:
-                raise _unreadable(name, kind.noun, too_large(kind, size))
+                raise _unreadable(name, too_large(kind, size))
             return _up_to(file, name, kind)
         except OSError as error:
-            raise _unreadable(name, kind.noun, error.strerror or str(error)) from None
+            raise _unreadable(name, error.strerror or str(error)) from None
 
 
 def read_text(path: str | os.PathLike[str], kind: Kind, *, is_stream_allowed: bool = False) -> str:
@@ -165,6 +166,25 @@ def text_of(data: bytes, name: str, noun: str) -> str:
         raise UnreadableError(f"{name}:{line}: the {noun} is not UTF-8: {why}", f"it is not UTF-8: {why}") from None
 
 
+def lines_of(file: BinaryIO, name: str, bytes_max: int) -> Iterator[bytes]:
+    """Yield the lines of a file with their ends, the last one perhaps without.
+
+    Args:
+        file: read from where it stands.
+        name: of the file, for messages.
+        bytes_max: of a line.
+
+    Raises:
+        UnreadableError: a line is longer.
+    """
+    number = 0
+    while line := file.readline(bytes_max + 1):
+        number += 1
+        if len(line) > bytes_max:
+            raise _unreadable(name, f"line {number} has more than {bytes_max} bytes, which is the limit")
+        yield line
+
+
 def too_large(kind: Kind, size: int | None = None) -> str:
     """Return why a file is not read: its size and the limit.
 
@@ -172,8 +192,8 @@ def too_large(kind: Kind, size: int | None = None) -> str:
         kind: of the file.
         size: in bytes; None if it was not read to its end.
     """
-    most = f"a {kind.noun} has at most {kind.bytes_max} bytes"
-    return f"it has {size} bytes; {most}" if size is not None else f"it is larger; {most}"
+    found = "more" if size is None else f"{size} bytes"
+    return f"it has {found}; at most {kind.bytes_max} bytes are read ({kind.noun})"
 
 
 def _up_to(file: BinaryIO, name: str, kind: Kind) -> bytes:
@@ -184,9 +204,9 @@ def _up_to(file: BinaryIO, name: str, kind: Kind) -> bytes:
         pieces.append(piece)
         left -= len(piece)
     if not left:
-        raise _unreadable(name, kind.noun, too_large(kind))
+        raise _unreadable(name, too_large(kind))
     return b"".join(pieces)
 
 
-def _unreadable(name: str, noun: str, why: str, *, is_missing: bool = False) -> UnreadableError:
-    return UnreadableError(f"{noun} {name}: {why}", why, is_missing=is_missing)
+def _unreadable(name: str, why: str, *, is_missing: bool = False) -> UnreadableError:
+    return UnreadableError(f"cannot read {name}: {why}", why, is_missing=is_missing)

@@ -30,13 +30,13 @@ class JsonError(ValueError):
 
 
 def json_value(
-    data: str | bytes, *, depth_max: int = DEPTH_MAX, parse_constant: Callable[[str], Any] | None = None
+    data: str | bytes, *, depth_max: int | None = DEPTH_MAX, parse_constant: Callable[[str], Any] | None = None
 ) -> Any:
     """Return the value of a text of JSON.
 
     Args:
         data: the text; bytes are UTF-8.
-        depth_max: of lists and objects within each other.
+        depth_max: of lists and objects within each other; None if what walks the value has a bound of its own.
         parse_constant: makes values of `NaN`, `Infinity` and `-Infinity`, which JSON does not have; floats if None.
 
     Raises:
@@ -47,7 +47,7 @@ def json_value(
     except UnicodeDecodeError as error:
         line = error.object.count(b"\n", 0, error.start) + 1
         raise JsonError(f"not UTF-8: {error.reason}", error.start, line) from None
-    if text.count("[") + text.count("{") > depth_max:
+    if depth_max is not None and text.count("[") + text.count("{") > depth_max:
         _check_depth(text, depth_max)
     try:
         return json.loads(text, parse_constant=parse_constant)

@@ -58,8 +58,7 @@ def toml_tables(text: str, file: str, noun: str) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         # A number of thousands of digits, and brackets that are not closed, are found by the bounds.
         hint = '; names with an index stand in quotes: "standard_digital_in[3]" = true' if _has_bare_index(text) else ""
-        why = re.sub(r" \(at (?:line|end of document).*", "", str(error))
-        raise UsageError(f"{file}:{line_of_refusal(text, error)}: the {noun} is not TOML: {why}{hint}") from None
+        raise UsageError(f"{file}:{line_of_refusal(text, error)}: the {noun} is not TOML: {error}{hint}") from None
     _check_values(tables, text, file)
     return tables
 
