@@ -15,28 +15,34 @@ import pytest
 from elitescript.messages.inputs import ChannelOpened
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import OpenLine
-from elitescript.services.clients.binding import bind
-from elitescript.services.ssh.files import RobotFiles
-from elitescript.services.ssh.line_taps import LineTaps
-from elitescript.services.ssh.serial_bridges import SerialBridges
-from tests.services.served import run
+from elitescript.services.log import LogLine
+from elitescript.services.port_numbers import NAMES
+from tests.services.served import Scene, run
 from tests.services.test_serial_bridges import free_port
 
 asyncssh = pytest.importorskip("asyncssh")
 ssh_server = import_module("elitescript.services.ssh.server")
 
 LOG = "/opt/elite/data/log/log_history.csv"
-ROW = b"time,text\n"
+ROW = b"time,level,source,code,text\n"
 
 
 class Host:
-    def __init__(self) -> None:
-        self.said: list[str] = []
-        self.taps = LineTaps(self.said.append)
-        self.bridges = SerialBridges("127.0.0.1", self.taps)
-        self.files = RobotFiles({LOG: lambda: ROW})
-        self.port = ssh_server.SshPort("secret", self.files, self.bridges, self.said.append, wrong_password_s=0)
-        self.number = 0
+    """The SSH port of a served robot."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.desk: Any = scene.server._ssh
+        self.taps = self.desk.taps
+        self.bridges = self.desk._bridges
+        self.port = self.desk._port
+        self.files = self.port._files
+        self.port._wrong_password_s = 0
+        self.number = self.desk.number
+
+    @property
+    def said(self) -> list[str]:
+        return [note.text for note in self.scene.said if isinstance(note, LogLine) and note.is_problem]
 
     def connect(self, password: str = "secret", username: str = "root") -> Any:
         return asyncssh.connect(
@@ -53,15 +59,14 @@ class Host:
 
 @contextlib.asynccontextmanager
 async def hosted() -> AsyncIterator[Host]:
-    host = Host()
-    bound = bind("127.0.0.1", 0)
-    host.number = bound.getsockname()[1]
-    await host.port.open(bound)
+    scene = Scene(ssh_password="secret")
+    await scene.server.boot()
+    scene.server.bind("127.0.0.1", dict.fromkeys((*NAMES, "ssh"), 0))
+    await scene.server.open()
     try:
-        yield host
+        yield Host(scene)
     finally:
-        await host.port.close()
-        host.bridges.close_all()
+        await scene.server.close()
 
 
 class TestLogin:
@@ -115,11 +120,11 @@ class TestLogin:
     def test_connections_are_bounded(self) -> None:
         async def scene() -> None:
             async with hosted() as host, contextlib.AsyncExitStack() as held:
-                for _ in range(ssh_server.CONNECTIONS_MAX):
+                for _ in range(ssh_server.CLIENTS_MAX):
                     await held.enter_async_context(host.connect())
                 with pytest.raises((asyncssh.Error, OSError)):
                     await host.connect()
-                assert host.said == ["ssh: a client is refused, 8 are connected"]
+                assert host.said == ["ssh: a client is refused, 8 have logged in"]
 
         run(scene())
 
@@ -301,7 +306,7 @@ class TestFiles:
                 for _ in range(3):
                     client = await host.connect()
                     sftp = await client.start_sftp_client()
-                    for number in range(20):
+                    for number in range(ssh_server.OPEN_MAX):
                         await sftp.open(f"/tmp/{number}", "w")
                     client.abort()
                     await client.wait_closed()

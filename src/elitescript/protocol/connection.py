@@ -8,6 +8,7 @@ with one call. Buffers are bounded. Invalid bytes raise `ProtocolError`, which c
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import Final
 
 from elitescript.messages.events import Alarm
@@ -36,13 +37,17 @@ class Connection(ABC):
         description: the robot.
     """
 
-    __slots__ = ("_count", "_due", "_out", "description", "is_over", "origin")
+    __slots__ = ("_count", "_due", "_out", "attend", "description", "is_behind", "is_over", "origin")
 
     def __init__(self, origin: str, description: RobotDescription) -> None:
         self.origin = origin
         self.description = description
         self.is_over = False
         """Whether the connection is to be closed once its messages are sent."""
+        self.attend: Callable[[], object] = _nobody
+        """Set by the pump; called by a connection that has messages or is over without having been called before."""
+        self.is_behind = False
+        """Set by the pump: whether the client takes what it is sent more slowly than it asks for it."""
         self._out: list[bytes] = []
         self._due: list[Input] = []
         self._count = 0
@@ -73,6 +78,16 @@ class Connection(ABC):
         Called before the tick runs. `receive` and `publish` may get a snapshot of which all other parts are older, and
         only the discrete state (levels, modes, tool, task) is always that of the tick. See `messages.outputs.Output`.
         """
+        return 0
+
+    @property
+    def is_admitted(self) -> bool:
+        """Whether the client may stay as long as it likes; one that has not logged in yet makes room for others."""
+        return True
+
+    @property
+    def progress(self) -> int:
+        """How far a client has come on its way to log in; of those that have come least far one makes room."""
         return 0
 
     @property
@@ -125,3 +140,7 @@ class Connection(ABC):
     def send(self, message: bytes) -> None:
         """Queue one message."""
         self._out.append(message)
+
+
+def _nobody() -> None:
+    """Stand for a pump that looks at its connections in every tick."""

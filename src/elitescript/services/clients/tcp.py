@@ -96,6 +96,7 @@ class Client(asyncio.BufferedProtocol):
         "_first_bytes",
         "_forget",
         "_hub",
+        "_is_attended",
         "_is_light",
         "_is_paused",
         "_is_prompt",
@@ -148,6 +149,8 @@ class Client(asyncio.BufferedProtocol):
         self._stalled_since: int | None = None
         self._deadline: int | None = None
         self.connection = connection
+        connection.attend = self._attend
+        self._is_attended = False
         self.peer = ""
         self.dropped = 0
         self.owes_input = False
@@ -273,9 +276,11 @@ class Client(asyncio.BufferedProtocol):
 
     def pause_writing(self) -> None:
         self._stalled_since = self._hub.output.tick
+        self.connection.is_behind = True
 
     def resume_writing(self) -> None:
         self._stalled_since = None
+        self.connection.is_behind = False
         # The transport is in the middle of writing, and ticks that run at once could close it.
         asyncio.get_running_loop().call_soon(self._hub.wake)
 
@@ -435,6 +440,18 @@ class Client(asyncio.BufferedProtocol):
             self._part()
 
     # ---------------------------------------------------------------- inside
+
+    def _attend(self) -> None:
+        """Look at the connection in the next turn of the event loop."""
+        if not self._is_attended:
+            self._is_attended = True
+            asyncio.get_running_loop().call_soon(self._attended)
+
+    def _attended(self) -> None:
+        self._is_attended = False
+        self._write()
+        if self.connection.is_over and self._deadline is None:
+            self._finish()
 
     def _write(self) -> None:
         connection, transport = self.connection, self._transport
