@@ -19,6 +19,10 @@ from elitescript.services.clients.shares import SHARE_NS, Shares
 Result = TypeVar("Result")
 
 
+def _never() -> bool:
+    return False
+
+
 class Turns:
     """Counts what the tasks of one client cost, and lets them wait.
 
@@ -44,7 +48,7 @@ class Turns:
         "expected_ns",
     )
 
-    def __init__(self, shares: Shares, make_due: Callable[[], object], is_held: Callable[[], bool]) -> None:
+    def __init__(self, shares: Shares, make_due: Callable[[], object], is_held: Callable[[], bool] = _never) -> None:
         self._shares = shares
         self._make_due = make_due
         self._is_held = is_held
