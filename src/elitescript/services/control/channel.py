@@ -23,8 +23,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from elitescript.codec.json_text import request_from
-from elitescript.codec.values import CodecError
 from elitescript.errors import UsageError
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, TaskStateChanged
@@ -36,6 +34,8 @@ from elitescript.services.clients.turns import Turns
 from elitescript.services.control.debug_events import DebugEvents, debug_result
 from elitescript.services.control.verbs import VERBS, Verb, VerbRequest, outcome_text
 from elitescript.services.robot_server import RobotServer
+from elitescript.untrusted.files import ADDRESS, read_bytes
+from elitescript.untrusted.json_text import JsonError, json_object, json_value
 
 LINE_MAX: Final = 64 * 1024
 ANSWER_TIMEOUT_S: Final = 6.0
@@ -174,7 +174,7 @@ class ControlChannel:
 
     async def _answer(self, origin: str, line: bytes, events: DebugEvents) -> dict[str, Any]:
         try:
-            asked = request_from(line, LINE_MAX)
+            asked = json_object(line)
             if self._token and not hmac.compare_digest(str(asked.get("token", "")), self._token):
                 raise UsageError("the token is wrong")
             verb = VERBS.get(str(asked.get("verb")))
@@ -193,7 +193,7 @@ class ControlChannel:
             if asked.get("wait") is True and verb.name == PLAY:
                 return await self._play_to_the_end(verb, request)
             return await self._carry_out(verb, request)
-        except (UsageError, CodecError) as error:
+        except (UsageError, JsonError) as error:
             return _refusal(str(error))
         except Exception:
             # A defect of this program ends no connection.
@@ -374,7 +374,7 @@ async def exchange(
         record = {"verb": verb, "arguments": list(arguments), "values": dict(values or {}), "wait": waits}
         writer.write(json.dumps({**record, "token": token} if token else record).encode() + b"\n")
         while line := await reader.readline():
-            answer: dict[str, Any] = json.loads(line)
+            answer: dict[str, Any] = json_value(line)
             # What the program prints meanwhile comes in between.
             if "event" not in answer:
                 return answer
@@ -387,7 +387,7 @@ async def _connect(path: Path) -> tuple[asyncio.StreamReader, asyncio.StreamWrit
     try:
         if _HAS_UNIX:
             return (*await asyncio.open_unix_connection(str(path), limit=LINE_MAX * 16), "")
-        address = json.loads(path.read_text(encoding="utf-8"))
+        address = json_value(read_bytes(path, ADDRESS))
         return (*await asyncio.open_connection("127.0.0.1", address["port"], limit=LINE_MAX * 16), address["token"])
     except (OSError, ValueError, KeyError):
         raise UsageError(f"no controller is served here ({path}); start one with `elitescript serve`") from None
