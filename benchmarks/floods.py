@@ -25,7 +25,7 @@ from time import perf_counter, sleep
 from typing import Any
 
 from benchmarks.measure import environment
-from benchmarks.serving import Stream, message
+from benchmarks.serving import Stream, message, used_s
 from benchmarks.table import Row, print_rows
 from elitescript.messages.enums import TaskState
 
@@ -259,6 +259,11 @@ class _Watch:
             self._primary.sendall(PROGRAM)
 
 
+def _waited_ms(pid: int) -> float:
+    """Return how long a process was runnable without a processor so far, ms: that is no matter of the server."""
+    return int(Path(f"/proc/{pid}/schedstat").read_text(encoding="ascii").split()[1]) / 1e6
+
+
 def _peak_mb(pid: int) -> float:
     """Return the most memory that a process has had, MB; needs Linux."""
     line = next(line for line in Path(f"/proc/{pid}/status").read_text().splitlines() if line.startswith("VmHWM"))
@@ -274,7 +279,9 @@ def _flooded(name: str) -> Row:
         try:
             # Python starts, keys are made, the client logs in.
             watch.watch(1.5)
+            waited_ms, used = _waited_ms(pid), used_s([pid])[0]
             watch.watch(SECONDS)
+            waited_ms, used = _waited_ms(pid) - waited_ms, used_s([pid])[0] - used
             ended = flood.poll()
         finally:
             flood.kill()
@@ -287,7 +294,8 @@ def _flooded(name: str) -> Row:
     words = (
         f"late p50 {late_ms[len(late_ms) // 2]:.2f}, p99 {late_ms[int(len(late_ms) * 0.99)]:.1f}, "
         f"max {late_ms[-1]:.1f} ms; {len(watch.stops_s)} stops, p50 {stops_ms[len(stops_ms) // 2]:.1f}, "
-        f"max {stops_ms[-1]:.1f} ms; {peak_mb:.0f} MB"
+        f"max {stops_ms[-1]:.1f} ms; {peak_mb:.0f} MB; "
+        f"CPU {used / SECONDS:.0%}, waited for a processor {waited_ms:.0f} ms"
     )
     if ended is not None:
         words += f" (the flood ended: {errors.decode().strip().splitlines()[-1:]})"

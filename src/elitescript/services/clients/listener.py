@@ -179,7 +179,9 @@ class Listener:
 
     def _make_room(self) -> None:
         """End the client that has come furthest the least of those that have not logged in, if they are many."""
-        guests = [client for client in self.clients.values() if not (client.is_leaving or client.connection.is_admitted)]
+        guests = [
+            client for client in self.clients.values() if not (client.is_leaving or client.connection.is_admitted)
+        ]
         if len(guests) >= GUESTS_MAX:
             # Of equals the oldest comes first.
             chosen = min(guests, key=lambda client: client.connection.progress)
