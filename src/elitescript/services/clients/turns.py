@@ -141,25 +141,26 @@ class _Measured:
         self._work: Final = work
         self._turns: Final = turns
 
+    def __del__(self) -> None:
+        # Work of a task that was cancelled before its first step.
+        self._work.close()
+
     def __await__(self) -> Generator[Any, Any, Any]:
         work, turns = self._work, self._turns
         error: BaseException | None = None
-        try:
-            while True:
-                turns.begin_step()
-                try:
-                    awaited = work.send(None) if error is None else work.throw(error)
-                except StopIteration as end:
-                    return end.value
-                finally:
-                    turns.settle()
-                error = None
-                try:
-                    yield awaited
-                except BaseException as thrown:
-                    error = thrown
-        finally:
-            work.close()
+        while True:
+            turns.begin_step()
+            try:
+                awaited = work.send(None) if error is None else work.throw(error)
+            except StopIteration as end:
+                return end.value
+            finally:
+                turns.settle()
+            error = None
+            try:
+                yield awaited
+            except BaseException as thrown:
+                error = thrown
 
 
 async def _awaited(work: Awaitable[Result]) -> Result:
