@@ -1,10 +1,13 @@
-"""One client floods a port: how late the packages of a 250 Hz client are meanwhile, and a stop, and how much memory it takes.
+"""One client floods a port: lateness of a 250 Hz client and of a stop meanwhile, memory, processor time of a tick.
 
 Each row is an `elitescript serve --ssh` of its own, with a program that runs, an RTSI client at 250 Hz and a dashboard
 client that stops the program and starts it again. The flood comes from a process of its own, which has the lowest
-priority: what it uses itself is no matter here. On a busy machine lateness says little; the second part of each row
-does not depend on it: the processor time that the serving thread uses from one tick to the next, in a server of its own. `python -m benchmarks.floods NAME ...` measures the named floods alone,
-`FLOODS_SECONDS` sets how long. Lateness is counted as in `serving`; memory is the peak of the serving process.
+priority: what it uses itself is no matter here. Lateness is counted as in `serving`; memory is the peak of the serving
+process. On a busy machine lateness says little; the last part of each row does not depend on it: the processor time
+that the serving thread uses from one tick to the next, in a server of its own.
+
+`python -m benchmarks.floods NAME ...` measures the named floods alone, with `--cpu` first their last part alone.
+`FLOODS_SECONDS` sets how long.
 """
 
 from __future__ import annotations
@@ -21,7 +24,6 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from re import findall
 from time import perf_counter, thread_time
 from typing import Any
 
@@ -64,12 +66,19 @@ SFTP: dict[str, bytes] = {
 """Requests that are sent again and again, their answers taken."""
 
 
-
 @contextmanager
 def _served() -> Iterator[tuple[dict[str, Any], int]]:
     """A controller on free ports: their numbers and the address for `ctl`, and the number of its process."""
     nice = ["nice", "-n", "-10"] if os.getuid() == 0 else []
-    command = [sys.executable, "-m", "elitescript", "serve", "--port", "all=0", "--power-on", ]
+    command = [
+        sys.executable,
+        "-m",
+        "elitescript",
+        "serve",
+        "--port",
+        "all=0",
+        "--power-on",
+    ]
     with tempfile.TemporaryDirectory(prefix="es") as folder:
         process = subprocess.Popen(
             [*nice, *command, "--ssh", "--ssh-password", PASSWORD, "--json"],
@@ -347,7 +356,8 @@ def _held(name: str) -> str:
     with tempfile.TemporaryDirectory(prefix="es") as folder:
         os.environ["XDG_RUNTIME_DIR"] = folder
         spent = asyncio.run(_ticks_ms(name))
-    return f"CPU of a tick p50 {spent[len(spent) // 2]:.2f}, p99 {spent[int(len(spent) * 0.99)]:.1f}, max {spent[-1]:.1f} ms"
+    p50, p99 = spent[len(spent) // 2], spent[int(len(spent) * 0.99)]
+    return f"CPU of a tick p50 {p50:.2f}, p99 {p99:.1f}, max {spent[-1]:.1f} ms"
 
 
 def rows(names: list[str] | None = None) -> list[Row]:

@@ -14,7 +14,7 @@ from collections import deque
 from collections.abc import Awaitable, Callable, Coroutine, Generator
 from typing import Any, Final, TypeVar
 
-from elitescript.services.clients.shares import SHARE_NS, Shares
+from elitescript.services.clients.shares import LIGHT_SHARES, SHARE_NS, Shares
 
 Result = TypeVar("Result")
 
@@ -33,6 +33,8 @@ class Turns:
 
     Attributes:
         expected_ns: what the next request will cost, see `shares.Waiting`.
+        is_light: whether the client sends little at once: it waits for an answer before it asks again, and may take
+            more of a tick in which there is time.
     """
 
     __slots__ = (
@@ -46,6 +48,7 @@ class Turns:
         "_tick",
         "_waiters",
         "expected_ns",
+        "is_light",
     )
 
     def __init__(self, shares: Shares, make_due: Callable[[], object], is_held: Callable[[], bool] = _never) -> None:
@@ -60,6 +63,7 @@ class Turns:
         self._since_ns = 0
         """Of the thread's processor time, up to which the present step is charged."""
         self._steps = 0
+        self.is_light = False
         # Tasks that were held up take all that they get.
         self.expected_ns = SHARE_NS
 
@@ -71,7 +75,7 @@ class Turns:
     @property
     def is_used_up(self) -> bool:
         """Whether the client has had its share of this tick, or the tick has no time left for clients."""
-        return self._shares.is_used_up(self._own())
+        return self._shares.is_used_up(self._own() // (LIGHT_SHARES if self.is_light else 1))
 
     def spend(self, spent_ns: int) -> None:
         """Count time that is charged to the robot's tick elsewhere as the client's."""

@@ -84,6 +84,7 @@ class SshConnection(Connection):
     def receive(self, data: bytes, output: Output) -> list[Input]:
         self.stage = max(self.stage, 1)
         self._raw += data
+        self.turns.is_light = len(self._raw) < PIECE
         self._hand_on()
         return []
 
