@@ -28,6 +28,7 @@ from elitescript.lint.outside import FILE, RPC, SERIAL, outside_names
 from elitescript.lint.program import AnalysedProgram
 from elitescript.messages.events import Event
 from elitescript.messages.signals import Value
+from elitescript.paths import real_path
 from elitescript.robot import VirtualRobot
 from elitescript.runtime.environment import Channels
 from elitescript.runtime.host import ScriptHost
@@ -155,7 +156,7 @@ class ProgramSource:
         self._levels = dict(levels or {})
         self._schedule = tuple(schedule)
         if task_dir is None and text is None:
-            task_dir = Path(path).resolve().parent
+            task_dir = real_path(path).parent
         self._network: KeptNetwork | None = None
         self.may_write = _OPENING.search(self.text) is not None
         self._world = world
