@@ -165,7 +165,7 @@ class Outside:
         if is_beside or self._local is None:
             return Place(name, port, is_reached=True, is_beside=True)
         decision = self._local.decide(name, port)
-        words = decision.why_not or ("it is looked up" if decision.is_name else "let through")
+        words = decision.reason or ("it is looked up" if decision.is_name else "let through")
         return Place(name, port, is_reached=not decision.why_not, words=words)
 
     @property

@@ -196,7 +196,7 @@ class LocalChannels:
         who = "this closed run" if self._is_closed else f"--network {self._reach.text}"
         text = f"{who} has refused {count} connection{'s' * (count > 1)}: {peers}"
         if self._fixes:
-            text += f"; `{self._reach.allowing(self._fixes)}` allows them"
+            text += f"; `{self._reach.allowing(self._fixes)}` allows {'it' if len(self._fixes) == 1 else 'them'}"
         self.refused, self._fixes = {}, {}
         return text
 

@@ -49,12 +49,14 @@ class Decision(NamedTuple):
         is_name: whether a name server may be asked for it.
         why_not: why it may not connect, with the option that would allow it; empty if it may.
         fix: part of the option's value that would allow it; empty if none is of use.
+        reason: `why_not` without the address.
     """
 
     rows: Rows
     is_name: bool = False
     why_not: str = ""
     fix: str = ""
+    reason: str = ""
 
 
 class Reach:
@@ -110,7 +112,8 @@ class Reach:
         shown = name if len(name) <= _SHOWN else f"{name[:_SHOWN]}..."
         fix = place_of(host, port) if host and not self._is_closed else ""
         hint = f"; `{self.allowing([fix])}` allows it" if fix else ""
-        return Decision([], why_not=f"not connected to {place_of(shown, port)}: {why}{hint}", fix=fix)
+        reason = why + hint
+        return Decision([], why_not=f"not connected to {place_of(shown, port)}: {reason}", fix=fix, reason=reason)
 
     def allowing(self, fixes: Iterable[str]) -> str:
         """Return the option with a value that allows what it does, and more."""
