@@ -20,6 +20,7 @@ from elitescript.cli.output.writable import Writable
 from elitescript.cli.robot_options import options_from
 from elitescript.cli.settings import parse_size
 from elitescript.cli.ssh_login import Login, ssh_login
+from elitescript.environment.addresses import NONE
 from elitescript.environment.line_bindings import parse_bindings
 from elitescript.environment.start_values import parse_settings
 from elitescript.environment.state_file import StateFile
@@ -36,7 +37,7 @@ from elitescript.messages.timing import seconds
 from elitescript.paths import real_path
 from elitescript.protocol.ports import SERVICES, services_of
 from elitescript.records import replace
-from elitescript.services.channels.connect_policy import NONE, ConnectPolicy
+from elitescript.services.channels.connect_policy import ConnectPolicy, policy_values
 from elitescript.services.child.jail import is_complete
 from elitescript.services.clients.direct import watchable_loop
 from elitescript.services.log import DEVICE, LogLine
@@ -123,7 +124,7 @@ async def _serve(
     on_signals: Callable[[asyncio.Event], None],
 ) -> None:
     lines = line_bindings(options.serial, len(configs))
-    policy = ConnectPolicy(options.allow_connect)
+    policy = ConnectPolicy(policy_values(options.allow_connect, _network(options.world)))
     stop = asyncio.Event()
     on_signals(stop)
     servers = [
@@ -226,6 +227,16 @@ def _check_world_place(options: argparse.Namespace) -> None:
             f"--world {options.world}: it is in the task folder {options.task_dir}, where programs of the robot can "
             "change it and the Python files that it names; keep it elsewhere, or add --in-process if you trust them"
         )
+
+
+def _network(world: str | None) -> str | None:
+    """Return what a world file says programs reach; None if it says nothing."""
+    if world is None:
+        return None
+    from elitescript.world_file import load_world_file
+
+    found: str | None = load_world_file(world, with_world=False).options.get("network")
+    return found
 
 
 def robot_configs(options: argparse.Namespace) -> tuple[list[RobotOptions], list[World | None]]:
