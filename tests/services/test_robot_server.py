@@ -37,7 +37,7 @@ def test_every_port_answers() -> None:
             assert await interpreter.line() == "ack: 1: x = 1\n"
             query = await scene.connect("query")
             query.send(b"req 7 get_x()\n")
-            assert await query.line() == "7 success : get_x()\n"
+            assert await query.line() == "[7] [success] : [get_x()]\n"
 
     run(test())
 
@@ -47,9 +47,9 @@ def test_clients_are_told_apart() -> None:
         async with serving() as scene:
             first, second = await scene.connect("query"), await scene.connect("query")
             second.send(b"req 2 b()\n")
-            assert await second.line() == "2 success : b()\n"
+            assert await second.line() == "[2] [success] : [b()]\n"
             first.send(b"req 1 a()\n")
-            assert await first.line() == "1 success : a()\n"
+            assert await first.line() == "[1] [success] : [a()]\n"
 
     run(test())
 

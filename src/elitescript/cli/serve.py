@@ -302,7 +302,7 @@ def _check_ports(options: argparse.Namespace, description: RobotDescription) -> 
     for text in options.port:
         name = text.partition("=")[0].strip()
         if name in NAMES and name not in has:
-            major, minor, *_ = description.firmware
+            major, minor = description.firmware
             raise UsageError(f"--port {text}: firmware {major}.{minor} does not have that port")
 
 
@@ -344,7 +344,7 @@ def _why_not_jailed(options: argparse.Namespace) -> str:
 
 def _ports_text(server: RobotServer) -> str:
     ports = ", ".join(f"{name} {number}" for name, number in server.ports.items())
-    release = server.link.description.firmware[:2]
+    release = server.link.description.firmware
     absent = [row.name for row in SERVICES if row.name not in server.ports]
     closed = f" (firmware {release[0]}.{release[1]} has no {', '.join(absent)})" if absent else ""
     return f"{server.name}: {ports}{closed}"

@@ -11,7 +11,7 @@ from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.controller.controller import Controller
 from elitescript.controller.views.warning_limit import MOST
 from elitescript.errors import ProgramError, ScriptError
-from elitescript.kernel.invalid_lines import InvalidLineLimiter
+from elitescript.kernel.bursts import BurstLimiter
 from elitescript.language.compiler import CompiledUnit, compile_unit
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.options import LINE, SECONDARY, Options
@@ -85,7 +85,9 @@ class Programs:
         self.reported: frozenset[tuple[str, int]] = frozenset()
         self._is_strict = is_strict
         self._probe = probe
-        self._invalid_lines = InvalidLineLimiter(self._warn)
+        self._invalid_lines = BurstLimiter(
+            self._warn, "line", "that are no script. Does that client speak another protocol?"
+        )
         self.presets: dict[str, object] = {}
 
     @property

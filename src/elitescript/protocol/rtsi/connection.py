@@ -285,7 +285,7 @@ class RtsiConnection(Connection):
         return []
 
     def _tell_version(self, _body: bytes, _output: Output) -> list[Input]:
-        self._reply("v", _VERSION.pack(self.description.firmware))
+        self._reply("v", _VERSION.pack(self.description.version))
         return []
 
     def _log(self, body: bytes, output: Output) -> list[Input]:
