@@ -487,12 +487,17 @@ class ServeLog:
             self._task_states[robot] = event.state
             is_resumed = before is TaskState.PAUSED and event.state is TaskState.PLAYING
             what = "resumed" if is_resumed else event.ending or _TASK_WORDS[event.state]
+        successor = event.replaced_by if isinstance(event, TaskStateChanged) else ""
         if self._is_json:
-            self._record({"type": "task", "robot": robot, "t": seconds(event.tick), "state": what, "name": event.name})
+            record = {"type": "task", "robot": robot, "t": seconds(event.tick), "state": what, "name": event.name}
+            self._record({**record, "replaced_by": successor} if successor else record)
             return
         tag = f"{robot}: " if self._are_several else ""
         words = "ended by an alarm" if what == "alarm" else what
-        self._out.write(f"{tag}{seconds(event.tick):10.3f} s  [{words}] {event.name or 'a program without a name'}\n")
+        name = event.name or "a program without a name"
+        self._out.write(
+            f"{tag}{seconds(event.tick):10.3f} s  [{words}] {name}{f', replaced by {successor}' if successor else ''}\n"
+        )
         self._out.flush()
 
     def studio(self, robot: str, line: str) -> None:

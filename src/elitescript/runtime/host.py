@@ -263,6 +263,11 @@ class ScriptHost:
         return self._main is not None
 
     @property
+    def has_begun(self) -> bool:
+        """Whether the program that runs has come to its first statement."""
+        return self._main is not None and self._main.activations > 0
+
+    @property
     def is_paused(self) -> bool:
         """Whether the program is paused."""
         return self._scheduler.is_paused

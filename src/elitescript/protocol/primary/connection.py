@@ -38,8 +38,8 @@ from elitescript.records import NamedTuple
 SPACING_TICKS: Final = 7
 """Between two robot messages: with ten states they stay below 50 messages a second."""
 UNITS_PER_TICK: Final = 2
-"""Units of one client that begin in one tick, about 2 ms of work; further ones wait. *Assumed.*"""
-MAX_UNITS_AT_ONCE: Final = 100
+"""Units of one client that are read in one tick, about 2 ms of work; further ones wait. *Assumed.*"""
+MAX_UNITS_AT_ONCE: Final = 500
 """Limit of units that wait when a client closes; further ones are refused. *Assumed.*"""
 LINES_AT_ONCE: Final = 50
 BYTES_AT_ONCE: Final = 2048
@@ -265,8 +265,11 @@ class PrimaryConnection(Connection):
         inputs: list[Input] = []
         while self._units_in_tick < UNITS_PER_TICK:
             if self._ready:
-                self._units_in_tick += 1
-                inputs += self._inputs(self._ready.popleft())
+                found = self._inputs(self._ready.popleft())
+                # What replaces a program has this tick for itself, see `kernel.unit_order`.
+                is_alone = any(isinstance(item, RunUnit) and item.kind != "secondary" for item in found)
+                self._units_in_tick += UNITS_PER_TICK if is_alone else 1
+                inputs += found
             elif piece := self._piece():
                 self._ready += self._splitter.receive(piece)
             else:
