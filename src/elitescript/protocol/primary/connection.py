@@ -150,6 +150,7 @@ class PrimaryConnection(Connection):
         "_burst",
         "_bytes_left",
         "_feed",
+        "_has_noted_unread",
         "_is_greeted",
         "_is_remote",
         "_line_bytes",
@@ -178,6 +179,7 @@ class PrimaryConnection(Connection):
         self._tick = 0
         self._is_remote = False
         self._is_greeted = False
+        self._has_noted_unread = False
         self._received_at: int | None = None
         self._units_in_tick = 0
         self._next_state_at = 0
@@ -185,13 +187,23 @@ class PrimaryConnection(Connection):
         self._waiting = RobotMessageQueue(self._feed.terminator)
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
-        if not self._feed.port.takes_programs or not data:
+        if not self._feed.port.takes_programs:
+            return self._note_unread(data)
+        if not data:
             return []
         self._begin_tick(output)
         self._raw += data
         if len(self._raw) > MAX_WAITING_BYTES:
             raise ProtocolError(f"more than {MAX_WAITING_BYTES} bytes wait; programs come faster than they can be read")
         return self._read()
+
+    def _note_unread(self, data: bytes) -> list[Input]:
+        """Say once that what a client sends to a port that takes nothing is not read; the client is told nothing."""
+        if not data or self._has_noted_unread:
+            return []
+        self._has_noted_unread = True
+        text = f"this port only sends, and what comes in is not read; send programs to {PRIMARY.number}"
+        return [self._warning(f"{self.origin}: {text}")]
 
     @property
     def is_busy(self) -> bool:
