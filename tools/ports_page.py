@@ -15,8 +15,8 @@ from elitescript.services.control.verbs import VERBS
 from elitescript.services.port_numbers import PORTS_PER_INSTANCE, SSH
 from elitescript.services.ssh import commands as ssh_commands
 from elitescript.services.time.cycle import CATCH_UP_TICKS
+from elitescript.services.time.lockstep import PATIENCE_FACTOR, PATIENCE_MIN_S, TRUSTED_ANSWERS
 from elitescript.services.time.lockstep import TIMEOUT_S as LOCKSTEP_TIMEOUT_S
-from elitescript.services.time.lockstep import UNANSWERING_S
 from tools.markdown import NOTICE, cell
 
 _PAGES = {
@@ -91,9 +91,11 @@ def ports_page() -> str:
         f"A client that has not answered for {LOCKSTEP_TIMEOUT_S:g} s of wall time (*assumed*) is let go with a line",
         "in the log: time goes on without it, and it takes part again from its next input package on. The same holds",
         "for one that does not read its packages, until it reads again. `--lockstep-timeout SECONDS` sets another",
-        "bound, `inf` none. One that was let go without having answered a single package is let go after",
-        f"{UNANSWERING_S:g} s from then on, until it answers one: the vendor's `RtsiIOInterface` sends",
-        "nothing unless a value was set.",
+        f"bound, `inf` none. Each time that a client is let go it is waited for {PATIENCE_FACTOR:g} of the time from",
+        f"then on, {PATIENCE_MIN_S:g} s at least, until it has answered {TRUSTED_ANSWERS} packages one after the other:",
+        "the vendor's `RtsiIOInterface` sends nothing unless a value was set since its last package.",
+        "So lockstep gives the same bytes in every run to clients that answer every package; with one that answers",
+        "some of them time passes about as on the wall.",
         "While no client takes part, time passes as on the wall. The robot is in this process then, without the jail",
         "and without the protection against calls that do not come back: a program that calls `sum(range(10**12))`",
         "holds up the whole `serve`.",
