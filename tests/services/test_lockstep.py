@@ -232,7 +232,8 @@ def test_a_client_that_falls_silent_is_let_go_and_takes_part_again_with_its_next
                 pass
             (note,) = scene.notes("let_go")
             assert note.text == (
-                "rtsi#1 has not answered a package for 0.05 s: time goes on without it until its next input package"
+                "rtsi#1 has not answered a package for 0.05 s: time goes on without it until its next input package; "
+                "after that it is waited for a quarter as long"
             )
             assert note.is_problem and note.details == {"origin": "rtsi#1"}
             again = await partner.begin()

@@ -31,8 +31,9 @@ def servoj(
     stop coming, the arm comes to rest at the last one. A stream may begin while the arm moves; a stop command ends
     it. In front of the end of a joint's range the arm brakes with a warning, and the stream may go on (*assumed*). The
     speed percentage does not count (*assumed*). While the arm has no power or its brakes are engaged, a call returns
-    after its time with one warning and nothing moves (*assumed*), so that a driver may start before power-on. Values outside the ranges below are brought into them, with one
-    warning for each program; real clients send 0.3 s and a gain of 2000.
+    after its time with one warning and nothing moves (*assumed*), so that a driver may start before power-on.
+    Values outside the ranges below are brought into them, with one warning for each program; real clients send 0.3 s
+    and a gain of 2000.
 
     Args:
         q: joint target of this period.
