@@ -8,6 +8,7 @@ from elitescript.debugger.living import EVENTS, REQUESTS, LivingDebugger
 from elitescript.kernel.external_control import PORT as SENDER_PORT
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol.ports import SERVICES
+from elitescript.services.capacity import ROBOTS_IN_PROCESS, ROBOTS_PER_CORE
 from elitescript.services.channels.broker import CHANNELS_MAX
 from elitescript.services.channels.connect_policy import DEFAULT_TEXT
 from elitescript.services.clients import binding, listener, liveness, shares, tcp
@@ -82,7 +83,13 @@ def ports_page() -> str:
         "",
         "A tick that begins 4 ms late or more is an *overrun*; `elitescript ctl state` shows how many there",
         f"were. Ticks that were missed are made up for at once, up to {CATCH_UP_TICKS}; beyond that they are left",
-        "out, and a line says so.",
+        "out, and a line says so. A robot of which 1 % of the time was late or left out is named in a line with that",
+        "share, after ten seconds and then once a minute. `timestamp` of RTSI counts ticks: where ticks were left out",
+        "it goes on without a gap, and falls behind the wall clock by 4 ms for each; a package that comes late has the",
+        "time of its tick; one that repeats the last has that one's. So its steps are those of the robot, and the",
+        "difference to the client's clock grows by what the server could not do.",
+        f"`serve` says at the start how many robots fit: {ROBOTS_PER_CORE} for each core in children,",
+        f"{ROBOTS_IN_PROCESS} with `--in-process`, each with a client at 250 Hz.",
         "",
         "`--lockstep rtsi`: robot time waits for RTSI clients. A client that has set up an output recipe takes part",
         "from its first input package (`U`) after the start (`S`) on, until it pauses (`P`) or goes. A tick comes",

@@ -576,3 +576,35 @@ class TestSnapshot:
         assert steps > len(changes)
         # While nothing happens it is not made anew.
         assert kept > 0.9 * 100 * len(changes)
+
+
+class TestFindings:
+    """What `check` finds in programs of clients, in the log."""
+
+    TEXT = "def job():\n  def never():\n    a(subprocess)\n    b(subprocess)\n    c(other)\n  end\nend\n"
+
+    def told(self, session: Session) -> list[tuple[str, int]]:
+        return [(event.text, event.line) for event in session.of(Warned) if event.code == "W201"]
+
+    def test_equal_ones_are_told_once_with_their_lines(self):
+        session = Session(READY)
+        session.send(RunUnit("primary#1", "program", self.TEXT))
+        assert self.told(session) == [
+            ("the name `subprocess` is not defined (also in line 4)", 3),
+            ("the name `other` is not defined", 5),
+        ]
+
+    def test_those_of_a_text_that_comes_again_are_not_told_again(self):
+        session = Session(READY)
+        for number in range(5):
+            session.send(RunUnit(f"primary#{number}", "program", self.TEXT))
+            session.run(0.02)
+        assert len(self.told(session)) == 2
+        session.send(RunUnit("primary#9", "program", self.TEXT.replace("c(other)", "c(others)")))
+        assert len(self.told(session)) == 4
+
+    def test_what_does_not_compile_is_refused_each_time(self):
+        session = Session(READY)
+        for _ in range(3):
+            session.send(RunUnit("primary#1", "program", "def job():\n  x = = 1\nend\n"))
+        assert len(session.of(Alarm)) == 3

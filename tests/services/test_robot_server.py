@@ -15,7 +15,7 @@ from elitescript.messages.outputs import Output
 from elitescript.services.clients.binding import bind
 from elitescript.services.clients.tcp import Client
 from elitescript.services.port_numbers import NAMES
-from elitescript.services.time import paced as server
+from elitescript.services.time import overload
 from tests.protocol import primary_client, rtsi_client
 from tests.services.served import Scene, run, serving
 
@@ -211,8 +211,7 @@ def test_late_ticks_are_made_up_for_and_counted() -> None:
 def test_the_log_is_told_of_late_ticks(monkeypatch: pytest.MonkeyPatch) -> None:
     import time
 
-    monkeypatch.setattr(server, "REPORT_TICKS", 20)
-    monkeypatch.setattr(server, "LATE_MANY", 1)
+    monkeypatch.setattr(overload, "FIRST_TICKS", 20)
 
     async def test() -> None:
         async with serving() as scene:

@@ -23,6 +23,7 @@ from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.inputs import Do, RunUnit
 from elitescript.messages.profile import Profile
 from elitescript.protocol.lines import shown
+from elitescript.records import replace
 from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.host import SECONDARY_WARNING, ScriptHost
 from elitescript.runtime.names.bindings import is_known
@@ -30,6 +31,10 @@ from elitescript.runtime.probe import Probe, noted, probed
 
 PROBLEMS_MAX: Final = 20
 """Further problems of one text that go to the log."""
+LINES_SHOWN: Final = 10
+"""Of equal findings."""
+TOLD_MAX: Final = 100
+"""Texts that are remembered as told."""
 PRESETS_MAX: Final = 1000
 """Variables that may wait for the next program."""
 
@@ -63,6 +68,7 @@ class Programs:
         "_order",
         "_probe",
         "_profile",
+        "_told",
         "presets",
         "reported",
     )
@@ -94,6 +100,8 @@ class Programs:
         )
         self.presets: dict[str, object] = {}
         self._order = UnitOrder()
+        self._told: set[int] = set()
+        """Hashes of texts whose findings the log has had."""
         self._begun = ""
         """What the program that runs or ran last is, in words."""
 
@@ -190,9 +198,20 @@ class Programs:
         checked = compile_checked(source, self._profile, options, presets=self.presets, arm=self._arm)
         if checked.unit is None or checked.is_refused:
             raise ProgramError(checked.problems)
-        self._tell(checked.problems)
+        if self._is_new(text):
+            self._tell(checked.problems)
         self.reported = frozenset((problem.code, problem.line) for problem in checked.problems)
         return noted(self._probe, checked.unit)
+
+    def _is_new(self, text: str) -> bool:
+        """Note a text; return whether the log has not had what was found in it. Drivers send theirs again and again."""
+        key = hash(text)
+        if key in self._told:
+            return False
+        if len(self._told) >= TOLD_MAX:
+            self._told.clear()
+        self._told.add(key)
+        return True
 
     def start(self, unit: CompiledUnit, name: str, words: str) -> None:
         """Start a program in the place of the running one, in this tick.
@@ -237,8 +256,10 @@ class Programs:
     def _tell(self, problems: Sequence[Diagnostic], kind: str | None = None) -> None:
         """Put findings into the log, in the words of `check`; errors of a secondary program as its first one.
 
-        At most `PROBLEMS_MAX` are shown, and of one kind of warning as many as a run shows.
+        At most `PROBLEMS_MAX` are shown, of one kind of warning as many as a run shows, and equal ones once, with the
+        lines of the others.
         """
+        problems = _merged(problems)
         counts: Counter[str] = Counter()
         shown = 0
         for problem in problems:
@@ -301,3 +322,20 @@ def _as_event(problem: Diagnostic, tick: int) -> Warned:
 def _words(text: str, origin: str) -> str:
     """Return what a unit is and whose, such as `def p64():` of primary#2."""
     return f"`{shown(text.strip().partition(chr(10))[0].rstrip())}` of {origin}"
+
+
+def _merged(problems: Sequence[Diagnostic]) -> list[Diagnostic]:
+    """Return warnings of one code and text as the first of them, which names the lines of the others."""
+    alike: dict[object, list[Diagnostic]] = {}
+    for number, problem in enumerate(problems):
+        alike.setdefault(number if problem.is_error else (problem.code, problem.text), []).append(problem)
+    return [_with_lines(first, [other.line for other in others]) for first, *others in alike.values()]
+
+
+def _with_lines(problem: Diagnostic, lines: list[int]) -> Diagnostic:
+    """Return a finding that names the further lines of which it is true."""
+    if not lines:
+        return problem
+    found = ", ".join(map(str, lines[:LINES_SHOWN]))
+    more = f" and {len(lines) - LINES_SHOWN} more" if len(lines) > LINES_SHOWN else ""
+    return replace(problem, text=f"{problem.text} (also in line{'s' if len(lines) > 1 else ''} {found}{more})")
