@@ -603,3 +603,9 @@ def test_well_framed_nonsense_leaves_the_connection_usable() -> None:
         client.receive(PAUSE, tick)
         client.take()
         assert ask(client, message("V", b"\0\x01")) == [("V", b"\x01")]
+
+
+@pytest.mark.parametrize("data", [b"\x05\0V\x01\0", b"\x03\0v", b"\x03\0S", b"\x03\0P"])
+def test_a_little_endian_client_is_named_instead_of_waited_for(data: bytes) -> None:
+    with pytest.raises(ProtocolError, match="RTSI is big-endian, and this client little-endian"):
+        connect().receive(data, output(1))

@@ -51,6 +51,8 @@ _LEVELS: Final = ("exception", "error", "warning", "info")
 
 _FRAME: Final = FieldList(Field("size", UINT16), Field("command", UINT8))
 _VERSION: Final = FieldList(*(Field(name, UINT32) for name in ("major", "minor", "bug fix", "build")))
+_SHORT: Final = frozenset(map(ord, "VvSP"))
+"""Commands of five bytes at most."""
 _FREQUENCY: Final = struct.Struct(">d")
 
 
@@ -160,6 +162,10 @@ class RtsiConnection(Connection):
                 size, command = struct.unpack_from(">HB", buffer, at)
                 if size < _FRAME.size:
                     raise ProtocolError(f"a message has at least {_FRAME.size} bytes, not {size}")
+                if command in _SHORT and size >= 256 and size % 256 == 0:
+                    # Otherwise such a client and this port would wait for each other for ever.
+                    text = f"message {chr(command)} has {size} bytes; RTSI is big-endian, and this client little-endian"
+                    raise ProtocolError(text)
                 if len(buffer) - at < size:
                     break
                 inputs += self._obey(command, bytes(buffer[at + _FRAME.size : at + size]), output)
