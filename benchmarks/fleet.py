@@ -1,7 +1,7 @@
 """Robots of one `serve`, each with a client at 250 Hz and a program that moves the arm: how many two cores hold.
 
 Each robot has an address of its own and the usual ports (`--host 127.0.0.101-110`), and one RTSI client that asks for
-what a driver asks for. How late packages are is measured as in `benchmarks.serving`; the CPU time is that of the
+what a driver asks for; `FLEET_MOVES=0` leaves the arms at rest. How late packages are is measured as in `benchmarks.serving`; the CPU time is that of the
 server and its children for a second of the wall clock, so that 1.00 is one core. `FLEET` names the rows, such as
 `FLEET=children:10,in-process:20`; `SERVING_SECONDS` sets how long each is measured.
 """
@@ -26,6 +26,7 @@ from benchmarks.serving import MOVING, OUTPUTS, SECONDS, Stream, _late, message,
 from benchmarks.table import Row, print_rows
 
 ROWS = os.environ.get("FLEET", "children:5,children:10,in-process:10,in-process:20")
+MOVES = os.environ.get("FLEET_MOVES", "1") != "0"
 FIRST = 101
 """Last number of the first robot's address."""
 
@@ -58,8 +59,9 @@ def measured(robots: int, place: str) -> list[Row]:
         selector = selectors.DefaultSelector()
         streams: list[Stream] = []
         for robot in found:
-            with socket.create_connection((robot["host"], robot["ports"]["primary"])) as peer:
-                peer.sendall(MOVING)
+            if MOVES:
+                with socket.create_connection((robot["host"], robot["ports"]["primary"])) as peer:
+                    peer.sendall(MOVING)
             stream = Stream(robot["ports"]["rtsi"], OUTPUTS, host=robot["host"])
             stream.socket.sendall(message("S"))
             selector.register(stream.socket, selectors.EVENT_READ, stream)
@@ -81,7 +83,7 @@ def measured(robots: int, place: str) -> list[Row]:
         slowest = min(slowest, robot_s / wall_s)
         own = [arrived - robot for robot, arrived, _ in stream.times]
         delays += [delay - min(own) for delay in own]
-    what = f"{robots} robots {'in one process' if options else 'in children'}, a client at 250 Hz each"
+    what = f"{robots} robots {'in one process' if options else 'in children'}, a client at 250 Hz each, {'moving' if MOVES else 'at rest'}"
     words = f"{_late(delays)}; slowest {100 * slowest:.1f} % of real time; {used / wall_s:.2f} cores"
     return [Row(what, words=words, beside="aim: p99 < 10 ms, 99 %")]
 

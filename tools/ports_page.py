@@ -89,7 +89,7 @@ def ports_page() -> str:
         "time of its tick; one that repeats the last has that one's. So its steps are those of the robot, and the",
         "difference to the client's clock grows by what the server could not do.",
         f"`serve` says at the start how many robots fit: {ROBOTS_PER_CORE} for each core in children,",
-        f"{ROBOTS_IN_PROCESS} with `--in-process`, each with a client at 250 Hz.",
+        f"{ROBOTS_IN_PROCESS} with `--in-process`, each with a client at 250 Hz and its arm at rest.",
         "",
         "`--lockstep rtsi`: robot time waits for RTSI clients. A client that has set up an output recipe takes part",
         "from its first input package (`U`) after the start (`S`) on, until it pauses (`P`) or goes. A tick comes",

@@ -12,9 +12,12 @@ from typing import Final
 from elitescript.records import record
 
 ROBOTS_PER_CORE: Final = 5
-"""Robots in children, each with a client at 250 Hz; `python -m benchmarks.fleet` measures it."""
+"""Robots in children at rest, each with a client at 250 Hz; `python -m benchmarks.fleet` measures it."""
 ROBOTS_IN_PROCESS: Final = 20
 """The same in one process."""
+MOVING_PER_CORE: Final = 3.5
+MOVING_IN_PROCESS: Final = 11
+"""The same while every arm moves."""
 
 
 @record
@@ -32,6 +35,11 @@ class Capacity:
         return ROBOTS_IN_PROCESS if self.is_in_process else ROBOTS_PER_CORE * self.cores
 
     @property
+    def held_moving(self) -> int:
+        """The same while all of them move their arms."""
+        return MOVING_IN_PROCESS if self.is_in_process else int(MOVING_PER_CORE * self.cores)
+
+    @property
     def is_exceeded(self) -> bool:
         """Whether more are served."""
         return self.robots > self.held
@@ -39,7 +47,7 @@ class Capacity:
     def __str__(self) -> str:
         cores = "1 core" if self.cores == 1 else f"{self.cores} cores"
         subject = "one process holds" if self.is_in_process else f"{cores} hold{'s' if self.cores == 1 else ''}"
-        text = f"{subject} about {self.held} robots with a client at 250 Hz each"
+        text = f"{subject} about {self.held} robots with a client at 250 Hz each, {self.held_moving} if all arms move"
         if self.is_exceeded:
             text += f"; of {self.robots} packages will come late and robot time will be left out"
             if not self.is_in_process and self.held < ROBOTS_IN_PROCESS:
