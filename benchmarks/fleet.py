@@ -1,9 +1,10 @@
 """Robots of one `serve`, each with a client at 250 Hz and a program that moves the arm: how many two cores hold.
 
 Each robot has an address of its own and the usual ports (`--host 127.0.0.101-110`), and one RTSI client that asks for
-what a driver asks for; `FLEET_MOVES=0` leaves the arms at rest. How late packages are is measured as in `benchmarks.serving`; the CPU time is that of the
-server and its children for a second of the wall clock, so that 1.00 is one core. `FLEET` names the rows, such as
-`FLEET=children:10,in-process:20`; `SERVING_SECONDS` sets how long each is measured.
+what a driver asks for; `FLEET_MOVES=0` leaves the arms at rest. How late packages are is measured as in
+`benchmarks.serving`; the CPU time is that of the server and its children for a second of the wall clock, so that 1.00
+is one core. `FLEET` names the rows, such as `FLEET=children:10,in-process:20`; `SERVING_SECONDS` sets how long each is
+measured.
 """
 
 from __future__ import annotations
@@ -83,7 +84,8 @@ def measured(robots: int, place: str) -> list[Row]:
         slowest = min(slowest, robot_s / wall_s)
         own = [arrived - robot for robot, arrived, _ in stream.times]
         delays += [delay - min(own) for delay in own]
-    what = f"{robots} robots {'in one process' if options else 'in children'}, a client at 250 Hz each, {'moving' if MOVES else 'at rest'}"
+    where, state = "in one process" if options else "in children", "moving" if MOVES else "at rest"
+    what = f"{robots} robots {where}, a client at 250 Hz each, {state}"
     words = f"{_late(delays)}; slowest {100 * slowest:.1f} % of real time; {used / wall_s:.2f} cores"
     return [Row(what, words=words, beside="aim: p99 < 10 ms, 99 %")]
 

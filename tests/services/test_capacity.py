@@ -25,7 +25,8 @@ from elitescript.services.capacity import Capacity, own_capacity
         (
             Capacity(12, 2, is_in_process=False),
             "2 cores hold about 10 robots with a client at 250 Hz each, 7 if all arms move; of 12 packages will come "
-            "late and robot time will be left out. --in-process holds about 20, without a jail: for programs that you trust",
+            "late and robot time will be left out. --in-process holds about 20, without a jail: for programs that you "
+            "trust",
         ),
         (
             Capacity(32, 4, is_in_process=False),
