@@ -279,6 +279,10 @@ class ScriptStateError(ScriptError, RuntimeError):
     default_code = "R115"
 
 
+class ArmNotReadyError(ScriptStateError):
+    """The arm has no power, or its brakes are engaged."""
+
+
 class ScriptPermissionError(ScriptError, PermissionError):
     """The script requested access that scripts do not have."""
 
