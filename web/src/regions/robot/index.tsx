@@ -171,6 +171,7 @@ function show(drawing: Drawing, canvas: HTMLCanvasElement, labels: HTMLElement, 
       if (region !== null) {
         region.dataset["joints"] = joints.join();
         region.dataset["time"] = String(t);
+        if (made instanceof Stage) region.dataset["camera"] = made.eye.join();
       }
     }
   };
