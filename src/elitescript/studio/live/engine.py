@@ -656,7 +656,7 @@ class LiveEngine:
                 worker.kill()
 
 
-_REPEATED: Final = frozenset(("run_began", "lines", "contacts", "moves", "events", "cycle", "run_ended"))
+_REPEATED: Final = frozenset(("run_began", "lines", "contacts", "moves", "events", "left_out", "cycle", "run_ended"))
 """Messages that are sent again for a text with the same code."""
 
 
