@@ -186,6 +186,8 @@ class Play:
         self.settings: dict[str, Any] = {}
         self.problems: list[Message] = []
         self.compiles = True
+        self.empties = False
+        """Whether texts hold nothing."""
         self.ended: dict[str, Any] = {"state": "finished"}
         self.refusal: Message | None = None
         self.contacts: list[Message] = []
@@ -209,8 +211,9 @@ class Play:
         match message["type"]:
             case "program":
                 self.version = message["version"]
-                yield {"type": "problems", "version": self.version, "list": self.problems, "compiles": self.compiles}
-                if self.compiles:
+                checked = {"type": "problems", "version": self.version, "list": self.problems, "compiles": self.compiles}
+                yield {**checked, "start": moment(0.0)} if self.empties else checked
+                if self.compiles and not self.empties:
                     yield from self.run()
             case "seek":
                 yield {"type": "state", "ask": ask, "run": message["run"], "moment": moment(message["t"])}
@@ -328,7 +331,7 @@ SERVICES: Final[dict[str, Any]] = {
         "defaults": {"robot": "cs66", "firmware": "2.14"},
     },
     "completion": [],
-    "examples": [],
+    "examples": [{"name": "first", "title": "First moves", "text": PROGRAM}],
     "folding": [],
     "hints": [],
     "outline": [],

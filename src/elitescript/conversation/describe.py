@@ -98,21 +98,25 @@ def notice(severity: str, text: str) -> Message:
 # ---------------------------------------------------------------- the text
 
 
-def problems(version: int, found: Iterable[Diagnostic], *, compiles: bool) -> Message:
+def problems(
+    version: int, found: Iterable[Diagnostic], *, compiles: bool, start: Moment | None = None
+) -> Message:
     """Return the findings of a text, and how many rules were checked.
 
     Args:
         version: of the text.
         found: what `check` finds, in the order of the text.
         compiles: whether the program starts.
+        start: of a text that holds nothing yet, of which no run comes: the robot before it.
     """
-    return {
+    made: Message = {
         "type": "problems",
         "version": version,
         "list": [problem(item) for item in found],
         "compiles": compiles,
         "rules": len(all_rules()),
     }
+    return made if start is None else made | {"start": moment(start)}
 
 
 def problem(found: Diagnostic) -> Message:

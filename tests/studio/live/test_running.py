@@ -152,10 +152,10 @@ class TestTexts:
             link = ListLink()
             with suppress(EOFError):
                 run_program(link, request(text[:end], until_s=0.1), no_jail)
-            compiles = link.one("problems")["compiles"]
-            assert len(link.of("run_began")) == compiles
-            if not compiles:
-                assert link.one("problems")["list"]
+            problems = link.one("problems")
+            assert len(link.of("run_began")) == (problems["compiles"] and "start" not in problems)
+            if not problems["compiles"]:
+                assert problems["list"]
 
     def test_a_robot_that_does_not_exist_is_said_beside_the_findings(self):
         link = reported("def job():\n  movej(\nend\n", robot={"model": "CS67"})
@@ -165,6 +165,20 @@ class TestTexts:
 
     def test_lone_surrogates_are_a_finding(self):
         assert reported('def job():\n  textmsg("\ud800")\nend\n').of("problems")
+
+
+class TestBegin:
+    @pytest.mark.parametrize("text", ["", "\n", "  \n\t\n", "# only a comment", "\n  # one\n# two\n"])
+    def test_a_text_that_holds_nothing_is_a_beginning(self, text):
+        link = reported(text, robot={"joints": (0.1, -1.2, 1.3, -1.4, 1.5, 0.6)})
+        assert [message["type"] for message in link.messages] == ["scene", "problems"]
+        problems = link.one("problems")
+        assert (problems["list"], problems["compiles"]) == ([], True)
+        assert problems["start"]["joints"] == [0.1, -1.2, 1.3, -1.4, 1.5, 0.6]
+
+    @pytest.mark.parametrize("text", ["pass", "'text'", "x = 1", "def job():\n  sync()\nend", "end"])
+    def test_any_other_is_not(self, text):
+        assert "start" not in reported(text).one("problems")
 
 
 class TestLimits:

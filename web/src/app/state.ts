@@ -24,6 +24,7 @@ export function runState(studio: Studio): RunState {
     const moment = studio.moment.value;
     return moment === null ? state("none", text("state_connecting")) : state("good", text("state_live", { t: short(moment.t) }));
   }
+  if (run === null && studio.isEmpty.value) return state("none", text("state_empty"));
   if (run === null) return problems?.compiles === false ? state("error", text("state_not_compiled")) : state("none", text("state_no_run"));
   if (isStale) return state("warning", text("state_stale", { line: studio.staleFrom.value }));
   const { ended } = run;

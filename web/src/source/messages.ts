@@ -206,8 +206,8 @@ export type FromSource =
   /** The file has changed on disk (or is gone: no text). */
   | { readonly type: "file_changed"; readonly name: string; readonly text?: string; readonly digest: string }
   | { readonly type: "saved"; readonly ask: number; readonly digest: string }
-  /** `rules`: how many were checked. */
-  | { readonly type: "problems"; readonly version: number; readonly list: readonly Problem[]; readonly compiles: boolean; readonly rules?: number }
+  /** `rules`: how many were checked. `start`: the text holds nothing yet, and no run comes; the robot as a run would begin. */
+  | { readonly type: "problems"; readonly version: number; readonly list: readonly Problem[]; readonly compiles: boolean; readonly rules?: number; readonly start?: Moment }
   /** `same_until_s`: up to then it is the run before; those rows are not sent again, all else is. `options`: as they are in force. */
   | { readonly type: "run_began"; readonly run: number; readonly version: number; readonly same_until_s: number; readonly options: RunOptions }
   | { readonly type: "progress"; readonly run: number; readonly t: number }

@@ -21,6 +21,7 @@ from elitescript.conversation.messages import RunOptions
 from elitescript.conversation.rows import RowWriter
 from elitescript.errors import ElitescriptError
 from elitescript.language.compiler import CompiledUnit
+from elitescript.language.idle import holds_nothing
 from elitescript.language.options import Options
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import compile_checked
@@ -74,6 +75,10 @@ def run_program(link: Link, request: Mapping[str, Any], jail: Callable[[], None]
         return
     jail()
     link.send(scene_of(robot))
+    if holds_nothing(source):
+        # The begin of a text: nothing is wrong with it, and nothing runs.
+        link.send(describe.problems(version, (), compiles=True, start=moment_now(robot)))
+        return
     checked = compile_checked(
         source, robot.profile, Options(strict=robot.options.strict), presets=job.presets, arm=robot.model
     )

@@ -21,6 +21,7 @@ export function Problems({ studio }: { studio: Studio }) {
   const version = studio.problems.value?.version ?? 0;
   const found = findingsOf(studio);
   const rows = [...runProblems(studio, found, version), ...found.list.map((problem, index) => <Finding key={`check ${index}`} studio={studio} problem={problem} version={version} />)];
+  if (studio.isEmpty.value) return <p class="empty">{text("problems_empty")}</p>;
   if (rows.length === 0) {
     const rules = studio.problems.value?.rules;
     return (
