@@ -6,7 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from elitescript.services.child.syscalls import AUDIT_ARCHES, CALLS, CONNECTING, COPYING, allowed, filter_program, packed
+from elitescript.services.child.syscalls import (
+    AUDIT_ARCHES,
+    CALLS,
+    CONNECTING,
+    COPYING,
+    allowed,
+    filter_program,
+    packed,
+)
 
 ALLOW, KILL, REFUSE = 0x7FFF0000, 0x80000000, 0x00050000 | errno.EPERM
 BY_NAME = {call.name: call for call in CALLS}

@@ -211,7 +211,12 @@ class Play:
         match message["type"]:
             case "program":
                 self.version = message["version"]
-                checked = {"type": "problems", "version": self.version, "list": self.problems, "compiles": self.compiles}
+                checked = {
+                    "type": "problems",
+                    "version": self.version,
+                    "list": self.problems,
+                    "compiles": self.compiles,
+                }
                 yield {**checked, "start": moment(0.0)} if self.empties else checked
                 if self.compiles and not self.empties:
                     yield from self.run()

@@ -125,7 +125,9 @@ class DashboardClient:
                     passed += len(data)
                     if passed >= UNASKED_MAX:
                         self._is_broken = True
-                        raise PeerError("dashboard: the controller sends without being asked: the connection was closed")
+                        raise PeerError(
+                            "dashboard: the controller sends without being asked: the connection was closed"
+                        )
         except TimeoutError:
             return
         except OSError:

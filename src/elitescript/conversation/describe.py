@@ -98,9 +98,7 @@ def notice(severity: str, text: str) -> Message:
 # ---------------------------------------------------------------- the text
 
 
-def problems(
-    version: int, found: Iterable[Diagnostic], *, compiles: bool, start: Moment | None = None
-) -> Message:
+def problems(version: int, found: Iterable[Diagnostic], *, compiles: bool, start: Moment | None = None) -> Message:
     """Return the findings of a text, and how many rules were checked.
 
     Args:

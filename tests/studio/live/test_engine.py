@@ -601,6 +601,12 @@ class TestSettings:
         ]
         assert not escaped.exists()
 
+    @pytest.mark.parametrize("name", ["C" * 300, "CS66\0", "\0.toml", "C" * 300 + ".toml"])
+    def test_a_name_that_no_robot_has_is_said_and_the_text_is_checked(self, page, name):
+        page.program(SHORT, robot=name)
+        assert "robot" in page.until("notice")["text"]
+        assert page.until("problems")["compiles"]
+
     def test_a_run_that_may_connect_is_not_repeated(self, page):
         ended = page.ran('def job():\n  textmsg(socket_open("127.0.0.1", 9))\nend\n', may_connect=True)
         assert "refused_connections" in ended or ended["state"] == "finished"

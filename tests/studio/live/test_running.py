@@ -233,7 +233,12 @@ class TestLimits:
 
     @pytest.mark.parametrize(
         "call",
-        ['print("y" * 100000)', 'textmsg("y" * 100000)', 'popup("y" * 100000, "t" * 99)', 'socket_open("x", 1, "y" * 9999)'],
+        [
+            'print("y" * 100000)',
+            'textmsg("y" * 100000)',
+            'popup("y" * 100000, "t" * 99)',
+            'socket_open("x", 1, "y" * 9999)',
+        ],
     )
     def test_long_texts_are_cut_and_all_of_them_are_bounded(self, call, monkeypatch):
         monkeypatch.setattr(limits, "BYTES_MAX", 100_000)
