@@ -2,6 +2,7 @@
 
 import { countsOf, findingsOf } from "../model/findings.ts";
 import { LIMIT_S, type Studio } from "../model/studio.ts";
+import { said } from "../text/said.ts";
 import { text } from "../text/text.ts";
 
 export interface RunState {
@@ -46,7 +47,7 @@ export function runState(studio: Studio): RunState {
     case "stuck":
       return state("error", text("state_stuck", { t, line: ended.moment.line }));
     case "killed":
-      return state("error", text("state_killed", { why: ended.killed ?? "" }));
+      return state("error", text("state_killed", { why: said(ended.killed ?? "") }));
   }
 }
 

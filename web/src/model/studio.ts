@@ -8,6 +8,7 @@ import { TICK_S, type Rows } from "../source/rows.ts";
 import { fromBase64, readRecording } from "../source/recording.ts";
 import type { Results } from "../source/services.ts";
 import type { Link, Listener, Source } from "../source/source.ts";
+import { said } from "../text/said.ts";
 import { text as words } from "../text/text.ts";
 import { type Alignment, aligned, recordingIn, runOf } from "./compare.ts";
 import { firstChange } from "./difference.ts";
@@ -885,5 +886,5 @@ export class Studio implements Listener {
 }
 
 function reason(error: unknown): string {
-  return error instanceof Error ? error.message : String(error);
+  return said(error instanceof Error ? error.message : String(error));
 }

@@ -7,6 +7,7 @@ import type { Studio } from "../../model/studio.ts";
 import { seconds, withUnit } from "../../model/units.ts";
 import type { AlarmReport, Contact, Problem } from "../../source/messages.ts";
 import type { Texts } from "../../text/en.ts";
+import { said } from "../../text/said.ts";
 import { shortened, text } from "../../text/text.ts";
 
 /** Rows in the document; more problems than that are counted. */
@@ -47,7 +48,7 @@ function runProblems(studio: Studio, { alarm, cause, contacts, refused_connectio
       <li key="refused" class="problem information">
         <Icon name="information" />
         <div>
-          <p>{text("refused_connections", { where: refused.join(", ") })}</p>
+          <p>{text("refused_connections", { where: refused.map(said).join(", ") })}</p>
           <p class="faint">{text("refused_hint")}</p>
         </div>
       </li>,

@@ -5,6 +5,7 @@ import { useEffect, useRef } from "preact/hooks";
 import type { Studio } from "../../model/studio.ts";
 import type { Results } from "../../source/services.ts";
 import { language } from "../../text/language.ts";
+import { said } from "../../text/said.ts";
 import { text } from "../../text/text.ts";
 import { ProgramEditor } from "./editor.ts";
 import "./program.css";
@@ -93,7 +94,7 @@ function Empty({ studio }: { studio: Studio }) {
         {examples.value.map((example) => (
           <li key={example.name}>
             <button type="button" onClick={() => begin(example.text)}>
-              {text("editor_example", { title: example.title })}
+              {text("editor_example", { title: said(example.title) })}
             </button>
           </li>
         ))}
