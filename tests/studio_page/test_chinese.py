@@ -52,3 +52,14 @@ def test_no_sentence_of_ours_is_english(open_page: Open, mode: str) -> None:
     shown = [page.locator("body").inner_text(), *page.evaluate(labels)]
     allowed = (play.text, "elitescript studio")
     assert [part for part in english() if any(part in text for text in shown) and not any(part in text for text in allowed)] == []
+
+
+def test_the_parts_of_the_editor_are_chinese(open_page: Open) -> None:
+    page, _ = open_page(locale="zh-CN")
+    page.locator(".cm-content").click()
+    page.keyboard.press("Control+f")
+    panel = page.locator(".cm-search")
+    panel.wait_for()
+    shown = panel.inner_text() + "".join(page.locator(".cm-search input").evaluate_all("e => e.map((f) => f.placeholder)"))
+    assert "查找" in shown
+    assert not re.search(r"[A-Za-z]", shown)
