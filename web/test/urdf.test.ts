@@ -142,11 +142,14 @@ test("meshes that are not understood are named", async () => {
 
 // ---------------------------------------------------------------- bombs
 
-/** Fails if reading takes long: a quadratic or exponential reader would take minutes for these. */
+/** Processor time: of a quadratic or exponential reader it would be minutes, whatever else this computer does. */
+const CPU_MS = 15_000;
+const cpuMs = () => process.cpuUsage().user / 1000;
+
 function refusedSoon(read: () => unknown, why: RegExp) {
-  const began = performance.now();
+  const began = cpuMs();
   assert.throws(read, why);
-  assert.ok(performance.now() - began < 3000, `${performance.now() - began} ms`);
+  assert.ok(cpuMs() - began < CPU_MS, `${cpuMs() - began} ms`);
 }
 
 const stl = (facets: number, claimed = facets) => {
@@ -159,9 +162,7 @@ const mesh = (file: string) => urdf({ visual: `<geometry><mesh filename="${file}
 
 test("bombs: XML that is opened a million times and never closed", () => {
   for (const part of ["<!-- >", "<? >", "<![CDATA[ >", "<!a ", '<a b="', "<a ", "<a>", "</a>"]) {
-    const began = performance.now();
-    assert.throws(() => readXml(part.repeat(1_000_000)), Error);
-    assert.ok(performance.now() - began < 3000, `${part}: ${performance.now() - began} ms`);
+    refusedSoon(() => readXml(part.repeat(1_000_000)), /./);
   }
 });
 
@@ -172,8 +173,8 @@ test("bombs: links in more ways than can be counted, in a circle, too many, too 
   refusedSoon(() => readUrdf(urdf({ extra: many.join("") }), CS66), /hangs on two joints/);
   const ring = link(0) + link(1) + joint("x0", "x1", "a") + joint("x1", "x0", "b");
   assert.ok(readUrdf(urdf({ extra: ring }), CS66).length > 0, "beside the arm");
-  const chain = Array.from({ length: 50_000 }, (_, n) => link(n) + joint(n === 0 ? "tool0" : `x${n - 1}`, `x${n}`, `a${n}`));
-  refusedSoon(() => readUrdf(urdf({ extra: chain.join("") }), CS66), /50009 links and 50008 joints; at most 1000/);
+  const chain = Array.from({ length: 20_000 }, (_, n) => link(n) + joint(n === 0 ? "tool0" : `x${n - 1}`, `x${n}`, `a${n}`));
+  refusedSoon(() => readUrdf(urdf({ extra: chain.join("") }), CS66), /20009 links and 20008 joints; at most 1000/);
   const visual = '<geometry><box size="1 1 1"/></geometry></visual><visual>'.repeat(2000) + '<geometry><box size="1 1 1"/></geometry>';
   refusedSoon(() => readUrdf(urdf({ visual }), CS66), /shapes; at most 1000 are drawn/);
 });
@@ -191,9 +192,9 @@ const STLS: readonly (readonly [string, ArrayBuffer, RegExp])[] = [
 ];
 for (const [what, bytes, why] of STLS) {
   test(`bombs: an STL that ${what}`, async () => {
-    const began = performance.now();
+    const began = cpuMs();
     await assert.rejects(loadPieces(mesh("a.stl"), CS66, () => Promise.resolve(bytes)), why);
-    assert.ok(performance.now() - began < 4000);
+    assert.ok(cpuMs() - began < CPU_MS);
   });
 }
 
