@@ -78,8 +78,16 @@ def waits() -> list[tuple[str, str]]:
             for node in ast.walk(ast.parse(source)):
                 if isinstance(node, ast.AnnAssign | ast.Assign) and node.value is not None:
                     target = node.target if isinstance(node, ast.AnnAssign) else node.targets[0]
-                    if isinstance(target, ast.Name) and target.id in {"reason", "A_LOCK", "RESUME", "POPUP", "MOVE_END"}:
-                        values = [node.value.body, node.value.orelse] if isinstance(node.value, ast.IfExp) else [node.value]
+                    if isinstance(target, ast.Name) and target.id in {
+                        "reason",
+                        "A_LOCK",
+                        "RESUME",
+                        "POPUP",
+                        "MOVE_END",
+                    }:
+                        values = (
+                            [node.value.body, node.value.orelse] if isinstance(node.value, ast.IfExp) else [node.value]
+                        )
                         found |= {(path.name, template(value, {})): None for value in values}
     return [item for item in found if item[1] and is_ours(item[1]) and item[1] not in NO_WAITS]
 
@@ -123,7 +131,9 @@ def test_rows_keep_their_values_and_are_chinese(english, chinese):
 def test_a_real_wait_is_said_in_rows():
     robot = VirtualRobot("CS66")
     seen: set[str] = set()
-    text = 'def a():\n  movej([0.1, -1.57, -1.57, -1.57, 1.57, 0])\n  sleep(0.1)\n  socket_open("192.168.0.9", 1)\nend\n'
+    text = (
+        'def a():\n  movej([0.1, -1.57, -1.57, -1.57, 1.57, 0])\n  sleep(0.1)\n  socket_open("192.168.0.9", 1)\nend\n'
+    )
     robot.run(text, watch=lambda robot: seen.update(thread.waits_for for thread in robot.threads()))
     seen.discard("")
     patterns = [re.escape(english).replace(r"\{\}", ".+?") for english in ENGLISH if not english.startswith("{}")]

@@ -30,7 +30,7 @@ NAMES = [
     ("../models/cs66", "there is no robot model"),
     ("common", "there is no robot model 'common'"),
     ("/tmp", "there is no robot model '/tmp'"),
-    ("ｃｓ66", "there is no robot model"),
+    ("\uff43s66", "there is no robot model"),
 ]
 FOR_SHELLS = [name for name, _ in NAMES if "\0" not in name and "\udcff" not in name and name != "/tmp"]
 

@@ -46,7 +46,8 @@ def twice(count: int) -> str:
     """Return a chain in which each link hangs on two joints: two to the power of `count` ways."""
     links = "".join(f'<link name="x{n}"/>' for n in range(count))
     return links + "".join(
-        f'<joint name="{side}{n}" type="fixed"><parent link="{f"x{n - 1}" if n else "l6"}"/><child link="x{n}"/></joint>'
+        f'<joint name="{side}{n}" type="fixed"><parent link="{f"x{n - 1}" if n else "l6"}"/>'
+        f'<child link="x{n}"/></joint>'
         for n in range(count)
         for side in "ab"
     )
@@ -56,8 +57,8 @@ BOX: Final = '<box size="0.1 0.1 0.1"/>'
 COLLADA: Final = (
     "<COLLADA><library_nodes>"
     + "".join(f'<node id="n{n}">{f"""<instance_node url="#n{n + 1}"/>""" * 3}</node>' for n in range(60))
-    + '</library_nodes><library_visual_scenes><visual_scene id="z"><node><instance_node url="#n0"/></node></visual_scene>'
-    '</library_visual_scenes><scene><instance_visual_scene url="#z"/></scene></COLLADA>'
+    + '</library_nodes><library_visual_scenes><visual_scene id="z"><node><instance_node url="#n0"/></node>'
+    '</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#z"/></scene></COLLADA>'
 )
 
 BOMBS: Final[dict[str, tuple[str, dict[str, bytes], str]]] = {

@@ -22,8 +22,8 @@ class Check(NamedTuple):
 
     argument: int
     kind: str
-    """`none_of` its bits are set, `not_all_of` its bits are set, it is `one_of` these values, or `one_of_low`: its lower
-    half is, whose upper half the kernel ignores."""
+    """`none_of` its bits are set, `not_all_of` its bits are set, it is `one_of` these values, or `one_of_low`: its
+    lower half is, where the kernel ignores the upper one."""
     values: tuple[int, ...]
 
 

@@ -1,7 +1,8 @@
 """A worker process: carries out one request, and reports on its link; it may be killed at any time.
 
 It is a copy of the keeper (`keeper`), or, where processes cannot be copied, one that was started ahead with its link as
-standard input and output. Nothing but the simulation can be reached from it, and the network if the request lets it connect.
+standard input and output. Nothing but the simulation can be reached from it, and the network if the request lets it
+connect.
 """
 
 from __future__ import annotations
