@@ -256,7 +256,7 @@ def robot_configs(options: argparse.Namespace) -> tuple[list[RobotOptions], list
 
     if not 1 <= options.robots <= ROBOTS_MAX:
         raise UsageError(f"--robots must be from 1 to {ROBOTS_MAX}, got {options.robots}")
-    models: list[str] = [model for model in options.models or [""] for _ in range(options.robots)]
+    models: list[str | None] = [model for model in options.models or [None] for _ in range(options.robots)]
     if len(models) > ROBOTS_MAX:
         raise UsageError(f"one serve has {ROBOTS_MAX} robots at most, not {len(models)}")
     signals, presets = parse_settings(options.set)
@@ -270,7 +270,7 @@ def robot_configs(options: argparse.Namespace) -> tuple[list[RobotOptions], list
     worlds: list[World | None] = []
     for index, model in enumerate(models):
         file = WorldFile() if options.world is None else load_world_file(options.world, network=REAL)
-        arm, named = named_model(model or file.options.get("model") or DEFAULTS["model"])
+        arm, named = named_model(file.options.get("model", DEFAULTS["model"]) if model is None else model)
         robot_id = file.options.get("robot_id", arm.name)
         worlds.append(file.world)
         if len(models) > 1:
