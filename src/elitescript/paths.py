@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import stat
+from pathlib import Path
 from typing import Final
 
 STREAMS: Final = ("/dev/stdin", "/dev/fd/", "/proc/self/fd/")
@@ -33,6 +34,14 @@ def why_no_file(path: str | os.PathLike[str], *, is_stream_allowed: bool = False
     except (OSError, ValueError):
         return ""
     return f"is {kind}, not a file" if kind else ""
+
+
+def real_path(path: str | os.PathLike[str]) -> Path:
+    """Return the absolute path without links; a link that leads to itself stays, to be refused where it is opened.
+
+    `Path.resolve` raises for such a link in some versions of Python, and not in others.
+    """
+    return Path(os.path.realpath(path))
 
 
 def kind_of(mode: int) -> str:

@@ -18,6 +18,7 @@ from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.lint.fixing import Repair, repaired
 from elitescript.messages.profile import profile
+from elitescript.paths import real_path
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -102,7 +103,7 @@ def _with_contacts(checked: CheckedFile, text: ProgramText, options: argparse.Na
     """Return a file with the contacts that a run of its program in the world has."""
     from elitescript.cli.contact_findings import contact_findings
 
-    folder = None if text.path is None else text.path.resolve().parent
+    folder = None if text.path is None else real_path(text.path).parent
     contacts, why_less = contact_findings(checked.source, folder, options.world, options_from(options))
     if why_less:
         print(f"elitescript check: {checked.name}: {why_less}", file=sys.stderr)

@@ -32,6 +32,7 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Event, TaskLoaded, TaskStateChanged
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import seconds
+from elitescript.paths import real_path
 from elitescript.protocol.ports import SERVICES, services_of
 from elitescript.records import replace
 from elitescript.services.channels.connect_policy import NONE, ConnectPolicy
@@ -218,7 +219,7 @@ def _check_world_place(options: argparse.Namespace) -> None:
     """
     if options.world is None or options.task_dir is None or is_in_process(options):
         return
-    if Path(options.task_dir).resolve() in Path(options.world).resolve().parents:
+    if real_path(options.task_dir) in real_path(options.world).parents:
         raise UsageError(
             f"--world {options.world}: it is in the task folder {options.task_dir}, where programs of the robot can "
             "change it and the Python files that it names; keep it elsewhere, or add --in-process if you trust them"

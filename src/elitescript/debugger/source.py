@@ -26,6 +26,7 @@ from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_parsed
 from elitescript.messages.events import Event
 from elitescript.messages.signals import Value
+from elitescript.paths import real_path
 from elitescript.robot import VirtualRobot
 from elitescript.runtime.environment import Channels
 from elitescript.runtime.host import ScriptHost
@@ -154,7 +155,7 @@ class ProgramSource:
         self._levels = dict(levels or {})
         self._schedule = tuple(schedule)
         if task_dir is None and text is None:
-            task_dir = Path(path).resolve().parent
+            task_dir = real_path(path).parent
         self._has_real_network = world is None
         self._network: KeptNetwork | None = None
         self.may_fork = not (self._has_real_network and _CONNECTING.search(self.text))

@@ -12,6 +12,7 @@ from elitescript.environment.local_channels import LocalChannels
 from elitescript.errors import UsageError
 from elitescript.messages.machine import DisturbInput
 from elitescript.messages.timing import seconds
+from elitescript.paths import real_path
 from elitescript.records import replace
 from elitescript.runtime.environment import Channels, Files, ProgramEnvironment
 
@@ -93,7 +94,7 @@ class Outside:
             return self._world
         folder = self._task_dir
         if folder is None and not self._is_in_memory and not source_name.startswith("<"):
-            folder = Path(source_name).resolve().parent
+            folder = real_path(source_name).parent
         if folder is None:
             from elitescript.environment.memory import MemoryEnvironment
 
