@@ -36,6 +36,16 @@ def check(options: argparse.Namespace) -> int:
         return _explain(options.explain)
     if not options.files:
         raise UsageError("name files or folders, or - for standard input")
+    if options.reach:
+        # Imported late: it makes a robot.
+        from elitescript.cli.reach import reach
+
+        if options.fix or options.format not in (None, "text", "json"):
+            raise UsageError("--reach lists what programs reach, as text or JSON; it goes with no other report")
+        options.json = options.json or options.format == "json"
+        return reach(options)
+    if options.serial:
+        raise UsageError("--serial goes with --reach: nothing is run")
     if options.json and options.format not in (None, "json"):
         raise UsageError(f"--json and --format {options.format} contradict each other")
     is_filter = options.fix and STANDARD_INPUT in options.files
