@@ -119,7 +119,7 @@ class VirtualRobot:
             settings, world = file, file.world
         elif isinstance(world, Surroundings) and world.settings is not None:
             settings = world.settings
-        arm = model or settings.options.get("model") or DEFAULTS["model"]
+        arm = settings.options.get("model", DEFAULTS["model"]) if model is None else model
         self.model, named = (arm, {"model": arm.name}) if isinstance(arm, RobotModel) else named_model(arm)
         self.options = robot_options({**options, **named}, settings.options, **IN_VIRTUAL_TIME)
         self._on_event = on_event

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections import Counter
 from collections.abc import Callable
 from math import isfinite
 from typing import Any, Final
@@ -28,6 +29,18 @@ class JsonError(ValueError):
         self.why = why
         self.at = at
         self.line = line
+
+
+def without_halves(value: Any) -> Any:
+    """Return a value of JSON whose texts have no half of a surrogate pair, which is no character of UTF-8: U+FFFD."""
+    kind = type(value)
+    if kind is str:
+        return value if value.isascii() else value.encode("utf-16-le", "surrogatepass").decode("utf-16-le", "replace")
+    if kind is list:
+        return [without_halves(item) for item in value]
+    if kind is dict:
+        return {without_halves(key): without_halves(item) for key, item in value.items()}
+    return value
 
 
 def json_value(
@@ -102,8 +115,7 @@ def _finite(digits: str) -> float:
 def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     data = dict(pairs)
     if len(data) != len(pairs):
-        seen: set[str] = set()
-        twice = next(name for name, _ in pairs if name in seen or seen.add(name))
+        ((twice, _),) = Counter(name for name, _ in pairs).most_common(1)
         raise JsonError(f"{twice[:40]!r} is given twice")
     return data
 

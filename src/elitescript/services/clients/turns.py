@@ -73,6 +73,11 @@ class Turns:
         return self._steps
 
     @property
+    def is_waiting(self) -> bool:
+        """Whether a request waits."""
+        return bool(self._waiters)
+
+    @property
     def is_used_up(self) -> bool:
         """Whether the client has had its share of this tick, or the tick has no time left for clients."""
         return self._shares.is_used_up(self._own() // (LIGHT_SHARES if self.is_light else 1))

@@ -37,7 +37,7 @@ class SshConnection(Connection):
         stage: how far it has come on its way to log in; `ADMITTED` once it has.
     """
 
-    __slots__ = ("_has_made", "_is_lost", "_protocol", "_raw", "stage", "turns")
+    __slots__ = ("_has_made", "_is_lost", "_protocol", "_raw", "_size", "stage", "turns")
 
     ADMITTED: Final = 3
 
@@ -53,6 +53,8 @@ class SshConnection(Connection):
         self.turns = Turns(shares, make_due, lambda: self.is_behind)
         self.stage = 0
         self._raw = bytearray()
+        self._size = 0
+        """Bytes that came since the last tick."""
         self._is_lost = self._has_made = False
         self._protocol = make_protocol(self)
         self._protocol.create_task = self._measured(self._protocol.create_task)
@@ -84,11 +86,13 @@ class SshConnection(Connection):
     def receive(self, data: bytes, output: Output) -> list[Input]:
         self.stage = max(self.stage, 1)
         self._raw += data
-        self.turns.is_light = len(self._raw) < PIECE
+        self._size += len(data)
+        self.turns.is_light = self._size < PIECE and not self.turns.is_waiting
         self._hand_on()
         return []
 
     def publish(self, output: Output) -> None:
+        self._size = 0
         self._hand_on()
 
     def read_on(self, output: Output) -> list[Input]:

@@ -270,7 +270,7 @@ class _Nothing(dict[bytes, bytes]):
         """Forget it."""
 
 
-class _Session(asyncssh.SSHServerProcess):
+class _Session(asyncssh.SSHServerProcess[bytes]):
     """One session of a client. Its requests are read one by one, each when the client's share allows it."""
 
     def __init__(self, login: _Login, run: Callable[[Any], Any], make_files: Callable[[Any], Any]) -> None:
