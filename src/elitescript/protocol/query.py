@@ -20,7 +20,8 @@ from typing import Final
 from elitescript.messages.inputs import AddLog, Input, Query
 from elitescript.messages.outcomes import Outcome, QueryFailed, ShownValue
 from elitescript.messages.outputs import Output
-from elitescript.messages.snapshot import BRACKETED, PLAIN, RobotDescription
+from elitescript.messages.profile import BRACKETED, PLAIN
+from elitescript.messages.snapshot import RobotDescription
 from elitescript.protocol.bursts import BurstLimiter
 from elitescript.protocol.connection import Connection, is_restarted
 from elitescript.protocol.lines import PacedLines, TextLine, one_line, shown

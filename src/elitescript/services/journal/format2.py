@@ -18,7 +18,7 @@ from elitescript.messages.inputs import AddFault, EndFaults, Input, Query
 from elitescript.messages.machine import DisturbInput
 from elitescript.messages.outcomes import InterpreterOutcome, Refused, RegistersRead, ShownValue
 from elitescript.messages.outputs import NOT_CONNECTED, Output, Reply
-from elitescript.messages.snapshot import PLAIN
+from elitescript.messages.profile import PLAIN
 from elitescript.protocol import interpreter, query
 from elitescript.records import fields_of, replace
 from elitescript.services.options_data import options_from_data
