@@ -17,7 +17,9 @@ from elitescript.kernel.arm import named_model
 from elitescript.kernel.options import ROBOT_SECTION
 from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
+from elitescript.paths import real_path
 from elitescript.properties.parsing import function_place
+from elitescript.sweep.chaos.profile import profile_of
 from elitescript.sweep.failures.cases import is_case
 from elitescript.sweep.plans.plan import Plan, Variation
 from elitescript.sweep.plans.python_files import python_texts
@@ -113,7 +115,7 @@ def make_plan(
         chosen |= named_model(chosen["model"])[1]
     ensure = tuple(_with_files(text, python) for text in ensure)
     measures = {name: _with_files(text, python) for name, text in (measures or {}).items()}
-    folder = Path(task_dir) if task_dir is not None else path.resolve().parent if is_file else None
+    folder = Path(task_dir) if task_dir is not None else real_path(path).parent if is_file else None
     files: dict[str, str] = {}
     if folder is not None and (task_dir is not None or _reaches_files(source)):
         files = _task_files(folder, {*map(Path.resolve, without_files)})
@@ -170,7 +172,10 @@ def _with_files(expression: str, python: dict[str, str]) -> str:
 def _profile_text(chaos: str) -> str:
     if not chaos.endswith(".toml"):
         return chaos
-    return read_text(chaos, PROFILE)
+    text = read_text(chaos, PROFILE)
+    # What is wrong in it is said with the name of the file, which a plan does not have.
+    profile_of(text, chaos)
+    return text
 
 
 def _is_left_out(folder: str) -> bool:
@@ -199,7 +204,7 @@ def _task_files(folder: Path, left_out: Collection[Path]) -> dict[str, str]:
                 or is_case(name)
                 or path.is_symlink()
                 or not path.is_file()
-                or path.resolve() in left_out
+                or real_path(path) in left_out
             ):
                 continue
             size += path.stat().st_size

@@ -163,5 +163,5 @@ def _fault(text: Any) -> ChannelFault | DisturbInput:
         if type(settings) is dict:
             return machine_fault(fault_from(settings))
     except (ValueError, TypeError, RecursionError, UsageError) as error:
-        raise CodecError(f"no fault: {error}") from None
+        raise CodecError(f"no fault: {str(error)[:200]}") from None
     raise CodecError("no fault: it must be an object")
