@@ -265,7 +265,13 @@ def add_serve(parser: Parser) -> None:
         "Serve virtual controllers: primary port, RTSI, dashboard and the others. A line that starts with `ready` "
         "names every port once all are open; then the programs' messages and errors follow. Ctrl-C ends it."
     )
-    parser.add_argument("--host", default="127.0.0.1", metavar="ADDRESS", help="where to listen (default %(default)s)")
+    parser.add_argument(
+        "--host",
+        default="127.0.0.1",
+        metavar="ADDRESS",
+        help="where to listen (default %(default)s); 127.0.0.11-13: three --robots, each with an own address and "
+        "the usual ports",
+    )
     parser.add_argument(
         "--trust-network",
         action="store_true",

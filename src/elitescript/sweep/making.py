@@ -19,6 +19,7 @@ from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
 from elitescript.paths import real_path
 from elitescript.properties.parsing import function_place
+from elitescript.sweep.chaos.profile import profile_of
 from elitescript.sweep.failures.cases import is_case
 from elitescript.sweep.plans.plan import Plan, Variation
 from elitescript.sweep.plans.python_files import python_texts
@@ -171,7 +172,10 @@ def _with_files(expression: str, python: dict[str, str]) -> str:
 def _profile_text(chaos: str) -> str:
     if not chaos.endswith(".toml"):
         return chaos
-    return read_text(chaos, PROFILE)
+    text = read_text(chaos, PROFILE)
+    # What is wrong in it is said with the name of the file, which a plan does not have.
+    profile_of(text, chaos)
+    return text
 
 
 def _is_left_out(folder: str) -> bool:

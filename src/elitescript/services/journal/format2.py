@@ -18,6 +18,7 @@ from elitescript.messages.inputs import AddFault, EndFaults, Input, Query
 from elitescript.messages.machine import DisturbInput
 from elitescript.messages.outcomes import InterpreterOutcome, Refused, RegistersRead, ShownValue
 from elitescript.messages.outputs import NOT_CONNECTED, Output, Reply
+from elitescript.messages.snapshot import PLAIN
 from elitescript.protocol import interpreter, query
 from elitescript.records import fields_of, replace
 from elitescript.services.options_data import options_from_data
@@ -134,7 +135,7 @@ class Format2:
     def _reply_text(self, reply: Reply) -> str:
         ident = self._idents.get(reply.origin)
         if ident is not None:
-            return query.reply_text(ident, reply.outcome)
+            return query.reply_text(ident, reply.outcome, PLAIN)
         match reply.outcome:
             case Refused(reason):
                 return f"refused: {reason}"
@@ -158,5 +159,5 @@ def _fault(text: Any) -> ChannelFault | DisturbInput:
         if type(settings) is dict:
             return machine_fault(fault_from(settings))
     except (ValueError, TypeError, RecursionError, UsageError) as error:
-        raise CodecError(f"no fault: {error}") from None
+        raise CodecError(f"no fault: {str(error)[:200]}") from None
     raise CodecError("no fault: it must be an object")
