@@ -102,6 +102,30 @@ def test_rows_are_the_same_for_any_number_of_processes_and_any_end(
     assert killed.read_bytes() == whole.read_bytes()
     assert not part.exists()
 
+    # A finished table belongs to its settings, as does one that is not finished.
+    before = whole.read_bytes()
+    for arguments, words in (
+        (["--seed", "4"], "was made with other settings: --seed 4, was 0"),
+        (["--ensure", "time_s < 2", "--runs", "70"], "time_s < 2"),
+    ):
+        assert main(["sweep", program, *USUAL, "--runs", "60", "--out", str(whole), "--resume", *arguments]) == 2
+        assert words in capsys.readouterr().err
+    assert main(["sweep", program, *USUAL, "--runs", "60", "--out", str(whole), "--resume"]) == 0
+    assert "whole.csv is finished: it has the 60 runs of these settings, and" in capsys.readouterr().out
+    assert main(["sweep", program, *USUAL, "--runs", "5", "--out", str(whole), "--resume", "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert (said["type"], said["runs"], said["out"]) == ("finished", 60, str(whole))
+    assert said["failed"] == sum(line.split(",")[-2] != "" for line in rows[1:])
+    assert whole.read_bytes() == before
+    # More runs are no other setting.
+    assert main(["sweep", program, *USUAL, "--runs", "64", "--out", str(whole), "--resume"]) == 1
+    assert "60 of 64 runs are there already" in capsys.readouterr().err
+    assert whole.read_bytes().startswith(before)
+    assert len(whole.read_bytes().splitlines()) == 65
+    Path(f"{whole}.sweep").unlink()
+    assert main(["sweep", program, *USUAL, "--runs", "64", "--out", str(whole), "--resume"]) == 2
+    assert "is there, but no whole.csv.sweep beside it" in capsys.readouterr().err
+
 
 def test_ctrl_c_keeps_what_is_there(program: str, tmp_path: Path) -> None:
     out = tmp_path / "out.csv"

@@ -109,7 +109,9 @@ def add_sweep(parser: Parser) -> None:
         "--page", metavar="FILE.html", help="a page with plots and failures; replays are in the folder FILE.replays"
     )
     parser.add_argument("--only", type=int, metavar="RUN", help="only the run of this number; with --page, its replay")
-    parser.add_argument("--resume", action="store_true", help="go on with a sweep that was ended before its table")
+    parser.add_argument(
+        "--resume", action="store_true", help="go on with a sweep that was ended, or with more runs than its table has"
+    )
     parser.add_argument(
         "--no-cases",
         action="store_true",

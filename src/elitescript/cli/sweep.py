@@ -30,11 +30,12 @@ from elitescript.sweep.many_runs import cores
 from elitescript.sweep.plans.plan import Plan, Row
 from elitescript.sweep.plans.plan_json import disturbance_data, plan_digest
 from elitescript.sweep.plans.variations import grid_size, parse_variation
-from elitescript.sweep.results.journal import SUFFIX, Journal
+from elitescript.sweep.results.journal import Journal
 from elitescript.sweep.results.page import PAGE_SAMPLE
 from elitescript.sweep.results.progress import Meter
 from elitescript.sweep.results.replays import write_pages
 from elitescript.sweep.results.summary import Summary, summary_of
+from elitescript.sweep.results.table_files import Finished, TableFiles
 from elitescript.sweep.results.tables import check_table, columns, json_line, values
 from elitescript.sweep.results.totals import SAMPLE, Totals
 from elitescript.sweep.single import Runner
@@ -56,7 +57,9 @@ def sweep(options: argparse.Namespace) -> int:
     variations = [parse_variation(text) for text in options.vary]
     out = None if options.out is None else Path(options.out)
     _check_out(options, out)
-    part = None if out is None else out.with_name(out.name + SUFFIX)
+    files = None if out is None else TableFiles(out)
+    if files is not None:
+        files.check()
     if options.page is not None and not is_built():
         raise UsageError(f"--page: {NOT_BUILT}")
     plan = make_plan(
@@ -73,12 +76,12 @@ def sweep(options: argparse.Namespace) -> int:
         chaos=options.chaos or "",
         step_s=options.step,
         has_margins=options.margins,
-        without_files=[path for path in (out, part, options.page and Path(options.page)) if path],
+        without_files=[*(files or ()), *([Path(options.page)] if options.page else ())],
     )
     if options.json and "type" in columns(plan):
         raise UsageError("--json: a column called 'type' would hide what each line is; choose another name")
     if searches(options):
-        return search_values(options, plan, _engine(options), out)
+        return search_values(options, plan, _engine(options), files)
     runs = runs_of(variations, options.runs)
     first = 0
     if options.only is not None:
@@ -94,20 +97,38 @@ def sweep(options: argparse.Namespace) -> int:
     if options.only is None:
         _note_grid(plan, runs)
     with ExitStack() as stack:
-        if part is None:
-            part = Path(stack.enter_context(TemporaryDirectory(prefix="elitescript-sweep-"))) / "journal"
-        is_overwritten = part.exists() and not options.resume
-        journal = stack.enter_context(Journal(part, plan, resumes=options.resume))
-        if is_overwritten:
-            _note(f"{part} is written anew; --resume would have gone on with it")
+        if files is None:
+            home = stack.enter_context(TemporaryDirectory(prefix="elitescript-sweep-"))
+            journal = stack.enter_context(Journal(Path(home, "journal"), plan, resumes=False))
+        else:
+            if options.resume and (found := files.finished(plan)) is not None:
+                # A page needs the rows; a table that was deleted is written again from them.
+                if found.runs >= runs and options.page is None and files.table.exists():
+                    return _say_finished(options, files.table, found)
+                runs = max(runs, found.runs)
+            if files.part.exists() and not options.resume:
+                _note(f"{files.part} is written anew; --resume would have gone on with it")
+            journal = stack.enter_context(files.journal(plan, resumes=options.resume))
         sweeping = Sweeping(plan, runs, journal, first)
         if sweeping.done and not options.json:
             print(f"{sweeping.done:,} of {runs:,} runs are there already", file=sys.stderr)
-        return _go(options, sweeping, runner, out)
+        return _go(options, sweeping, runner, files)
 
 
-def _go(options: argparse.Namespace, sweeping: Sweeping, runner: Runner, out: Path | None) -> int:
+def _say_finished(options: argparse.Namespace, table: Path, found: Finished) -> int:
+    """Say that there is nothing left to do; return the exit code."""
+    if options.json:
+        _print_json(type="finished", out=str(table), runs=found.runs, failed=found.failed)
+        return HOLDS
+    few = f", {options.runs:,} are asked for" if options.runs is not None and options.runs < found.runs else ""
+    rest = f"{found.failed:,} of them failed" if found.failed else "all of them hold"
+    print(f"{table} is finished: it has the {found.runs:,} runs of these settings{few}, and {rest}; nothing was run")
+    return HOLDS
+
+
+def _go(options: argparse.Namespace, sweeping: Sweeping, runner: Runner, files: TableFiles | None) -> int:
     plan = sweeping.plan
+    out = None if files is None else files.table
     places = Places(
         Path() if out is None else out.parent,
         options.file,
@@ -140,7 +161,8 @@ def _go(options: argparse.Namespace, sweeping: Sweeping, runner: Runner, out: Pa
         done = f"{sweeping.done:,} of {sweeping.runs:,} runs are done"
         print(f"elitescript sweep: ended by Ctrl-C; {done}; {rest}", file=sys.stderr)
         return INTERRUPTED
-    if out is not None:
+    if files is not None:
+        files.finish(sweeping.journal, sweeping.failed)
         sweeping.journal.delete()
     return FAILS if sweeping.failed or any(row.row.failure is not None for row in known) else HOLDS
 

@@ -17,12 +17,15 @@ from elitescript.kernel.arm import named_model
 from elitescript.kernel.options import ROBOT_SECTION
 from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
+from elitescript.paths import why_no_file
 from elitescript.properties.parsing import function_place
+from elitescript.sweep.chaos.profile import is_profile_file, profile_named
 from elitescript.sweep.failures.cases import is_case
 from elitescript.sweep.plans.plan import Plan, Variation
 from elitescript.sweep.plans.python_files import python_texts
 from elitescript.sweep.plans.variations import check_names, grid_size
 from elitescript.sweep.results.page import REPLAYS
+from elitescript.sweep.results.table_files import is_of_sweep
 from elitescript.sweep.results.tables import columns
 from elitescript.world_file import tables_of, world_text
 
@@ -167,8 +170,12 @@ def _with_files(expression: str, python: dict[str, str]) -> str:
 
 
 def _profile_text(chaos: str) -> str:
-    if not chaos.endswith(".toml"):
+    if not chaos or chaos.isidentifier():
         return chaos
+    if is_none := why_no_file(chaos):
+        raise UsageError(f"--chaos {chaos}: it {is_none}")
+    if not is_profile_file(chaos):
+        profile_named(chaos)
     try:
         return Path(chaos).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
@@ -200,6 +207,7 @@ def _task_files(folder: Path, left_out: Collection[Path]) -> dict[str, str]:
             if (
                 name.startswith(".")
                 or is_case(name)
+                or is_of_sweep(name)
                 or path.is_symlink()
                 or not path.is_file()
                 or path.resolve() in left_out

@@ -13,6 +13,7 @@ from types import CodeType, ModuleType
 from typing import Any, Final
 
 from elitescript.errors import UsageError
+from elitescript.paths import why_no_file
 
 BYTES_MAX: Final = 10_000_000
 """Texts of Python files, and files of the task folder, that a plan holds at most."""
@@ -35,6 +36,8 @@ def python_texts(folder: Path, named: Iterable[str]) -> dict[str, str]:
         if name in texts:
             continue
         path = folder / name
+        if is_none := why_no_file(path):
+            raise UsageError(f"cannot read {path}: it {is_none}")
         try:
             texts[name] = path.read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
