@@ -498,15 +498,24 @@ def add_audit(parser: Parser) -> None:
 
     parser.description = (
         "Run the program of a recording on the simulated robot, with the recorded inputs, and say where both part: "
-        "target joints, times, signals. Exit code: 0 they agree, 1 they differ, 2 usage. Needs: pip install "
-        "'elitescript[mcap]'"
+        "target joints, times, signals. Exit code: 0 they agree, 1 they differ or the recording is not "
+        "complete, 2 usage. Needs: pip install 'elitescript[mcap]'"
     )
     parser.add_argument("file", metavar="RUN.mcap", help="a recording of `elitescript record`")
     parser.add_argument("--program", metavar="FILE", help="the program that ran (default: the one in the recording)")
-    add_options(parser, "audit", model={"help": "arm, or its file (default: that of the world, else the recorded one)"})
-    _add_world(parser, "what is around the robot: devices are not in a recording")
+    add_options(
+        parser,
+        "audit",
+        model={
+            "help": "arm, or its file (default: the arm file in the recording, that of the world, the recorded model)"
+        },
+    )
+    _add_world(parser, "what is around the robot (default: the world file in the recording)")
     parser.add_argument(
         "--run", default="all", metavar="N|all", help="which run of a program in the recording (default %(default)s)"
+    )
+    parser.add_argument(
+        "--partial", action="store_true", help="a recording that begins or ends within the program may agree too (0)"
     )
     _add_tolerance(parser)
     parser.add_argument("--fit", metavar="MY_ARM.toml", help="write an arm file with what the recording determines")
