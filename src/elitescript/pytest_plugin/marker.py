@@ -10,6 +10,7 @@ import pytest
 
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.kernel.options import KEYWORDS, OPTIONS, SECTIONS
+from elitescript.pytest_plugin.limits import SETTINGS as LIMITS
 
 MARKER: Final = "elitescript"
 
@@ -18,7 +19,7 @@ ROBOT: Final = "robot"
 WORLD: Final = "world"
 """Keyword of what is around the robot."""
 
-SETTINGS: Final = (ROBOT, WORLD, *KEYWORDS)
+SETTINGS: Final = (ROBOT, WORLD, *KEYWORDS, *LIMITS)
 
 
 def settings_of(node: pytest.Item) -> dict[str, Any]:
@@ -61,7 +62,7 @@ def robot_arguments(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]
     Raises:
         UsageError: a value that makes no sense.
     """
-    arguments = dict(settings)
+    arguments = {name: value for name, value in settings.items() if name not in LIMITS}
     if ROBOT in arguments:
         arguments["model"] = _model(arguments.pop(ROBOT), folder)
     world = arguments.get(WORLD)
@@ -83,6 +84,8 @@ def serve_arguments(settings: Mapping[str, Any], folder: Path) -> list[str]:
     """
     words = []
     for name, value in settings.items():
+        if name in LIMITS:
+            continue
         if name == WORLD and isinstance(value, str | Path):
             words += ["--world", str(folder / value)]
             continue
