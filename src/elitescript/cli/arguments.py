@@ -67,6 +67,7 @@ def add_sweep(parser: Parser) -> None:
     from elitescript.cli.robot_options import add_options
     from elitescript.environment.process import MEMORY_DEFAULT
     from elitescript.sweep.engines.executor import MAX_WALL_S
+    from elitescript.sweep.failures.shrinking import BUDGET
 
     parser.description = (
         "Run a program many times and say what holds. Exit code: 0 all hold, 1 something failed, 2 usage, 3 the "
@@ -116,6 +117,13 @@ def add_sweep(parser: Parser) -> None:
         "--no-cases",
         action="store_true",
         help="write no CASE.toml, and shrink no failure, nor play those that are there",
+    )
+    parser.add_argument(
+        "--shrink-runs",
+        type=int,
+        default=BUDGET,
+        metavar="N",
+        help="runs that making one failure smaller may take (default %(default)s); 0 leaves failures as they are",
     )
     parser.add_argument("--jobs", type=int, metavar="N", help="processes (default: one for each processor)")
     parser.add_argument(

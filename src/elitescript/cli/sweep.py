@@ -24,7 +24,7 @@ from elitescript.page import NOT_BUILT, is_built
 from elitescript.sweep.chaos.properties import properties_of
 from elitescript.sweep.engines.engine import Engine
 from elitescript.sweep.engines.local import LocalEngine
-from elitescript.sweep.failures.findings import KINDS_MAX, Finding, Places, Remembered, find, remembered
+from elitescript.sweep.failures.findings import KINDS_MAX, Finding, Places, Remembered, Shrinkings, find, remembered
 from elitescript.sweep.making import make_plan, runs_of
 from elitescript.sweep.many_runs import cores
 from elitescript.sweep.plans.plan import Plan, Row
@@ -50,6 +50,8 @@ FAILS: Final = 1
 DOES_NOT_COMPILE: Final = 3
 INTERRUPTED: Final = 130
 """Ctrl-C, as shells count it."""
+LINE_S: Final = 10.0
+"""Wall time between two lines of progress where there is no terminal."""
 
 
 def sweep(options: argparse.Namespace) -> int:
@@ -57,6 +59,8 @@ def sweep(options: argparse.Namespace) -> int:
     variations = [parse_variation(text) for text in options.vary]
     out = None if options.out is None else Path(options.out)
     _check_out(options, out)
+    if options.shrink_runs < 0:
+        raise UsageError(f"--shrink-runs must be 0 or more, got {options.shrink_runs}")
     files = None if out is None else TableFiles(out)
     if files is not None:
         files.check()
@@ -152,8 +156,8 @@ def _go(options: argparse.Namespace, sweeping: Sweeping, runner: Runner, files: 
         summary = summary_of(totals, is_random=options.only is None and is_random(plan))
         findings: list[Finding] = []
         if not is_interrupted and not options.no_cases:
-            findings = _findings(totals, runner, engine, places, known)
-    reports.end(summary, findings)
+            findings = _findings(options, totals, runner, engine, places, known)
+    reports.end(summary, findings, len(known))
     if options.page is not None and not is_interrupted:
         _write_pages(options, runner, totals, summary, findings)
     if is_interrupted:
@@ -167,22 +171,55 @@ def _go(options: argparse.Namespace, sweeping: Sweeping, runner: Runner, files: 
     return FAILS if sweeping.failed or any(row.row.failure is not None for row in known) else HOLDS
 
 
-def _findings(totals: Totals, runner: Runner, engine: Engine, places: Places, known: list[Remembered]) -> list[Finding]:
-    """Return the first failures of each kind, shrunk; Ctrl-C leaves out the rest."""
-    found: list[Finding] = []
-    progress = progress_on(sys.stderr)
+def _findings(
+    options: argparse.Namespace,
+    totals: Totals,
+    runner: Runner,
+    engine: Engine,
+    places: Places,
+    known: list[Remembered],
+) -> list[Finding]:
+    """Return the first failures of each kind, shrunk; Ctrl-C leaves them as small as they are."""
     # First one of each mistake, then what other disturbances have led to.
     alike = totals.alike()
     groups = [kinds[0] for kinds in alike] + [group for kinds in alike for group in kinds[1:]]
-    groups = groups[:KINDS_MAX]
-    try:
-        for number, group in enumerate(groups, 1):
-            if progress is not None:
-                progress.note(f"failure {number} of {len(groups)} is made smaller  (Ctrl-C leaves it as it is)")
-            found.append(find(group.rows[0], runner, engine, places, known, found))
-    except KeyboardInterrupt:
-        print("elitescript sweep: ended by Ctrl-C before all failures were made smaller", file=sys.stderr)
-    return found
+    firsts = [group.rows[0] for group in groups[:KINDS_MAX]]
+    progress = _Lines(time.monotonic())
+
+    def note(shrinkings: Shrinkings) -> None:
+        left = shrinkings.waiting
+        done = f"{len(firsts) - left} of {len(firsts)} failures are made smaller, {shrinkings.tried:,} runs for that"
+        progress.note(f"{done}  (Ctrl-C leaves them as they are)", done)
+        if shrinkings.is_interrupted:
+            print("elitescript sweep: ended by Ctrl-C before all failures were made smaller", file=sys.stderr)
+
+    return find(firsts, runner, engine, places, known, budget=options.shrink_runs, note=note)
+
+
+class _Lines:
+    """Shows progress: on a terminal in its status line, elsewhere as a line each `LINE_S`.
+
+    Args:
+        now_s: wall time at the start, s.
+    """
+
+    def __init__(self, now_s: float) -> None:
+        self._progress = progress_on(sys.stderr)
+        self._next_s = now_s + LINE_S
+
+    def note(self, status: str, line: str = "") -> None:
+        """Show it.
+
+        Args:
+            status: on a terminal.
+            line: elsewhere; the same if empty.
+        """
+        if self._progress is not None:
+            self._progress.note(status)
+        elif (now_s := time.monotonic()) >= self._next_s:
+            self._next_s = now_s + LINE_S
+            _note(line or status)
+            sys.stderr.flush()
 
 
 def _write_pages(
@@ -238,16 +275,17 @@ def _note(text: str) -> None:
 
 
 class _Meter:
-    """Shows how far a sweep is, in the status line of a terminal."""
+    """Shows how far a sweep is."""
 
     def __init__(self, sweeping: Sweeping) -> None:
-        self._progress = progress_on(sys.stderr)
+        self._lines = _Lines(time.monotonic())
+        self._runs = sweeping.runs
         self._meter = Meter(sweeping.runs, time.monotonic(), sweeping.done)
 
     def update(self, done: int, failed: int) -> None:
         """Show it."""
-        if self._progress is not None and (text := self._meter.text(done, failed, time.monotonic())):
-            self._progress.note(text)
+        if text := self._meter.text(done, failed, time.monotonic()):
+            self._lines.note(text, f"{done:,} of {self._runs:,} runs are done, {failed:,} of them failed")
 
 
 class _TextReport:
@@ -267,7 +305,7 @@ class _TextReport:
                 words = f"fails otherwise now: {failure.expression}: {failure.text}"
             print(f"{case.path} {words}", file=self._out)
 
-    def end(self, summary: Summary, findings: list[Finding]) -> None:
+    def end(self, summary: Summary, findings: list[Finding], known: int) -> None:
         """Say what was found."""
         for line in summary.lines():
             print(line, file=self._out)
@@ -280,11 +318,23 @@ class _TextReport:
                 for line in finding.story.lines:
                     print(line, file=self._out)
             smaller = f", made smaller in {finding.tried} tries" if finding.tried else ""
+            smaller += "" if finding.is_complete else " and perhaps not the smallest, see --shrink-runs"
             run = f"run {finding.first.choices.run}{smaller}"
             print(f"{run}: elitescript run --case {finding.case}", file=self._out)
             if same:
                 runs = ", ".join(str(other.first.choices.run) for other in same)
-                print(f"made smaller, run{'s' if len(same) > 1 else ''} {runs} came to the same", file=self._out)
+                tries = sum(other.tried for other in same)
+                made = f"made smaller in {tries} tries" if tries else "made smaller"
+                print(f"{made}, run{'s' if len(same) > 1 else ''} {runs} came to the same", file=self._out)
+        if findings or known:
+            numbers = _numbers(summary, findings, known)
+            print(file=self._out)
+            print(
+                f"{numbers['runs']:,} runs of the plan, {numbers['cases_played']} of cases that were there, "
+                f"{numbers['shrink_runs']:,} to make {numbers['shrunk']} of {numbers['kinds']} kinds of failures "
+                f"smaller; {numbers['cases_written']} cases written",
+                file=self._out,
+            )
 
 
 class _JsonReport:
@@ -304,7 +354,7 @@ class _JsonReport:
             row = case.row
             _print_json(type="case", case=str(case.path), state=row.state, failed=row.failed, same=case.is_same)
 
-    def end(self, summary: Summary, findings: list[Finding]) -> None:
+    def end(self, summary: Summary, findings: list[Finding], known: int) -> None:
         """Print what was found."""
         for finding in findings:
             failure = finding.failure
@@ -322,8 +372,24 @@ class _JsonReport:
                 disturbances=[disturbance_data(row) for row in finding.choices.disturbances],
                 story=None if finding.story is None else finding.story.data(),
                 case=str(finding.case),
+                tried=finding.tried,
+                complete=finding.is_complete,
+                written=finding.is_written,
             )
-        _print_json(type="summary", digest=plan_digest(self._plan), **summary.as_json())
+        numbers = _numbers(summary, findings, known)
+        _print_json(type="summary", digest=plan_digest(self._plan), **summary.as_json(), numbers=numbers)
+
+
+def _numbers(summary: Summary, findings: list[Finding], known: int) -> dict[str, int]:
+    """Return how many runs a sweep has made and for what, and what it has written."""
+    return {
+        "runs": summary.runs,
+        "cases_played": known,
+        "shrink_runs": sum(finding.tried for finding in findings),
+        "shrunk": sum(finding.tried > 0 for finding in findings),
+        "kinds": sum(len(kind.after) for kind in summary.kinds),
+        "cases_written": sum(finding.is_written for finding in findings),
+    }
 
 
 def _print_json(**data: Any) -> None:

@@ -116,6 +116,7 @@ class Guard:
         self, robot: VirtualRobot, run: Run, until_s: float | None, watch: Callable[[VirtualRobot], None] | None
     ) -> Iterator[tuple[float | None, Callable[[VirtualRobot], None] | None]]:
         """Hold one run to its limits while the body lets it go on; see `RunObserver.limits`."""
+        __tracebackhide__ = True
         if self._is_guarding:
             # A run within another one, as of a device: that one's limits count.
             yield until_s, watch
@@ -144,6 +145,7 @@ class Guard:
             self._fail(f"{name} was still running after {until_s:g} s of robot time", LIMIT, run)
 
     def _fail(self, what: str, name: str, run: Run) -> None:
+        __tracebackhide__ = True
         until = "; or run(..., until_s=SECONDS)" if name == LIMIT else f" ({run.time_s:.3f} s of robot time)"
         words = (
             f"{what}{until if name == WALL_LIMIT else ''}, the limit of a run in pytest; another one, or 0 for none: "
