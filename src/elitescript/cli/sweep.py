@@ -327,14 +327,24 @@ class _TextReport:
                 made = f"made smaller in {tries} tries" if tries else "made smaller"
                 print(f"{made}, run{'s' if len(same) > 1 else ''} {runs} came to the same", file=self._out)
         if findings or known:
-            numbers = _numbers(summary, findings, known)
             print(file=self._out)
-            print(
-                f"{numbers['runs']:,} runs of the plan, {numbers['cases_played']} of cases that were there, "
-                f"{numbers['shrink_runs']:,} to make {numbers['shrunk']} of {numbers['kinds']} kinds of failures "
-                f"smaller; {numbers['cases_written']} cases written",
-                file=self._out,
-            )
+            print(_spent(_numbers(summary, findings, known)), file=self._out)
+
+
+def _spent(numbers: dict[str, int]) -> str:
+    """Return in words what runs were made for, and what was written."""
+
+    def counted(name: str, one: str, many: str) -> str:
+        return f"{numbers[name]:,} {one if numbers[name] == 1 else many}"
+
+    parts = [counted("runs", "run of the plan", "runs of the plan")]
+    if numbers["cases_played"]:
+        parts.append(counted("cases_played", "of a case that was there", "of cases that were there"))
+    if numbers["shrink_runs"]:
+        parts.append(
+            f"{numbers['shrink_runs']:,} to make {numbers['shrunk']} of {numbers['failed']:,} failures smaller"
+        )
+    return f"{', '.join(parts)}; {counted('cases_written', 'case is', 'cases are')} written"
 
 
 class _JsonReport:
@@ -387,7 +397,7 @@ def _numbers(summary: Summary, findings: list[Finding], known: int) -> dict[str,
         "cases_played": known,
         "shrink_runs": sum(finding.tried for finding in findings),
         "shrunk": sum(finding.tried > 0 for finding in findings),
-        "kinds": sum(len(kind.after) for kind in summary.kinds),
+        "failed": summary.failed,
         "cases_written": sum(finding.is_written for finding in findings),
     }
 

@@ -12,7 +12,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from threading import current_thread, main_thread
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Final
@@ -23,7 +23,7 @@ from elitescript.errors import UsageError
 from elitescript.records import NamedTuple
 
 if TYPE_CHECKING:
-    from elitescript.robot import VirtualRobot
+    from elitescript.robot import VirtualRobot, Watch
     from elitescript.run import Run
 
 LIMIT: Final = "limit_s"
@@ -93,15 +93,17 @@ class Guard:
         descriptor: where the stack is written when the process is ended: standard error, before it is captured.
 
     Attributes:
+        limits_s: see above.
+        is_guarding: whether a run is held.
         exceeded: why runs were ended, in words.
     """
 
-    __slots__ = ("_armed_s", "_descriptor", "_is_guarding", "_limits", "exceeded")
+    __slots__ = ("_armed_s", "_descriptor", "exceeded", "is_guarding", "limits_s")
 
     def __init__(self, limits: Limits, descriptor: int | None) -> None:
-        self._limits = limits
+        self.limits_s = limits
         self._descriptor = descriptor
-        self._is_guarding = False
+        self.is_guarding = False
         self._armed_s: float | None = None
         self.exceeded: list[str] = []
 
@@ -111,40 +113,17 @@ class Guard:
             self._armed_s = None
             faulthandler.cancel_dump_traceback_later()
 
-    @contextmanager
     def limits(
-        self, robot: VirtualRobot, run: Run, until_s: float | None, watch: Callable[[VirtualRobot], None] | None
-    ) -> Iterator[tuple[float | None, Callable[[VirtualRobot], None] | None]]:
+        self, robot: VirtualRobot, run: Run, until_s: float | None, watch: Watch | None
+    ) -> AbstractContextManager[tuple[float | None, Watch | None]]:
         """Hold one run to its limits while the body lets it go on; see `RunObserver.limits`."""
-        __tracebackhide__ = True
-        if self._is_guarding:
+        if self.is_guarding:
             # A run within another one, as of a device: that one's limits count.
-            yield until_s, watch
-            return
-        has_default = until_s is None and self._limits.robot_s is not None
-        if has_default:
-            until_s = self._limits.robot_s
-        self._is_guarding, is_late = True, False
+            return nullcontext((until_s, watch))
+        return _Held(self, robot, run, until_s, watch)
 
-        def late() -> None:
-            nonlocal is_late
-            is_late = True
-            robot.interrupt("time_limit")
-
-        try:
-            with self._timer(late):
-                yield until_s, self._watched(late, watch)
-        except _WallLimit:
-            is_late = True
-        finally:
-            self._is_guarding = False
-        name = os.path.basename(run.unit.source.name)  # noqa: PTH119
-        if is_late:
-            self._fail(f"{name} was still running after {self._limits.wall_s:g} s of wall time", WALL_LIMIT, run)
-        if has_default and run.state == "time_limit" and run.time_s >= (until_s or 0.0):
-            self._fail(f"{name} was still running after {until_s:g} s of robot time", LIMIT, run)
-
-    def _fail(self, what: str, name: str, run: Run) -> None:
+    def fail(self, what: str, name: str, run: Run) -> None:
+        """Let the test fail: a run was ended by the limit of this name."""
         __tracebackhide__ = True
         until = "; or run(..., until_s=SECONDS)" if name == LIMIT else f" ({run.time_s:.3f} s of robot time)"
         words = (
@@ -156,9 +135,9 @@ class Guard:
         pytest.fail(words)
 
     @contextmanager
-    def _timer(self, late: Callable[[], None]) -> Iterator[None]:
+    def timer(self, late: Callable[[], None]) -> Iterator[None]:
         """Call `late` at the limit of wall time, by a timer of the system where that is free."""
-        wall_s = self._limits.wall_s
+        wall_s = self.limits_s.wall_s
         if wall_s is None:
             yield
             return
@@ -184,11 +163,9 @@ class Guard:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
             signal.signal(signal.SIGALRM, signal.SIG_DFL)
 
-    def _watched(
-        self, late: Callable[[], None], watch: Callable[[VirtualRobot], None] | None
-    ) -> Callable[[VirtualRobot], None] | None:
+    def watched(self, late: Callable[[], None], watch: Watch | None) -> Watch | None:
         """Return what is called after each tick: it looks at the clock where there is no timer."""
-        wall_s = self._limits.wall_s
+        wall_s = self.limits_s.wall_s
         if wall_s is None or (_has_timers() and signal.getitimer(signal.ITIMER_REAL)[1] == AGAIN_S):
             return watch
         deadline_s = monotonic() + wall_s
@@ -214,6 +191,44 @@ class Guard:
             return
         self._armed_s = now_s
         faulthandler.dump_traceback_later(wall_s + EXIT_S + _REARM_S, exit=True, file=self._descriptor)
+
+
+class _Held:
+    """Holds one run of a guard to its limits."""
+
+    __slots__ = ("_guard", "_has_default", "_is_late", "_robot", "_run", "_timer", "_until_s", "_watch")
+
+    def __init__(self, guard: Guard, robot: VirtualRobot, run: Run, until_s: float | None, watch: Watch | None) -> None:
+        self._guard = guard
+        self._robot = robot
+        self._run = run
+        self._has_default = until_s is None and guard.limits_s.robot_s is not None
+        self._until_s = guard.limits_s.robot_s if self._has_default else until_s
+        self._watch = watch
+        self._is_late = False
+        self._timer = guard.timer(self._end)
+
+    def _end(self) -> None:
+        self._is_late = True
+        self._robot.interrupt("time_limit")
+
+    def __enter__(self) -> tuple[float | None, Watch | None]:
+        self._guard.is_guarding = True
+        self._timer.__enter__()
+        return self._until_s, self._guard.watched(self._end, self._watch)
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: object) -> None:
+        __tracebackhide__ = True
+        self._timer.__exit__(None, None, None)
+        self._guard.is_guarding = False
+        if error is not None and not isinstance(error, _WallLimit):
+            return
+        run, limits = self._run, self._guard.limits_s
+        name = os.path.basename(run.unit.source.name)  # noqa: PTH119
+        if self._is_late:
+            self._guard.fail(f"{name} was still running after {limits.wall_s:g} s of wall time", WALL_LIMIT, run)
+        if self._has_default and run.state == "time_limit" and run.time_s >= (self._until_s or 0.0):
+            self._guard.fail(f"{name} was still running after {limits.robot_s:g} s of robot time", LIMIT, run)
 
 
 def _has_timers() -> bool:
