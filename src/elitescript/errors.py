@@ -96,6 +96,7 @@ _ROWS: Final = (
     Code("W271", "warning", "write to an output that follows the state of the task"),
     Code("W272", "warning", "reading that begins with the line end of the one before"),
     Code("W273", "warning", "arm, tool or payload that touches something"),
+    Code("W274", "warning", "connection that the options of the robot do not let through"),
     # What contradicts the command catalogue; a program may catch it, so it starts unless it is strict.
     Code("E301", "error", "unknown command"),
     Code("E302", "error", "command of a newer firmware"),
@@ -151,8 +152,16 @@ class ElitescriptError(Exception):
     """Root of the errors that this library raises to its Python callers."""
 
 
+TEXT_MAX: Final = 4000
+"""Characters of the message of a `UsageError`."""
+
+
 class UsageError(ElitescriptError):
     """The caller of this library or of the command line passed an invalid value."""
+
+    def __init__(self, text: str = "") -> None:
+        # A message may quote a value of a file that somebody else wrote.
+        super().__init__(text if len(text) <= TEXT_MAX else f"{text[:TEXT_MAX]}... ({len(text)} characters)")
 
 
 class InternalError(ElitescriptError):
@@ -276,6 +285,10 @@ class ScriptStateError(ScriptError, RuntimeError):
     """The command is not possible in the present state of program or machine."""
 
     default_code = "R115"
+
+
+class ArmNotReadyError(ScriptStateError):
+    """The arm has no power, or its brakes are engaged."""
 
 
 class ScriptPermissionError(ScriptError, PermissionError):

@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 
 from elitescript.kernel import RobotOptions
+from elitescript.kernel.bursts import REPORTED_MAX
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import Alarm
+from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.inputs import Interpret, InterpreterWord, Query, RunUnit
 from elitescript.messages.machine import PauseTask, ResumeTask, StopTask
 from elitescript.messages.outcomes import Outcome, QueryFailed, ShownValue
@@ -386,6 +387,36 @@ class TestQueries:
     )
     def test_each_gets_one_answer(self, text, reply):
         assert self.ask(Session(), text) == [reply]
+
+    @pytest.mark.parametrize(
+        ("text", "why"),
+        [
+            ("no_such_name", "NameError: name 'no_such_name' is not defined"),
+            ("sleep(1)", "sleep"),
+            ("[0 for i in iter(int, 1)]", "it was stopped: it ended itself, or took more than 0.1 s of robot time"),
+            ("'x' * 70000", "the value has 70002 characters, 65536 are allowed"),
+            ("halt()", "it was stopped: it ended itself"),
+            ("1 / 0", "ZeroDivisionError: "),
+            ("1 +", "something is missing behind `+`"),
+            ("x = 1", "expression"),
+        ],
+    )
+    def test_the_log_says_why_one_fails(self, text, why):
+        session = Session()
+        assert not isinstance(self.ask(session, text)[0], ShownValue)
+        said = [event.text for event in session.of(Warned)]
+        assert len(said) == 1
+        assert said[0].startswith(f"query#1: `{text}` failed: ")
+        assert why in said[0]
+
+    def test_a_client_that_repeats_one_that_fails_does_not_fill_the_log(self):
+        session = Session()
+        for number in range(100):
+            session.send(Query(f"query#1/{number}", "nothing"))
+        session.run(2.5)
+        said = [event.text for event in session.of(Warned)]
+        assert len(said) == REPORTED_MAX + 1
+        assert said[-1] == f"query#1 sent {100 - REPORTED_MAX} more requests that failed"
 
     def test_it_is_answered_in_the_tick_in_which_it_came(self):
         assert Session().send(Query("query#1/1", "1")).replies == (Reply("query#1/1", ShownValue("1")),)

@@ -31,6 +31,7 @@ SOURCE = Path(__file__).parents[2] / "src" / "elitescript"
 BY_HAND = {
     "model": "CS66",
     "firmware": "2.14",
+    "controller_version": "",
     "seed": 0,
     "epoch_s": datetime(2024, 1, 1, tzinfo=UTC).timestamp(),
     "joints": None,
@@ -39,16 +40,20 @@ BY_HAND = {
     "remote": True,
     "robot_id": "elitescript",
     "serial_number": "ES0000000001",
+    "query_form": "bracketed",
     "configuration": "default.configuration",
     "safety": None,
     "contact": None,
     "plant": None,
     "work_per_tick": 2000,
     "rpc_timeout_s": 60.0,
+    "network": "local",
     "strict": False,
     "confirms_popups": False,
 }
 """What users may set, with the defaults."""
+
+NETWORK = 'network must be "none", "local", "all" or addresses such as "192.168.1.5:502,camera.local"'
 
 
 def test_the_defaults_are_those_that_are_promised():
@@ -70,11 +75,21 @@ def test_the_defaults_are_those_that_are_promised():
         ("speed", None, "speed must be a number, got None"),
         ("rpc_timeout_s", float("inf"), "rpc_timeout_s must be finite, in s, got inf"),
         ("rpc_timeout_s", [1], "rpc_timeout_s must be a number in s, got [1]"),
+        ("network", 1, f"{NETWORK}, got 1"),
+        ("network", "", f"{NETWORK}, got '': write HOST[:PORT], a network such as 192.168.1.0/24, local, all or none"),
+        ("network", "none,all", f"{NETWORK}, got 'none,all': "),
+        ("network", "10.0.0.1:0", f"{NETWORK}, got '10.0.0.1:0': a port is a number from 1 to 65535"),
         ("seed", 1.0, "seed must be a whole number, got 1.0"),
         ("seed", True, "seed must be a whole number, got True"),
         ("work_per_tick", 0, "work_per_tick must be a whole number >= 1, got 0"),
         ("firmware", "2.13", """firmware must be "2.10" or "2.14", got '2.13'"""),
         ("firmware", 2.14, """firmware must be "2.10" or "2.14", got 2.14"""),
+        ("controller_version", 2.15, "controller_version must be a version such as 2.15.0.0, got 2.15"),
+        ("controller_version", "2", "controller_version must be a version such as 2.15.0.0, each part up to 255; got"),
+        ("controller_version", "2.15.0.0.1", "controller_version must be a version such as 2.15.0.0, each part up to"),
+        ("controller_version", "2.256", "controller_version must be a version such as 2.15.0.0, each part up to 255"),
+        ("controller_version", "2.-1", "controller_version must be a version such as 2.15.0.0, each part up to 255"),
+        ("query_form", "json", """query_form must be "bracketed" or "plain", got 'json'"""),
         ("strict", 1, "strict must be true or false, got 1"),
         ("robot_id", 7, "robot_id must be a text, got 7"),
         ("joints", [0.0] * 5, "joints must be six numbers in rad, got 5"),

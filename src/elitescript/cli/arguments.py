@@ -206,6 +206,13 @@ def add_check(parser: Parser) -> None:
     parser.add_argument("--fix", action="store_true", help="make the repairs that are safe; of - to standard output")
     parser.add_argument("--explain", metavar="CODE", help="say what a code such as E303 means, with an example")
     parser.add_argument(
+        "--reach",
+        action="store_true",
+        help="list every address, port, serial port and file that the programs name, and whether the options let it "
+        "through, in place of problems",
+    )
+    _add_serial(parser)
+    parser.add_argument(
         "--world", metavar="FILE", help="what is around the robot: its options and the joint ranges of its safety count"
     )
     _add_color(parser)
@@ -268,7 +275,13 @@ def add_serve(parser: Parser) -> None:
         "Serve virtual controllers: primary port, RTSI, dashboard and the others. A line that starts with `ready` "
         "names every port once all are open; then the programs' messages and errors follow. Ctrl-C ends it."
     )
-    parser.add_argument("--host", default="127.0.0.1", metavar="ADDRESS", help="where to listen (default %(default)s)")
+    parser.add_argument(
+        "--host",
+        default="127.0.0.1",
+        metavar="ADDRESS",
+        help="where to listen (default %(default)s); 127.0.0.11-13: three --robots, each with an own address and "
+        "the usual ports",
+    )
     parser.add_argument(
         "--trust-network",
         action="store_true",

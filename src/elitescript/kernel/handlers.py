@@ -124,7 +124,7 @@ class InputHandlers:
         self.is_remote = options.remote
         self.replies: list[Reply] = []
         self._logs = InterpreterLogs(environment.files) if has_logs else None
-        self.conversations: Conversations = Conversations(self._host, self._reply, self._logs)
+        self.conversations: Conversations = Conversations(self._host, self._reply, self._warn, self._logs)
         self.programs: Programs = Programs(
             self._controller, self._host, self._profile, model, environment, is_strict=options.strict, probe=probe
         )
@@ -156,8 +156,8 @@ class InputHandlers:
         return result
 
     def _take(self, inputs: Sequence[Input]) -> None:
-        self.conversations.go_on()
-        self.programs.go_on()
+        self.conversations.go_on(self._controller.tick)
+        self.programs.go_on(self._do)
         if self._faulty is not None:
             for event in self._faulty.arrivals(self._controller.tick):
                 self.channel_event(event)
@@ -166,10 +166,18 @@ class InputHandlers:
         if (late := self.tasks.due()) is not None:
             self._reply(*late)
 
+    def _warn(self, text: str) -> None:
+        self._controller.emit(Warned(self._controller.tick, text))
+
     def _reply(self, origin: str, outcome: Outcome) -> None:
         self.replies.append(Reply(origin, outcome))
 
     # ---------------------------------------------------------------- the machine
+
+    def _take_request(self, item: Do) -> None:
+        """Do what is asked, unless its client has sent a line or a program before it that has not run."""
+        if item.is_answered or not self.programs.has_queued(item):
+            self._do(item)
 
     def _do(self, item: Do) -> None:
         why_not = self._attempt(item.request, cause_of(item.origin))
@@ -182,6 +190,7 @@ class InputHandlers:
         """Do what is asked; return why it cannot be done, empty if it is."""
         if isinstance(request, StopTask):
             self.tasks.stop()
+            self.programs.drop("the task was stopped")
             if self._controller.task_state is TaskState.STOPPED:
                 return ""
         try:
@@ -207,6 +216,7 @@ class InputHandlers:
         self._controller.request(AskSafety("restart_safety", "the controller was started anew"))
         close_lines(self._host.background.lines, self._host.connections)
         self._popup.close()
+        self.programs.drop("the controller was started anew")
         self.tasks.forget()
         self._host.background.close()
 
@@ -297,8 +307,8 @@ def _check_point(request: object) -> None:
 
 
 HANDLERS: Final[dict[type, Callable[[InputHandlers, Any], None]]] = {
-    Do: InputHandlers._do,
-    RunUnit: lambda handlers, item: handlers.programs.run(item),
+    Do: InputHandlers._take_request,
+    RunUnit: lambda handlers, item: handlers.programs.take(item),
     **dict.fromkeys((LoadTask, LoadConfiguration, PlayTask, SetVariable, GetVariable), InputHandlers._task_input),
     Interpret: lambda handlers, item: handlers.conversations.interpret(item),
     InterpreterWord: lambda handlers, item: handlers.conversations.word(item),

@@ -19,8 +19,9 @@ from typing import TYPE_CHECKING, Any, Final
 from elitescript.controller.modes import AT_ONCE, REALISTIC, PowerTimes
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.messages.motion import Six
-from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
+from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES, PUBLISHED, version_of, version_text
 from elitescript.messages.signals import Value
+from elitescript.messages.snapshot import BRACKETED, QUERY_FORMS
 from elitescript.messages.timing import RPC_TIMEOUT_S, WORK_PER_TICK
 from elitescript.records import NamedTuple, field, fields_of, record
 
@@ -128,6 +129,42 @@ class Text(NamedTuple):
         return value
 
 
+class Network:
+    """What programs reach outside of their world; see `environment.reach`."""
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        return '"none", "local", "all" or addresses such as "192.168.1.5:502,camera.local"'
+
+    def accept(self, value: Any) -> str:
+        if value in ("none", "local", "all"):
+            return str(value)
+        if not isinstance(value, str):
+            raise UsageError(f"must be {self}, got {value!r}")
+        # Few robots name addresses.
+        from elitescript.environment.addresses import parse_values
+
+        try:
+            return ",".join(parse_values([value], "--network")[2])
+        except UsageError as error:
+            raise UsageError(f"must be {self}, got {value!r}: {str(error).partition(': ')[2]}") from None
+
+
+class VersionText:
+    """Versions of the controller as text, or an empty text."""
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        return f"a version such as {version_text(PUBLISHED)}"
+
+    def accept(self, value: Any) -> str:
+        if not isinstance(value, str):
+            raise UsageError(f"must be {self}, got {value!r}")
+        return version_text(version_of(value)) if value else ""
+
+
 class Joints:
     """Six joint positions in rad, or None; their ranges are those of the model."""
 
@@ -184,7 +221,7 @@ class Option(NamedTuple):
 
     text: str
     """What it means, with the unit."""
-    kind: Number | Whole | Switch | Text | Joints | Section | None = None
+    kind: Number | Whole | Switch | Text | Network | VersionText | Joints | Section | None = None
     """What values it takes; None for what only this package sets."""
     default_text: str = ""
     """The default in words, where the value says too little."""
@@ -224,6 +261,15 @@ class RobotOptions:
         Text(tuple(PROFILES)),
         flag="--firmware",
         commands=("run", "sweep", "plot", "check", "serve", "studio", "audit", "shadow"),
+    )
+    controller_version: str = option(
+        "",
+        "version that clients and programs are told; what the robot can do is that of the firmware",
+        VersionText(),
+        default_text=", ".join(f"{version_text(row.version)} of firmware {name}" for name, row in PROFILES.items()),
+        flag="--controller-version",
+        metavar="A.B.C.D",
+        commands=("run", "serve"),
     )
     seed: int = option(
         0,
@@ -273,6 +319,13 @@ class RobotOptions:
     )
     robot_id: str = option("elitescript", "name of the robot that clients are shown", Text())
     serial_number: str = option("ES0000000001", "serial number that clients are shown", Text())
+    query_form: str = option(
+        BRACKETED,
+        "form of the replies of the query port: `[ID] [success] : [VALUE]` without exponents, or `ID success : VALUE`",
+        Text(QUERY_FORMS),
+        flag="--query-form",
+        commands=("serve",),
+    )
     configuration: str = option(
         "default.configuration", "path of the configuration that is loaded at the start", Text()
     )
@@ -302,6 +355,15 @@ class RobotOptions:
         flag="--rpc-timeout",
         metavar="SECONDS",
         commands=("run", "sweep", "serve"),
+    )
+    network: str = option(
+        "local",
+        "what programs reach besides what is beside the robot in its world: none; local, the loopback addresses of "
+        "this computer; HOST[:PORT],..., these as well; all",
+        Network(),
+        flag="--network",
+        metavar="WHAT",
+        commands=("run", "plot", "check"),
     )
     strict: bool = option(
         False,

@@ -56,6 +56,8 @@ class Popup:
 
 UNDELIVERED: Final = "W270"
 """Code of warnings about data that a program sent and that did not arrive."""
+BARRED: Final = "W274"
+"""Code of warnings about connections that the options of the robot do not let through."""
 
 
 @record
@@ -220,6 +222,8 @@ class TaskStateChanged:
     """Of the program."""
     ending: str = ""
     """How it ended: `finished`, `alarm` or `stopped`; empty while it runs."""
+    replaced_by: str = ""
+    """What began in its place: a program or a line and its client, in words."""
 
 
 @record

@@ -7,6 +7,7 @@ else, so that they agree about a tick.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Final
 
 from elitescript.messages.enums import AnalogDomain
 from elitescript.messages.motion import Six
@@ -15,6 +16,11 @@ from elitescript.messages.state import RobotState
 from elitescript.records import record
 
 Three = tuple[float, float, float]
+
+BRACKETED: Final = "bracketed"
+PLAIN: Final = "plain"
+QUERY_FORMS: Final = (BRACKETED, PLAIN)
+"""Forms of the replies of the query port, see `protocol.query`."""
 
 
 @record
@@ -96,8 +102,10 @@ class RobotDescription:
     """Number of the model on the wire."""
     serial_number: str
     robot_id: str
-    firmware: tuple[int, int, int, int]
-    """Version of the controller: major, minor, bug fix, build."""
+    firmware: tuple[int, int]
+    """Release of the firmware whose ports the robot has."""
+    version: tuple[int, int, int, int]
+    """That clients are shown: major, minor, bug fix, build."""
     q_min: Six
     q_max: Six
     """rad"""
@@ -117,3 +125,5 @@ class RobotDescription:
     safety_checksum: int
     operational_mode: int = -1
     """0 manual, 1 automatic, -1 not reported."""
+    query_form: str = BRACKETED
+    """How the query port writes its replies, one of `QUERY_FORMS`."""

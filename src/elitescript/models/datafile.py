@@ -20,16 +20,14 @@ from typing import Any, Final
 
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.kinematics.limits import JointVector
-from elitescript.paths import why_no_file
 from elitescript.records import NamedTuple
+from elitescript.untrusted import files as untrusted_files
 
 EVIDENCE: Final = ("documented", "observed", "assumed")
 """Kinds of evidence: written by the maker, seen on a real robot, or chosen here."""
 
 MODEL_FOLDER: Final = Path(__file__).parent
 COMMON_FILE: Final = "common.toml"
-MAX_FILE_BYTES: Final = 1_000_000
-"""A model file has some kilobytes; a larger one is not a model file."""
 
 
 class NumberSource(NamedTuple):
@@ -242,6 +240,10 @@ class DataFile:
             self._entries[key] = Entry(file, raw, in_degrees, source, item.get("why", ""))
 
 
+NAME_MAX: Final = 255
+"""Bytes of the name of a model, and of each part of the path of a file, as most systems have it."""
+PATH_MAX: Final = 4096
+
 UNPUBLISHED: Final[Mapping[str, str]] = {
     "CS68": "CS66",
     "CS616-9": "CS616",
@@ -273,10 +275,11 @@ def packaged(name: str) -> tuple[str, dict[str, Any]]:
     Raises:
         UsageError: no such model.
     """
-    path = MODEL_FOLDER / f"{name.lower()}.toml"
-    if name.isalnum() and path.name != COMMON_FILE and path.is_file():
-        return path.name, written_out(path.name)
+    check_name(name)
     names = known_names()
+    if name.upper() in names:
+        file = f"{name.lower()}.toml"
+        return file, written_out(file)
     if (arm := name.upper().replace("_", "-")) in UNPUBLISHED:
         raise UsageError(
             f"the arm {arm} exists, but its lengths and limits are not public, so there is no robot model {name!r}; "
@@ -287,6 +290,30 @@ def packaged(name: str) -> tuple[str, dict[str, Any]]:
     raise UsageError(
         f"there is no robot model {name!r}{did_you_mean(name.upper(), names)} (models: {', '.join(names)})"
     )
+
+
+def check_name(name: str) -> None:
+    """Refuse what is neither the name of a model nor the path of a file, before anything is looked for.
+
+    Args:
+        name: as somebody gave it: on a command line, in a file, in a message.
+
+    Raises:
+        UsageError: it is too long, or has a character that no name has.
+    """
+    strange = next((character for character in name if not character.isprintable()), "")
+    if strange:
+        raise UsageError(f"the name of a robot is one line of text: {_begin(name)!r} has {strange!r}")
+    parts = name.replace("\\", "/").split("/")
+    if len(name) > PATH_MAX or any(len(part.encode()) > NAME_MAX for part in parts):
+        raise UsageError(
+            f"the name of a robot has at most {NAME_MAX} bytes, the path of its file {PATH_MAX} characters: "
+            f"{_begin(name)!r}... has {len(name)}"
+        )
+
+
+def _begin(name: str) -> str:
+    return name[:40]
 
 
 def written_out(file: str) -> dict[str, Any]:
@@ -304,19 +331,8 @@ def read_text(path: Path) -> str:
     Raises:
         UsageError: it cannot be read, is too large for a model file or is not UTF-8.
     """
-    if why := why_no_file(path, is_stream_allowed=True):
-        raise UsageError(f"{path}: cannot be read: it {why}")
-    try:
-        with path.open("rb") as file:
-            data = file.read(MAX_FILE_BYTES + 1)
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be read: {error.strerror}") from None
-    if len(data) > MAX_FILE_BYTES:
-        raise UsageError(f"{path.name}: larger than {MAX_FILE_BYTES} bytes; this is not a model file")
-    try:
-        return data.decode()
-    except UnicodeDecodeError as error:
-        raise UsageError(f"{path.name}: not UTF-8 at byte {error.start}") from None
+    check_name(str(path))
+    return untrusted_files.read_text(path, untrusted_files.ARM, is_stream_allowed=True)
 
 
 _ENTRY_FIELDS: Final = frozenset(("value", "deg", "source", "why"))
@@ -369,14 +385,9 @@ def parsed(file: str, text: str) -> dict[str, Any]:
         UsageError: not TOML.
     """
     # Not at the top: the parser takes longer to import than a model to load.
-    import tomllib
+    from elitescript.untrusted.toml_text import toml_tables
 
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise UsageError(f"{file}: not TOML: {error}") from None
-    except RecursionError:
-        raise UsageError(f"{file}: not a model file: nested too deep") from None
+    return toml_tables(text, file, untrusted_files.ARM.noun)
 
 
 def _text(file: str, key: str, value: Any) -> str:

@@ -16,15 +16,22 @@ from datetime import UTC, datetime
 from hashlib import sha256
 from pathlib import Path
 from secrets import token_hex
+from time import time
 from typing import Any, Final
 
+from elitescript.errors import UsageError
 from elitescript.records import NamedTuple
+from elitescript.untrusted.files import Kind, read_bytes
+from elitescript.untrusted.json_text import JsonError, json_value
 
 DRAFTS_MAX: Final = 8
 """Drafts of one program; the oldest go."""
 
 DRAFT_BYTES_MAX: Final = 32 << 20
 """Largest draft that is read; a character of a text takes up to 12 bytes."""
+
+UNFINISHED_S: Final = 60.0
+"""Age from which on a file that was not put in its place never will be, s."""
 
 SETTINGS_BYTES_MAX: Final = 64 << 10
 """Size of the settings of the page as JSON; larger ones are not kept."""
@@ -89,6 +96,14 @@ class Memory:
         _write(self._file(program, owner), {"path": str(program), **Draft(text, seen, _now(), owner)._asdict()})
         for draft in self.drafts(program)[DRAFTS_MAX:]:
             self.drop(program, draft.owner)
+        self._sweep()
+
+    def _sweep(self) -> None:
+        """Remove what processes that were killed in the middle of a write have left."""
+        for path in (self._folder / "drafts").glob("*.json.*"):
+            with suppress(OSError):
+                if time() - path.stat().st_mtime > UNFINISHED_S:
+                    path.unlink()
 
     def drop(self, program: Path, *owners: str) -> None:
         """Remove the drafts of some conversations.
@@ -144,10 +159,8 @@ def _draft(row: Mapping[str, Any]) -> Draft | None:
 def _read(path: Path, size_max: int) -> dict[str, Any]:
     """Return the object in a file; empty if there is none that makes sense."""
     try:
-        if path.stat().st_size > size_max:
-            return {}
-        found = json.loads(path.read_bytes())
-    except (OSError, ValueError, RecursionError):
+        found = json_value(read_bytes(path, Kind("file of the studio", size_max)))
+    except (UsageError, JsonError):
         return {}
     return found if isinstance(found, dict) else {}
 

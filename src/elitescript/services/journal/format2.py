@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any, Final
 
 from elitescript.codec.json_text import to_text
@@ -19,10 +18,12 @@ from elitescript.messages.inputs import AddFault, EndFaults, Input, Query
 from elitescript.messages.machine import DisturbInput
 from elitescript.messages.outcomes import InterpreterOutcome, Refused, RegistersRead, ShownValue
 from elitescript.messages.outputs import NOT_CONNECTED, Output, Reply
+from elitescript.messages.snapshot import PLAIN
 from elitescript.protocol import interpreter, query
 from elitescript.records import fields_of, replace
 from elitescript.services.options_data import options_from_data
 from elitescript.services.output_text import without_points
+from elitescript.untrusted.json_text import json_value
 
 FORMAT: Final = 2
 
@@ -134,7 +135,7 @@ class Format2:
     def _reply_text(self, reply: Reply) -> str:
         ident = self._idents.get(reply.origin)
         if ident is not None:
-            return query.reply_text(ident, reply.outcome)
+            return query.reply_text(ident, reply.outcome, PLAIN)
         match reply.outcome:
             case Refused(reason):
                 return f"refused: {reason}"
@@ -154,9 +155,9 @@ def _channel_error(reason: str) -> ChannelError:
 
 def _fault(text: Any) -> ChannelFault | DisturbInput:
     try:
-        settings = json.loads(text)
+        settings = json_value(text)
         if type(settings) is dict:
             return machine_fault(fault_from(settings))
     except (ValueError, TypeError, RecursionError, UsageError) as error:
-        raise CodecError(f"no fault: {error}") from None
+        raise CodecError(f"no fault: {str(error)[:200]}") from None
     raise CodecError("no fault: it must be an object")

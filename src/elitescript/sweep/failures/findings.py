@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from elitescript.errors import UsageError
 from elitescript.models.model import is_model_file
+from elitescript.paths import real_path
 from elitescript.records import field, record
 from elitescript.sweep.chaos.ground import Ears
 from elitescript.sweep.engines.engine import Engine
@@ -291,10 +292,10 @@ def remembered(runner: Runner, engine: Engine, places: Places, note: Callable[[s
         except UsageError as error:
             note(f"{error}; this case is not played")
             continue
-        program = (path.parent / case.program).resolve()
-        world = (path.parent / case.world).resolve() if case.world else None
-        is_ours = program == Path(places.program).resolve() and set(case.values) == names
-        if not is_ours or world != (Path(places.world).resolve() if places.world else None):
+        program = real_path(path.parent / case.program)
+        world = real_path(path.parent / case.world) if case.world else None
+        is_ours = program == real_path(places.program) and set(case.values) == names
+        if not is_ours or world != (real_path(places.world) if places.world else None):
             continue
         cases.append((path, case))
     rows = engine.rows_of(plan, [case.choices for _, case in cases])

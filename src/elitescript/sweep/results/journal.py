@@ -16,8 +16,10 @@ from zlib import crc32
 
 from elitescript.environment.state_file import Disk
 from elitescript.errors import InternalError, UsageError
+from elitescript.paths import why_no_file
 from elitescript.sweep.plans.plan import Plan, Row
 from elitescript.sweep.plans.plan_json import data_digest, plan_data, row_data, row_of
+from elitescript.untrusted.json_text import json_value
 
 LINE_MAX: Final = 1 << 28
 """Bytes of a line at most: those of 10,000 rows are some MB."""
@@ -208,7 +210,7 @@ def content_of(line: bytes) -> Any:
     if not line.endswith(b"\n") or checksum != b"%08x\n" % crc32(text):
         return None
     try:
-        return json.loads(text)
+        return json_value(text, depth_max=None)
     except (ValueError, RecursionError):
         return None
 
@@ -228,6 +230,8 @@ def _locked(path: Path) -> IO[bytes]:
     Raises:
         UsageError: another process has it, or it cannot be opened.
     """
+    if why := why_no_file(path):
+        raise UsageError(f"{path} {why}")
     try:
         return Disk().lock(path)
     except BlockingIOError:

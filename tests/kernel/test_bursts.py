@@ -1,7 +1,7 @@
-"""Lines that are no script: told one by one as long as they are few."""
+"""What clients send that fails: told one by one as long as it is little."""
 
 from elitescript.kernel import Kernel, RobotOptions
-from elitescript.kernel.invalid_lines import BURST_TICKS, REPORT_TICKS, REPORTED_MAX
+from elitescript.kernel.bursts import BURST_TICKS, REPORT_TICKS, REPORTED_MAX
 from elitescript.messages.events import Alarm, Event, Warned
 from elitescript.messages.inputs import RunUnit
 
