@@ -345,6 +345,13 @@ class VirtualRobot:
             trace_signals=trace_signals,
             trace_window_s=trace_window_s,
         )
+        if OBSERVATION.observer is None:
+            return self._run_through(run, until_s, pace, watch)
+        with OBSERVATION.observer.limits(self, run, until_s, watch) as (until_s, watch):
+            self._run_through(run, until_s, pace, watch)
+        return run
+
+    def _run_through(self, run: Run, until_s: float | None, pace: Pace | None, watch: Watch | None) -> Run:
         limit = None if until_s is None else self.tick + ticks_for(until_s)
         try:
             with interrupts_passed_to(self.interrupt):
