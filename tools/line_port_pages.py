@@ -16,7 +16,7 @@ from elitescript.kernel.interpreter_logs import (
 )
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.outcomes import ShownValue, StatementAccepted, StatementDiscarded
-from elitescript.messages.snapshot import PLAIN
+from elitescript.messages.profile import PLAIN
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol import interpreter, query
 from elitescript.protocol.dashboard import answers as dashboard_answers

@@ -8,9 +8,10 @@ from dataclasses import replace
 import pytest
 
 from elitescript.messages.events import Alarm
-from elitescript.messages.inputs import Query
+from elitescript.messages.inputs import AddLog, Query
 from elitescript.messages.outcomes import QueryFailed, ShownValue
 from elitescript.messages.outputs import Reply
+from elitescript.protocol.bursts import REPORTED_MAX
 from elitescript.protocol.query import LINES_PER_TICK, WAITING_LIMIT, QueryConnection, reply_text, without_exponents
 from tests.protocol.line_peer import Peer
 
@@ -158,3 +159,26 @@ def test_the_plain_form_is_that_of_the_article() -> None:
     peer.send(b"req 1 a\nreq 2 b\n")
     answers = peer.tick(Reply("peer#1/1", ShownValue("-6.1e-17")), Reply("peer#1/2", QueryFailed(is_compiled=True)))
     assert answers == [b"1 success : -6.1e-17\n", b"2 failure : execute failed\n"]
+
+
+def warnings(peer: Peer) -> list[str]:
+    return [item.text for item in peer.inputs if isinstance(item, AddLog)]
+
+
+def test_the_log_says_why_a_request_failed() -> None:
+    peer = Peer(QueryConnection)
+    peer.send(b"req 1 nothing()\n")
+    assert peer.tick(Reply("peer#1/1", QueryFailed(is_compiled=True, why="NameError: no")))
+    assert warnings(peer) == ["peer#1: `nothing()` failed: NameError: no"]
+
+
+def test_a_client_that_repeats_what_fails_does_not_fill_the_log() -> None:
+    peer = Peer(QueryConnection)
+    for number in range(1, 101):
+        peer.send(b"req 1 f()\n")
+        peer.tick(Reply(f"peer#1/{number}", QueryFailed(is_compiled=True, why="no")), ticks=1)
+    for _ in range(300):
+        peer.tick(ticks=1)
+    assert len(warnings(peer)) == REPORTED_MAX + 1
+    assert warnings(peer)[-1] == f"peer#1 sent {100 - REPORTED_MAX} more requests that failed"
+    assert peer.connection.next_tick(1000) is None

@@ -159,6 +159,7 @@ def test_garbage_closes_one_connection_and_no_other() -> None:
         async with serving() as scene:
             good, bad = await scene.connect("rtsi"), await scene.connect("rtsi")
             bad.send(b"\0\0\0")
+            assert (await bad.rtsi())[1].endswith(b"a message has at least 3 bytes, not 0")
             assert await bad.reader.read() == b""
             good.send(rtsi_client.message("V", b"\0\1"))
             assert await good.rtsi() == ("V", b"\1")

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import Final, Generic, TypeVar
 
 from elitescript.errors import ProgramError, ScriptError
-from elitescript.kernel.bursts import BurstLimiter
 from elitescript.kernel.interpreter_logs import InterpreterLogs
 from elitescript.messages.enums import DiscardReason
 from elitescript.messages.inputs import Interpret, InterpreterWord, Query
@@ -22,7 +21,6 @@ from elitescript.messages.outcomes import (
     StatementNumber,
 )
 from elitescript.protocol.interpreter import QUEUE_LIMIT, reply_text
-from elitescript.protocol.lines import shown
 from elitescript.runtime.alarms import text_of
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.queries import QUEUE_MAX
@@ -46,21 +44,15 @@ class Conversations:
     Args:
         host: runs statements and queries.
         reply: sends an answer.
-        warn: takes a line for the log.
         logs: of interpreter mode; none if None.
     """
 
-    __slots__ = ("_failed_queries", "_host", "_logs", "_queries", "_reply", "_statements", "_tick", "_warn")
+    __slots__ = ("_host", "_logs", "_queries", "_reply", "_statements")
 
-    def __init__(
-        self, host: ScriptHost, reply: Reply, warn: Callable[[str], None], logs: InterpreterLogs | None = None
-    ) -> None:
+    def __init__(self, host: ScriptHost, reply: Reply, logs: InterpreterLogs | None = None) -> None:
         self._host = host
         self._reply = reply
-        self._warn = warn
         self._logs = logs
-        self._tick = 0
-        self._failed_queries = BurstLimiter(warn, "request", "that failed")
         self._statements: _Turns[Interpret | InterpreterWord] = _Turns(self._say, STATEMENT_WORK, QUEUE_LIMIT)
         self._queries: _Turns[Query] = _Turns(self._ask, QUERY_WORK, QUEUE_MAX)
         host.interpreter.answers = self
@@ -85,13 +77,11 @@ class Conversations:
 
     @property
     def is_waiting(self) -> bool:
-        """Whether statements or queries wait for the next tick, or a report of failed ones."""
-        return self._statements.is_waiting or self._queries.is_waiting or self._failed_queries.is_counting
+        """Whether statements or queries wait for the next tick."""
+        return self._statements.is_waiting or self._queries.is_waiting
 
-    def go_on(self, tick: int) -> None:
+    def go_on(self) -> None:
         """Begin a tick: what waits comes before the inputs of the tick."""
-        self._tick = tick
-        self._failed_queries.go_on(tick)
         self._statements.go_on()
         self._queries.go_on()
 
@@ -149,11 +139,7 @@ class Conversations:
             self._fail(item, text_of(error), is_compiled=not isinstance(error, ProgramError))
 
     def _fail(self, item: Query, why: str, *, is_compiled: bool = True) -> None:
-        """Answer that a query failed, which says nothing of the reason; that goes to the log."""
-        self._reply(item.origin, QueryFailed(is_compiled=is_compiled))
-        client = item.origin.partition("/")[0]
-        if self._failed_queries.is_reported(client, self._tick):
-            self._warn(f"{client}: `{shown(item.text)}` failed: {why}")
+        self._reply(item.origin, QueryFailed(is_compiled=is_compiled, why=why))
 
 
 Item = TypeVar("Item")

@@ -124,7 +124,7 @@ class InputHandlers:
         self.is_remote = options.remote
         self.replies: list[Reply] = []
         self._logs = InterpreterLogs(environment.files) if has_logs else None
-        self.conversations: Conversations = Conversations(self._host, self._reply, self._warn, self._logs)
+        self.conversations: Conversations = Conversations(self._host, self._reply, self._logs)
         self.programs: Programs = Programs(
             self._controller, self._host, self._profile, model, environment, is_strict=options.strict, probe=probe
         )
@@ -156,7 +156,7 @@ class InputHandlers:
         return result
 
     def _take(self, inputs: Sequence[Input]) -> None:
-        self.conversations.go_on(self._controller.tick)
+        self.conversations.go_on()
         self.programs.go_on(self._do)
         if self._faulty is not None:
             for event in self._faulty.arrivals(self._controller.tick):
@@ -165,9 +165,6 @@ class InputHandlers:
             HANDLERS[type(item)](self, item)
         if (late := self.tasks.due()) is not None:
             self._reply(*late)
-
-    def _warn(self, text: str) -> None:
-        self._controller.emit(Warned(self._controller.tick, text))
 
     def _reply(self, origin: str, outcome: Outcome) -> None:
         self.replies.append(Reply(origin, outcome))

@@ -19,9 +19,16 @@ from typing import TYPE_CHECKING, Any, Final
 from elitescript.controller.modes import AT_ONCE, REALISTIC, PowerTimes
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.messages.motion import Six
-from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES, PUBLISHED, version_of, version_text
+from elitescript.messages.profile import (
+    BRACKETED,
+    DEFAULT_FIRMWARE,
+    PROFILES,
+    PUBLISHED,
+    QUERY_FORMS,
+    version_of,
+    version_text,
+)
 from elitescript.messages.signals import Value
-from elitescript.messages.snapshot import BRACKETED, QUERY_FORMS
 from elitescript.messages.timing import RPC_TIMEOUT_S, WORK_PER_TICK
 from elitescript.records import NamedTuple, field, fields_of, record
 

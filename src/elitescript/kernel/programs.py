@@ -11,7 +11,6 @@ from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.controller.controller import Controller
 from elitescript.controller.views.warning_limit import MOST
 from elitescript.errors import ProgramError, ScriptError
-from elitescript.kernel.bursts import BurstLimiter
 from elitescript.kernel.unit_order import WAITING_MAX, UnitOrder
 from elitescript.language.compiler import CompiledUnit, compile_unit
 from elitescript.language.diagnostics import Diagnostic
@@ -22,6 +21,7 @@ from elitescript.lint.registry import all_rules
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.inputs import Do, RunUnit
 from elitescript.messages.profile import Profile
+from elitescript.protocol.bursts import BurstLimiter
 from elitescript.protocol.lines import shown
 from elitescript.records import replace
 from elitescript.runtime.environment import ProgramEnvironment

@@ -38,6 +38,11 @@ PROFILES: Final[dict[str, Profile]] = {
 }
 DEFAULT_FIRMWARE: Final = "2.14"
 
+BRACKETED: Final = "bracketed"
+PLAIN: Final = "plain"
+QUERY_FORMS: Final = (BRACKETED, PLAIN)
+"""Forms of the replies of the query port, see `protocol.query`; which firmware has which is not known."""
+
 PART_MAX: Final = 255
 """Largest part of a version: the primary port sends major and minor as bytes."""
 

@@ -7,20 +7,15 @@ else, so that they agree about a tick.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Final
 
 from elitescript.messages.enums import AnalogDomain
 from elitescript.messages.motion import Six
+from elitescript.messages.profile import BRACKETED
 from elitescript.messages.signals import Value
 from elitescript.messages.state import RobotState
 from elitescript.records import record
 
 Three = tuple[float, float, float]
-
-BRACKETED: Final = "bracketed"
-PLAIN: Final = "plain"
-QUERY_FORMS: Final = (BRACKETED, PLAIN)
-"""Forms of the replies of the query port, see `protocol.query`."""
 
 
 @record

@@ -12,7 +12,7 @@ its numbers come from.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from importlib import import_module
 from math import isfinite, radians
 from pathlib import Path
@@ -244,6 +244,24 @@ NAME_MAX: Final = 255
 """Bytes of the name of a model, and of each part of the path of a file, as most systems have it."""
 PATH_MAX: Final = 4096
 
+UNPUBLISHED: Final[Mapping[str, str]] = {
+    "CS68": "CS66",
+    "CS616-9": "CS616",
+    "CS618": "CS616",
+    "CS630": "CS625",
+    "CS66A": "CS66",
+    "CS66AZ": "CS66",
+    "CS610A": "CS612",
+    "CS612A": "CS612",
+    "CS612AZ": "CS612",
+    "CS56H": "CS66",
+    "CS520H": "CS620",
+    "CS525H": "CS625",
+    "CS530H": "CS625",
+}
+"""Arms that the vendor's simulator names and whose numbers nobody has published, each with the known arm whose payload
+is nearest, from which an own arm file may go on."""
+
 
 def known_names() -> tuple[str, ...]:
     """Return the names of the models that come with the package, small arms first."""
@@ -262,6 +280,13 @@ def packaged(name: str) -> tuple[str, dict[str, Any]]:
     if name.upper() in names:
         file = f"{name.lower()}.toml"
         return file, written_out(file)
+    if (arm := name.upper().replace("_", "-")) in UNPUBLISHED:
+        raise UsageError(
+            f"the arm {arm} exists, but its lengths and limits are not public, so there is no robot model {name!r}; "
+            f'with your own numbers write an arm file: base = "{UNPUBLISHED[arm]}" and what differs, such as '
+            "[arm] d6 = 0.095; then --robot my_arm.toml (`elitescript fit` finds lengths from taught points; models: "
+            f"{', '.join(names)})"
+        )
     raise UsageError(
         f"there is no robot model {name!r}{did_you_mean(name.upper(), names)} (models: {', '.join(names)})"
     )

@@ -17,12 +17,14 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from elitescript.messages.inputs import Input, Query
+from elitescript.messages.inputs import AddLog, Input, Query
 from elitescript.messages.outcomes import Outcome, QueryFailed, ShownValue
 from elitescript.messages.outputs import Output
-from elitescript.messages.snapshot import BRACKETED, PLAIN, RobotDescription
+from elitescript.messages.profile import BRACKETED, PLAIN
+from elitescript.messages.snapshot import RobotDescription
+from elitescript.protocol.bursts import BurstLimiter
 from elitescript.protocol.connection import Connection, is_restarted
-from elitescript.protocol.lines import PacedLines, TextLine, one_line
+from elitescript.protocol.lines import PacedLines, TextLine, one_line, shown
 
 LINE_LIMIT: Final = 16384
 """Limit of a request in bytes."""
@@ -82,12 +84,14 @@ class QueryConnection(Connection):
     another request.
     """
 
-    __slots__ = ("_lines", "_waiting")
+    __slots__ = ("_failures", "_lines", "_waiting")
 
     def __init__(self, origin: str, description: RobotDescription) -> None:
         super().__init__(origin, description)
         self._lines = PacedLines(LINE_LIMIT, LINES_PER_TICK)
-        self._waiting: dict[str, str] = {}
+        self._waiting: dict[str, tuple[str, str]] = {}
+        """Id and statement of each request without a reply, by origin."""
+        self._failures = BurstLimiter(self._warn, "request", "that failed")
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
         self._lines.feed(data)
@@ -105,7 +109,7 @@ class QueryConnection(Connection):
                 self._send_reply(ident, NOT_EXECUTED)
             else:
                 origin = self.next_origin()
-                self._waiting[origin] = ident
+                self._waiting[origin] = ident, statement
                 inputs.append(Query(origin, statement))
         return inputs
 
@@ -119,13 +123,26 @@ class QueryConnection(Connection):
 
     def publish(self, output: Output) -> None:
         for reply in output.replies:
-            if (ident := self._waiting.pop(reply.origin, None)) is not None:
-                self._send_reply(ident, reply.outcome)
+            if (request := self._waiting.pop(reply.origin, None)) is not None:
+                self._send_reply(request[0], reply.outcome)
+                self._note_failure(request[1], reply.outcome, output.tick)
+        self._failures.go_on(output.tick)
         if self._waiting and is_restarted(output):
-            for ident in self._waiting.values():
+            for ident, _ in self._waiting.values():
                 self._send_reply(ident, NOT_EXECUTED)
             self._waiting.clear()
         self._due += self._inputs(self._lines.take(output.tick))
+
+    def next_tick(self, tick: int) -> int | None:
+        return tick + 1 if self._failures.is_counting else super().next_tick(tick)
+
+    def _note_failure(self, statement: str, outcome: Outcome, tick: int) -> None:
+        """Have the log say why a request failed, which the reply does not."""
+        if isinstance(outcome, QueryFailed) and outcome.why and self._failures.is_reported(self.origin, tick):
+            self._warn(f"{self.origin}: `{shown(statement)}` failed: {outcome.why}")
+
+    def _warn(self, text: str) -> None:
+        self._due.append(AddLog(self.origin, text, is_warning=True))
 
     def _send_reply(self, ident: str, outcome: Outcome) -> None:
         self.send(one_line(reply_text(ident, outcome, self.description.query_form)).encode() + b"\n")

@@ -198,8 +198,8 @@ class PrimaryConnection(Connection):
         return self._read()
 
     def _note_unread(self, data: bytes) -> list[Input]:
-        """Say once that what a client sends to a port that takes nothing is not read; the client is told nothing."""
-        if not data or self._has_noted_unread:
+        """Say once that the lines of a client of a port that takes nothing are not read; the client is told nothing."""
+        if b"\n" not in data or self._has_noted_unread:
             return []
         self._has_noted_unread = True
         text = f"this port only sends, and what comes in is not read; send programs to {PRIMARY.number}"
