@@ -310,6 +310,7 @@ class TestReads:
         "sweep/engines/cluster.py": "what its own process writes",
         "sweep/engines/cluster_worker.py": "what its own process writes to it",
         "sweep/engines/reference.py": "what its own process writes",
+        "sweep/results/table_files.py": "files that it has looked at, in blocks and bounded lines",
         "sweep/results/journal.py": "a file that it has looked at and locked, line by line",
     }
 
