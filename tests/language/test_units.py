@@ -6,9 +6,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from elitescript.language.limits import MAX_UNIT_BYTES
 from elitescript.language.options import LINE, PROGRAM, SECONDARY
 from elitescript.language.text import units
-from elitescript.language.text.units import MAX_UNIT_BYTES, SILENT_LINE_MAX, DiscardedText, Unit, UnitSplitter
+from elitescript.language.text.units import SILENT_LINE_MAX, DiscardedText, Unit, UnitSplitter
 
 
 def said(parts):

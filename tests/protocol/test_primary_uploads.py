@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from elitescript.language.text.units import MAX_UNIT_BYTES
+from elitescript.language.limits import MAX_UNIT_BYTES
 from elitescript.messages.inputs import AddLog, Do, Input, RunUnit
 from elitescript.messages.machine import SetSpeedScale, StopTask
 from elitescript.protocol.connection import ProtocolError

@@ -274,7 +274,9 @@ class Programs:
             self._warn(f"{more} more finding{'' if more == 1 else 's'}: `elitescript check` shows all of them")
 
     def _missing_name(self, text: str) -> str:
-        """Return the name that a line calls if there is nothing of that name; else empty."""
+        """Return the name that a line calls if there is nothing of that name; else empty, as for a long line."""
+        if len(text) >= LONG_TEXT:
+            return ""
         try:
             body = ast.parse(text.strip()).body
         except SyntaxError:

@@ -19,8 +19,8 @@ from elitescript.kernel.compiling import PROGRESS_TICKS
 from elitescript.kernel.external_control import Fetch, sender_of
 from elitescript.kernel.programs import PRESETS_MAX, Programs
 from elitescript.language.compiler import CompiledUnit
+from elitescript.language.limits import MAX_UNIT_BYTES
 from elitescript.language.text.source import SourceFile
-from elitescript.language.text.units import MAX_UNIT_BYTES
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import TaskLoaded, Warned
 from elitescript.messages.inputs import ChannelEvent, GetVariable, LoadConfiguration, LoadTask, PlayTask, SetVariable

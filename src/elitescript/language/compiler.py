@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import ast
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import CodeType
 from typing import Final
 
@@ -68,7 +68,7 @@ class CompiledUnit:
     probes: ProbeTable = NO_PROBES
 
     @property
-    def statements(self) -> tuple[CountedStatement, ...]:
+    def statements(self) -> Sequence[CountedStatement]:
         """The statements that its probes count, in the order of the text."""
         return self.probes.statements
 

@@ -13,12 +13,12 @@ from functools import cache
 from typing import Final
 
 from elitescript.language.diagnostics import Diagnostic, diagnostic
+from elitescript.language.limits import MAX_UNIT_BYTES
 from elitescript.language.options import LINE, PROGRAM, SECONDARY
 from elitescript.language.text.lexer import structure_pattern
 from elitescript.language.text.strings import string_end_pattern
 from elitescript.records import record
 
-MAX_UNIT_BYTES: Final = 4 * 1024 * 1024
 SILENCE_S: Final = 0.1
 """After this long without a byte, an `end` counts although no line feed follows it. *Assumed.*"""
 SILENT_LINE_MAX: Final = 8 * 1024

@@ -14,7 +14,8 @@ from __future__ import annotations
 from collections import deque
 from typing import Final
 
-from elitescript.language.text.units import MAX_UNIT_BYTES, SILENCE_S, DiscardedText, Unit, UnitSplitter
+from elitescript.language.limits import MAX_UNIT_BYTES
+from elitescript.language.text.units import SILENCE_S, DiscardedText, Unit, UnitSplitter
 from elitescript.messages.inputs import AddLog, Do, Input, RunUnit
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription

@@ -21,8 +21,11 @@ from elitescript.environment.process import HASH_SEED
 from elitescript.observer import COVERAGE_VARIABLE
 from elitescript.services.child.frames import QUESTION, READ_BYTES, UP_MAX, FrameReader, frame
 
-COMMAND: Final = (sys.executable, "-P", "-s", "-m", "elitescript.services.child")
-"""The command line; then comes the number of the child's socket, and of the file of its coverage if there is one."""
+COMMAND: Final = (sys.executable, "-P", "-s", "-m")
+"""The command line; then come the module, the number of the child's socket, and of the file of its coverage if there is
+one."""
+MODULE: Final = "elitescript.services.child"
+"""What a child runs that holds a robot."""
 LOG_MAX: Final = 1 << 16
 """Bytes of its output that are kept; what is older is thrown away."""
 BACKLOG_MAX: Final = 64 * 1024 * 1024
@@ -47,6 +50,7 @@ class ChildProcess:
     Args:
         on_message: receives letter and text of every message.
         on_end: called once, with the reason, when nothing more can come.
+        module: what it runs.
 
     Raises:
         OSError: it cannot be started.
@@ -66,7 +70,9 @@ class ChildProcess:
         "_socket",
     )
 
-    def __init__(self, on_message: Callable[[str, bytes], None], on_end: Callable[[str], None]) -> None:
+    def __init__(
+        self, on_message: Callable[[str, bytes], None], on_end: Callable[[str], None], *, module: str = MODULE
+    ) -> None:
         self._loop = asyncio.get_running_loop()
         self._on_message = on_message
         self._on_end = on_end
@@ -77,12 +83,12 @@ class ChildProcess:
         self._socket, theirs = socket.socketpair()
         given = [theirs.fileno()]
         try:
-            if folder := os.environ.get(COVERAGE_VARIABLE):
+            if module == MODULE and (folder := os.environ.get(COVERAGE_VARIABLE)):
                 from elitescript.services.coverage import coverage_descriptor
 
                 given.append(coverage_descriptor(folder))
             self._process = subprocess.Popen(
-                [*COMMAND, *map(str, given)],
+                [*COMMAND, module, *map(str, given)],
                 pass_fds=given,
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.PIPE,
