@@ -217,8 +217,23 @@ class TestLimits:
         data = b"def a():\n" + b"  f()\n" * 50 + b"def b():\n  g()\nend\n"
         assert self.refused(data, size) == [("E102", 1), (PROGRAM, "def b():\n  g()\nend", 52)]
 
-    def test_the_limit_is_four_mebibytes(self):
-        assert MAX_UNIT_BYTES == 4 * 1024 * 1024
+    def test_says_size_and_limit_once_when_the_end_shows_the_size(self):
+        splitter = UnitSplitter(100)
+        assert splitter.receive(b"def a():\n" + b"  f()\n" * 50) == []
+        (refusal,) = splitter.receive(b"end\n")
+        assert refusal.problems[0].text == "the text has 313 bytes without an end, at most 100 are read"
+        assert splitter.close() == []
+
+    def test_says_it_after_a_silence_too(self):
+        splitter = UnitSplitter(100)
+        splitter.receive(b"x" * 150)
+        assert splitter.pending
+        (refusal,) = splitter.silence()
+        assert refusal.problems[0].text == "the text has 150 bytes without an end, at most 100 are read"
+        assert not splitter.pending
+
+    def test_the_limit_is_sixteen_mebibytes(self):
+        assert MAX_UNIT_BYTES == 16 * 1024 * 1024
         splitter = UnitSplitter()
         body = (b"  x = 1" + b" " * 1017) * ((MAX_UNIT_BYTES - 20) // 1024)
         (unit,) = splitter.receive(b"def a():\n" + body + b"\nend\n")

@@ -8,7 +8,7 @@ with one call. Buffers are bounded. Invalid bytes raise `ProtocolError`, which c
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Final
+from typing import ClassVar, Final
 
 from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import Input
@@ -37,6 +37,9 @@ class Connection(ABC):
     """
 
     __slots__ = ("_count", "_due", "_out", "description", "is_over", "origin")
+
+    kept_max: ClassVar[int] = 1024 * 1024
+    """Bytes of the peer that are kept until they are worked on, so that they are not lost if it closes."""
 
     def __init__(self, origin: str, description: RobotDescription) -> None:
         self.origin = origin

@@ -80,6 +80,8 @@ class UnitSplitter:
         "_kind",
         "_line_number",
         "_lines",
+        "_lost_bytes",
+        "_lost_from",
         "_max_bytes",
         "_overflow",
         "_partial",
@@ -97,12 +99,14 @@ class UnitSplitter:
         self._first_line = 1
         self._overflow = False
         self._skip_line = False
+        self._lost_bytes = self._lost_from = 0
+        """Size so far of a text that is too long, and its first line."""
         self._reset()
 
     @property
     def pending(self) -> bool:
         """Whether text waits for more bytes, for silence or for the end of the stream."""
-        return bool(self._partial or self._kind)
+        return bool(self._partial or self._kind or self._lost_bytes)
 
     def receive(self, data: bytes) -> list[Unit | DiscardedText]:
         """Take bytes and return what they complete, in order."""
@@ -119,6 +123,8 @@ class UnitSplitter:
                 size = len(self._partial) + 1
                 self._partial.clear()
                 self._take(line, size, found)
+            elif not self._overflow:
+                self._refuse_lost(found)
             self._skip_line = False
             self._line_number += 1
         self._append(rows[-1], found)
@@ -127,6 +133,7 @@ class UnitSplitter:
     def silence(self) -> list[Unit | DiscardedText]:
         """Return what looks complete, after `SILENCE_S` without a byte."""
         found: list[Unit | DiscardedText] = []
+        self._refuse_lost(found)
         if len(self._partial) > SILENT_LINE_MAX:
             return found
         line = self._decode(bytes(self._partial), peek=True)
@@ -169,6 +176,7 @@ class UnitSplitter:
                 self._deliver(found)
             else:
                 self._refuse(found, "the connection was closed")
+        self._refuse_lost(found)
         self._overflow = False
         return found
 
@@ -176,10 +184,11 @@ class UnitSplitter:
 
     def _append(self, row: bytes, found: list[Unit | DiscardedText]) -> None:
         if self._skip_line:
+            self._lost_bytes += len(row)
             return
         self._partial += row
         if self._size + len(self._partial) > self._max_bytes:
-            self._overflowed(found)
+            self._overflowed()
             self._skip_line = True
 
     def _decode(self, row: bytes, peek: bool = False) -> str:
@@ -208,11 +217,15 @@ class UnitSplitter:
                 self._refuse(found, f"line {self._line_number} begins another one")
             elif self._kind:
                 self._deliver(found)
+            self._refuse_lost(found)
             self._overflow = False
             self._begin(PROGRAM if opener["word"] else SECONDARY)
             self._add(line, size)
         elif self._overflow:
-            self._overflow = not _closer().fullmatch(line)
+            self._lost_bytes += size
+            if _closer().fullmatch(line):
+                self._overflow = False
+                self._refuse_lost(found)
         elif self._kind in (PROGRAM, SECONDARY):
             closes = not self._tracker.inside and _closer().fullmatch(line)
             self._add(line, size)
@@ -252,14 +265,21 @@ class UnitSplitter:
         found.append(DiscardedText((problem,), self._first_line))
         self._reset()
 
-    def _overflowed(self, found: list[Unit | DiscardedText]) -> None:
-        text = f"the text is longer than {self._max_bytes} bytes without an end"
-        problem = diagnostic("E102", 1, 1, text, hint="close programs with `end` at the start of a line")
-        first = self._first_line if self._kind else self._line_number
-        found.append(DiscardedText((problem,), first))
+    def _overflowed(self) -> None:
+        """Throw away a text that is too long; its end, or the first silence, shows how long."""
+        self._lost_bytes = self._size + len(self._partial)
+        self._lost_from = self._first_line if self._kind else self._line_number
         self._overflow = self._kind in (PROGRAM, SECONDARY)
         self._partial.clear()
         self._reset()
+
+    def _refuse_lost(self, found: list[Unit | DiscardedText]) -> None:
+        """Refuse a text that was too long, if there is one."""
+        if self._lost_bytes:
+            text = f"the text has {self._lost_bytes:,} bytes without an end, at most {self._max_bytes:,} are read"
+            hint = "close programs with `end` at the start of a line; read long lists of points from a file"
+            found.append(DiscardedText((diagnostic("E102", 1, 1, text, hint=hint),), self._lost_from))
+            self._lost_bytes = 0
 
     def _reset(self) -> None:
         self._kind = ""

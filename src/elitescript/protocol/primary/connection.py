@@ -12,7 +12,7 @@ with an invalid argument is a warning too, a program without its end a script ex
 from __future__ import annotations
 
 from collections import deque
-from typing import Final
+from typing import ClassVar, Final
 
 from elitescript.language.limits import MAX_UNIT_BYTES
 from elitescript.language.text.units import SILENCE_S, DiscardedText, Unit, UnitSplitter
@@ -48,6 +48,7 @@ MAX_LINES_PER_TICK: Final = 500
 MAX_BYTES_PER_TICK: Final = 16 * 1024
 """Limits of the text of one client that is read in one tick, about 1 ms of work; the rest waits."""
 MAX_WAITING_BYTES: Final = MAX_UNIT_BYTES + 1024 * 1024
+"""A program of the greatest size, and what was sent around it."""
 SILENCE_TICKS: Final = ticks_for(SILENCE_S)
 MAX_SILENT_LINE_BYTES: Final = 16 * 1024
 """A longer line is complete only with its line feed; silence does not end it."""
@@ -165,6 +166,8 @@ class PrimaryConnection(Connection):
         "_units_in_tick",
         "_waiting",
     )
+
+    kept_max: ClassVar[int] = MAX_WAITING_BYTES
 
     def __init__(self, origin: str, description: RobotDescription, feed: PrimaryFeed | None = None) -> None:
         super().__init__(origin, description)
