@@ -84,6 +84,11 @@ class Connection(ABC):
         return False
 
     @property
+    def is_uploading(self) -> bool:
+        """Whether the peer is in the middle of a long text, to which nothing is answered before its end."""
+        return False
+
+    @property
     def is_expecting(self) -> bool:
         """Whether a request of the peer waits for its reply."""
         return False

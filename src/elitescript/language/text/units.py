@@ -123,8 +123,10 @@ class UnitSplitter:
                 size = len(self._partial) + 1
                 self._partial.clear()
                 self._take(line, size, found)
-            elif not self._overflow:
-                self._refuse_lost(found)
+            else:
+                self._lost_bytes += 1
+                if not self._overflow:
+                    self._refuse_lost(found)
             self._skip_line = False
             self._line_number += 1
         self._append(rows[-1], found)

@@ -201,6 +201,10 @@ class PrimaryConnection(Connection):
     def is_busy(self) -> bool:
         return bool(self._ready) or len(self._raw) >= MAX_BYTES_PER_TICK
 
+    @property
+    def is_uploading(self) -> bool:
+        return bool(self._raw) or self._splitter.pending
+
     def reads(self, tick: int) -> int:
         return STATE_PARTS if tick >= self._next_state_at else 0
 

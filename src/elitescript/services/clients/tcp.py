@@ -99,6 +99,7 @@ class Client(asyncio.BufferedProtocol):
         "_descriptor",
         "_first_bytes",
         "_forget",
+        "_has_come",
         "_hub",
         "_is_full",
         "_is_gone",
@@ -156,6 +157,8 @@ class Client(asyncio.BufferedProtocol):
         """Whether the client has ended its half behind what is kept."""
         self._is_gone = False
         """Whether the connection is over, and there is something of it to be worked on."""
+        self._has_come = False
+        """Whether something has come since the last tick."""
         self._is_light = True
         self._is_silent = False
         self._is_paused = False
@@ -200,19 +203,41 @@ class Client(asyncio.BufferedProtocol):
     def buffer_updated(self, nbytes: int) -> None:
         if self._deadline is not None:
             return
-        if self._is_paused:
-            self._keep(nbytes)
+        data = bytes(self._buffer[:nbytes])
+        is_paused, self._has_come = self._is_paused, True
+        if is_paused:
+            self._keep(data)
+        if nbytes == (len(self._buffer) if is_paused else self._size):
+            self._drain()
+        if is_paused:
             return
         # Whatever it is, time may have waited for it.
         is_asked = self.owes_input
-        self._read(bytes(self._buffer[:nbytes]))
+        self._read(data)
         if is_asked:
             self._hub.wake()
+        if self._kept and not self._is_paused:
+            self._is_paused = True
+            self._work_on_kept()
 
-    def _keep(self, nbytes: int) -> None:
+    def _drain(self) -> None:
+        """Take all that is in the socket now: what the client still holds when it closes is lost."""
+        assert self._transport is not None
+        raw = self._transport.get_extra_info("socket")
+        try:
+            while raw is not None and not self._is_full:
+                data = os.read(raw.fileno(), TAKEN_AT_ONCE)
+                self._keep(data)
+                if len(data) < TAKEN_AT_ONCE:
+                    return
+        except OSError:
+            # Nothing more is there, or the event loop sees what is wrong.
+            return
+
+    def _keep(self, data: bytes) -> None:
         """Keep what has come until it is the client's turn."""
-        self._kept += self._buffer[:nbytes]
-        self._hub.shares.kept += nbytes
+        self._kept += data
+        self._hub.shares.kept += len(data)
         if len(self._kept) >= self.connection.kept_max or self._hub.shares.kept >= KEPT_OF_ALL_MAX:
             self._is_full = True
             assert self._transport is not None
@@ -388,6 +413,7 @@ class Client(asyncio.BufferedProtocol):
 
     def publish(self, output: Output) -> None:
         """Give the client a tick."""
+        self._has_come = False
         connection = self.connection
         if connection.is_busy:
             # What it has sent before is worked on now, and is paid for as if it had just been read.
@@ -517,6 +543,9 @@ class Client(asyncio.BufferedProtocol):
             if self._is_gone:
                 # There is no peer any more. Before the connection is made, what is queued is still to be sent.
                 connection.take()
+            return
+        if self._has_come and connection.is_uploading:
+            # What a client has not read when it closes resets the connection, and what it still holds is lost.
             return
         messages = connection.take()
         if not messages:
