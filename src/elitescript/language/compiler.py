@@ -20,6 +20,7 @@ from elitescript.language.diagnostics import Diagnostic, diagnostic, in_order
 from elitescript.language.garbage import without_collection
 from elitescript.language.hash_order import shows_hash_order
 from elitescript.language.hooks import MAIN
+from elitescript.language.limits import too_deep
 from elitescript.language.nodes import FUNCTIONS, Census
 from elitescript.language.options import DEFAULT, LINE, Options
 from elitescript.language.parser import NO_FILE, Parsed, character_offset, parse, parse_without, read_again, syntax_tree
@@ -350,8 +351,8 @@ def _code(parsed: Parsed, problems: list[Diagnostic], numbers: Mapping[ast.stmt,
                 problems.append(problem)
                 blamed.add(problem.line)
             current = parse_without(current, error.lineno or 1)
-        except (RecursionError, MemoryError, ValueError, OverflowError):
-            problems.append(diagnostic("E001", 1, 1, "the program is nested too deeply to be compiled"))
+        except (RecursionError, MemoryError, ValueError, OverflowError) as error:
+            problems.append(diagnostic("E001", 1, 1, too_deep(parsed.source.text, error, "compiled")))
             return None
     return None
 
