@@ -16,7 +16,7 @@ from elitescript.kernel.compiling import LONG_TEXT, TEXTS_MAX, Job, LongTexts, W
 from elitescript.kernel.debugging import Debugging
 from elitescript.kernel.invalid_lines import InvalidLineLimiter
 from elitescript.language.compiler import CompiledUnit
-from elitescript.language.diagnostics import Diagnostic, diagnostic
+from elitescript.language.diagnostics import Diagnostic, diagnostic, line_kept
 from elitescript.language.options import LINE, SECONDARY, Options
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import CheckResult
@@ -143,7 +143,7 @@ class Programs:
         if unit.kind == LINE and (name := self._missing_name(unit.text)):
             if self._invalid_lines.is_reported(unit.origin, self._controller.tick):
                 text = f"name {name!r} is not defined"
-                self._alarm("R100", "NameError", text, 1, 1, unit.origin, unit.text.split("\n", 1)[0])
+                self._alarm("R100", "NameError", text, 1, 1, unit.origin, line_kept(unit.text.split("\n", 1)[0], 1))
             return
         self.start(compiled, compiled.name)
 

@@ -12,6 +12,10 @@ LINE_SHOWN: Final = 160
 """Characters of a line that are shown with a finding."""
 
 
+LINE_KEPT: Final = 1000
+"""Characters of a line that an alarm keeps."""
+
+
 class Severity(StrEnum):
     """Severity of a finding. An error keeps the program from starting."""
 
@@ -144,6 +148,18 @@ def excerpt(line: str, column: int) -> tuple[str, int]:
     end = start + LINE_SHOWN
     before, after = "..." if start else "", "..." if end < len(line) else ""
     return f"{before}{line[start:end]}{after}", start - len(before)
+
+
+def line_kept(line: str, column: int) -> str:
+    """Return what an alarm keeps of the line in which it came: of a very long one, what is around a column.
+
+    What was cut off is dots; columns count in the whole line, and stand under no such excerpt but one of its beginning.
+    """
+    if len(line) <= LINE_KEPT:
+        return line
+    if column < LINE_KEPT:
+        return f"{line[:LINE_KEPT]}..."
+    return excerpt(line, column)[0]
 
 
 def _carets(diagnostic: Diagnostic, line: str, cut: int) -> str:

@@ -15,6 +15,7 @@ from elitescript.commands.definition.registry import Catalogue
 from elitescript.commands.definition.vocabulary import newer_firmware_hint, newer_firmware_text, vocabulary_of
 from elitescript.errors import CODES, ProgramError, ScriptError
 from elitescript.language.compiler import column_of
+from elitescript.language.diagnostics import line_kept
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Alarm
 from elitescript.messages.profile import Profile, release_of
@@ -97,7 +98,8 @@ def alarm_of(
         text, details = _in_plain_words(class_name, text, place)
     if place.inner:
         text = f"{text} ({place.inner})"
-    return Alarm(clock(), code, class_name, text, place.line, place.column, thread, place.source_line, details)
+    line = line_kept(place.source_line, place.column)
+    return Alarm(clock(), code, class_name, text, place.line, place.column, thread, line, details)
 
 
 def memory_text() -> str:
