@@ -1,9 +1,9 @@
 """Long texts of clients: compiled elsewhere, and begun in the tick in which they come back.
 
 Compiling takes some 2 ms for each 1,000 bytes, all of it between two ticks. So a robot with
-`RobotOptions.compiles_elsewhere` gives a text of more than `LONG_TEXT` bytes away, to its `Workshop`, and goes on. That
-the text has come back is an input, `Compiled`: the robot does the same whenever it gets the same inputs, wherever and
-how fast the text was compiled. A replay compiles it here (`CompilesHere`).
+`RobotOptions.compiles_elsewhere` gives a text of `LONG_TEXT` characters or more away, to its `Workshop`, and goes on.
+That the text has come back is an input, `Compiled`: the robot does the same whenever it gets the same inputs, wherever
+and how fast the text was compiled. A replay compiles it here (`CompilesHere`).
 
 Texts come back in the order in which they were given away. What ends or replaces a program that runs ends one that is
 still being compiled, too.
@@ -25,8 +25,6 @@ from elitescript.messages.profile import Profile
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.records import NamedTuple
 
-LONG_TEXT: Final = 8_000
-"""Characters of a text that takes about as long to compile as a stop may take (*measured*: 20 ms)."""
 TEXTS_MAX: Final = 4
 """Texts that may wait to come back."""
 PROGRESS_TICKS: Final = 2 * TICKS_PER_S
@@ -168,7 +166,7 @@ class LongTexts:
     def go_on(self, tick: int, may_start: bool) -> None:
         """Begin a tick: say that a text takes long, and give up what could start and may not any more."""
         if self._waiting and not may_start:
-            self.give_up("no program may start since", lambda item: item.may_start)
+            self.give_up("the safety system has stopped the robot", lambda item: item.may_start)
         for item in self._waiting:
             if tick - item.tick >= PROGRESS_TICKS and item.job.number > self._has_told:
                 self._has_told = item.job.number

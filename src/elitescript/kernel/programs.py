@@ -12,11 +12,12 @@ from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.controller.controller import Controller
 from elitescript.controller.views.warning_limit import MOST
 from elitescript.errors import ProgramError, ScriptError
-from elitescript.kernel.compiling import LONG_TEXT, TEXTS_MAX, Job, LongTexts, Waiting, Workshop, compiled_job
+from elitescript.kernel.compiling import TEXTS_MAX, Job, LongTexts, Waiting, Workshop, compiled_job
 from elitescript.kernel.debugging import Debugging
 from elitescript.kernel.invalid_lines import InvalidLineLimiter
 from elitescript.language.compiler import CompiledUnit
 from elitescript.language.diagnostics import Diagnostic, diagnostic, line_kept
+from elitescript.language.limits import LONG_TEXT
 from elitescript.language.options import LINE, SECONDARY, Options
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import CheckResult

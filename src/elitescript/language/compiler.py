@@ -293,7 +293,8 @@ def _header_problems(parsed: Parsed) -> list[Diagnostic]:
             column := column_of(parsed.source, argument.lineno, argument.col_offset),
             f"the parameter `{argument.arg}` of the program has no default value",
             end_column=column + len(argument.arg),
-            hint=f"a program gets no arguments; remove it or write {argument.arg}=...",
+            hint="a `def` at the start of a line is a program of its own and gets no arguments; "
+            f"put a function into the `def` that calls it, or write {argument.arg}=...",
         )
         for argument in missing
     ]

@@ -18,6 +18,8 @@ SYMBOLS_MAX: Final = 2_500_000
 """Words, numbers and signs of a program: 70,000 lines of `movej([...], a=1.2, v=0.8)`. What is in strings and comments
 counts as well, as it is not known before the text is read."""
 
+LONG_TEXT: Final = 8_000
+"""Characters of a text that takes about as long to compile as a stop may take (*measured*: 20 ms)."""
 SMALL_TEXT: Final = 500_000
 """Characters of a text for which there is memory everywhere."""
 

@@ -16,6 +16,8 @@ from elitescript.commands.definition.vocabulary import newer_firmware_hint, newe
 from elitescript.errors import CODES, ProgramError, ScriptError
 from elitescript.language.compiler import column_of
 from elitescript.language.diagnostics import line_kept
+from elitescript.language.limits import LONG_TEXT
+from elitescript.language.options import PROGRAM, Options
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Alarm
 from elitescript.messages.profile import Profile, release_of
@@ -234,11 +236,14 @@ def _advice(name: str, place: Place, known: Iterable[str], profile: Profile) -> 
     """Return the hint of `check` for the name in this place; in a text of `eval` a similar name."""
     from elitescript.language.advice.unknown_names import advice, nearest
 
-    if place.source is not None and not place.inner:
+    # A long text takes too long to be read between two ticks.
+    if place.source is not None and not place.inner and len(place.source.text) < LONG_TEXT:
+        from elitescript.language.kinds import is_sent_program
         from elitescript.language.parser import parse
         from elitescript.language.symbols import Symbols
 
-        symbols = Symbols(parse(place.source))
+        kind = PROGRAM if is_sent_program(place.source) else None
+        symbols = Symbols(parse(place.source, Options(kind=kind)))
         for scope in symbols.scopes:
             for node in scope.reads.get(name, ()):
                 if symbols.place(node) == (place.line, place.column):

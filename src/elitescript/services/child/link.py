@@ -266,7 +266,7 @@ class ChildLink:
             process, self._transport = self._transport.process, None
             process.kill()
             await process.gone()
-        self._compilers.cancel()
+        await self._compilers.close()
         if self._alarm is not None:
             self._alarm.cancel()
         self._desk.close()

@@ -43,13 +43,15 @@ class CompilerDesk:
         memory_max: bytes of address space of a compiler.
     """
 
-    __slots__ = ("_is_jailed", "_job", "_memory_max", "_options")
+    __slots__ = ("_is_jailed", "_job", "_last", "_memory_max", "_options")
 
     def __init__(self, options: RobotOptions, *, is_jailed: bool, memory_max: int = MEMORY_MAX) -> None:
         self._options = options
         self._is_jailed = is_jailed
         self._memory_max = memory_max
         self._job: _Job | None = None
+        self._last: ChildProcess | None = None
+        """The compiler that was ended last."""
 
     @property
     def is_active(self) -> bool:
@@ -84,8 +86,16 @@ class CompilerDesk:
     def cancel(self) -> None:
         """End what is under way."""
         if self._job is not None:
-            self._job.end()
+            self._last = self._job.process
+            if self._last is not None:
+                self._last.kill()
             self._job = None
+
+    async def close(self) -> None:
+        """End what is under way, and return when its process is gone."""
+        self.cancel()
+        if self._last is not None:
+            await self._last.gone()
 
     def step(self) -> tuple[bytes | None, list[Compiled]]:
         """Return what goes to the robot in this tick: a part of a program, and that it is the last one."""
@@ -143,10 +153,6 @@ class _Job:
             raise CodecError(f"a text of more than {JOB_MAX} bytes to compile")
         if self.process is not None:
             self.process.send(frames.TEXT, content)
-
-    def end(self) -> None:
-        if self.process is not None:
-            self.process.kill()
 
     def failure(self) -> str:
         """Return why nothing will come; empty while something may."""
