@@ -17,6 +17,7 @@ from elitescript.kernel.arm import named_model
 from elitescript.kernel.options import ROBOT_SECTION
 from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
+from elitescript.paths import real_path
 from elitescript.properties.parsing import function_place
 from elitescript.sweep.failures.cases import is_case
 from elitescript.sweep.plans.plan import Plan, Variation
@@ -24,6 +25,7 @@ from elitescript.sweep.plans.python_files import python_texts
 from elitescript.sweep.plans.variations import check_names, grid_size
 from elitescript.sweep.results.page import REPLAYS
 from elitescript.sweep.results.tables import columns
+from elitescript.untrusted.files import PROFILE, TASK_FILE, read_bytes, read_text
 from elitescript.world_file import tables_of, world_text
 
 RUNS: Final = 100
@@ -112,7 +114,7 @@ def make_plan(
         chosen |= named_model(chosen["model"])[1]
     ensure = tuple(_with_files(text, python) for text in ensure)
     measures = {name: _with_files(text, python) for name, text in (measures or {}).items()}
-    folder = Path(task_dir) if task_dir is not None else path.resolve().parent if is_file else None
+    folder = Path(task_dir) if task_dir is not None else real_path(path).parent if is_file else None
     files: dict[str, str] = {}
     if folder is not None and (task_dir is not None or _reaches_files(source)):
         files = _task_files(folder, {*map(Path.resolve, without_files)})
@@ -169,11 +171,7 @@ def _with_files(expression: str, python: dict[str, str]) -> str:
 def _profile_text(chaos: str) -> str:
     if not chaos.endswith(".toml"):
         return chaos
-    try:
-        return Path(chaos).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        why = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
-        raise UsageError(f"--chaos {chaos}: {why}") from error
+    return read_text(chaos, PROFILE)
 
 
 def _is_left_out(folder: str) -> bool:
@@ -202,7 +200,7 @@ def _task_files(folder: Path, left_out: Collection[Path]) -> dict[str, str]:
                 or is_case(name)
                 or path.is_symlink()
                 or not path.is_file()
-                or path.resolve() in left_out
+                or real_path(path) in left_out
             ):
                 continue
             size += path.stat().st_size
@@ -211,7 +209,7 @@ def _task_files(folder: Path, left_out: Collection[Path]) -> dict[str, str]:
                     f"the task folder {folder} holds more than {FILES_BYTES_MAX // 10**6} MB or {FILES_MAX} files, "
                     "which every run would get a copy of; name a smaller one with --task-dir"
                 )
-            found[path.relative_to(folder).as_posix()] = b64encode(path.read_bytes()).decode()
+            found[path.relative_to(folder).as_posix()] = b64encode(read_bytes(path, TASK_FILE)).decode()
     return found
 
 

@@ -47,13 +47,14 @@ class Shares:
         kept: bytes of clients that were taken from their sockets and wait for their turn.
         robots: that one process serves; they share its time.
         spent_ns: of this tick, with what the ticks before have left to pay.
+        tick: number of ticks that have begun.
     """
 
-    __slots__ = ("_heavy", "_light", "_tick_ns", "kept", "robots", "spent_ns")
+    __slots__ = ("_heavy", "_light", "_tick_ns", "kept", "robots", "spent_ns", "tick")
 
     def __init__(self) -> None:
         self.robots = 1
-        self.spent_ns = self.kept = 0
+        self.spent_ns = self.kept = self.tick = 0
         self._tick_ns = READ_BUDGET_NS
         self._light: deque[Waiting] = deque()
         self._heavy: deque[Waiting] = deque()
@@ -107,6 +108,7 @@ class Shares:
         Args:
             is_late: the tick began late.
         """
+        self.tick += 1
         self.spent_ns = min(max(self.spent_ns - self._tick_ns, 0), DEBT_MAX_TICKS * READ_BUDGET_NS)
         self._tick_ns = (LATE_READ_BUDGET_NS if is_late else READ_BUDGET_NS) // self.robots
         left_ns = self._tick_ns - self.spent_ns
