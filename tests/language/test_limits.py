@@ -27,7 +27,7 @@ def small(monkeypatch):
 
 
 def test_the_limits_are_these():
-    assert (MAX_UNIT_BYTES, LINES_MAX, SYMBOLS_MAX) == (16 * 1024 * 1024, 200_000, 2_500_000)
+    assert (MAX_UNIT_BYTES, LINES_MAX, SYMBOLS_MAX) == (16_000_000, 200_000, 2_500_000)
 
 
 @pytest.mark.usefixtures("small")

@@ -232,8 +232,8 @@ class TestLimits:
         assert refusal.problems[0].text == "the text has 150 bytes without an end, at most 100 are read"
         assert not splitter.pending
 
-    def test_the_limit_is_sixteen_mebibytes(self):
-        assert MAX_UNIT_BYTES == 16 * 1024 * 1024
+    def test_the_limit_is_sixteen_megabytes(self):
+        assert MAX_UNIT_BYTES == 16_000_000
         splitter = UnitSplitter()
         body = (b"  x = 1" + b" " * 1017) * ((MAX_UNIT_BYTES - 20) // 1024)
         (unit,) = splitter.receive(b"def a():\n" + body + b"\nend\n")

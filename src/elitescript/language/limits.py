@@ -9,8 +9,9 @@ from __future__ import annotations
 from typing import Final
 
 from elitescript.language.diagnostics import Diagnostic, diagnostic
+from elitescript.untrusted.files import PROGRAM
 
-MAX_UNIT_BYTES: Final = 16 * 1024 * 1024
+MAX_UNIT_BYTES: Final = PROGRAM.bytes_max
 """Bytes of a program, as a client sends it and as a file holds it."""
 LINES_MAX: Final = 200_000
 """Lines of a program."""
