@@ -12,6 +12,7 @@ from elitescript.language.diagnostics import LINE_KEPT, LINE_SHOWN, diagnostic, 
 from elitescript.language.limits import LINES_MAX, MAX_UNIT_BYTES, SYMBOLS_MAX, excess, too_deep
 from elitescript.language.parser import parse, translated
 from elitescript.language.text.source import SourceFile
+from elitescript.untrusted.files import PROGRAM
 
 
 def found(text: str) -> tuple[int, str] | None:
@@ -27,6 +28,7 @@ def small(monkeypatch):
 
 
 def test_the_limits_are_these():
+    assert PROGRAM.bytes_max == MAX_UNIT_BYTES
     assert (MAX_UNIT_BYTES, LINES_MAX, SYMBOLS_MAX) == (16_000_000, 200_000, 2_500_000)
 
 

@@ -9,10 +9,9 @@ from __future__ import annotations
 from typing import Final
 
 from elitescript.language.diagnostics import Diagnostic, diagnostic
-from elitescript.untrusted.files import PROGRAM
 
-MAX_UNIT_BYTES: Final = PROGRAM.bytes_max
-"""Bytes of a program, as a client sends it and as a file holds it."""
+MAX_UNIT_BYTES: Final = 16_000_000
+"""Bytes of a program that a client sends; those of a file are the same (`untrusted.files.PROGRAM`)."""
 LINES_MAX: Final = 200_000
 """Lines of a program."""
 SYMBOLS_MAX: Final = 2_500_000

@@ -12,7 +12,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final, Protocol
 
 from elitescript.codec.json_text import from_text, to_text
 from elitescript.codec.messages import field_shapes, shape_of
@@ -30,9 +30,6 @@ from elitescript.services.child.output_changes import OutputReader
 from elitescript.services.child.process import ChildProcess
 from elitescript.services.child.remote_files import FileDesk
 from elitescript.services.options_data import options_data
-
-if TYPE_CHECKING:
-    from elitescript.services.compiler.desk import CompilerDesk
 
 READING_MAX_S: Final = 0.25
 READING_KEPT: Final = 0.99
@@ -60,6 +57,24 @@ class SentTick:
     """To questions about files."""
     asking_since_s: float = 0.0
     """When the first question about files came in it."""
+
+
+class Compilers(Protocol):
+    """Has the texts of a child compiled, see `services.compiler.desk`."""
+
+    def take_text(self, content: bytes) -> None:
+        """Take a part of a text.
+
+        Raises:
+            CodecError: it is not what is expected.
+        """
+
+    def drop(self, content: bytes) -> None:
+        """End what works on a text that is not wanted any more.
+
+        Raises:
+            CodecError: its number is missing.
+        """
 
 
 class ChildTransport:
@@ -116,7 +131,7 @@ class ChildTransport:
         on_output: Callable[[SentTick, Output | TickResult, int], None],
         on_question: Callable[[SentTick | None], None],
         on_change: Callable[[], None],
-        compilers: CompilerDesk,
+        compilers: Compilers,
         *,
         is_jailed: bool,
         memory_max: int,

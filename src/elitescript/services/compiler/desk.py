@@ -16,14 +16,15 @@ from elitescript.kernel.options import RobotOptions
 from elitescript.language.limits import MAX_UNIT_BYTES
 from elitescript.messages.inputs import Compiled
 from elitescript.services.child import frames
-from elitescript.services.child.process import ChildProcess
+from elitescript.services.child.process import PYTHON, ChildProcess
 from elitescript.services.child.supervision import COMPILE_HINT, SILENCE_MAX_S, compile_s
 from elitescript.services.compiler.jobs import read_portion
 from elitescript.services.options_data import options_data
 
 ORIGIN: Final = "compiler"
 """Of the inputs that say that a text has come back."""
-MODULE: Final = "elitescript.services.compiler"
+COMMAND: Final = (*PYTHON, "elitescript.services.compiler")
+"""The command line of a compiler; then comes the number of its socket."""
 MEMORY_MAX: Final = 2 << 30
 """Bytes of address space of a compiler: text of the greatest size that is read takes three quarters (*measured*)."""
 JOB_MAX: Final = MAX_UNIT_BYTES + (1 << 20)
@@ -139,7 +140,7 @@ class _Job:
         self._since_s = time.monotonic()
         self.process: ChildProcess | None = None
         try:
-            self.process = ChildProcess(self._message, self._ended, module=MODULE)
+            self.process = ChildProcess(self._message, self._ended, command=COMMAND)
         except (OSError, ValueError) as error:
             self._failure = f"no process can be started that compiles it: {error}"
             return
