@@ -14,7 +14,9 @@ from types import CodeType
 import pytest
 
 from elitescript.codec.values import CodecError
-from elitescript.kernel import RobotOptions
+from elitescript.environment.memory import MemoryFiles
+from elitescript.environment.request_channels import RequestEnvironment
+from elitescript.kernel import Kernel, RobotOptions
 from elitescript.kernel.arm import model_of
 from elitescript.kernel.compiling import Job, compiled_job
 from elitescript.language.limits import LINES_MAX
@@ -32,6 +34,8 @@ from elitescript.services.compiler.desk import CODE_MAX, JOB_MAX, CompilerDesk
 from elitescript.services.compiler.jobs import job_bytes, portion, read_job
 from elitescript.services.compiler.loading import Loading
 from elitescript.services.compiler.packing import END, LENGTH, VALUES, packed
+from elitescript.services.compiler.remote import RemoteWorkshop
+from elitescript.services.debugging import debugging
 from elitescript.services.journal.replay import Replay
 from elitescript.services.journal.writer import Journal, JournalReader
 
@@ -371,3 +375,37 @@ def test_a_robot_that_ends_meanwhile_takes_its_compiler_with_it_and_says_so():
         assert not link._compilers.is_active
 
     linked(body)
+
+
+@pytest.mark.slow
+def test_no_step_of_the_robot_takes_as_long_as_a_stop_may():
+    """50,000 lines, 400 kB: processor time of each step of the robot's process, with what is around it."""
+    sent: list[bytes] = []
+
+    class Line:
+        def send(self, letter: str, content: bytes) -> None:
+            sent.append(content)
+
+    def step(work: Callable[..., object], *arguments: object) -> None:
+        began_s = time.thread_time()
+        work(*arguments)
+        steps.append(time.thread_time() - began_s)
+
+    steps: list[float] = []
+    workshop = RemoteWorkshop(Line())  # type: ignore[arg-type]
+    options = RobotOptions(power_on=True, compiles_elsewhere=True)
+    environment = RequestEnvironment(MemoryFiles({}))
+    kernel = Kernel(options, environment, debugging=debugging(), workshop=workshop)
+    kernel.tick()
+    text = "def big():\n" + "  a = 1\n" * 50_000 + "  textmsg('big runs')\nend"
+    step(kernel.tick, (RunUnit("primary#1", "program", text),))
+    for _ in range(10):
+        step(workshop.pump)
+        step(kernel.tick)
+    data = b"".join(packed(compiled(text)))
+    for at in range(0, len(data), 128 * 1024):
+        step(workshop.code, frames.numbered(1, data[at : at + 128 * 1024]))
+        step(kernel.tick)
+    step(kernel.tick, (Compiled("compiler", 1),))
+    assert kernel.host.is_running
+    assert max(steps) < 0.02

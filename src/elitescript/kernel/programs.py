@@ -177,7 +177,9 @@ class Programs:
         Returns:
             Whether `take` was called.
         """
-        options = probed(self._probe, Options(strict=self._is_strict, kind=kind), SourceFile(name, text))
+        # A debugger that may come numbers statements, whatever the text; splitting a long one takes time.
+        source = SourceFile(name, "" if isinstance(self._probe, Debugging) else text)
+        options = probed(self._probe, Options(strict=self._is_strict, kind=kind), source)
         self._count_of_jobs += 1
         presets = tuple(self.presets)
         job = Job(self._count_of_jobs, name, text, kind, self._is_strict, options.probes, options.first_probe, presets)

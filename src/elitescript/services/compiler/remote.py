@@ -20,7 +20,7 @@ class RemoteWorkshop:
         line: to the parent.
     """
 
-    __slots__ = ("_at", "_bytes", "_dropped", "_jobs", "_line", "_loading")
+    __slots__ = ("_at", "_bytes", "_dropped", "_is_loading", "_jobs", "_line", "_loading")
 
     def __init__(self, line: frames.BlockingLine) -> None:
         self._line = line
@@ -30,6 +30,8 @@ class RemoteWorkshop:
         """What of the first one has not been sent."""
         self._at = 0
         self._loading: Loading | None = None
+        self._is_loading = False
+        """Whether something of the first one has come back."""
         self._dropped: list[int] = []
 
     def begin(self, job: Job) -> None:
@@ -41,7 +43,7 @@ class RemoteWorkshop:
     def _begin_first(self) -> None:
         job = self._jobs[0]
         self._bytes, self._at = job_bytes(job), 0
-        self._loading = Loading(SourceFile(job.name, job.text))
+        self._loading, self._is_loading = None, False
 
     def result(self, number: int) -> CheckResult | None:
         """Return what has come of a text; None if it was no program."""
@@ -82,7 +84,11 @@ class RemoteWorkshop:
     def code(self, content: bytes) -> None:
         """Take a part of a program that has come back."""
         number, data = frames.split_number(content)
-        if self._loading is None or self._jobs[0].number != number:
+        if not self._jobs or (job := self._jobs[0]).number != number:
+            return
+        if not self._is_loading:
+            self._is_loading, self._loading = True, Loading(SourceFile(job.name, job.text))
+        if self._loading is None:
             return
         try:
             self._loading.feed(data)
