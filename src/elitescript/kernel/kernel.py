@@ -132,7 +132,7 @@ class Kernel:
         self._debugging = debugging
         self._workshop = workshop
         self.model = model_of(options) if model is None else model
-        self.profile = profile(options.firmware)
+        self.profile = profile(options.firmware, options.controller_version)
         self.popup = PopupWindow(options.confirms_popups)
         self._witness = witness(self.probe)
         self._on_event = self._record if on_event is None else on_event

@@ -292,7 +292,7 @@ class Tasks:
         if isinstance(compiled, ProgramError):
             raise compiled
         stem = relative_name(self._loaded).removesuffix(".task").removesuffix(".script")
-        self._programs.start(compiled, compiled.name or stem)
+        self._programs.start(compiled, compiled.name or stem, f"the task {self._loaded}")
         return Done()
 
     def _begin_made(self, compiled: CompiledUnit | ProgramError) -> Outcome:
