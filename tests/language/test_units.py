@@ -258,6 +258,23 @@ def test_garbage_never_fails_and_pieces_make_no_difference(data, seed):
     assert said(found + pieces.close()) == expected
 
 
+class LineByLine(UnitSplitter):
+    """Looks at each line closely."""
+
+    __slots__ = ()
+
+    def _takes_plainly(self, row: bytes) -> bool:
+        return False
+
+
+@settings(max_examples=300)
+@given(st.lists(st.text("ab ([{}])'\"#\\=é", max_size=12), max_size=6))
+def test_lines_that_are_taken_at_once_make_no_difference(lines):
+    data = ("def a():\n" + "".join(f" {line}\n" for line in lines) + "end\nhalt()\n").encode()
+    fast, slow = UnitSplitter(), LineByLine()
+    assert said(fast.receive(data) + fast.close()) == said(slow.receive(data) + slow.close())
+
+
 LINES = [
     "def a():",
     "sec b():",

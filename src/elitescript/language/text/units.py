@@ -62,6 +62,14 @@ def _opener() -> re.Pattern[str]:
 
 
 @cache
+def _plain() -> re.Pattern[bytes]:
+    """An indented line without strings, comments and backslashes whose brackets are closed: `move([1, 2], 3)`."""
+    other = rb"[^'\"#\\()\[\]{}]*+"
+    lists = rb"(?:\[" + other + rb"\]" + other + rb")*+"
+    return re.compile(rb"[ \t]" + other + lists + rb"(?:\(" + other + lists + rb"\)" + other + lists + rb")*+")
+
+
+@cache
 def _closer() -> re.Pattern[str]:
     return re.compile(r"end[ \t\f]*(?:;[ \t\f]*)?(?:#.*)?")
 
@@ -117,6 +125,8 @@ class UnitSplitter:
         self._after_cr = data.endswith(b"\r")
         rows = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").split(b"\n")
         for row in rows[:-1]:
+            if self._takes_plainly(row):
+                continue
             self._append(row, found)
             if not self._skip_line:
                 line = self._decode(bytes(self._partial))
@@ -183,6 +193,18 @@ class UnitSplitter:
         return found
 
     # Lines
+
+    def _takes_plainly(self, row: bytes) -> bool:
+        """Take a line of a program in which nothing begins or ends, as most are: the same as `_take`, but faster."""
+        if self._partial or self._overflow or self._skip_line or self._kind not in (PROGRAM, SECONDARY):
+            return False
+        size = self._size + len(row)
+        if self._tracker.inside or size > self._max_bytes or not (row.isascii() and _plain().fullmatch(row)):
+            return False
+        self._lines.append(row.decode("ascii"))
+        self._size = size + 1
+        self._line_number += 1
+        return True
 
     def _append(self, row: bytes, found: list[Unit | DiscardedText]) -> None:
         if self._skip_line:
