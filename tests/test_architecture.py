@@ -312,7 +312,6 @@ class TestReads:
         "sweep/engines/reference.py": "what its own process writes",
         "sweep/results/table_files.py": "files that it has looked at, in blocks and bounded lines",
         "sweep/results/journal.py": "a file that it has looked at and locked, line by line",
-        "sweep/results/table_files.py": "files that it has looked at, line by line",
     }
 
     HINT = re.compile(r"read_text|read_bytes|open\(|json\.load|tomllib")
