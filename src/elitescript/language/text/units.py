@@ -300,7 +300,7 @@ class UnitSplitter:
     def _refuse_lost(self, found: list[Unit | DiscardedText]) -> None:
         """Refuse a text that was too long, if there is one."""
         if self._lost_bytes:
-            text = f"the text has {self._lost_bytes:,} bytes without an end, at most {self._max_bytes:,} are read"
+            text = f"the text has {self._lost_bytes:,} bytes, at most {self._max_bytes:,} are read"
             hint = "close programs with `end` at the start of a line; read long lists of points from a file"
             found.append(DiscardedText((diagnostic("E102", 1, 1, text, hint=hint),), self._lost_from))
             self._lost_bytes = 0
@@ -308,7 +308,7 @@ class UnitSplitter:
     def _reset(self) -> None:
         self._kind = ""
         self._lines: list[str] = []
-        self._size = 0
+        self._size: int = 0
         self._damaged = False
         self._tracker.reset()
 
