@@ -104,6 +104,7 @@ class UnitSplitter:
         self._after_cr = False
         self._line_number = 1
         self._tracker = _LineTracker()
+        self._size = 0
         self._first_line = 1
         self._overflow = False
         self._skip_line = False
@@ -198,7 +199,7 @@ class UnitSplitter:
         """Take a line of a program in which nothing begins or ends, as most are: the same as `_take`, but faster."""
         if self._partial or self._overflow or self._skip_line or self._kind not in (PROGRAM, SECONDARY):
             return False
-        size = self._size + len(row)
+        size: int = self._size + len(row)
         if self._tracker.inside or size > self._max_bytes or not (row.isascii() and _plain().fullmatch(row)):
             return False
         self._lines.append(row.decode("ascii"))
@@ -308,7 +309,7 @@ class UnitSplitter:
     def _reset(self) -> None:
         self._kind = ""
         self._lines: list[str] = []
-        self._size: int = 0
+        self._size = 0
         self._damaged = False
         self._tracker.reset()
 
