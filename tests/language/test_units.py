@@ -221,7 +221,7 @@ class TestLimits:
         splitter = UnitSplitter(100)
         assert splitter.receive(b"def a():\n" + b"  f()\n" * 50) == []
         (refusal,) = splitter.receive(b"end\n")
-        assert refusal.problems[0].text == "the text has 313 bytes without an end, at most 100 are read"
+        assert refusal.problems[0].text == "the text has 313 bytes, at most 100 are read"
         assert splitter.close() == []
 
     def test_says_it_after_a_silence_too(self):
@@ -229,7 +229,7 @@ class TestLimits:
         splitter.receive(b"x" * 150)
         assert splitter.pending
         (refusal,) = splitter.silence()
-        assert refusal.problems[0].text == "the text has 150 bytes without an end, at most 100 are read"
+        assert refusal.problems[0].text == "the text has 150 bytes, at most 100 are read"
         assert not splitter.pending
 
     def test_the_limit_is_sixteen_megabytes(self):

@@ -129,7 +129,7 @@ class TestUploads:
         size = len(b"def a():\n") + tick * len(line) + len(b"end\n")
         refusal, stop = connection.receive(b"end\nstop task\n", output(tick + 1))
         assert isinstance(refusal, AddLog)
-        assert f"the text has {size:,} bytes without an end, at most {MAX_UNIT_BYTES:,} are read" in refusal.text
+        assert f"the text has {size:,} bytes, at most {MAX_UNIT_BYTES:,} are read" in refusal.text
         assert stop == Do(ME, StopTask())
 
     def test_a_flood_of_programs_is_run_in_portions(self):

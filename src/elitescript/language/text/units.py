@@ -105,6 +105,7 @@ class UnitSplitter:
         self._line_number = 1
         self._size = 0
         self._tracker = _LineTracker()
+        self._size = 0
         self._first_line = 1
         self._overflow = False
         self._skip_line = False
@@ -199,7 +200,7 @@ class UnitSplitter:
         """Take a line of a program in which nothing begins or ends, as most are: the same as `_take`, but faster."""
         if self._partial or self._overflow or self._skip_line or self._kind not in (PROGRAM, SECONDARY):
             return False
-        size = self._size + len(row)
+        size: int = self._size + len(row)
         if self._tracker.inside or size > self._max_bytes or not (row.isascii() and _plain().fullmatch(row)):
             return False
         self._lines.append(row.decode("ascii"))
@@ -301,7 +302,7 @@ class UnitSplitter:
     def _refuse_lost(self, found: list[Unit | DiscardedText]) -> None:
         """Refuse a text that was too long, if there is one."""
         if self._lost_bytes:
-            text = f"the text has {self._lost_bytes:,} bytes without an end, at most {self._max_bytes:,} are read"
+            text = f"the text has {self._lost_bytes:,} bytes, at most {self._max_bytes:,} are read"
             hint = "close programs with `end` at the start of a line; read long lists of points from a file"
             found.append(DiscardedText((diagnostic("E102", 1, 1, text, hint=hint),), self._lost_from))
             self._lost_bytes = 0
