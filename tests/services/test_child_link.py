@@ -22,7 +22,7 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, Event, TaskStateChanged, TextMessage, Warned
 from elitescript.messages.inputs import ChannelCredit, ChannelData, Do, LoadTask, RunUnit
 from elitescript.messages.line import LineSettings
-from elitescript.messages.machine import SetTcp, WriteSignal
+from elitescript.messages.machine import SetTcp, StopTask, WriteSignal
 from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Output, TickResult
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.snapshot_parts import ALL_PARTS, TIME
@@ -200,9 +200,9 @@ class TestLink:
             for tick in range(1, 4):
                 await link.tick((), 0)
                 assert link.due_tick == tick + 1
-            children[0].is_mute = False
             for _ in range(3):
                 children[0].answer()
+            children[0].is_mute = False
             # Three outputs wait for the ticks to come.
             assert link.due_tick == 4
             while link.due_tick is not None:
@@ -561,8 +561,43 @@ class TestLink:
 
         with_link(body)
 
+    def test_at_most_two_ticks_are_under_way_and_what_comes_in_joins_the_next_one(self, children):
+        """A stop does not wait behind ticks that were asked for before it came."""
+
+        async def body(link):
+            await link.tick(())
+            child = children[0]
+            child.is_mute = True
+            for _ in range(10):
+                await link.tick(())
+            await link.tick((Do("dashboard#1", StopTask()),))
+            assert child.numbers == [0, 1, 2]
+            child.answer()
+            assert child.numbers == [0, 1, 2, 3]
+            assert [text for letter, text in child.told if letter == frames.TICK][-1]
+            for _ in range(3):
+                child.answer()
+            assert child.numbers == [*range(7)]
+            assert [text for letter, text in child.told if letter == frames.TICK][-3:] == [[], [], []]
+            assert link.due_tick == 12
+
+        with_link(body)
+
+    def test_a_child_that_takes_the_place_of_another_one_gets_no_tick_of_before(self, children):
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            for _ in range(5):
+                await link.tick(())
+            children[0].end("gone")
+            await link.tick(())
+            await link.tick(())
+            assert children[1].numbers == [7]
+
+        with_link(body)
+
     def test_a_caller_that_does_not_pace_itself_waits_for_room(self, children, monkeypatch):
-        monkeypatch.setattr(child_link, "UNANSWERED_MAX", 4)
+        monkeypatch.setattr(child_link, "BEHIND_MAX", 4)
 
         async def body(link):
             await link.tick(())
@@ -594,7 +629,7 @@ class TestLink:
                 assert not waiting.done()
                 children[0].answer()
                 await waiting
-                assert len(link._transport.unanswered) == 4
+                assert link._behind(link._transport) == 4
 
         with_link(body)
 
@@ -608,7 +643,7 @@ class TestLink:
             clock[0] += 2 * child_link.LAG_S
             for _ in range(10):
                 await link.tick(())
-            assert len(link._transport.unanswered) == 11
+            assert link._behind(link._transport) == 11
 
         with_link(body)
 

@@ -64,6 +64,11 @@ class PendingInputs:
     def __len__(self) -> int:
         return len(self._inputs)
 
+    @property
+    def is_full(self) -> bool:
+        """Whether more waits than goes down in a tick."""
+        return bool(self._inputs) and price_ns(self._inputs) >= PORTION_NS
+
     def add(self, inputs: Sequence[Input]) -> None:
         """Take inputs; what comes of connections that the child does not have is left out."""
         for item in inputs:

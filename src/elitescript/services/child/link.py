@@ -1,9 +1,10 @@
 """A robot in a child process: no program that runs there can hold up the server.
 
 A tick is sent to the child, and its output taken, within the period. A child that is a little late is waited for; if it
-takes longer, the last snapshot stands for the robot meanwhile, the ticks queue up, and the child makes up for them.
-Then their outputs leave together: as rows, each tick once (`Output.rows`). While the child cannot make up for them,
-ticks leave late. One that does not answer, ends or sends what is no message is replaced (see `supervision`); a fresh
+takes longer, the last snapshot stands for the robot meanwhile, and the child makes up for the ticks. At most
+`UNDER_WAY_MAX` of them are sent ahead, the others are kept here: so what comes in goes into the next tick that is sent,
+and no stop waits behind ticks that were sent before it. Outputs of late ticks leave together: as rows, each tick once
+(`Output.rows`). While the child cannot make up for them, ticks leave late. One that does not answer, ends or sends what is no message is replaced (see `supervision`); a fresh
 child goes on from the last snapshot.
 """
 
@@ -11,6 +12,7 @@ from __future__ import annotations
 
 import asyncio
 import time
+from collections import deque
 from collections.abc import Awaitable, Callable, Sequence
 from typing import Final
 
@@ -23,7 +25,7 @@ from elitescript.messages.outputs import Output, TickResult
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.records import replace
+from elitescript.records import NamedTuple, replace
 from elitescript.runtime.environment import Files, FilesRefused
 from elitescript.services.child.buffers import BEHIND_TICKS, WAITING_MAX, OutputBuffer, PendingInputs, room_for
 from elitescript.services.child.frames import NEVER, REFRESH_TICKS
@@ -54,8 +56,19 @@ LAG_MAX: Final = CATCH_UP_TICKS
 LAG_S: Final = 0.1
 """How long it waits in each tick, and how long the child may have been silent before."""
 BOOT_S: Final = 20.0
-UNANSWERED_MAX: Final = 6000
+BEHIND_MAX: Final = 6000
 """Ticks that may wait for an answer; more than a text takes that is compiled for the longest time."""
+UNDER_WAY_MAX: Final = 2
+"""Ticks that the child has at a time: the one that it runs, and the next one, so that it does not wait for us."""
+
+
+class KeptTick(NamedTuple):
+    """A tick that is not sent yet."""
+
+    number: int
+    parts: int
+    """Of its snapshot that are read, as bits."""
+    asks_due: bool
 
 
 class ChildLink:
@@ -87,6 +100,7 @@ class ChildLink:
         "_is_jailed",
         "_is_over",
         "_journal",
+        "_kept",
         "_lost",
         "_memory_max",
         "_next",
@@ -129,6 +143,8 @@ class ChildLink:
         self._description: RobotDescription | None = None
         self._outputs = OutputBuffer()
         self._pending = PendingInputs()
+        self._kept: deque[KeptTick] = deque()
+        """Ticks that follow those that are under way."""
         self._changed: PromptFuture | None = None
         """What is waited for now."""
         self._is_over: Callable[[], bool] = lambda: True
@@ -154,7 +170,7 @@ class ChildLink:
     def room(self) -> float | None:
         """Share of a tick's work for clients that the child can do: less, the more it is behind; None without one."""
         transport = self._transport
-        if transport is None or not transport.is_begun or transport.end_reason or len(self._pending):
+        if transport is None or not transport.is_begun or transport.end_reason or self._pending.is_full:
             return None
         return room_for(self._next - transport.unanswered[0].number if transport.unanswered else 0)
 
@@ -233,14 +249,15 @@ class ChildLink:
             # Where every tick runs, nearly all answers have come when outputs leave: the loop need not wake for them.
             is_prompt = not transport.unanswered and tick >= self._watched_until
             transport.process.watch(outlet is None or asks_due or not is_prompt)
-            if len(transport.unanswered) >= LAG_MAX:
+            if self._behind(transport) >= LAG_MAX:
                 await self._let_catch_up(transport)
             else:
                 self._is_catching_up = False
             if transport.is_ready:
                 if not transport.is_begun:
                     self._go_on(transport, tick)
-                self._send_tick(transport, tick, parts, asks_due=asks_due)
+                self._kept.append(KeptTick(tick, parts, asks_due))
+                self._send_kept(transport)
         if outlet is not None:
             await outlet()
             if transport is not None:
@@ -294,6 +311,16 @@ class ChildLink:
         if self._journal is not None:
             self._journal.restart(tick, self._supervision.reason, last, self._lost)
 
+    def _behind(self, transport: ChildTransport) -> int:
+        """Return how many ticks the child has not answered yet, with those that are kept for it."""
+        return len(transport.unanswered) + len(self._kept)
+
+    def _send_kept(self, transport: ChildTransport) -> None:
+        """Send ticks, as many as may be under way; all that waits for the robot goes into the first of them."""
+        while self._kept and len(transport.unanswered) < UNDER_WAY_MAX and not transport.end_reason:
+            tick, parts, asks_due = self._kept.popleft()
+            self._send_tick(transport, tick, parts, asks_due=asks_due)
+
     def _send_tick(self, transport: ChildTransport, tick: int, parts: int, *, asks_due: bool) -> None:
         inputs = self._pending.portion()
         if refused := self._pending.take_refused():
@@ -315,7 +342,7 @@ class ChildLink:
         """
         if self._journal is not None or not self._supervision.answered:
             return True
-        if transport.unanswered or not self._outputs.is_empty:
+        if transport.unanswered or self._kept or not self._outputs.is_empty:
             return True
         return tick - self._snapshot_tick >= REFRESH_TICKS
 
@@ -327,7 +354,7 @@ class ChildLink:
         assert transport is not None
         self._supervision.note_answer(sent.number - self._answered)
         self._answered, self._due = sent.number, due
-        if sent.size and len(transport.unanswered) >= LAG_MAX:
+        if sent.size and self._behind(transport) >= LAG_MAX:
             # What queued up while it compiled is soon made up for; clients need not wait for that.
             self._is_catching_up = True
         self._outputs.add(output)
@@ -335,6 +362,7 @@ class ChildLink:
         if self._journal is not None:
             self._journal.tick(sent.number, sent.text, sent.answers, transport.output_text())
             self._outputs.add_own(*self._journal.take_warning(sent.number))
+        self._send_kept(transport)
 
     def _take_question(self, sent: SentTick | None) -> None:
         """Count a question about files as an answer, unless they take too long altogether."""
@@ -361,6 +389,7 @@ class ChildLink:
         """Kill the child, report it, and start a fresh one now or later."""
         transport.process.kill()
         self._transport = None
+        self._kept.clear()
         self._desk.close()
         # The oldest of the ticks is what it died of; it has not seen the others.
         unanswered = list(transport.unanswered)
@@ -393,14 +422,16 @@ class ChildLink:
 
     async def _let_catch_up(self, transport: ChildTransport) -> None:
         """Wait for a child whose ticks last longer than a period; the cycle counts the late ticks."""
-        unanswered, supervision = transport.unanswered, self._supervision
+        supervision = self._supervision
+
+        async def wait_for_room(behind_max: int, longest_s: float) -> None:
+            await self._wait_until(lambda: self._behind(transport) < behind_max or bool(transport.end_reason), longest_s)
+
         if not self._is_catching_up and supervision.silent_s() < LAG_S:
-            await self._wait_until(lambda: len(unanswered) < LAG_MAX or bool(transport.end_reason), LAG_S)
-        if len(unanswered) >= UNANSWERED_MAX:
+            await wait_for_room(LAG_MAX, LAG_S)
+        if self._behind(transport) >= BEHIND_MAX:
             # Only where ticks are not paced.
-            room = UNANSWERED_MAX // 2
-            longest_s = supervision.hang_limit_s
-            await self._wait_until(lambda: len(unanswered) < room or bool(transport.end_reason), longest_s)
+            await wait_for_room(BEHIND_MAX // 2, supervision.hang_limit_s)
 
     async def _wait_for_output(self, tick: int, *, had_turn: bool) -> None:
         """Wait for the output of a tick, for as long as it may be late.
