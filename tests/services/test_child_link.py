@@ -106,13 +106,13 @@ class FakeChild:
         assert self.tick is not None
         whole = output(self.tick, task_state=TaskState.PLAYING, **changes)
         self.tick += 1
-        self.say(frames.OUTPUT, frames.numbered(self.due, to_text(shape_of(Output).encode(whole))))
+        self.say(frames.OUTPUT, frames.answer_content(self.due, to_text(shape_of(Output).encode(whole))))
 
     def answer_without_snapshot(self) -> None:
         assert self.tick is not None
         result = TickResult(self.tick, (), (), ())
         self.tick += 1
-        self.say(frames.RESULT, frames.numbered(self.due, to_text([31, shape_of(TickResult).encode(result)])))
+        self.say(frames.RESULT, frames.answer_content(self.due, to_text([31, shape_of(TickResult).encode(result)])))
 
     def worked_s(self) -> float | None:
         return self.processor_s

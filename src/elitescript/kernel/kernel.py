@@ -22,6 +22,7 @@ from elitescript.errors import UsageError, did_you_mean
 from elitescript.kernel.arm import model_of
 from elitescript.kernel.options import RobotOptions
 from elitescript.kernel.parts import PopupWindow, RobotParts
+from elitescript.messages.cut import WHOLE, Cut
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Change, DeviceNoted, Event, Popup, TaskStateChanged, Warned, event_of
 from elitescript.messages.machine import DisturbInput
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
     from elitescript.protocol.connection import Connection
     from elitescript.protocol.ports import Connect
     from elitescript.runtime.probe import Probe
+    from elitescript.runtime.threads.meter import Meter
 
 
 class Kernel:
@@ -65,6 +67,7 @@ class Kernel:
         on_end: called with `finished`, `alarm` or `stopped` when a program is over.
         probe: counts the statements of its programs.
         debugging: lets a debugger attach to its programs; then it is their probe.
+        meter: ends the program phase of ticks, where a wall clock rules; work alone counts without.
 
     Attributes:
         options: see above.
@@ -122,6 +125,7 @@ class Kernel:
         on_end: Callable[[str], None] | None = None,
         probe: Probe | None = None,
         debugging: Debugging | None = None,
+        meter: Meter | None = None,
     ) -> None:
         self.options = options
         self.probe = debugging or (default_probe() if probe is None else probe)
@@ -179,6 +183,7 @@ class Kernel:
             rpc_timeout_s=options.rpc_timeout_s,
             is_rtsi_input=_is_rtsi_input,
             probe=self.probe,
+            meter=meter,
         )
         self.controller.attach(self.host)
         if not has_network:
@@ -390,6 +395,12 @@ class Kernel:
 
             self._snapshots = SnapshotBuilder(self.controller)
         return self._snapshots
+
+    @property
+    def cut(self) -> Cut:
+        """How far programs came in the last tick; `WHOLE` without a meter."""
+        meter = self.host.scheduler.meter
+        return WHOLE if meter is None else meter.cut
 
     @property
     def line(self) -> int:

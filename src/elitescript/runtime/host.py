@@ -24,6 +24,7 @@ from elitescript.runtime.names.context import POPUP
 from elitescript.runtime.program import Program
 from elitescript.runtime.queries import Queries
 from elitescript.runtime.secondary import Secondaries
+from elitescript.runtime.threads.meter import Meter
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import STOP, Strand, ThreadState, state_of
 from elitescript.runtime.watchdogs import Watchdogs
@@ -58,6 +59,7 @@ class ScriptHost:
         rpc_timeout_s: how long a remote procedure call waits for its answer; 0 and less wait for ever.
         is_rtsi_input: whether clients can send an input of that name.
         probe: counts the statements of its programs.
+        meter: ends the program phase of ticks, where a wall clock rules.
 
     Attributes:
         result: end of the last program; empty while one runs and before the first.
@@ -109,6 +111,7 @@ class ScriptHost:
         rpc_timeout_s: float = RPC_TIMEOUT_S,
         is_rtsi_input: Callable[[str], bool] = lambda name: True,
         probe: Probe | None = None,
+        meter: Meter | None = None,
     ) -> None:
         self._machine = machine
         self._profile = profile
@@ -118,7 +121,10 @@ class ScriptHost:
         self._probe = probe
         self._confirms_popups = confirms_popups
         self._scheduler = Scheduler(
-            work_per_tick=work_per_tick, on_end=self._strand_ended, on_abandoned=self._strand_abandoned
+            work_per_tick=work_per_tick,
+            meter=meter,
+            on_end=self._strand_ended,
+            on_abandoned=self._strand_abandoned,
         )
         self.spend_event = self._scheduler.spend_event
         self._program: Program | None = None
@@ -156,6 +162,8 @@ class ScriptHost:
             self._world = world
         self._program = program = self._new_program(presets or {})
         self.result, self.alarm, self._ending = "", None, ""
+        if (meter := self._scheduler.meter) is not None:
+            meter.begin_program()
         self._main = self._spawn(program, "main", program.body_of(unit))
         program.main = self._main
         self.interpreter.begin_program(self._main, program.globals, program.execute)

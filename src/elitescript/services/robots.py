@@ -59,7 +59,7 @@ def robot_link(
     """
     allowance = Allowance(task_dir_limit)
     files: Files = MemoryFiles({}, allowance) if task_dir is None else LocalFiles(task_dir.resolve(), allowance)
-    record = None if journal is None else Journal(journal, options)
+    record = None if journal is None else Journal(journal, options, is_metered=not in_process)
     if not in_process:
         return ChildLink(options, files=files, is_jailed=is_jailed, journal=record)
     if record is None:

@@ -11,6 +11,7 @@ import gc
 import os
 import signal
 import sys
+import time
 import traceback
 from typing import Any
 
@@ -23,6 +24,7 @@ from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import TickResult
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.snapshot_parts import ALL_PARTS
+from elitescript.runtime.threads.meter import ClockMeter
 from elitescript.services.child import frames
 from elitescript.services.child.jail import enter_jail
 from elitescript.services.child.output_changes import OutputWriter
@@ -66,7 +68,7 @@ def serve(line: frames.BlockingLine) -> None:
                 due = frames.NEVER
             if not is_whole:
                 due = min(due, max(whole_tick + frames.REFRESH_TICKS, tick + 1))
-            line.send(letter, frames.numbered(due, content))
+            line.send(letter, frames.answer_content(due, content, kernel.cut))
             continue
         data = from_text(text)
         if letter == frames.LOCK_IN:
@@ -74,7 +76,9 @@ def serve(line: frames.BlockingLine) -> None:
             layers = enter_jail(memory_max=memory_max) if is_jailed else ()
             line.send(frames.LOCKED_IN, to_text([list(layer) for layer in layers]))
         elif letter == frames.BEGIN:
-            kernel = Kernel(options_from_data(data), RequestEnvironment(RemoteFiles(ask)), debugging=debugging())
+            environment = RequestEnvironment(RemoteFiles(ask))
+            meter = ClockMeter(time.monotonic_ns, time.thread_time_ns)
+            kernel = Kernel(options_from_data(data), environment, debugging=debugging(), meter=meter)
             # What is there now stays; the collector need not look at it in every round.
             gc.collect()
             gc.freeze()

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from elitescript.codec.values import CodecError
+from elitescript.messages.cut import LOOKS_MAX, WHOLE, Cut
 from elitescript.messages.timing import TICKS_PER_S
 
 DOWN_MAX: Final = 32 * 1024 * 1024
@@ -22,7 +23,7 @@ READ_BYTES: Final = 1 << 16
 _LENGTH: Final = struct.Struct(">I")
 _HEAD: Final = struct.Struct(">IB")
 _TICK: Final = struct.Struct(">qB?")
-_NUMBER: Final = struct.Struct(">q")
+_ANSWERED: Final = struct.Struct(">qII")
 NEVER: Final = (1 << 63) - 1
 """Number of a tick that does not come."""
 REFRESH_TICKS: Final = TICKS_PER_S // 10
@@ -41,7 +42,8 @@ nothing is read and the discrete state has not changed, with `RESULT`."""
 ANSWER: Final = "A"
 """Answer to a `QUESTION`."""
 
-# Up. The answers to a tick begin with the number of the next one that is due; the next one if that was not asked for.
+# Up. The answers to a tick begin with the number of the next one that is due (i64); the next one if that was not asked
+# for. Then comes how far programs came in the tick, a `Cut` (two times u32).
 LOCKED_IN: Final = "L"
 """The layers of the jail."""
 DESCRIBED: Final = "D"
@@ -68,20 +70,23 @@ def read_tick(content: bytes) -> tuple[int, int, bool, bytes]:
     return *_TICK.unpack_from(content), content[_TICK.size :]
 
 
-def numbered(number: int, content: str | bytes) -> bytes:
-    """Return a content with the number of a tick before it."""
-    return _NUMBER.pack(number) + (content.encode() if isinstance(content, str) else content)
+def answer_content(due: int, content: str | bytes, cut: Cut = WHOLE) -> bytes:
+    """Return the content of an answer to a tick: the next one that is due, how far programs came, what it gives."""
+    return _ANSWERED.pack(due, *cut) + (content.encode() if isinstance(content, str) else content)
 
 
-def split_number(content: bytes) -> tuple[int, bytes]:
-    """Return the number of a tick, and the content behind it.
+def read_answer(content: bytes) -> tuple[int, Cut, bytes]:
+    """Return what `answer_content` was given.
 
     Raises:
-        CodecError: there is none.
+        CodecError: it is too short, or no tick has as many looks.
     """
-    if len(content) < _NUMBER.size:
-        raise CodecError("a message about a tick without its number")
-    return _NUMBER.unpack_from(content)[0], content[_NUMBER.size :]
+    if len(content) < _ANSWERED.size:
+        raise CodecError("an answer to a tick without its head")
+    due, looks, cleanups = _ANSWERED.unpack_from(content)
+    if max(looks, cleanups) > LOOKS_MAX:
+        raise CodecError(f"a tick that was cut at {max(looks, cleanups)}; at most {LOOKS_MAX} are possible")
+    return due, Cut(looks, cleanups), content[_ANSWERED.size :]
 
 
 def frame(letter: str, content: str | bytes, limit: int = DOWN_MAX) -> bytes:

@@ -360,7 +360,7 @@ class ChildLink:
         self._outputs.add(output)
         self._pending.note(output.requests)
         if self._journal is not None:
-            self._journal.tick(sent.number, sent.text, sent.answers, transport.output_text())
+            self._journal.tick(sent.number, sent.text, sent.answers, transport.output_text(), sent.cut)
             self._outputs.add_own(*self._journal.take_warning(sent.number))
         self._send_kept(transport)
 
@@ -425,7 +425,9 @@ class ChildLink:
         supervision = self._supervision
 
         async def wait_for_room(behind_max: int, longest_s: float) -> None:
-            await self._wait_until(lambda: self._behind(transport) < behind_max or bool(transport.end_reason), longest_s)
+            await self._wait_until(
+                lambda: self._behind(transport) < behind_max or bool(transport.end_reason), longest_s
+            )
 
         if not self._is_catching_up and supervision.silent_s() < LAG_S:
             await wait_for_room(LAG_MAX, LAG_S)
