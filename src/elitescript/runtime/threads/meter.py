@@ -18,10 +18,10 @@ from typing import Final
 
 from elitescript.messages.cut import WHOLE, Cut
 
-SHARE_NS: Final = 2_500_000
-"""Time of programs in a tick: most of its 4 ms, which are for the snapshot and the way to the clients too."""
-CREDIT_NS: Final = 8_000_000
-"""Most time of earlier ticks that is kept for a later one: two periods, so that no stream is late by more."""
+SHARE_NS: Final = 2_000_000
+"""Time of programs in a tick: half of it; the rest is for the snapshot, the way to the clients and a busy computer."""
+CREDIT_NS: Final = 4_000_000
+"""Most time of earlier ticks that is kept for a later one: a period, so that no stream is late by more."""
 BEGIN_NS: Final = 20_000_000
 """What a program may use at its beginning besides: its first calls load what they need."""
 CLEANUP_NS: Final = 4_000_000
@@ -166,6 +166,10 @@ class ClockMeter(Meter):
             self._worked_before_ns += self._worked_ns() - began_ns
 
         return end
+
+    def spend(self, time_ns: int) -> None:
+        """Count time in which a program has not worked, but had something done for it."""
+        self._worked_before_ns -= time_ns
 
     def _is_over(self, look: int) -> bool:
         now_ns = self._now_ns()

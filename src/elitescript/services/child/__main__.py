@@ -42,9 +42,14 @@ def serve(line: frames.BlockingLine) -> None:
     whole_tick, is_whole = 0, False
     """Tick of the last one with all parts, and whether the arm has rested since."""
 
+    meter = ClockMeter(time.monotonic_ns, time.thread_time_ns)
+
     def ask(question: list[Any]) -> list[Any]:
+        began_ns = time.monotonic_ns()
         line.send(frames.QUESTION, to_text(question))
-        return list(from_text(line.receive_answer(frames.ANSWER)))
+        answer = list(from_text(line.receive_answer(frames.ANSWER)))
+        meter.spend(time.monotonic_ns() - began_ns)
+        return answer
 
     kernel: Kernel | None = None
     content: str | bytes
@@ -77,7 +82,6 @@ def serve(line: frames.BlockingLine) -> None:
             line.send(frames.LOCKED_IN, to_text([list(layer) for layer in layers]))
         elif letter == frames.BEGIN:
             environment = RequestEnvironment(RemoteFiles(ask))
-            meter = ClockMeter(time.monotonic_ns, time.thread_time_ns)
             kernel = Kernel(options_from_data(data), environment, debugging=debugging(), meter=meter)
             # What is there now stays; the collector need not look at it in every round.
             gc.collect()
