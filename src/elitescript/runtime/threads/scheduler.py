@@ -20,6 +20,7 @@ from typing import Any, Final
 
 from elitescript.messages.timing import WORK_PER_TICK
 from elitescript.runtime.threads.meter import PORTION_MAX, Meter
+from elitescript.runtime.threads.said import SaidText
 from elitescript.runtime.threads.strand import ENDED, READY, WAITING, Stopped, Strand
 from elitescript.runtime.threads.timers import Timers
 
@@ -65,6 +66,7 @@ class Scheduler:
         needs_attention: keeps `run_ready` from going on; set by `call_attention`.
         is_paused: whether only secondary programs run.
         lag_ticks: delay of robot time behind the wall clock, see `Deadline`.
+        said: what programs have said and clients have not got yet.
         timers: timeouts of waits.
         watchers: called with the running strand and the number of its next statement; see `watch`.
         passes: numbers of statements at which no watcher is called, as keys.
@@ -95,6 +97,7 @@ class Scheduler:
         "needs_attention",
         "now",
         "passes",
+        "said",
         "strands",
         "timers",
         "watchers",
@@ -125,6 +128,7 @@ class Scheduler:
         """With a meter and a watcher: how many checkpoints would be in the fuel; no look at the meter is due in them."""
         self._ready: deque[Strand] = deque()
         self._next: list[Strand] = []
+        self.said = SaidText()
         self.timers = Timers()
         self.watchers: list[Callable[[Strand, int], None]] = []
         self.passes = _Passes(self)

@@ -16,8 +16,8 @@ from elitescript.messages.cut import LOOKS_MAX, WHOLE, Cut
 from elitescript.messages.timing import TICKS_PER_S
 
 DOWN_MAX: Final = 32 * 1024 * 1024
-UP_MAX: Final = 8 * 1024 * 1024
-"""Less, because reading it takes the time of all clients."""
+UP_MAX: Final = 16 * 1024 * 1024
+"""Less, because reading it takes the time of all clients: the longest text of a program, in the longest form of JSON."""
 READ_BYTES: Final = 1 << 16
 """Taken from a socket at once: more would be memory that the system has to find anew for every message."""
 _LENGTH: Final = struct.Struct(">I")
