@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: chaos help demo test lint types coverage flips invariants real-arm peers bench quoted figures picture studio-pictures reference docs golden studio studio-test vscode vscode-test dap-test dist lock clean
+.PHONY: chaos help demo test lint types coverage flips invariants real-arm peers bench quoted steady figures picture studio-pictures reference docs golden studio studio-test vscode vscode-test dap-test dist lock clean
 
 help:
 	@echo "make demo        install, then run an example program"
@@ -15,6 +15,7 @@ help:
 	@echo "make lint        style, format and import rules"
 	@echo "make types       mypy"
 	@echo "make coverage    the tests with branch coverage: a table by package, and what no test reaches"
+	@echo "make steady      the tests ten times beside busy cores and twice on one core; TESTS=tests/services for a folder"
 	@echo "make flips       change random constants of tables; prints the changes that no test notices (an hour)"
 	@echo "make invariants  the long random sweeps; writes their result into docs/explanation/motion.md"
 	@echo "make chaos       random sessions for SECONDS=600, from SEED on: programs, devices, faults, people and clients"
@@ -125,6 +126,14 @@ coverage: $(READY)
 	$(BIN)/python -m coverage combine --quiet && \
 	$(BIN)/python -m coverage json --quiet -o build/coverage/report.json && \
 	$(BIN)/python -m tools.coverage_table build/coverage/report.json && exit $$status
+
+# TESTS names files and folders; TIMES is the number of runs beside busy cores, ONE_CORE that on one core.
+TESTS ?= tests
+TIMES ?= 10
+ONE_CORE ?= 2
+
+steady: $(READY) $(PAGE) $(BROWSER_READY)
+	$(BIN)/python -m tools.steady $(TESTS) --times $(TIMES) --one-core $(ONE_CORE)
 
 # Which constants are changed follows SEED alone.
 SEED ?= 1

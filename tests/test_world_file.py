@@ -126,7 +126,7 @@ def test_a_file_that_is_no_toml_says_where(cell, text, words):
 
 
 def test_a_missing_file_is_named(tmp_path):
-    with pytest.raises(UsageError, match=r"world file .*nothing\.toml: No such file"):
+    with pytest.raises(UsageError, match=r"cannot read .*nothing\.toml: No such file"):
         load_world_file(tmp_path / "nothing.toml")
 
 

@@ -6,7 +6,7 @@ import os
 import stat
 from typing import Final
 
-_STREAMS: Final = ("/dev/stdin", "/dev/fd/", "/proc/self/fd/")
+STREAMS: Final = ("/dev/stdin", "/dev/fd/", "/proc/self/fd/")
 """Names of streams that a shell has opened: `elitescript run /dev/stdin`, `elitescript run <(generate)`."""
 
 _KINDS: Final = (
@@ -26,10 +26,15 @@ def why_no_file(path: str | os.PathLike[str], *, is_stream_allowed: bool = False
         is_stream_allowed: accept standard input and other streams of the shell.
     """
     name = os.fspath(path)
-    if is_stream_allowed and name.startswith(_STREAMS):
+    if is_stream_allowed and name.startswith(STREAMS):
         return ""
     try:
-        mode = os.stat(name).st_mode  # noqa: PTH116
+        kind = kind_of(os.stat(name).st_mode)  # noqa: PTH116
     except (OSError, ValueError):
         return ""
-    return next((f"is {kind}, not a file" for test, kind in _KINDS if test(mode)), "")
+    return f"is {kind}, not a file" if kind else ""
+
+
+def kind_of(mode: int) -> str:
+    """Return what a mode of `os.stat` is that is no ordinary file, as `a device`; empty for an ordinary file."""
+    return next((kind for test, kind in _KINDS if test(mode)), "")

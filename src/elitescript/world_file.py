@@ -10,17 +10,18 @@ things and of the tool, `[[box]]` and so on, by `solids.cell`.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.devices.surroundings import REAL, VIRTUAL, RobotSettings
-from elitescript.devices.toml_lines import Path as TomlPath
-from elitescript.devices.toml_lines import line_of_refusal, lines_of, nearest
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.kernel.options import ROBOT_SECTION, SECTIONS, options_of_table
 from elitescript.messages.signals import Value
-from elitescript.paths import why_no_file
+from elitescript.untrusted.files import WORLD, read_text
+from elitescript.untrusted.toml_lines import Path as TomlPath
+from elitescript.untrusted.toml_lines import lines_of, nearest
+from elitescript.untrusted.toml_text import toml_tables
 
 if TYPE_CHECKING:
     from elitescript.assist.document import Settings
@@ -76,17 +77,9 @@ def world_text(file: Path) -> str:
     """Return the text of a world file.
 
     Raises:
-        UsageError: no such file, or it is not UTF-8.
+        UsageError: no such file, one that is no world file by its size, or not UTF-8.
     """
-    if why := why_no_file(file, is_stream_allowed=True):
-        raise UsageError(f"world file {file} {why}")
-    try:
-        return file.read_text(encoding="utf-8")
-    except OSError as error:
-        raise UsageError(f"world file {file}: {error.strerror or error}") from error
-    except UnicodeDecodeError as error:
-        line = error.object[: error.start].count(b"\n") + 1
-        raise UsageError(f"{file}:{line}: the world file is not UTF-8: {error.reason} at byte {error.start}") from error
+    return read_text(file, WORLD, is_stream_allowed=True)
 
 
 def tables_of(file: Path, text: str) -> dict[str, Any]:
@@ -97,22 +90,9 @@ def tables_of(file: Path, text: str) -> dict[str, Any]:
         text: its content.
 
     Raises:
-        UsageError: no TOML, or a whole number beyond 64 bits; the text names file and line.
+        UsageError: no TOML, or beyond the bounds; the text names file and line.
     """
-    import tomllib
-
-    try:
-        tables = tomllib.loads(text)
-    except RecursionError:
-        raise UsageError(f"{file}:{line_of_refusal(text, RecursionError())}: it is nested too deeply") from None
-    except ValueError as error:  # a TOMLDecodeError, or what a number of thousands of digits gives
-        hint = '; names with an index stand in quotes: "standard_digital_in[3]" = true' if _has_bare_index(text) else ""
-        line = line_of_refusal(text, error)
-        raise UsageError(f"{file}:{line}: the world file is not TOML: {error}{hint}") from error
-    if (huge := _huge(tables, ())) is not None:
-        line = nearest(lines_of(text), huge)
-        raise UsageError(f"{file}:{line}: {huge[-1]}: whole numbers of TOML are within 64 bits")
-    return tables
+    return toml_tables(text, str(file), WORLD.noun)
 
 
 def read_tables(
@@ -215,18 +195,6 @@ def files_read(path: str | Path) -> list[Path]:
     return [Path(path), *(Path(path).parent / name for name in names)]
 
 
-def _huge(value: object, path: TomlPath) -> TomlPath | None:
-    """Return the path of a whole number that no float and no TOML of other readers has; None if there is none."""
-    if isinstance(value, int):
-        return None if -(2**63) <= value < 2**63 else path
-    items: Iterable[tuple[str | int, object]] = ()
-    if isinstance(value, Mapping):
-        items = value.items()
-    elif isinstance(value, list):
-        items = enumerate(value)
-    return next((found for key, item in items if (found := _huge(item, (*path, key))) is not None), None)
-
-
 def _located(file: Path, text: str, section: str, table: object, error: UsageError) -> UsageError:
     lines = lines_of(text)
 
@@ -324,15 +292,6 @@ def _place_in(message: str) -> tuple[str, int, list[str]]:
     if message.startswith("[[") and words and words[0].isdecimal():
         number = int(words.pop(0))
     return place, number, words
-
-
-def _has_bare_index(text: str) -> bool:
-    """Return whether a line begins like `standard_digital_in[3] =`."""
-    for line in text.split("\n"):
-        name, bracket, rest = line.partition("=")[0].strip().partition("[")
-        if bracket and name.isidentifier() and rest[:-1].isdecimal() and rest.endswith("]"):
-            return True
-    return False
 
 
 # ---------------------------------------------------------------- for editors

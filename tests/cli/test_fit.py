@@ -53,7 +53,7 @@ def test_json_has_the_parameters(cell, capsys):
     ("arguments", "words"),
     [
         ([], "name programs with points"),
-        (["none.script"], "none.script: cannot be read"),
+        (["none.script"], "cannot read none.script"),
         (["CELL", "--tcp", "1,2"], "--tcp 1,2: write six numbers in m and rad"),
         (["CELL", "--tcp", "0,0,nan,0,0,0"], "--tcp 0,0,nan,0,0,0: six finite numbers are needed"),
         (["NONE", "NONE"], "no point is known both as joints and as pose"),

@@ -29,8 +29,8 @@ def folder(tmp_path, monkeypatch):
         (["check", "pipe.script"], "cannot read pipe.script: it is a named pipe, not a file"),
         (["plot", "pipe.script"], "cannot read pipe.script: it is a named pipe, not a file"),
         (["plot", "pipe.csv"], "cannot read pipe.csv: it is a named pipe, not a file"),
-        (["run", "good.script", "--world", "pipe.toml"], "world file pipe.toml is a named pipe, not a file"),
-        (["run", "good.script", "--robot", "pipe.toml"], "pipe.toml: cannot be read: it is a named pipe, not a file"),
+        (["run", "good.script", "--world", "pipe.toml"], "cannot read pipe.toml: it is a named pipe, not a file"),
+        (["run", "good.script", "--robot", "pipe.toml"], "cannot read pipe.toml: it is a named pipe, not a file"),
         (["run", "good.script", "--trace", "pipe.csv"], "--trace pipe.csv: it is a named pipe, not a file"),
         (["run", "good.script", "--trace", "pipe.jsonl"], "--trace pipe.jsonl: it is a named pipe, not a file"),
         (["run", "good.script", "--state", "pipe"], "pipe is a named pipe, not a file"),
@@ -39,7 +39,7 @@ def folder(tmp_path, monkeypatch):
         (["run", "good.script", "--state", "folder"], "folder is a folder, not a file"),
         (["run", "good.script", "--state", "/dev/null"], "/dev/null is a device, not a file"),
         (["serve", "--port", "all=0", "--state", "pipe"], "pipe is a named pipe, not a file"),
-        (["serve", "--port", "all=0", "--world", "pipe.toml"], "world file pipe.toml is a named pipe, not a file"),
+        (["serve", "--port", "all=0", "--world", "pipe.toml"], "cannot read pipe.toml: it is a named pipe, not a file"),
     ],
 )
 def test_a_call_is_refused(folder, capsys, call, words):

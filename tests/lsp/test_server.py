@@ -454,7 +454,7 @@ class TestSettings:
             ({"strict": "yes"}, "elitescript.strict: must be true or false, got 'yes'"),
             ({"robot": "CS77"}, "elitescript.robot: "),
             ({"hints": {"run": 1}}, "elitescript.hints.run: must be true or false"),
-            ({"world": "no.toml"}, "world file no.toml: "),
+            ({"world": "no.toml"}, "cannot read no.toml: "),
             ([1], "elitescript: must be a table"),
         ],
     )

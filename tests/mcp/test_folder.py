@@ -1,7 +1,7 @@
 import pytest
 
 from elitescript.errors import UsageError
-from elitescript.mcp.folder import FILE_BYTES_MAX, Folder
+from elitescript.mcp.folder import Folder
 
 
 @pytest.fixture
@@ -49,13 +49,6 @@ def test_a_file_of_another_kind_is_refused(folder):
     (folder.path / "key.pem").write_text("")
     with pytest.raises(UsageError, match="suffix"):
         folder.file("key.pem", ".script", ".toml")
-
-
-def test_a_large_file_is_refused(folder):
-    with (folder.path / "big.script").open("wb") as file:
-        file.truncate(FILE_BYTES_MAX + 1)
-    with pytest.raises(UsageError, match="bytes"):
-        folder.file("big.script", ".script")
 
 
 def test_programs_are_listed_by_name_without_hidden_folders(folder):

@@ -191,7 +191,7 @@ def full(changed: str) -> str:
 @pytest.mark.parametrize(
     ("text", "complaint"),
     [
-        ("name = ", r"mine\.toml: not TOML"),
+        ("name = ", r"mine\.toml:1: the arm file is not TOML"),
         ("", r"mine\.toml: name: missing"),
         ("name = 3\n", r"mine\.toml: name: needs a text, has 3"),
         ('name = "Mine"\n', r"mine\.toml: joints\.qd_max: missing"),
@@ -251,20 +251,20 @@ def test_a_wrong_file_is_refused_with_file_and_key(tmp_path: Path, text: str, co
 
 
 def test_a_file_that_cannot_be_read_is_refused_by_its_path(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match=r"absent\.toml: cannot be read: No such file"):
+    with pytest.raises(UsageError, match=r"cannot read .*absent\.toml: No such file"):
         load_model_file(tmp_path / "absent.toml")
 
 
 def test_a_file_that_is_no_text_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     path.write_bytes(b"\xff\xfe")
-    with pytest.raises(UsageError, match=r"mine\.toml: not UTF-8 at byte 0"):
+    with pytest.raises(UsageError, match=r"mine\.toml:1: the arm file is not UTF-8: it is UTF-16"):
         load_model_file(path)
 
 
 def test_a_huge_file_is_refused_unread(tmp_path: Path) -> None:
     path = write(tmp_path, "#" * 1_000_001)
-    with pytest.raises(UsageError, match="larger than 1000000 bytes"):
+    with pytest.raises(UsageError, match="it has 1000001 bytes; at most 1000000 bytes are read"):
         load_model_file(path)
 
 
@@ -324,7 +324,7 @@ class TestOwnArm:
     def test_a_path_is_told_from_a_name_by_its_ending(self, tmp_path: Path) -> None:
         path = write(tmp_path, 'base = "CS66"\n')
         assert load_model(str(path)) == load_model(path) == MODELS["CS66"]
-        with pytest.raises(UsageError, match=r"absent\.toml: cannot be read"):
+        with pytest.raises(UsageError, match=r"cannot read .*absent\.toml"):
             load_model(str(tmp_path / "absent.toml"))
 
     @pytest.mark.parametrize(
@@ -372,7 +372,7 @@ class TestOwnArm:
                 'base = "CS66"\n[plant]\nlag_s = 9\n',
                 r"mine\.toml: plant: lag_s of the plant must be in \[0, 1\] s, got 9",
             ),
-            ('base = "CS66"\nx = ' + "[" * 20_000 + "\n", r"mine\.toml: not "),
+            ('base = "CS66"\nx = ' + "[" * 20_000 + "\n", r"mine\.toml:2: it is nested too deeply"),
         ],
     )
     def test_mistakes_are_refused_with_file_and_key(self, tmp_path: Path, text: str, complaint: str) -> None:

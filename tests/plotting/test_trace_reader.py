@@ -87,7 +87,7 @@ def test_a_spreadsheet_may_have_added_a_mark_columns_and_its_line_ends(tmp_path)
 def test_other_bytes_and_missing_files_are_errors(tmp_path):
     path = tmp_path / "out.csv"
     path.write_bytes(HEADER.encode() + b"\n\xff\n")
-    with pytest.raises(UsageError, match=r"out\.csv:2: byte 0xFF is not UTF-8"):
+    with pytest.raises(UsageError, match=r"out\.csv:2: the trace is not UTF-8"):
         read_trace(path)
     with pytest.raises(UsageError, match="cannot read"):
         read_trace(tmp_path / "none.csv")

@@ -199,18 +199,15 @@ class TestWithoutEffort:
             "def test_it(): assert [name for name in sys.modules if name.startswith('elitescript')] == sys.ours\n"
         )
         code = (
-            "import sys, pytest, time\n"
+            "import sys, pytest\n"
             "before = set(sys.modules)\n"
-            "start = time.process_time()\n"
             "import elitescript.pytest_plugin.plugin\n"
-            "took = time.process_time() - start\n"
             "sys.ours = [name for name in sys.modules if name not in before]\n"
-            "print(sorted(sys.ours), took)\n"
+            "print(sorted(sys.ours))\n"
             "sys.exit(pytest.main(['-q', '-p', 'no:cacheprovider', '--strict-markers']))\n"
         )
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-        modules, _, took = done.stdout.partition("\n")[0].rpartition(" ")
-        assert modules == str(
+        assert done.stdout.partition("\n")[0] == str(
             [
                 "elitescript",
                 "elitescript.observer",
@@ -220,7 +217,6 @@ class TestWithoutEffort:
                 "elitescript.pytest_plugin.watching",
             ]
         )
-        assert float(took) < 0.02  # 3 ms on a quiet computer
         assert "1 passed" in done.stdout
 
     def test_it_can_be_switched_off(self, pytester, monkeypatch):

@@ -13,9 +13,6 @@ from elitescript.services.clients.tcp import Client
 from elitescript.services.time import cycle
 from tests.services.served import Scene, serving
 
-TURNS = 12
-"""Of the event loop, within which everything that is due at one moment is done."""
-
 
 class Timer:
     """Wakes when the test has moved its clock there."""
@@ -58,8 +55,10 @@ class WallClock:
         self.now_ns = max(self.now_ns, until_ns)
 
     async def settle(self) -> None:
-        """Let the event loop do what is due now."""
-        for _ in range(TURNS):
+        """Let the event loop do what is due now, until nothing is left to be done."""
+        ready: Any = asyncio.get_running_loop()
+        await asyncio.sleep(0)
+        while ready._ready:
             await asyncio.sleep(0)
 
 

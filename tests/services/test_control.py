@@ -101,6 +101,7 @@ def test_the_state_has_what_the_wall_clock_has_done() -> None:
     async def test() -> None:
         async with controlled() as (scene, channel):
             now = scene.server.output.tick
+            # However quick this computer is, it is late once.
             scene.robot.on_tick = lambda tick: time.sleep(0.02) if tick == now + 2 else None
             await scene.until(lambda: scene.server.overruns > 1)
             state = (await order(channel, "state"))["result"]

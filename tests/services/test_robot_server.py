@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import itertools
+from collections.abc import Callable
 
 import pytest
 
@@ -16,7 +17,10 @@ from elitescript.services.clients.binding import bind
 from elitescript.services.clients.tcp import Client
 from elitescript.services.port_numbers import NAMES
 from elitescript.services.time import paced as server
+from elitescript.services.time.cycle import PERIOD_NS
 from tests.protocol import primary_client, rtsi_client
+from tests.services.fake_robot import FakeRobot
+from tests.services.made_up_time import WallClock, timed
 from tests.services.served import Scene, run, serving
 
 
@@ -192,36 +196,41 @@ def test_a_port_in_use_is_named_and_leaves_nothing_open() -> None:
     run(test())
 
 
-def test_late_ticks_are_made_up_for_and_counted() -> None:
-    import time
+def late_at(wall: WallClock, tick: int, late_s: float) -> Callable[[int], None]:
+    """What a robot does whose tick of that number takes so long."""
 
+    def on_tick(now: int) -> None:
+        if now == tick:
+            wall.now_ns += round(late_s * 1e9)
+
+    return on_tick
+
+
+def test_late_ticks_are_made_up_for_and_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     async def test() -> None:
-        async with serving() as scene:
-            before = scene.server.output.tick
-            start = time.monotonic()
-            scene.robot.on_tick = lambda tick: time.sleep(0.03) if tick == before + 5 else None
-            await scene.until(lambda: scene.server.output.tick >= before + 30)
-            elapsed_ticks = (time.monotonic() - start) / 0.004
-            assert 29 <= elapsed_ticks < 60
-            assert scene.server.overruns >= 5
+        async with timed(monkeypatch, FakeRobot()) as (scene, wall, _):
+            before, begin_ns = scene.server.output.tick, wall.now_ns
+            scene.robot.on_tick = late_at(wall, before + 5, 0.03)
+            await wall.go_to(begin_ns + 30 * PERIOD_NS)
+            assert scene.server.output.tick == before + 30
+            # Those due 4, 8, … and 24 ms after it.
+            assert scene.server.overruns == 6
 
     run(test())
 
 
 def test_the_log_is_told_of_late_ticks(monkeypatch: pytest.MonkeyPatch) -> None:
-    import time
-
     monkeypatch.setattr(server, "REPORT_TICKS", 20)
     monkeypatch.setattr(server, "LATE_MANY", 1)
 
     async def test() -> None:
-        async with serving() as scene:
+        async with timed(monkeypatch, FakeRobot()) as (scene, wall, _):
             begin = scene.server.output.tick
-            scene.robot.on_tick = lambda tick: time.sleep(0.02) if tick == begin + 3 else None
-            await scene.until(lambda: scene.notes("late"))
+            scene.robot.on_tick = late_at(wall, begin + 3, 0.02)
+            await wall.go_to(wall.now_ns + 40 * PERIOD_NS)
             note = scene.notes("late")[0]
             assert note.is_problem
-            assert note.details["worst_ms"] >= 4.0
+            assert note.details["worst_ms"] == 16.0
             assert "of 20 ticks began late" in note.text
 
     run(test())

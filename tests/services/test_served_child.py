@@ -18,7 +18,7 @@ from tests.services.served import Scene
 
 LIMIT_S = 40.0
 GAP_S = 1.0
-"""Longest silence of a stream: then the vendor's client in C++ ends its connection. Generous, for a busy computer."""
+"""Longest silence of a stream: then the vendor's client in C++ ends its connection."""
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="children inherit a socket, as POSIX has it")
 
@@ -58,6 +58,20 @@ class Stream:
         return list(dict.fromkeys(self.stamps))
 
 
+class Pulse:
+    """Notes the longest time for which this computer did not let the event loop go on."""
+
+    def __init__(self):
+        self.worst_s = 0.0
+
+    async def beat(self):
+        loop = asyncio.get_running_loop()
+        while True:
+            begin_s = loop.time()
+            await asyncio.sleep(0.01)
+            self.worst_s = max(self.worst_s, loop.time() - begin_s - 0.01)
+
+
 def play(program, is_over, after=lambda scene, streams: None):
     """Send a program to a served robot; two clients stream until something is so."""
 
@@ -68,7 +82,8 @@ def play(program, is_over, after=lambda scene, streams: None):
         await scene.server.boot()
         scene.server.bind("127.0.0.1", dict.fromkeys(NAMES, 0))
         await scene.server.open()
-        readers = []
+        pulse = Pulse()
+        readers = [asyncio.get_running_loop().create_task(pulse.beat())]
         try:
             streams = [Stream(await scene.connect("rtsi"), scene) for _ in range(2)]
             for stream in streams:
@@ -80,7 +95,7 @@ def play(program, is_over, after=lambda scene, streams: None):
             await scene.until(lambda: is_over(scene, streams))
             ticks = scene.server.output.tick - first
             for stream in streams:
-                assert stream.worst_s < GAP_S
+                assert stream.worst_s < GAP_S + pulse.worst_s
                 assert len(stream.stamps) > 0.8 * ticks
                 assert stream.stamps == sorted(stream.stamps)
                 assert all(now_s - stamp > REPEAT_AFTER_S for stamp, now_s in stream.repeated)

@@ -195,9 +195,9 @@ class TestRead:
             read(Programs(tmp_path).path("x" * 5000 + ".script"))
 
     def test_a_large_file_is_refused(self, tmp_path: Path, monkeypatch) -> None:
-        monkeypatch.setattr(files, "FILE_BYTES_MAX", 10)
+        monkeypatch.setattr(files, "_OPENED", files._OPENED._replace(bytes_max=10))
         (tmp_path / "a.script").write_bytes(b"x" * 11)
-        with pytest.raises(UsageError, match="has 11 bytes; the studio opens at most 10"):
+        with pytest.raises(UsageError, match="has 11 bytes; at most 10 bytes are read"):
             read(tmp_path / "a.script")
 
 

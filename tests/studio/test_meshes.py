@@ -70,11 +70,11 @@ def test_nothing_else(package: Path, name: str) -> None:
 
 
 def test_what_is_no_urdf(package: Path, monkeypatch) -> None:
-    with pytest.raises(UsageError, match="there is no file"):
+    with pytest.raises(UsageError, match="No such file"):
         Meshes(package / "no.urdf")
     (package / "latin.urdf").write_bytes(b"\xff")
     with pytest.raises(UsageError, match="is not UTF-8"):
         Meshes(package / "latin.urdf")
-    monkeypatch.setattr(meshes, "FILE_BYTES_MAX", 10)
-    with pytest.raises(UsageError, match="at most 10 are loaded"):
+    monkeypatch.setattr(meshes, "MESH", meshes.MESH._replace(bytes_max=10))
+    with pytest.raises(UsageError, match="at most 10 bytes are read"):
         Meshes(package / "urdf" / "arm.urdf")

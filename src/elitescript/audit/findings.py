@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from typing import TYPE_CHECKING
 
 from elitescript.audit.configuration import ArmDifference
@@ -10,8 +9,11 @@ from elitescript.audit.differences import Comparison, Finding
 from elitescript.audit.inputs import Inputs
 from elitescript.audit.series import Mark, Series
 from elitescript.audit.simulation import Cell, Simulated
+from elitescript.errors import UsageError
 from elitescript.recorder.recording import Recording
 from elitescript.records import record
+from elitescript.untrusted.files import ARM, text_of
+from elitescript.untrusted.toml_text import toml_tables
 
 if TYPE_CHECKING:
     from elitescript.audit.fit.recordings import RecordingFit
@@ -95,8 +97,8 @@ def arm_file_of(recording: Recording) -> str:
     """Return the name of the arm file that a recording holds; empty if it holds none."""
     for name, data in recording.attachments.items():
         try:
-            if name.endswith(".toml") and "base" in tomllib.loads(data.decode()):
+            if name.endswith(".toml") and "base" in toml_tables(text_of(data, name, ARM.noun), name, ARM.noun):
                 return name
-        except ValueError:
+        except UsageError:
             continue
     return ""

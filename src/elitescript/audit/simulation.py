@@ -22,6 +22,7 @@ from elitescript.paths import why_no_file
 from elitescript.records import NamedTuple, record
 from elitescript.robot import VirtualRobot, Watch
 from elitescript.run import Run
+from elitescript.untrusted.files import TASK_FILE, read_bytes
 from elitescript.world_file import closed_world
 
 LONGER_S: Final = 1.0
@@ -196,7 +197,7 @@ def _task_files(source: SourceFile) -> dict[str, bytes]:
     found: dict[str, bytes] = {}
     for path in sorted(folder.iterdir()) if folder.is_dir() else ():
         if path.name in source.text and not why_no_file(path):
-            found[path.name] = path.read_bytes()
+            found[path.name] = read_bytes(path, TASK_FILE)
     if sum(map(len, found.values())) > TASK_FILES_BYTES:
         raise UsageError(f"the files of {folder} that the program names have more than {TASK_FILES_BYTES >> 20} MiB")
     return found

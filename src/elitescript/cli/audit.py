@@ -13,13 +13,12 @@ from elitescript.audit.auditing import audit as audited
 from elitescript.audit.fit.arm_file import arm_text
 from elitescript.cli.output.screen import palette_of, rendered
 from elitescript.cli.robot_options import options_from
-from elitescript.environment.program_file import source_of
+from elitescript.environment.program_file import refused_source, source_of
 from elitescript.errors import ProgramError, UsageError, did_you_mean
 from elitescript.language.text.source import SourceFile
 from elitescript.models.datafile import parsed, read_text
 from elitescript.models.model import is_model_file
 from elitescript.page import NOT_BUILT, is_built
-from elitescript.paths import why_no_file
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -114,8 +113,6 @@ def given_program(path: str | None) -> SourceFile | None:
     """
     if path is None:
         return None
-    if why := why_no_file(Path(path), is_stream_allowed=True):
-        raise UsageError(f"--program: {path} {why}")
     return source_of(path)
 
 
@@ -124,7 +121,7 @@ def print_problems(command: str, path: str | None, error: ProgramError) -> None:
     if path is None:
         print(f"elitescript {command}: the program that was found: {error}", file=sys.stderr)
         return
-    source = SourceFile(path, Path(path).read_bytes().decode("utf-8", "replace"))
+    source = refused_source(Path(path))
     for problem in error.problems:
         print(rendered(problem, source, palette_of(sys.stderr)), file=sys.stderr)
 

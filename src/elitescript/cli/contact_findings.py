@@ -26,6 +26,8 @@ from elitescript.lint.suppression import without_suppressed
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
 from elitescript.solids.contacts import Contact
+from elitescript.untrusted.files import TASK_FILE, UnreadableError, read_bytes
+from elitescript.untrusted.json_text import json_value
 from elitescript.world_file import load_world_file
 
 UNTIL_S: Final = 600.0
@@ -89,7 +91,7 @@ def _answered(request: Mapping[str, Any]) -> dict[str, Any]:
         life.close()
     if process.returncode != 0:
         return _nothing("the process of the run has ended: it may have needed too much memory")
-    found: dict[str, Any] = json.loads(data)
+    found: dict[str, Any] = json_value(data, depth_max=None)
     return found
 
 
@@ -154,8 +156,8 @@ def _copy(folder: Path | None) -> dict[str, bytes]:
     for path in sorted(folder.iterdir()) if folder is not None else ():
         try:
             if len(found) < FILES and path.is_file() and path.stat().st_size <= FILE_BYTES:
-                found[path.name] = path.read_bytes()
-        except OSError:
+                found[path.name] = read_bytes(path, TASK_FILE)
+        except (OSError, UnreadableError):
             continue  # as if it were not there: the program says if it misses it
     return found
 

@@ -17,7 +17,7 @@ from elitescript.errors import UsageError
 from elitescript.messages.motion import Six
 from elitescript.models.datafile import parsed, read_text
 from elitescript.models.model import RobotModel, is_model_file, load_model
-from elitescript.paths import why_no_file
+from elitescript.untrusted import files as untrusted_files
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 AGREES: Final = 0
 DIFFERS: Final = 1
-MAX_BYTES: Final = 50_000_000
 """Of a file with points."""
 
 
@@ -72,19 +71,7 @@ def _all_points(programs: list[str], files: list[str], tcp: Six | None) -> Point
 
 def _text(name: str) -> str:
     path = Path(name)
-    if why := why_no_file(path, is_stream_allowed=True):
-        raise UsageError(f"{path}: cannot be read: it {why}")
-    try:
-        with path.open("rb") as file:
-            data = file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be read: {error.strerror}") from None
-    if len(data) > MAX_BYTES:
-        raise UsageError(f"{path}: larger than {MAX_BYTES} bytes")
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise UsageError(f"{path}: not UTF-8 at byte {error.start}") from None
+    return untrusted_files.read_text(path, untrusted_files.POINTS, is_stream_allowed=True)
 
 
 def _write_arm(out: str, robot: str, model: RobotModel, fitted: LengthFit) -> None:

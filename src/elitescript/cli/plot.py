@@ -12,12 +12,11 @@ from elitescript.cli.output.screen import palette_of, progress_on, rendered
 from elitescript.cli.robot_options import options_from
 from elitescript.cli.run import DOES_NOT_COMPILE, NO_FILE
 from elitescript.cli.watched import watch_for_crashes
-from elitescript.environment.program_file import source_of
+from elitescript.environment.program_file import refused_source, source_of
 from elitescript.environment.start_values import parse_settings
 from elitescript.errors import ProgramError, UsageError
 from elitescript.kernel.options import DEFAULTS, OPTIONS
 from elitescript.language.options import Options
-from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import compile_checked
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
@@ -168,6 +167,6 @@ def _played(path: Path, options: argparse.Namespace) -> tuple[Recording, int]:
 
 
 def _print_problems(path: Path, error: ProgramError) -> None:
-    source = SourceFile(str(path), path.read_bytes().decode("utf-8", "replace"))
+    source = refused_source(path)
     for problem in error.problems:
         print(rendered(problem, source, palette_of(sys.stderr)), file=sys.stderr)

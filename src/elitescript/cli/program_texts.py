@@ -10,8 +10,8 @@ from typing import Final
 
 from elitescript.environment.program_file import SUFFIX
 from elitescript.errors import UsageError
-from elitescript.paths import why_no_file
 from elitescript.records import NamedTuple
+from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes, read_standard_input
 
 STANDARD_INPUT: Final = "-"
 
@@ -48,7 +48,10 @@ def program_texts(names: Iterable[str], command: str) -> Iterator[ProgramText]:
     seen: set[str] = set()
     for name in names:
         if name == STANDARD_INPUT:
-            yield ProgramText("<stdin>", None, sys.stdin.buffer.read(), "", True)
+            try:
+                yield ProgramText("<stdin>", None, read_standard_input(PROGRAM), "", True)
+            except UnreadableError as error:
+                yield ProgramText("<stdin>", None, None, str(error), True)
             continue
         path = Path(name)
         if not path.is_dir():
@@ -70,14 +73,12 @@ def _read(path: Path, seen: set[str], *, is_named: bool) -> Iterator[ProgramText
     if real in seen:
         return
     seen.add(real)
-    if why := why_no_file(path, is_stream_allowed=True):
-        yield ProgramText(str(path), path, None, f"cannot read {path}: it {why}", is_named)
-        return
     try:
-        yield ProgramText(str(path), path, path.read_bytes(), "", is_named)
-    except OSError as error:
-        why_not = f"cannot read {path}: {error.strerror or error}"
-        yield ProgramText(str(path), path, None, why_not, is_named)
+        data = read_bytes(path, PROGRAM, is_stream_allowed=True)
+    except UnreadableError as error:
+        yield ProgramText(str(path), path, None, str(error), is_named)
+    else:
+        yield ProgramText(str(path), path, data, "", is_named)
 
 
 def write_out(data: bytes) -> None:

@@ -12,9 +12,9 @@ from elitescript.cli.listening import check_fetching, check_host, check_positive
 from elitescript.cli.output.screen import ScreenStream, StatusLine
 from elitescript.environment.allowance import shown_size
 from elitescript.errors import UsageError, printable
-from elitescript.paths import why_no_file
 from elitescript.recorder.session import PORTS, Session, Target
 from elitescript.recorder.storing import McapSink, Rotation
+from elitescript.untrusted.files import ARM, PROGRAM, WORLD, read_bytes
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -122,6 +122,9 @@ def _name_of(path: str) -> str:
     return Path(path).name
 
 
+_KINDS: Final = {"program": PROGRAM, "world": WORLD, "robot": ARM}
+
+
 def _attachments(options: argparse.Namespace) -> dict[str, bytes]:
     """Return the files that are to stand in the recording, by name."""
     found: dict[str, bytes] = {}
@@ -129,13 +132,7 @@ def _attachments(options: argparse.Namespace) -> dict[str, bytes]:
         if path is None or (kind == "robot" and not path.endswith(".toml")):
             # A robot may be the name of a model.
             continue
-        reason = why_no_file(path)
-        if reason:
-            raise UsageError(f"--{kind}: {path} {reason}")
-        try:
-            data = Path(path).read_bytes()
-        except OSError as error:
-            raise UsageError(f"--{kind}: {path}: {error.strerror or error}") from None
+        data = read_bytes(path, _KINDS[kind])
         name = _name_of(path)
         if name in found:
             raise UsageError(f"--{kind}: another file of the recording has the name {name} too")

@@ -19,11 +19,10 @@ from elitescript.cli.watched import watch_for_crashes
 from elitescript.controller.views.trace import Trace, step_ticks
 from elitescript.controller.views.trace_signals import TraceSignals
 from elitescript.environment.process import limit_memory
-from elitescript.environment.program_file import source_of
+from elitescript.environment.program_file import refused_source, source_of
 from elitescript.environment.start_values import check_presets, parse_settings
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
 from elitescript.language.parser import parse
-from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import DeviceNoted
 from elitescript.robot import VirtualRobot
 from elitescript.run import EXIT_CODES
@@ -74,7 +73,7 @@ def run(options: argparse.Namespace) -> int:
     try:
         source = source_of(path) if options.parsed is None else options.parsed.source
     except ProgramError as error:
-        report.problems(error.problems, SourceFile(str(path), path.read_bytes().decode("utf-8", "replace")))
+        report.problems(error.problems, refused_source(path))
         return DOES_NOT_COMPILE
     from elitescript.lint.engine import check_parsed
 

@@ -65,10 +65,6 @@ def has_extra() -> bool:
 
 
 def _read(name: str) -> str:
-    from pathlib import Path
+    from elitescript.untrusted.files import PASSWORD, read_text
 
-    try:
-        with Path(name).open(encoding="utf-8") as file:
-            return file.read(4 * PASSWORD_MAX).rstrip("\r\n")
-    except (OSError, UnicodeDecodeError) as error:
-        raise UsageError(f"--ssh-password @{name}: {getattr(error, 'strerror', None) or error}") from error
+    return read_text(name, PASSWORD, is_stream_allowed=True).rstrip("\r\n")

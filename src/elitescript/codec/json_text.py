@@ -7,6 +7,7 @@ from math import isfinite
 from typing import Any, Final
 
 from elitescript.codec.values import CodecError, float_word
+from elitescript.untrusted.json_text import JsonError, json_value
 
 TEXT_MAX: Final = 32 * 1024 * 1024
 """Characters of a JSON text."""
@@ -31,8 +32,9 @@ def from_text(text: str | bytes, limit: int = TEXT_MAX) -> Any:
     if len(text) > limit:
         raise CodecError(f"a message of {len(text)} characters; at most {limit} are read")
     try:
-        return json.loads(text)
-    except (ValueError, RecursionError) as error:
+        # Shapes bound the nesting of what they read.
+        return json_value(text, depth_max=None)
+    except JsonError as error:
         raise CodecError(f"no JSON: {str(error)[:80]}") from None
 
 

@@ -7,7 +7,6 @@ the solids is made by `solids.scene`.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
@@ -22,6 +21,7 @@ from elitescript.messages.signals import Value
 from elitescript.messages.timing import seconds
 from elitescript.records import field, record, replace
 from elitescript.solids.contacts import Contact
+from elitescript.untrusted.json_text import json_value
 
 Message = dict[str, Any]
 
@@ -358,7 +358,7 @@ def _asked_of_command(details: Mapping[str, Any]) -> Message:
     if details.get("unit") != _OF_POSES:
         return {}
     try:
-        pose = json.loads(str(details.get("value")))
+        pose = json_value(str(details.get("value")))
     except ValueError:
         return {}
     is_pose = isinstance(pose, list) and len(pose) == 6 and all(type(item) in (int, float) for item in pose)

@@ -6,7 +6,6 @@ its row in `MESSAGES` and no other; a refusal names the field: `program.options.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from typing import Any, Final
 
@@ -29,6 +28,7 @@ from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import PERIOD_S
 from elitescript.records import NamedTuple, field, fields_of, record
+from elitescript.untrusted.json_text import JsonError, json_value
 
 PROTOCOL: Final = 1
 """Version of the conversation."""
@@ -433,8 +433,8 @@ def read_message(data: str | bytes) -> ToSource:
     if len(data) > MESSAGE_BYTES_MAX:
         raise MessageError(f"a message of {len(data)} characters; at most {MESSAGE_BYTES_MAX} are taken")
     try:
-        found = json.loads(data, parse_constant=_no_constant)
-    except (ValueError, RecursionError) as error:
+        found = json_value(data, parse_constant=_no_constant)
+    except JsonError as error:
         raise MessageError(f"the message is no JSON: {str(error)[:80]}") from None
     if not isinstance(found, dict):
         raise MessageError("the message is no object")
@@ -449,8 +449,8 @@ def read_message(data: str | bytes) -> ToSource:
 def ask_of(data: str | bytes) -> int | None:
     """Return the number `ask` of a message that `read_message` refuses, for the answer; None if it has none."""
     try:
-        ask = json.loads(data).get("ask")
-    except (ValueError, RecursionError, AttributeError):
+        ask = json_value(data).get("ask")
+    except (JsonError, AttributeError):
         return None
     return ask if isinstance(ask, int) and not isinstance(ask, bool) and 0 <= ask <= 2**53 else None
 

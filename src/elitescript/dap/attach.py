@@ -11,6 +11,7 @@ from elitescript.dap.sources import Sources
 from elitescript.debugger.api import BreakpointState, LineBreakpoint, Output, Place
 from elitescript.debugger.living_breakpoints import digest_of
 from elitescript.services.control.debugging import ServedSession
+from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes
 
 NOT_POSSIBLE: Final = (
     "supportsStepBack",
@@ -81,7 +82,10 @@ class Attached:
         if source.number("sourceReference", 0) and (name := self._sources.named(source)):
             return {"path": name, "text": self.text_of(name)}
         path = Path(source.text("path", ""))
-        text = path.read_text("utf-8", "replace") if path.is_file() else ""
+        try:
+            text = read_bytes(path, PROGRAM).decode("utf-8", "replace")
+        except UnreadableError:
+            text = ""
         if text:
             digest = digest_of(text)
             for info in self.session.sources():

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from elitescript.codec.json_text import from_text, to_text
-from elitescript.codec.values import CodecError
+from elitescript.codec.json_text import to_text
 from elitescript.records import NamedTuple
+from elitescript.untrusted.json_text import JsonError, json_value
 
 HEADER_MAX: Final = 8 * 1024
 """Bytes of a header (*assumed*: the protocol has no limit; ordinary ones have 25)."""
@@ -100,9 +100,7 @@ def _length(header: bytes) -> int | None:
 
 def _message(body: bytes) -> dict[str, Any] | Malformed:
     try:
-        data = from_text(body.decode("utf-8"), BODY_MAX)
-    except UnicodeDecodeError as error:
-        return Malformed(f"no UTF-8 at byte {error.start}")
-    except CodecError as error:
-        return Malformed(str(error))
+        data = json_value(body)
+    except JsonError as error:
+        return Malformed(f"no JSON: {error}")
     return data if isinstance(data, dict) else Malformed(f"a {type(data).__name__} where an object must be")

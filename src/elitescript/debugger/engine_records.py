@@ -25,6 +25,7 @@ from elitescript.debugger.inputs import Input
 from elitescript.debugger.places import CountedText
 from elitescript.debugger.rules import CodeRule, DataRule, Rules
 from elitescript.language.probes import CountedBranch, CountedFunction, CountedStatement, ProbeTable
+from elitescript.untrusted.json_text import json_value
 
 _KINDS: Final[dict[str, type]] = {
     kind.__name__: kind
@@ -62,7 +63,7 @@ def read(data: bytes) -> Any:
     Raises:
         ValueError: they are none.
     """
-    return _value(json.loads(data))
+    return _value(json_value(data, depth_max=None))
 
 
 def _data(value: Any) -> Any:

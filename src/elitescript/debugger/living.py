@@ -73,6 +73,7 @@ from elitescript.records import NamedTuple, record
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.threads.scheduler import DEBUGGER
 from elitescript.runtime.threads.strand import Strand
+from elitescript.untrusted.json_text import JsonError, json_value
 
 VARIABLES_MAX: Final = 1000
 """Variables that are sent at once."""
@@ -769,8 +770,8 @@ def _request_of(text: str) -> tuple[str, dict[str, Any]]:
         DebugError: the text is no request.
     """
     try:
-        data = json.loads(text)
-    except (ValueError, RecursionError):
+        data = json_value(text)
+    except JsonError:
         data = None
     if not isinstance(data, dict) or data.get("do") not in REQUESTS:
         raise DebugError(f'a request is an object of JSON in which "do" is one of {", ".join(REQUESTS)}')

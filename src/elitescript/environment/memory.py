@@ -10,6 +10,7 @@ from typing import IO, Any, Final
 
 from elitescript.environment.allowance import Allowance
 from elitescript.runtime.environment import Channels, NoChannels, opened
+from elitescript.untrusted.files import TASK_FILE, UnreadableError, read_bytes
 
 FILES_MAX: Final = 200
 """Files of a folder that are copied; so many of their bytes in all:"""
@@ -29,10 +30,14 @@ def folder_contents(folder: Path) -> dict[str, bytes]:
             path = Path(home, name)
             if name.startswith(".") or path.is_symlink() or not path.is_file():
                 continue
-            size += path.stat().st_size
-            if len(found) == FILES_MAX or size > FILES_BYTES_MAX:
+            if len(found) == FILES_MAX or size + path.stat().st_size > FILES_BYTES_MAX:
                 return found
-            found[path.relative_to(folder).as_posix()] = path.read_bytes()
+            try:
+                data = read_bytes(path, TASK_FILE)
+            except UnreadableError:
+                continue  # as if it were not there: the program says if it misses it
+            size += len(data)
+            found[path.relative_to(folder).as_posix()] = data
     return found
 
 

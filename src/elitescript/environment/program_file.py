@@ -9,7 +9,7 @@ from typing import Final
 from elitescript.errors import UsageError
 from elitescript.language.advice.unknown_names import nearest
 from elitescript.language.text.source import SourceFile
-from elitescript.paths import why_no_file
+from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes
 
 SUFFIX: Final = ".script"
 
@@ -30,15 +30,22 @@ def source_of(program: str | Path) -> SourceFile:
     if isinstance(program, str) and not _is_path(program):
         return SourceFile("<program>", program)
     path = Path(program)
-    if why := why_no_file(path, is_stream_allowed=True):
-        raise UsageError(f"cannot read {path}: it {why}")
     try:
-        data = path.read_bytes()
-    except (OSError, ValueError) as error:
-        reason = error.strerror or error if isinstance(error, OSError) else error
+        data = read_bytes(path, PROGRAM, is_stream_allowed=True)
+    except UnreadableError as error:
         near = neighbours(path)
-        raise UsageError(f"cannot read {path}: {reason}{f'; {near}' if near else ''}") from error
+        raise UsageError(f"{error}{f'; {near}' if near else ''}") from None
     return SourceFile.from_bytes(str(path), data)
+
+
+def refused_source(path: Path) -> SourceFile:
+    """Return the source of a file that `source_of` has refused, to show its lines; bytes that are not UTF-8 replaced.
+
+    Raises:
+        UsageError: the file cannot be read any more.
+    """
+    data = read_bytes(path, PROGRAM, is_stream_allowed=True)
+    return SourceFile(str(path), data.decode("utf-8", "replace"))
 
 
 def neighbours(path: Path) -> str:

@@ -24,6 +24,7 @@ from elitescript.controller.signals.by_name import signal_write
 from elitescript.errors import UsageError
 from elitescript.messages.signals import KEPT, SIGNALS, Value, parse_signal_name, signal_name
 from elitescript.paths import why_no_file
+from elitescript.untrusted.json_text import JsonError, json_value
 
 FORMAT: Final = "elitescript state"
 VERSION: Final = 1
@@ -212,8 +213,8 @@ class StateFile:
 
     def _levels(self, data: bytes) -> dict[str, Value]:
         try:
-            content = json.loads(data.decode())
-        except (ValueError, RecursionError) as error:
+            content = json_value(data)
+        except JsonError as error:
             raise self._foreign(f"it is not JSON: {error}") from error
         if not isinstance(content, dict) or content.get("format") != FORMAT:
             raise self._foreign(f'it does not say "format": "{FORMAT}"')

@@ -24,6 +24,7 @@ from elitescript.lsp.run_data import Outcome, decoded
 from elitescript.lsp.session import Session
 from elitescript.lsp.settings import ClientSettings
 from elitescript.lsp.texts import path_of
+from elitescript.untrusted.json_text import json_value
 
 QUIET_S: Final = 1.0
 """Time without a change before a text is run, s."""
@@ -234,7 +235,7 @@ async def _run_with(life: Life, request: dict[str, Any], wall_s: float) -> Outco
         # It ends by itself, with what it has so far, unless it hangs.
         asked = json.dumps({"wall_s": WALL_SHARE * wall_s, **request}).encode()
         found, _ = await asyncio.wait_for(process.communicate(asked), wall_s)
-        outcome: dict[str, Any] = json.loads(found)
+        outcome: dict[str, Any] = json_value(found, depth_max=None)
     except TimeoutError:
         raise RequestFailed(f"the run took more than {wall_s:g} s") from None
     except ValueError:

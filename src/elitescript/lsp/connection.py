@@ -35,6 +35,7 @@ from pygls.exceptions import (
 from pygls.protocol import LanguageServerProtocol
 
 from elitescript.records import record
+from elitescript.untrusted.json_text import JsonError, json_value
 
 Id = int | str | None
 Handler = Callable[..., Any]
@@ -107,8 +108,8 @@ class Connection(LanguageServerProtocol):
     def receive(self, body: bytes) -> None:
         """Take one message; never raises."""
         try:
-            data = json.loads(body)
-        except (ValueError, RecursionError) as error:
+            data = json_value(body)
+        except JsonError as error:
             self._fail(None, JsonRpcParseError(f"no JSON: {error}"))
             return
         try:

@@ -13,12 +13,14 @@ from pygls.uris import from_fs_path
 from elitescript.assist.document import Document, Settings
 from elitescript.environment.program_file import SUFFIX
 from elitescript.records import NamedTuple
+from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes
 
 FILES_MAX: Final = 1000
 """Programs that are looked at; those beyond are left out."""
 FOLDERS_MAX: Final = 5000
 """Folders that are searched."""
 FILE_BYTES_MAX: Final = 1_000_000
+_FILE: Final = PROGRAM._replace(bytes_max=FILE_BYTES_MAX)
 
 _SKIPPED: Final = frozenset(("node_modules", "__pycache__", "venv", "site-packages"))
 """Names of folders that are not searched, besides those that begin with a dot."""
@@ -75,10 +77,8 @@ class WorkspaceFiles:
                     kept = kept._replace(document=Document(str(path), kept.document.text, settings=settings))
                     self._read[path] = kept
                 return kept.document
-            if state.st_size > FILE_BYTES_MAX:
-                return None
-            text = path.read_bytes().decode("utf-8", "replace")
-        except OSError:
+            text = read_bytes(path, _FILE).decode("utf-8", "replace")
+        except (OSError, UnreadableError):
             # It was removed since it was found, or is not ours to read: then there is nothing to say about it.
             self._read.pop(path, None)
             return None

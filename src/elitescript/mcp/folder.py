@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Final
 
 from elitescript.errors import UsageError
-
-FILE_BYTES_MAX: Final = 2 * 1024 * 1024
-"""Largest program or world file that is read."""
 
 
 class Folder:
@@ -39,7 +35,7 @@ class Folder:
             suffixes: one of which it must have.
 
         Raises:
-            UsageError: it is outside the folder, no ordinary file, of another kind, or too large.
+            UsageError: it is outside the folder, no ordinary file or of another kind.
         """
         try:
             found = (self.path / name).resolve()
@@ -52,8 +48,6 @@ class Folder:
             raise UsageError(f"{name!r:.200} is no path: {error}") from None
         if not is_inside:
             raise UsageError(f"{name} is outside {self.path}: only files in this folder can be named")
-        if (size := found.stat().st_size) > FILE_BYTES_MAX:
-            raise UsageError(f"{name} has {size} bytes; at most {FILE_BYTES_MAX} are read")
         return found
 
     def programs(self, most: int) -> tuple[list[str], int]:

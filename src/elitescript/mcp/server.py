@@ -36,6 +36,9 @@ from elitescript.mcp.answers import (
 from elitescript.mcp.debugged import DebuggedRuns
 from elitescript.mcp.folder import Folder
 from elitescript.mcp.workers import ask_once
+from elitescript.untrusted.files import PROGRAM, read_bytes
+
+_PROGRAM: Final = PROGRAM._replace(bytes_max=2 << 20)
 
 COMMANDS_MAX: Final = 30
 RUNS_MAX: Final = 4
@@ -129,7 +132,7 @@ def make_server(folder: Folder, wall_s: float) -> MCPServer:
         request: dict[str, Any] = {name: value for name, value in settings.items() if value is not None}
         if file is not None:
             path = folder.file(file, ".script", ".task", ".txt")
-            source = SourceFile.from_bytes(file, path.read_bytes())
+            source = SourceFile.from_bytes(file, read_bytes(path, _PROGRAM))
             request |= {"name": file, "text": source.text, "task_dir": str(path.parent)}
         else:
             assert text is not None

@@ -20,16 +20,14 @@ from typing import Any, Final
 
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.kinematics.limits import JointVector
-from elitescript.paths import why_no_file
 from elitescript.records import NamedTuple
+from elitescript.untrusted import files as untrusted_files
 
 EVIDENCE: Final = ("documented", "observed", "assumed")
 """Kinds of evidence: written by the maker, seen on a real robot, or chosen here."""
 
 MODEL_FOLDER: Final = Path(__file__).parent
 COMMON_FILE: Final = "common.toml"
-MAX_FILE_BYTES: Final = 1_000_000
-"""A model file has some kilobytes; a larger one is not a model file."""
 
 
 class NumberSource(NamedTuple):
@@ -278,19 +276,7 @@ def read_text(path: Path) -> str:
     Raises:
         UsageError: it cannot be read, is too large for a model file or is not UTF-8.
     """
-    if why := why_no_file(path, is_stream_allowed=True):
-        raise UsageError(f"{path}: cannot be read: it {why}")
-    try:
-        with path.open("rb") as file:
-            data = file.read(MAX_FILE_BYTES + 1)
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be read: {error.strerror}") from None
-    if len(data) > MAX_FILE_BYTES:
-        raise UsageError(f"{path.name}: larger than {MAX_FILE_BYTES} bytes; this is not a model file")
-    try:
-        return data.decode()
-    except UnicodeDecodeError as error:
-        raise UsageError(f"{path.name}: not UTF-8 at byte {error.start}") from None
+    return untrusted_files.read_text(path, untrusted_files.ARM, is_stream_allowed=True)
 
 
 _ENTRY_FIELDS: Final = frozenset(("value", "deg", "source", "why"))
@@ -343,14 +329,9 @@ def parsed(file: str, text: str) -> dict[str, Any]:
         UsageError: not TOML.
     """
     # Not at the top: the parser takes longer to import than a model to load.
-    import tomllib
+    from elitescript.untrusted.toml_text import toml_tables
 
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise UsageError(f"{file}: not TOML: {error}") from None
-    except RecursionError:
-        raise UsageError(f"{file}: not a model file: nested too deep") from None
+    return toml_tables(text, file, untrusted_files.ARM.noun)
 
 
 def _text(file: str, key: str, value: Any) -> str:

@@ -13,7 +13,8 @@ from elitescript.controller.views.trace_signals import NO_SIGNALS, SignalLevels
 from elitescript.errors import UsageError
 from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value, parse_signal_name
-from elitescript.paths import why_no_file
+from elitescript.untrusted.files import TRACE, read_text
+from elitescript.untrusted.json_text import JsonError, json_value
 
 SUFFIXES: Final = (".csv", ".jsonl")
 """Suffixes of trace files."""
@@ -30,16 +31,7 @@ def read_trace(path: Path) -> TraceRows:
     Raises:
         UsageError: the file cannot be read or is not a trace; the text begins with `file:line:`.
     """
-    if why := why_no_file(path, is_stream_allowed=True):
-        raise UsageError(f"cannot read {path}: it {why}")
-    try:
-        text = path.read_bytes().decode("utf-8-sig")
-    except OSError as error:
-        raise UsageError(f"cannot read {path}: {error.strerror or error}") from error
-    except UnicodeDecodeError as error:
-        number = error.object.count(b"\n", 0, error.start) + 1
-        raise UsageError(f"{path}:{number}: byte 0x{error.object[error.start]:02X} is not UTF-8 text") from None
-    return trace_of(path, text)
+    return trace_of(path, read_text(path, TRACE, is_stream_allowed=True))
 
 
 def trace_of(path: Path, text: str) -> TraceRows:
@@ -81,14 +73,12 @@ def _csv_records(path: Path, lines: Iterable[str]) -> Iterator[tuple[int, Mappin
 
 
 def _json_records(path: Path, lines: Iterable[str]) -> Iterator[tuple[int, Mapping[str, Any]]]:
-    import json
-
     for number, line in enumerate(lines, 1):
         if not line.strip():
             continue
         try:
-            record = json.loads(line)
-        except (ValueError, RecursionError) as error:
+            record = json_value(line)
+        except JsonError as error:
             raise UsageError(f"{path}:{number}: not JSON: {error}") from None
         if not isinstance(record, dict):
             raise UsageError(f"{path}:{number}: needs an object with the columns of a trace, has {line.strip()[:60]}")

@@ -30,6 +30,7 @@ from elitescript.pytest_plugin.file_names import SUFFIX, holds_tests
 from elitescript.pytest_plugin.unmet_facts import unmet_of
 from elitescript.runtime.probe import set_default
 from elitescript.services.coverage import count_programs
+from elitescript.untrusted.files import PROGRAM, read_bytes
 
 if TYPE_CHECKING:
     from _pytest.terminal import TerminalReporter
@@ -150,7 +151,7 @@ class Measuring:
         seen: set[str] = set()
         for path in self._files({name for known in names.values() for name in known}):
             try:
-                source = SourceFile.from_bytes(str(path), path.read_bytes())
+                source = SourceFile.from_bytes(str(path), read_bytes(path, PROGRAM))
                 digest = digest_of(source.text)
                 if not self._paths and digest not in counts:
                     continue

@@ -6,7 +6,6 @@ recorder was killed ends within a record, or without its index; what is in front
 
 from __future__ import annotations
 
-import json
 import re
 import struct
 from array import array
@@ -20,7 +19,6 @@ from statistics import median
 from typing import Any, BinaryIO, Final
 
 from elitescript.errors import UsageError, did_you_mean, printable
-from elitescript.paths import why_no_file
 from elitescript.protocol.rtsi.variables import OUTPUTS
 from elitescript.recorder.channels import CHANGES, LISTS, PACKAGE, ROW, ROWS, SLOW, TALKING, TIME, columns_of
 from elitescript.recorder.extra import check_mcap
@@ -28,6 +26,8 @@ from elitescript.recorder.facts import facts_of
 from elitescript.recorder.protobuf import RowLayout, layout_of
 from elitescript.recorder.recording import Message, Recording
 from elitescript.recorder.writing import ABOUT, FACTS, FORMAT
+from elitescript.untrusted.files import opened
+from elitescript.untrusted.json_text import JsonError, json_value
 
 _MAGIC: Final = b"\x89MCAP0\r\n"
 _RECORD: Final = struct.Struct("<BQ")
@@ -188,7 +188,7 @@ class _Reading:
             elif int(data.get("begin_ns", "0")) != self._begin_ns:
                 raise UsageError(f"{self._path} is of another recording than the file before it; move one of them away")
         elif name == FACTS:
-            self._facts.update({key: json.loads(value) for key, value in data.items()})
+            self._facts.update({key: json_value(value) for key, value in data.items()})
 
     def _take_chunk(self, data: bytes, at: int) -> None:
         """Read the records of a chunk; rows without a call for each."""
@@ -245,7 +245,7 @@ class _Reading:
         schema = self._schemas.get(channel.schema_id)
         if channel.topic == ROWS and schema is not None and schema.name == f"{PACKAGE}.{ROW}":
             try:
-                layout = layout_of(schema.data, json.loads(channel.metadata.get(LISTS, "{}")))
+                layout = layout_of(schema.data, json_value(channel.metadata.get(LISTS, "{}")))
             except ValueError as error:
                 raise UsageError(f"{self._path}: the rows of channel {channel.topic} cannot be read: {error}") from None
             if TIME not in layout.columns:
@@ -283,8 +283,8 @@ class _Reading:
 
     def _take_message(self, channel: str, body: bytes, log_ns: int, at: int) -> None:
         try:
-            data = json.loads(body)
-        except ValueError as error:
+            data = json_value(body)
+        except JsonError as error:
             raise UsageError(f"{self._path}: a message of {channel} at byte {at:,} is no JSON ({error})") from None
         if not isinstance(data, dict):
             raise UsageError(f"{self._path}: a message of {channel} at byte {at:,} is no record")
@@ -388,13 +388,7 @@ def _interruptions(t: array[float], period_s: float) -> tuple[tuple[tuple[float,
 
 
 def _opened(path: Path) -> BinaryIO:
-    reason = why_no_file(path)
-    if reason:
-        raise UsageError(f"{path} {reason}")
-    try:
-        return path.open("rb")
-    except OSError as error:
-        raise UsageError(f"{path}: {error.strerror or error}") from None
+    return opened(path)
 
 
 def _records(file: BinaryIO, path: Path) -> Iterator[tuple[int, int, bytes]]:

@@ -18,11 +18,13 @@ from elitescript.conversation.messages import TEXT_MAX
 from elitescript.environment.program_file import SUFFIX
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.text.source import BOM, SourceFile
-from elitescript.paths import why_no_file
 from elitescript.records import NamedTuple
+from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes
 
 FILE_BYTES_MAX: Final = TEXT_MAX
 """Largest program that is opened; a message of a page has room for its text."""
+
+_OPENED: Final = PROGRAM._replace(bytes_max=FILE_BYTES_MAX)
 
 PROGRAMS_MAX: Final = 1000
 """Programs of a folder that are listed."""
@@ -200,18 +202,12 @@ def save(path: Path, text: str, seen: str, *, force: bool = False) -> str:
 
 def _bytes(path: Path, *, must_fit: bool = True) -> bytes | None:
     """Return the contents of a file; None if there is none."""
-    if why := why_no_file(path):
-        raise UsageError(f"cannot read {path}: it {why}")
     try:
-        with path.open("rb") as file:
-            size = os.fstat(file.fileno()).st_size
-            if must_fit and size > FILE_BYTES_MAX:
-                raise UsageError(f"{path} has {size} bytes; the studio opens at most {FILE_BYTES_MAX}")
-            return file.read()
-    except FileNotFoundError:
-        return None
-    except OSError as error:
-        raise UsageError(f"cannot read {path}: {error.strerror or error}") from None
+        return read_bytes(path, _OPENED if must_fit else PROGRAM)
+    except UnreadableError as error:
+        if error.is_missing:
+            return None
+        raise
 
 
 def _text(path: Path, data: bytes) -> str:

@@ -18,7 +18,10 @@ from pathlib import Path
 from secrets import token_hex
 from typing import Any, Final
 
+from elitescript.errors import UsageError
 from elitescript.records import NamedTuple
+from elitescript.untrusted.files import Kind, read_bytes
+from elitescript.untrusted.json_text import JsonError, json_value
 
 DRAFTS_MAX: Final = 8
 """Drafts of one program; the oldest go."""
@@ -144,10 +147,8 @@ def _draft(row: Mapping[str, Any]) -> Draft | None:
 def _read(path: Path, size_max: int) -> dict[str, Any]:
     """Return the object in a file; empty if there is none that makes sense."""
     try:
-        if path.stat().st_size > size_max:
-            return {}
-        found = json.loads(path.read_bytes())
-    except (OSError, ValueError, RecursionError):
+        found = json_value(read_bytes(path, Kind("file of the studio", size_max)))
+    except (UsageError, JsonError):
         return {}
     return found if isinstance(found, dict) else {}
 

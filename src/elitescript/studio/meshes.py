@@ -7,9 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from elitescript.errors import UsageError
-
-FILE_BYTES_MAX: Final = 32 << 20
-"""Largest mesh or picture."""
+from elitescript.untrusted.files import MESH, read_bytes
 
 SUFFIXES: Final = frozenset((".stl", ".dae", ".png", ".jpg", ".jpeg"))
 """What a description consists of besides the URDF; nothing else is given away."""
@@ -72,11 +70,4 @@ class Meshes:
 
 
 def _contents(path: Path) -> bytes:
-    try:
-        if not path.is_file():
-            raise UsageError(f"there is no file {path}")
-        if (size := path.stat().st_size) > FILE_BYTES_MAX:
-            raise UsageError(f"{path} has {size} bytes; at most {FILE_BYTES_MAX} are loaded")
-        return path.read_bytes()
-    except OSError as error:
-        raise UsageError(f"cannot read {path}: {error.strerror or error}") from None
+    return read_bytes(path, MESH)

@@ -24,6 +24,7 @@ from elitescript.sweep.plans.python_files import python_texts
 from elitescript.sweep.plans.variations import check_names, grid_size
 from elitescript.sweep.results.page import REPLAYS
 from elitescript.sweep.results.tables import columns
+from elitescript.untrusted.files import PROFILE, TASK_FILE, read_bytes, read_text
 from elitescript.world_file import tables_of, world_text
 
 RUNS: Final = 100
@@ -169,11 +170,7 @@ def _with_files(expression: str, python: dict[str, str]) -> str:
 def _profile_text(chaos: str) -> str:
     if not chaos.endswith(".toml"):
         return chaos
-    try:
-        return Path(chaos).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        why = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
-        raise UsageError(f"--chaos {chaos}: {why}") from error
+    return read_text(chaos, PROFILE)
 
 
 def _is_left_out(folder: str) -> bool:
@@ -211,7 +208,7 @@ def _task_files(folder: Path, left_out: Collection[Path]) -> dict[str, str]:
                     f"the task folder {folder} holds more than {FILES_BYTES_MAX // 10**6} MB or {FILES_MAX} files, "
                     "which every run would get a copy of; name a smaller one with --task-dir"
                 )
-            found[path.relative_to(folder).as_posix()] = b64encode(path.read_bytes()).decode()
+            found[path.relative_to(folder).as_posix()] = b64encode(read_bytes(path, TASK_FILE)).decode()
     return found
 
 

@@ -64,7 +64,7 @@ def test_a_file_without_a_base_has_its_own_rates_alone() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("most = 3\n[rates\n", r"p.toml:2: this is not TOML"),
+        ("most = 3\n[rates\n", r"p.toml:2: the profile is not TOML"),
         ("mosst = 3\n", r"p.toml:1: mosst: is not known; .*'most'\?"),
         ("base = 'nothing'\n", r"p.toml:1: base: there is no chaos profile 'nothing'"),
         ("[rates]\ndrop = 1\ndropp = 2\n", r"p.toml:3: rates.dropp: is not known; .*'drop'\?"),

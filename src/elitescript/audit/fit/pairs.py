@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import csv
 import io
-import json
 import re
 from collections.abc import Iterator, Sequence
 from decimal import Decimal
@@ -17,6 +16,7 @@ from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.motion import Six
 from elitescript.records import NamedTuple, record
+from elitescript.untrusted.json_text import JsonError, json_value
 
 JOINT_ENDS: Final = ("_joints", "_joint", "_qnear", "_j", "_q")
 POSE_ENDS: Final = ("_position", "_pose", "_tcp", "_p")
@@ -284,11 +284,9 @@ def _csv_rows(text: str, name: str) -> list[Point]:
 
 def _json_rows(text: str, name: str) -> list[Point]:
     try:
-        rows = json.loads(text)
-    except ValueError as error:
-        raise UsageError(f"{name}: not JSON: {error}") from None
-    except RecursionError:
-        raise UsageError(f"{name}: lists within lists, too deep for points") from None
+        rows = json_value(text)
+    except JsonError as error:
+        raise UsageError(f"{name}:{error.line}: not JSON: {error}") from None
     if not isinstance(rows, list):
         raise UsageError(f'{name}: needs a list of {{"q": [...], "pose": [...]}}')
     found = []

@@ -32,6 +32,8 @@ from elitescript.protocol.browsers import is_web_request
 from elitescript.services.control.debug_events import DebugEvents, debug_result
 from elitescript.services.control.verbs import VERBS, Verb, VerbRequest, outcome_text
 from elitescript.services.robot_server import RobotServer
+from elitescript.untrusted.files import ADDRESS, read_bytes
+from elitescript.untrusted.json_text import JsonError, json_value
 
 LINE_MAX: Final = 64 * 1024
 ANSWER_TIMEOUT_S: Final = 6.0
@@ -151,7 +153,7 @@ class ControlChannel:
 
     async def _answer(self, origin: str, line: bytes, events: DebugEvents) -> dict[str, Any]:
         try:
-            asked = json.loads(line)
+            asked = json_value(line)
             if not isinstance(asked, dict):
                 raise UsageError("a request is a JSON object")
             if self._token and not hmac.compare_digest(str(asked.get("token", "")), self._token):
@@ -170,7 +172,7 @@ class ControlChannel:
             if asked.get("wait") is True and verb.name == PLAY:
                 return await self._play_to_the_end(verb, request)
             return await self._carry_out(verb, request)
-        except (UsageError, json.JSONDecodeError, UnicodeDecodeError) as error:
+        except (UsageError, JsonError) as error:
             return {"ok": False, "error": str(error)}
 
     async def _play_to_the_end(self, verb: Verb, request: VerbRequest) -> dict[str, Any]:
@@ -338,7 +340,7 @@ async def exchange(
         record = {"verb": verb, "arguments": list(arguments), "values": dict(values or {}), "wait": waits}
         writer.write(json.dumps({**record, "token": token} if token else record).encode() + b"\n")
         while line := await reader.readline():
-            answer: dict[str, Any] = json.loads(line)
+            answer: dict[str, Any] = json_value(line)
             # What the program prints meanwhile comes in between.
             if "event" not in answer:
                 return answer
@@ -351,7 +353,7 @@ async def _connect(path: Path) -> tuple[asyncio.StreamReader, asyncio.StreamWrit
     try:
         if _HAS_UNIX:
             return (*await asyncio.open_unix_connection(str(path), limit=LINE_MAX * 16), "")
-        address = json.loads(path.read_text(encoding="utf-8"))
+        address = json_value(read_bytes(path, ADDRESS))
         return (*await asyncio.open_connection("127.0.0.1", address["port"], limit=LINE_MAX * 16), address["token"])
     except (OSError, ValueError, KeyError):
         raise UsageError(f"no controller is served here ({path}); start one with `elitescript serve`") from None

@@ -35,6 +35,8 @@ from elitescript.debugger.api import (
 from elitescript.debugger.living import LivingDebugger, SourceInfo
 from elitescript.debugger.living_breakpoints import digest_of
 from elitescript.errors import UsageError
+from elitescript.untrusted.files import ADDRESS, read_bytes
+from elitescript.untrusted.json_text import json_value
 
 Result = TypeVar("Result")
 
@@ -275,7 +277,7 @@ class ServedSession:
     def _read(self) -> None:
         with contextlib.suppress(OSError, ValueError), self._socket.makefile("rb") as lines:
             for line in lines:
-                message = json.loads(line)
+                message = json_value(line, depth_max=None)
                 if "event" in message:
                     with contextlib.suppress(DebugError):
                         self._take_event(str(message.pop("event")), message)
@@ -319,7 +321,7 @@ def _connected(path: Path) -> tuple[socket.socket, str]:
             connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
             connection.connect(str(path))
             return connection, ""
-        address = json.loads(path.read_text(encoding="utf-8"))
+        address = json_value(read_bytes(path, ADDRESS))
         return socket.create_connection(("127.0.0.1", address["port"])), str(address["token"])
     except (OSError, ValueError, KeyError):
         if connection is not None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any, Final
 
 from elitescript.codec.json_text import to_text
@@ -23,6 +22,7 @@ from elitescript.protocol import interpreter, query
 from elitescript.records import fields_of, replace
 from elitescript.services.options_data import options_from_data
 from elitescript.services.output_text import without_points
+from elitescript.untrusted.json_text import json_value
 
 FORMAT: Final = 2
 
@@ -154,7 +154,7 @@ def _channel_error(reason: str) -> ChannelError:
 
 def _fault(text: Any) -> ChannelFault | DisturbInput:
     try:
-        settings = json.loads(text)
+        settings = json_value(text)
         if type(settings) is dict:
             return machine_fault(fault_from(settings))
     except (ValueError, TypeError, RecursionError, UsageError) as error:

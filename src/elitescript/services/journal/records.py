@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from base64 import b64decode
 from collections.abc import Callable
 from typing import Any, Final
@@ -14,6 +13,7 @@ from elitescript.messages.events import Event
 from elitescript.messages.inputs import Input
 from elitescript.messages.snapshot import Snapshot
 from elitescript.services.journal.format2 import Format2
+from elitescript.untrusted.json_text import JsonError, json_value
 
 DIGEST_TICKS: Final = 250
 """Ticks between two digests, one second."""
@@ -134,13 +134,10 @@ def _cut(value: Any) -> Cut:
 
 def _json(line: bytes) -> dict[str, Any]:
     try:
-        record = json.loads(line)
-    except json.JSONDecodeError as error:
-        raise RecordError(f"no JSON: {error.msg}", error.pos) from None
-    except UnicodeDecodeError as error:
-        raise RecordError(f"not UTF-8: {error.reason}", error.start) from None
-    except (ValueError, RecursionError) as error:
-        raise RecordError(f"no JSON that can be read: {str(error)[:80]}") from None
+        # Shapes bound the nesting of what they read.
+        record = json_value(line, depth_max=None)
+    except JsonError as error:
+        raise RecordError(f"no JSON: {error}", error.at) from None
     if type(record) is not dict:
         raise RecordError("no record")
     return record

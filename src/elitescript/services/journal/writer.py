@@ -18,7 +18,6 @@ in the last moment before, and a full or slow disk ends the journal, not the ses
 
 from __future__ import annotations
 
-import json
 import os
 import platform
 from collections.abc import Iterator, Sequence
@@ -44,6 +43,8 @@ from elitescript.services.journal.format2 import Format2
 from elitescript.services.journal.records import DIGEST_TICKS, RecordError, RecordReader
 from elitescript.services.options_data import options_data, options_from_data
 from elitescript.services.output_text import output_text
+from elitescript.untrusted.files import lines_of, opened
+from elitescript.untrusted.json_text import json_value
 
 FORMAT: Final = 4
 UNCUT_FORMAT: Final = 3
@@ -217,12 +218,13 @@ class JournalReader:
         self.old: Format2 | None = None
         self.place = f"{path}: line 1"
         try:
-            with path.open("rb") as file:
-                first = file.readline(LINE_MAX)
+            with opened(path) as file:
+                first = next(lines_of(file, str(path), LINE_MAX), b"")
         except OSError as error:
-            raise UsageError(f"{path}: {error.strerror or error}") from error
+            raise UsageError(f"cannot read {path}: {error.strerror or error}") from error
         try:
-            self.header: dict[str, Any] = json.loads(first)
+            # Shapes bound the nesting of what they read.
+            self.header: dict[str, Any] = json_value(first, depth_max=None)
             found = self.header["journal"]
             if found == format2.FORMAT:
                 self.old = Format2()
@@ -238,7 +240,7 @@ class JournalReader:
             else:
                 self.options = self.old.options(self.header["config"])
         except (ValueError, KeyError, TypeError, RecursionError) as error:
-            at = getattr(error, "pos", getattr(error, "start", 0))
+            at = getattr(error, "at", 0)
             raise UsageError(f"{path}: line 1, byte {at}: no journal of this program") from error
         except CodecError as error:
             raise UsageError(f"{path}: line 1: {error}") from error
@@ -251,9 +253,10 @@ class JournalReader:
         """
         reader = RecordReader(self.options.first_tick, self.old)
         last, has_end = self.options.first_tick - 1, False
-        with self._path.open("rb") as file:
-            start = len(file.readline(LINE_MAX))
-            for number, line in enumerate(file, 2):
+        with opened(self._path) as file:
+            lines = lines_of(file, str(self._path), LINE_MAX)
+            start = len(next(lines, b""))
+            for number, line in enumerate(lines, 2):
                 if not line.endswith(b"\n"):
                     self.note = (
                         f"the journal was cut off behind tick {last}: line {number} is not complete and was left out"

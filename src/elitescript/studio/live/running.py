@@ -35,6 +35,7 @@ from elitescript.run import Run
 from elitescript.studio.live.code import digest_of, lines_of, moved_lines
 from elitescript.studio.live.jobs import Job, PreparedJob, code_name, files_of, job_data, job_of
 from elitescript.studio.live.link import Board, Link
+from elitescript.untrusted.files import WORLD, read_bytes
 
 STEP_S: Final = 0.04
 """Robot time from one row to the next."""
@@ -93,7 +94,7 @@ def _contents(prepared: PreparedJob) -> dict[str, str] | None:
     paths = files_of(job)
     if job.may_connect or any(path.suffix == ".py" for path in paths):
         return None
-    read = {str(path): path.read_bytes() for path in paths}
+    read = {str(path): read_bytes(path, WORLD) for path in paths}
     return {name: blake2b(data, digest_size=16).hexdigest() for name, data in {**prepared.files, **read}.items()}
 
 

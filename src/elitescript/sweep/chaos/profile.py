@@ -80,7 +80,7 @@ def read_profile(text: str, file: str) -> Profile:
     Raises:
         UsageError: no TOML, or what makes no sense in it; the text names file and line.
     """
-    toml = TomlText(text, file)
+    toml = TomlText(text, file, "profile")
     toml.check_keys((), ("base", "most", "swarm", "ends", "rates", "ranges"))
     base = toml.text(("base",), "")
     if base:

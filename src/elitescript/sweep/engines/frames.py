@@ -6,6 +6,7 @@ import json
 from typing import Any, Final
 
 from elitescript.errors import PeerError
+from elitescript.untrusted.json_text import json_value
 
 LENGTH_BYTES: Final = 4
 BODY_MAX: Final = 256 * 1024 * 1024
@@ -44,7 +45,7 @@ class Frames:
             body = bytes(self._buffer[LENGTH_BYTES:end])
             del self._buffer[:end]
             try:
-                found.append(json.loads(body))
+                found.append(json_value(body, depth_max=None))
             except ValueError as error:
                 raise PeerError(f"no JSON: {str(error)[:80]}") from None
         return found

@@ -41,12 +41,12 @@ from elitescript.environment.start_values import parse_settings
 from elitescript.errors import UsageError
 from elitescript.kernel.options import OPTIONS
 from elitescript.messages.signals import Value
-from elitescript.paths import why_no_file
 from elitescript.records import field, record
 from elitescript.sweep.chaos.applying import check, disturbance_of, in_order, settings_of
 from elitescript.sweep.chaos.kinds import KINDS, is_fault
 from elitescript.sweep.plans.plan import Choices, Disturbance, Failure
 from elitescript.sweep.plans.toml_text import TomlText
+from elitescript.untrusted.files import CASE, read_text
 
 SUFFIX: Final = ".case.toml"
 FILE_NAME: Final = "CASE.toml"
@@ -140,17 +140,7 @@ def read_case(path: str | Path) -> Case:
     Raises:
         UsageError: no such file, or what makes no sense in it; the text names file and line.
     """
-    file = Path(path)
-    if why := why_no_file(file):
-        raise UsageError(f"case {file} {why}")
-    try:
-        text = file.read_text(encoding="utf-8")
-    except OSError as error:
-        raise UsageError(f"case {file}: {error.strerror or error}") from error
-    except UnicodeDecodeError as error:
-        line = error.object[: error.start].count(b"\n") + 1
-        raise UsageError(f"{file}:{line}: the case is not UTF-8: {error.reason}") from error
-    return case_of(text, str(file))
+    return case_of(read_text(path, CASE), str(path))
 
 
 def case_of(text: str, file: str) -> Case:
@@ -163,7 +153,7 @@ def case_of(text: str, file: str) -> Case:
     Raises:
         UsageError: something makes no sense; the text names file and line.
     """
-    toml = TomlText(text, file)
+    toml = TomlText(text, file, CASE.noun)
     toml.check_keys((), _KEYS)
     toml.check_keys(("expect",), _EXPECTED)
     if "expect" not in toml.tables:

@@ -13,8 +13,9 @@ from types import CodeType, ModuleType
 from typing import Any, Final
 
 from elitescript.errors import UsageError
+from elitescript.untrusted.files import PYTHON, read_text
 
-BYTES_MAX: Final = 10_000_000
+BYTES_MAX: Final = PYTHON.bytes_max
 """Texts of Python files, and files of the task folder, that a plan holds at most."""
 
 
@@ -35,11 +36,7 @@ def python_texts(folder: Path, named: Iterable[str]) -> dict[str, str]:
         if name in texts:
             continue
         path = folder / name
-        try:
-            texts[name] = path.read_text(encoding="utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            why = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
-            raise UsageError(f"cannot read {path}: {why}") from error
+        texts[name] = read_text(path, PYTHON)
         if sum(map(len, texts.values())) > BYTES_MAX:
             raise UsageError(f"the Python files beside {path} are larger than {BYTES_MAX / 1e6:g} MB")
         beside = (PurePosixPath(name).parent / f"{module}.py" for module in _imported_names(texts[name]))

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Collection, Mapping
 from typing import Any
 
-from elitescript.devices.toml_lines import Path, line_of_refusal, lines_of, nearest
 from elitescript.errors import UsageError, did_you_mean
+from elitescript.untrusted.toml_lines import Path, lines_of, nearest
+from elitescript.untrusted.toml_text import toml_tables
 
 _REQUIRED: Any = object()
 
@@ -18,6 +18,7 @@ class TomlText:
     Args:
         text: TOML.
         file: its name, for messages.
+        noun: what it is, for messages.
 
     Attributes:
         tables: what it holds.
@@ -28,13 +29,9 @@ class TomlText:
 
     __slots__ = ("_file", "_lines", "tables")
 
-    def __init__(self, text: str, file: str) -> None:
+    def __init__(self, text: str, file: str, noun: str) -> None:
         self._file = file
-        try:
-            self.tables: dict[str, Any] = tomllib.loads(text)
-        except (ValueError, RecursionError) as error:
-            why = "it is nested too deeply" if isinstance(error, RecursionError) else f"this is not TOML: {error}"
-            raise UsageError(f"{file}:{line_of_refusal(text, error)}: {why}") from None
+        self.tables: dict[str, Any] = toml_tables(text, file, noun)
         self._lines = lines_of(text)
 
     def line(self, path: Path) -> int:

@@ -10,7 +10,7 @@ from elitescript.kernel.options import ROBOT_SECTION, SECTIONS
 from elitescript.world_file import SIGNALS_SECTION, SOLID_SECTIONS, WORLD_SECTIONS
 
 Path = tuple[str | int, ...]
-"""Keys, and numbers of list elements from 0, as in `devices.toml_lines`."""
+"""Keys, and numbers of list elements from 0, as in `untrusted.toml_lines`."""
 
 AXES: Final = ("x", "y", "z", "rx", "ry", "rz")
 """Elements of poses, points and sizes by name."""

@@ -16,8 +16,10 @@ from zlib import crc32
 
 from elitescript.environment.state_file import Disk
 from elitescript.errors import InternalError, UsageError
+from elitescript.paths import why_no_file
 from elitescript.sweep.plans.plan import Plan, Row
 from elitescript.sweep.plans.plan_json import data_digest, plan_data, row_data, row_of
+from elitescript.untrusted.json_text import json_value
 
 SUFFIX: Final = ".part"
 """Behind the name of the table."""
@@ -168,7 +170,7 @@ def _content(line: bytes) -> Any:
     if not line.endswith(b"\n") or checksum != b"%08x\n" % crc32(text):
         return None
     try:
-        return json.loads(text)
+        return json_value(text, depth_max=None)
     except ValueError:
         return None
 
@@ -180,6 +182,8 @@ def _locked(path: Path) -> IO[bytes]:
         UsageError: another process has it.
         OSError: it cannot be opened.
     """
+    if why := why_no_file(path):
+        raise UsageError(f"{path} {why}")
     try:
         return Disk().lock(path)
     except BlockingIOError:

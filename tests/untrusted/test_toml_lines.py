@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from elitescript.devices.toml_lines import lines_of, nearest
+from elitescript.untrusted.toml_lines import lines_of, nearest
 
 TEXT = '''# a comment [x]
 plain = 1

@@ -9,7 +9,18 @@ from typing import Final
 Path = tuple[str | int, ...]
 """Keys, and numbers of list elements from 0: `("tcp", 1, "replies", 0, "to")`."""
 
-_QUOTES: Final = ("'''", '"""', "'", '"')
+_CONTENTS: Final = {
+    "'''": re.compile(r"(?:[^']++|'(?!''))*+"),
+    '"""': re.compile(r'(?:[^"\\]++|\\.|"(?!""))*+', re.DOTALL),
+    "'": re.compile(r"[^']*+"),
+    '"': re.compile(r'(?:[^"\\]++|\\.)*+', re.DOTALL),
+}
+"""What stands between quotes, longest quotes first."""
+
+_BLANK: Final = re.compile(r"(?:[ \t\n]++|#[^\n]*+)*+")
+_BARE_VALUE: Final = re.compile(r"[^,\]}#\n]*+")
+_BARE_PART: Final = {end: re.compile(rf"[^\{end}\"'. \t\n]++") for end in "]="}
+"""A part of a key without quotes, by the character behind the key."""
 
 
 def lines_of(text: str) -> dict[Path, int]:
@@ -73,23 +84,18 @@ class _TomlScanner:
 
     def _blank(self) -> bool:
         """Pass white space and comments; return whether something follows."""
-        while (here := self._peek()) and (here in " \t\n" or here == "#"):
-            if here == "#":
-                end = self._text.find("\n", self._at)
-                self._at = len(self._text) if end < 0 else end
-            else:
-                self._step()
+        found = _BLANK.match(self._text, self._at)
+        if found is not None:
+            self._step(len(found[0]))
         return bool(self._peek())
 
     def _string(self) -> str:
         """Pass a string and return what is between its quotes, escapes as they are written."""
-        quote = next(quote for quote in _QUOTES if self._text.startswith(quote, self._at))
+        quote = next(quote for quote in _CONTENTS if self._text.startswith(quote, self._at))
         self._step(len(quote))
-        begin = self._at
-        while self._peek() and not self._text.startswith(quote, self._at):
-            self._step(2 if self._peek() == "\\" and quote[0] == '"' else 1)
-        content = self._text[begin : self._at]
-        self._step(len(quote))
+        found = _CONTENTS[quote].match(self._text, self._at)
+        content = found[0] if found is not None else ""
+        self._step(len(content) + len(quote))
         while len(quote) == 3 and self._peek() == quote[0]:
             self._step()  # a string in three quotes may end with up to two more of them
         return content
@@ -106,7 +112,7 @@ class _TomlScanner:
             elif here in " \t\n":
                 self._step()
             else:
-                parts[-1] += self._step()
+                parts[-1] += self._step(len(_BARE_PART[ends].match(self._text, self._at)[0]))  # type: ignore[index]
         self._step()
         return parts
 
@@ -168,5 +174,5 @@ class _TomlScanner:
                     self._assignment(path)
             self._step()
         else:
-            while (here := self._peek()) and here not in ",]}#\n":
-                self._step()
+            found = _BARE_VALUE.match(self._text, self._at)
+            self._step(len(found[0]) if found is not None else 1)

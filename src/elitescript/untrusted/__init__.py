@@ -1,0 +1,1 @@
+"""Data that others wrote: read within bounds, before anything is parsed."""
