@@ -36,6 +36,7 @@ from elitescript.protocol.ports import SERVICES, services_of
 from elitescript.records import replace
 from elitescript.services.channels.connect_policy import NONE, ConnectPolicy
 from elitescript.services.child.jail import is_complete
+from elitescript.services.child.spare import Spares
 from elitescript.services.clients.direct import watchable_loop
 from elitescript.services.log import DEVICE, LogLine
 from elitescript.services.port_numbers import NAMES, SSH, port_numbers, spare_numbers
@@ -123,10 +124,11 @@ async def _serve(
     policy = ConnectPolicy(options.allow_connect)
     stop = asyncio.Event()
     on_signals(stop)
+    children = Spares(is_jailed=not options.no_jail)
     servers = [
         served_robot(
             config.robot_id,
-            make_link(options, config, index),
+            make_link(options, config, index, children),
             log.take,
             is_lockstep=options.lockstep is not None,
             lockstep_timeout_s=_lockstep_timeout_s(options),
@@ -155,7 +157,9 @@ async def _serve(
     log.end()
 
 
-def make_link(options: argparse.Namespace, config: RobotOptions, index: int) -> RobotLink:
+def make_link(
+    options: argparse.Namespace, config: RobotOptions, index: int, children: Spares | None = None
+) -> RobotLink:
     """Return the link to a robot."""
     return robot_link(
         config,
@@ -164,6 +168,7 @@ def make_link(options: argparse.Namespace, config: RobotOptions, index: int) -> 
         in_process=is_in_process(options),
         is_jailed=not options.no_jail,
         journal=None if options.journal is None else numbered_path(Path(options.journal), index),
+        spares=children,
     )
 
 

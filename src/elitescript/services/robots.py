@@ -20,6 +20,7 @@ from elitescript.runtime.environment import Files
 from elitescript.services.channels.connect_policy import ConnectPolicy
 from elitescript.services.child.jail import Layer
 from elitescript.services.child.link import ChildLink
+from elitescript.services.child.spare import Spares
 from elitescript.services.debugging import debugging
 from elitescript.services.journal.replay import RecordedRobot
 from elitescript.services.journal.writer import Journal
@@ -43,6 +44,7 @@ def robot_link(
     in_process: bool,
     is_jailed: bool,
     journal: Path | None,
+    spares: Spares | None = None,
 ) -> RobotLink:
     """Return the way to one robot.
 
@@ -53,6 +55,7 @@ def robot_link(
         in_process: keep it in this process.
         is_jailed: lock its process in.
         journal: file to write the session to.
+        spares: keeps a child ready for the robots of this process; none if None.
 
     Raises:
         UsageError: the journal cannot be written.
@@ -61,7 +64,7 @@ def robot_link(
     files: Files = MemoryFiles({}, allowance) if task_dir is None else LocalFiles(task_dir.resolve(), allowance)
     record = None if journal is None else Journal(journal, options, is_metered=not in_process)
     if not in_process:
-        return ChildLink(options, files=files, is_jailed=is_jailed, journal=record)
+        return ChildLink(options, files=files, is_jailed=is_jailed, journal=record, spares=spares)
     if record is None:
         return InProcessLink(Kernel(options, RequestEnvironment(files), debugging=debugging()))
     return _RecordedLink(RecordedRobot(options, files, record), record)

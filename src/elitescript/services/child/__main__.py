@@ -13,14 +13,14 @@ import signal
 import sys
 import time
 import traceback
-from typing import Any
+from typing import Any, Final
 
 from elitescript.codec.json_text import from_text, to_text
 from elitescript.codec.messages import shape_of
 from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.errors import ElitescriptError, UsageError
-from elitescript.kernel import Kernel
-from elitescript.messages.inputs import Input
+from elitescript.kernel import Kernel, RobotOptions
+from elitescript.messages.inputs import Input, RunUnit
 from elitescript.messages.outputs import TickResult
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.snapshot_parts import ALL_PARTS
@@ -32,6 +32,21 @@ from elitescript.services.child.remote_files import RemoteFiles
 from elitescript.services.debugging import debugging
 from elitescript.services.options_data import options_from_data
 from elitescript.services.output_text import without_points
+
+
+SMALL_PROGRAM: Final = """def spare():
+  textmsg("ready")
+  q = get_actual_joint_positions()
+  p = get_actual_tcp_pose()
+  get_inverse_kin(p, q)
+  set_standard_digital_out(0, get_standard_digital_in(0))
+  movej(q)
+  movel(p)
+  sync()
+end
+"""
+"""What a spare child runs: commands that most programs have."""
+SMALL_PROGRAM_TICKS: Final = 4
 
 
 def serve(line: frames.BlockingLine) -> None:
@@ -80,6 +95,8 @@ def serve(line: frames.BlockingLine) -> None:
             is_jailed, memory_max = data
             layers = enter_jail(memory_max=memory_max) if is_jailed else ()
             line.send(frames.LOCKED_IN, to_text([list(layer) for layer in layers]))
+        elif letter == frames.PREPARE:
+            _prepare(options_from_data(data), RequestEnvironment(RemoteFiles(ask)))
         elif letter == frames.BEGIN:
             environment = RequestEnvironment(RemoteFiles(ask))
             kernel = Kernel(options_from_data(data), environment, debugging=debugging(), meter=meter)
@@ -89,6 +106,17 @@ def serve(line: frames.BlockingLine) -> None:
             line.send(frames.DESCRIBED, to_text(shape_of(RobotDescription).encode(kernel.description)))
         else:
             raise UsageError(f"no message {letter!r} is expected here")
+
+
+def _prepare(options: RobotOptions, environment: RequestEnvironment) -> None:
+    """Load what a robot and its programs need."""
+    kernel = Kernel(options, environment, debugging=debugging())
+    kernel.tick([RunUnit("spare", "program", SMALL_PROGRAM)])
+    for _ in range(SMALL_PROGRAM_TICKS):
+        kernel.tick()
+        OutputWriter().message(kernel.tick_and_snapshot())
+    _ = kernel.description
+    kernel.host.forget_threads()
 
 
 def main(descriptor: int, coverage: int | None = None) -> None:

@@ -33,6 +33,8 @@ child names a tick that is due within this time (*assumed*: as often as the prim
 # Down.
 LOCK_IN: Final = "L"
 """`[is_jailed, memory_max]`: the child locks itself in and answers `LOCKED_IN`."""
+PREPARE: Final = "P"
+"""Options: the child makes a robot like this, has it run a program, and forgets it, so that everything is loaded."""
 BEGIN: Final = "B"
 """Options: the child makes its robot and answers `DESCRIBED`."""
 TICK: Final = "T"

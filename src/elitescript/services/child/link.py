@@ -13,7 +13,7 @@ from __future__ import annotations
 import asyncio
 import time
 from collections import deque
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Iterator, Sequence
 from typing import Final
 
 from elitescript.errors import ElitescriptError, UsageError
@@ -31,6 +31,7 @@ from elitescript.services.child.buffers import BEHIND_TICKS, WAITING_MAX, Output
 from elitescript.services.child.frames import NEVER, REFRESH_TICKS
 from elitescript.services.child.jail import MEMORY_MAX, Layer
 from elitescript.services.child.remote_files import FileDesk
+from elitescript.services.child.spare import Spares
 from elitescript.services.child.supervision import (
     BOOTS_FROM_SNAPSHOT,
     BOOTS_MAX,
@@ -41,6 +42,7 @@ from elitescript.services.child.supervision import (
     termination_events,
 )
 from elitescript.services.child.transport import ChildTransport, SentTick
+from elitescript.services.child.urgent import COMPILES, is_stop, longest_s, stopped
 from elitescript.services.journal.writer import Journal
 from elitescript.services.time.cycle import CATCH_UP_TICKS
 from elitescript.services.time.prompt import PromptFuture
@@ -82,6 +84,7 @@ class ChildLink:
         hang_limit_s: processor time of the child without an answer after which it is replaced.
         grace_s: how long late outputs are waited for; infinite in a test that compares outputs.
         memory_max: bytes of address space of the child.
+        spares: keeps a child ready that may take the place of this one; each is started when it is needed if None.
 
     Attributes:
         layers: of the jail, once the link is open; empty without one.
@@ -97,6 +100,7 @@ class ChildLink:
         "_grace_left_s",
         "_grace_s",
         "_is_catching_up",
+        "_is_hurried",
         "_is_jailed",
         "_is_over",
         "_journal",
@@ -109,9 +113,12 @@ class ChildLink:
         "_outputs",
         "_pending",
         "_snapshot_tick",
+        "_spares",
         "_supervision",
         "_transport",
         "_until_s",
+        "_urgent_since_s",
+        "_urgent_worked_s",
         "_watched_until",
         "layers",
     )
@@ -126,6 +133,7 @@ class ChildLink:
         hang_limit_s: float = HANG_LIMIT_S,
         grace_s: float = GRACE_S,
         memory_max: int = MEMORY_MAX,
+        spares: Spares | None = None,
     ) -> None:
         self._options = options
         self._is_jailed = is_jailed
@@ -134,6 +142,13 @@ class ChildLink:
         self._grace_s = grace_s
         self._grace_left_s = grace_s
         self._memory_max = memory_max
+        self._spares = spares
+        self._is_hurried = False
+        """Whether something urgent waits for the next tick."""
+        self._urgent_since_s: float | None = None
+        """When it came that is urgent and not answered yet; None without."""
+        self._urgent_worked_s: float | None = None
+        """Processor time of the child then; None if that is not known."""
         self._desk = FileDesk(FilesRefused() if files is None else files)
         self._next = self._due = options.first_tick
         self._answered = options.first_tick - 1
@@ -243,6 +258,9 @@ class ChildLink:
         self._grace_left_s += (tick - self._next) * GRACE_PER_TICK_S
         self._next = tick + 1
         self._pending.add(inputs)
+        self._is_hurried = False
+        if self._urgent_since_s is None and inputs and longest_s(inputs) is not None:
+            self._note_urgent()
         if self._transport is None and self._supervision.may_start(tick):
             self._start_again(tick)
         if (transport := self._transport) is not None:
@@ -272,8 +290,24 @@ class ChildLink:
             raise ElitescriptError(f"the robot's process did not come up: {why}")
         return self._outputs.take(tick)
 
+    def hurry(self, inputs: Sequence[Input]) -> None:
+        """See `RobotLink.hurry`."""
+        if longest_s(inputs) is not None:
+            self._is_hurried = True
+            if self._urgent_since_s is None:
+                self._note_urgent()
+            self._wake()
+
+    @property
+    def busy_line(self) -> int:
+        """See `RobotLink.busy_line`."""
+        transport = self._transport
+        return transport.line if transport is not None and transport.is_running and transport.unanswered else 0
+
     async def close(self) -> None:
         """End the child."""
+        if self._spares is not None:
+            self._spares.close()
         if self._transport is not None:
             process, self._transport = self._transport.process, None
             process.kill()
@@ -287,16 +321,20 @@ class ChildLink:
     # ---------------------------------------------------------------- down
 
     def _start_child(self) -> ChildTransport:
-        self._transport = transport = ChildTransport(
-            self._desk,
-            self._take_output,
-            self._take_question,
-            self._wake,
-            is_jailed=self._is_jailed,
-            memory_max=self._memory_max,
-        )
+        transport = None if self._spares is None else self._spares.take()
+        receivers = (self._desk, self._take_output, self._take_question, self._wake)
+        if transport is None:
+            transport = ChildTransport(*receivers, is_jailed=self._is_jailed, memory_max=self._memory_max)
+        else:
+            transport.serve_for(*receivers)
+        self._transport = transport
         self._supervision.note_start()
         return transport
+
+    def _note_urgent(self) -> None:
+        """Begin to wait for the end of the program that runs."""
+        if (transport := self._transport) is not None and transport.is_running:
+            self._urgent_since_s, self._urgent_worked_s = time.monotonic(), transport.process.worked_s()
 
     def _go_on(self, transport: ChildTransport, tick: int) -> None:
         """Have a fresh child go on at this tick from the last snapshot; as at first, if others could not."""
@@ -354,6 +392,10 @@ class ChildLink:
         assert transport is not None
         self._supervision.note_answer(sent.number - self._answered)
         self._answered, self._due = sent.number, due
+        if self._urgent_since_s is not None and not self._is_hurried and longest_s(self._waiting_inputs()) is None:
+            self._urgent_since_s = None
+        if transport.is_running and self._spares is not None:
+            self._spares.want(self._options)
         if sent.size and self._behind(transport) >= LAG_MAX:
             # What queued up while it compiled is soon made up for; clients need not wait for that.
             self._is_catching_up = True
@@ -373,7 +415,7 @@ class ChildLink:
         """Look again at what is waited for."""
         if self._transport is not None and self._transport.end_reason:
             self._on_due()
-        if self._changed is not None and not self._changed.done() and self._is_over():
+        if self._changed is not None and not self._changed.done() and (self._is_hurried or self._is_over()):
             self._changed.set_result(None)
 
     # ---------------------------------------------------------------- watching
@@ -381,9 +423,27 @@ class ChildLink:
     def _watch(self, tick: int) -> None:
         """Replace a child that has ended, or that does not answer."""
         if self._transport is not None:
-            failure = self._supervision.failure_of(self._transport, tick)
+            failure = self._supervision.failure_of(self._transport, tick) or self._stop_failure(self._transport)
             if failure is not None:
                 self._replace(self._transport, tick, failure)
+
+    def _waiting_inputs(self) -> Iterator[Input]:
+        """Return what the child has not answered yet, in order."""
+        if self._transport is not None:
+            for sent in self._transport.unanswered:
+                yield from sent.inputs
+        yield from self._pending
+
+    def _stop_failure(self, transport: ChildTransport) -> Failure | None:
+        """Return why the child is to be ended for what is urgent; None if it is not."""
+        if self._urgent_since_s is None or not transport.is_running or not transport.unanswered:
+            return None
+        if any(isinstance(item, COMPILES) for item in transport.unanswered[0].inputs):
+            return None
+        limit_s = longest_s(self._waiting_inputs())
+        if limit_s is None:
+            return None
+        return self._supervision.stop_failure(transport, self._urgent_since_s, limit_s, self._urgent_worked_s)
 
     def _replace(self, transport: ChildTransport, tick: int, failure: Failure) -> None:
         """Kill the child, report it, and start a fresh one now or later."""
@@ -396,11 +456,16 @@ class ChildLink:
         self._lost = unanswered[0].inputs if unanswered else ()
         shown = failure._replace(reason=self._supervision.note_failure(tick, failure.reason))
         events = termination_events(tick, shown, self._outputs.newest, self._lost, transport.line)
+        if failure.is_stop and (last := self._outputs.newest) is not None:
+            waiting = [item for sent in unanswered for item in sent.inputs] + list(self._pending)
+            self._outputs.stand_for(stopped(last, tick, waiting))
+        self._urgent_since_s = None
         if self._journal is not None:
             self._journal.told(tick, events)
         self._outputs.add_own(*events, requests=self._pending.end_connections())
         self._outputs.flush()
-        self._pending.put_first(item for sent in unanswered[1:] for item in sent.inputs)
+        kept = [item for item in self._lost if is_stop(item)]
+        self._pending.put_first([*kept, *(item for sent in unanswered[1:] for item in sent.inputs)])
         if self._supervision.may_start(tick):
             self._start_again(tick)
 
@@ -429,7 +494,7 @@ class ChildLink:
                 lambda: self._behind(transport) < behind_max or bool(transport.end_reason), longest_s
             )
 
-        if not self._is_catching_up and supervision.silent_s() < LAG_S:
+        if not self._is_catching_up and supervision.silent_s() < LAG_S and self._urgent_since_s is None:
             await wait_for_room(LAG_MAX, LAG_S)
         if self._behind(transport) >= BEHIND_MAX:
             # Only where ticks are not paced.
@@ -461,8 +526,8 @@ class ChildLink:
         self._grace_left_s = min(max(self._grace_left_s, 0.0) + GRACE_PER_TICK_S, self._grace_s)
         if self._grace_s >= self._supervision.hang_limit_s:
             return self._supervision.hang_limit_s
-        # A fresh child has its robot to make.
-        if self._supervision.boots or self._transport is None:
+        # A fresh child has its robot to make; and nothing is waited for while a stop is.
+        if self._supervision.boots or self._transport is None or self._urgent_since_s is not None:
             return 0.0
         oldest = self._transport.unanswered[0] if self._transport.unanswered else None
         is_behind = oldest is not None and (tick - oldest.number >= BEHIND_TICKS or oldest.size >= LONG_TEXT)

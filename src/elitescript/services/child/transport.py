@@ -161,6 +161,25 @@ class ChildTransport:
 
     # ---------------------------------------------------------------- down
 
+    def prepare(self, options: RobotOptions) -> None:
+        """Have the child load what such a robot needs; it may be asked to make one at any time."""
+        self.process.send(frames.PREPARE, to_text(options_data(options)))
+
+    def serve_for(
+        self,
+        desk: FileDesk,
+        on_output: Callable[[SentTick, Output | TickResult, int], None],
+        on_question: Callable[[SentTick | None], None],
+        on_change: Callable[[], None],
+    ) -> None:
+        """Belong to somebody else from now on: a child that has waited as a spare one."""
+        self._desk, self._on_output, self._on_question, self._on_change = desk, on_output, on_question, on_change
+
+    @property
+    def is_running(self) -> bool:
+        """Whether a program ran at the end of the last tick whose snapshot is known."""
+        return self._is_running
+
     def begin(self, options: RobotOptions) -> None:
         """Have the child make its robot."""
         self.is_begun = True
