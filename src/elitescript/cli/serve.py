@@ -54,6 +54,8 @@ if TYPE_CHECKING:
     from elitescript.devices.world import World
 
 ROBOTS_MAX: Final = 32
+OVERTAKING: Final = frozenset({"stopped", "alarm", "paused"})
+"""States that are printed before messages that still wait; a program that finishes has said all before."""
 _TASK_WORDS: Final = {TaskState.PLAYING: "started", TaskState.PAUSED: "paused", TaskState.STOPPED: "stopped"}
 
 ALL: Final = "all"
@@ -493,7 +495,14 @@ class ServeLog:
             is_resumed = before is TaskState.PAUSED and event.state is TaskState.PLAYING
             what = "resumed" if is_resumed else event.ending or _TASK_WORDS[event.state]
         if self._is_json:
-            self._record({"type": "task", "robot": robot, "t": seconds(event.tick), "state": what, "name": event.name})
+            record = {"type": "task", "robot": robot, "t": seconds(event.tick), "state": what, "name": event.name}
+            line = jsonlines.line(record) + "\n"
+            if isinstance(self._out, QueuedStream):
+                # A stop shows when it acts, also where much of what the program has said before is still to be read.
+                self._out.write_state(line, overtakes=what in OVERTAKING)
+            else:
+                self._out.write(line)
+            self._out.flush()
             return
         tag = f"{robot}: " if self._are_several else ""
         words = "ended by an alarm" if what == "alarm" else what

@@ -18,7 +18,11 @@ class Cut(NamedTuple):
     ends."""
     cleanups: int
     """Number of the step of clean-up, from 1, at which stopped threads were given up; 0 if none was."""
+    late_ms: int = 0
+    """By how much the call before that look was too long, where the program is warned of it; 0 elsewhere."""
 
 
+LATE_MAX_MS: Final = 1 << 24
+"""No call is late by more: its robot is gone before."""
 WHOLE: Final = Cut(0, 0)
 """No cut: every thread ran until it waited or had used up its work."""

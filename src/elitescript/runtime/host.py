@@ -42,6 +42,8 @@ _FRAMES_OF_A_CHANGE: Final = 8
 """Frames of a plain write from `caller_line` up to the function that the script has called. No change of a signal that
 a script causes has fewer, so that the walk to its line passes them in one step."""
 
+LATE_HINT: Final = "do less in one call, or do it before the arm moves"
+
 SECONDARY_WARNING: Final = "[SEC] Exception: "
 
 
@@ -125,6 +127,7 @@ class ScriptHost:
             meter=meter,
             on_end=self._strand_ended,
             on_abandoned=self._strand_abandoned,
+            on_late=self._warn_late,
         )
         self.spend_event = self._scheduler.spend_event
         self._program: Program | None = None
@@ -423,6 +426,11 @@ class ScriptHost:
         else:
             self._secondaries.ended(strand)
             self._queries.ended(strand)
+
+    def _warn_late(self, strand: Strand, late_ms: int) -> None:
+        """Warn of a call that has held up the robot; the line is where the thread has come to behind it."""
+        text = f"a call took {late_ms} ms too long: no stop acts and no stream goes on while it runs"
+        self._machine.emit(Warned(self._machine.tick, text, strand.name, strand.line, "", LATE_HINT))
 
     def _strand_abandoned(self, strand: Strand) -> None:
         self._machine.emit(abandoned(strand, self._machine.tick))

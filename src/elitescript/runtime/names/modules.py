@@ -219,7 +219,7 @@ def _own_user_string(names: dict[str, Any]) -> None:
 
 
 _LONG: Final = SHARED | {"os", "random", "re", "subprocess", "time"}
-"""Modules with functions whose calls may take long. Those of copies are left as they are: they may look at their caller."""
+"""Modules with functions whose calls may take long; those of copies stay as they are: some look at their caller."""
 
 
 def _nothing() -> None:

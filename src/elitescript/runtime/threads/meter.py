@@ -26,6 +26,8 @@ BEGIN_NS: Final = 20_000_000
 """What a program may use at its beginning besides: its first calls load what they need."""
 CLEANUP_NS: Final = 4_000_000
 """Time in a tick for the `finally` blocks of stopped threads."""
+LATE_NS: Final = 10_000_000
+"""A call that takes so much more than its share makes streams late; a program is warned of it once."""
 PORTION_MAX: Final = 64
 """Most checkpoints between two looks."""
 
@@ -36,19 +38,33 @@ class Meter:
     Attributes:
         is_spent: whether no thread runs on in this tick.
         was_spent: whether that was so in the tick before.
+        late_ms: by how much the call that has ended the tick was too long; 0 but for the first such call of a program.
     """
 
-    __slots__ = ("_cleanups", "_given_up_at", "_looks", "_spent_at", "_tick", "is_spent", "was_spent")
+    __slots__ = (
+        "_cleanups",
+        "_given_up_at",
+        "_has_warned",
+        "_looks",
+        "_spent_at",
+        "_tick",
+        "is_spent",
+        "late_ms",
+        "was_spent",
+    )
 
     def __init__(self) -> None:
         self._tick = -1
         self._looks = self._spent_at = self._cleanups = self._given_up_at = 0
-        self.is_spent = self.was_spent = False
+        self.is_spent = self.was_spent = self._has_warned = False
+        self.late_ms = 0
 
     @property
     def cut(self) -> Cut:
         """How far the threads came in the tick that ran last."""
-        return Cut(self._spent_at, self._given_up_at) if self._spent_at or self._given_up_at else WHOLE
+        if not self._spent_at and not self._given_up_at:
+            return WHOLE
+        return Cut(self._spent_at, self._given_up_at, self.late_ms)
 
     def begin_tick(self, tick: int) -> None:
         """Begin the program phase of a tick, or go on with it: a program that is replaced ends before it."""
@@ -58,13 +74,14 @@ class Meter:
         self._begin(tick - self._tick)
         self._tick = tick
         self.was_spent, self.is_spent = self.is_spent, False
-        self._looks = self._spent_at = self._cleanups = self._given_up_at = 0
+        self._looks = self._spent_at = self._cleanups = self._given_up_at = self.late_ms = 0
 
     def end_tick(self) -> None:
         """End it, or leave it until `begin_tick` is called for the same tick."""
 
     def begin_program(self) -> None:
         """Note that a program begins."""
+        self._has_warned = False
 
     def pardon(self) -> Callable[[], None]:
         """Begin something whose time does not count; return what ends it."""
@@ -77,6 +94,9 @@ class Meter:
             if self._is_over(self._looks):
                 self._spent_at = self._looks
                 self.is_spent = True
+                late_ms = self._late_ms()
+                if late_ms and not self._has_warned:
+                    self._has_warned, self.late_ms = True, late_ms
         return self.is_spent
 
     def look_at_cleanup(self) -> bool:
@@ -99,6 +119,9 @@ class Meter:
     def _is_cleanup_over(self, step: int) -> bool:
         return False
 
+    def _late_ms(self) -> int:
+        return 0
+
 
 class ClockMeter(Meter):
     """Ends ticks by a clock.
@@ -116,6 +139,7 @@ class ClockMeter(Meter):
         "_cleanup_worked_ns",
         "_credit_ns",
         "_now_ns",
+        "_over_ns",
         "_share_ns",
         "_until_ns",
         "_used_ns",
@@ -130,7 +154,7 @@ class ClockMeter(Meter):
         self._worked_ns = worked_ns
         self._share_ns = share_ns
         self._credit_ns = self._allowed_ns = self._used_ns = 0
-        self._began_ns = self._until_ns = 0
+        self._began_ns = self._until_ns = self._over_ns = 0
         self._worked_before_ns = self._worked_until_ns = 0
         """Time of the processor at the begin of the phase, and when it was left last; what does not count is in it."""
         self._cleanup_until_ns = self._cleanup_worked_ns = 0
@@ -155,6 +179,7 @@ class ClockMeter(Meter):
         self._worked_before_ns += self._worked_ns() - self._worked_until_ns
 
     def begin_program(self) -> None:
+        super().begin_program()
         self._credit_ns = max(self._credit_ns, BEGIN_NS)
         # In the tick that runs already, too.
         self._allowed_ns = max(self._allowed_ns, BEGIN_NS)
@@ -177,7 +202,11 @@ class ClockMeter(Meter):
             return False
         left_ns = self._allowed_ns - (self._worked_ns() - self._worked_before_ns)
         self._until_ns = now_ns + left_ns
+        self._over_ns = -left_ns - max(-self._allowed_ns, 0)
         return left_ns <= 0
+
+    def _late_ms(self) -> int:
+        return self._over_ns // 1_000_000 if self._over_ns >= LATE_NS else 0
 
     def _is_cleanup_over(self, step: int) -> bool:
         now_ns = self._now_ns()
@@ -211,6 +240,9 @@ class RepeatingMeter(Meter):
 
     def _is_cleanup_over(self, step: int) -> bool:
         return step == self._expected.cleanups
+
+    def _late_ms(self) -> int:
+        return self._expected.late_ms
 
 
 def _nothing() -> None:

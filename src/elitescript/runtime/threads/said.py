@@ -10,9 +10,9 @@ from typing import Final
 
 TEXT_MAX: Final = 1_000_000
 """Most characters of one text (*assumed*); a program that says a longer one gets an alarm."""
-TEXT_PER_TICK: Final = 20_000
-"""Characters that leave in a tick, 5 MB a second (*assumed*)."""
-TEXT_AHEAD: Final = 200_000
+TEXT_PER_TICK: Final = 4_000
+"""Characters that leave in a tick, 1 MB a second (*assumed*)."""
+TEXT_AHEAD: Final = 100_000
 """Most characters that may be waiting to leave while a program goes on: nobody prints so much by the line."""
 
 

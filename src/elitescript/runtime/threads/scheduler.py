@@ -81,6 +81,7 @@ class Scheduler:
         "_next",
         "_on_abandoned",
         "_on_end",
+        "_on_late",
         "_orphan_work",
         "_portion",
         "_ready",
@@ -111,6 +112,7 @@ class Scheduler:
         meter: Meter | None = None,
         on_end: Callable[[Strand], None] = lambda strand: None,
         on_abandoned: Callable[[Strand], None] = lambda strand: None,
+        on_late: Callable[[Strand, int], None] = lambda strand, late_ms: None,
     ) -> None:
         self.now = 0
         self.current: Strand | None = None
@@ -125,7 +127,7 @@ class Scheduler:
         self._portion = [True] * portion
         self._loaded = 0
         self._unpaid = 0
-        """With a meter and a watcher: how many checkpoints would be in the fuel; no look at the meter is due in them."""
+        """With a meter and a watcher: the checkpoints that would be in the fuel; no look at the meter is due in them."""
         self._ready: deque[Strand] = deque()
         self._next: list[Strand] = []
         self.said = SaidText()
@@ -140,6 +142,7 @@ class Scheduler:
         self._orphan_work = _ORPHAN_WORK
         self._on_end = on_end
         self._on_abandoned = on_abandoned
+        self._on_late = on_late
 
     # ---------------------------------------------------------------- strands
 
@@ -359,6 +362,8 @@ class Scheduler:
         if meter is None or strand is None or strand.is_dying or not strand.is_running:
             return
         while meter.look():
+            if meter.late_ms:
+                self._on_late(strand, meter.late_ms)
             self._next.append(strand)
             strand.suspend()
             self._go_on(strand)
@@ -393,6 +398,8 @@ class Scheduler:
             return True
         meter = self.meter
         while strand.work >= self._work_per_tick or (meter is not None and meter.look()):
+            if meter is not None and meter.late_ms:
+                self._on_late(strand, meter.late_ms)
             self._next.append(strand)
             strand.suspend()
             self._go_on(strand)

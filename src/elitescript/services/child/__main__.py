@@ -33,7 +33,6 @@ from elitescript.services.debugging import debugging
 from elitescript.services.options_data import options_from_data
 from elitescript.services.output_text import without_points
 
-
 SMALL_PROGRAM: Final = """def spare():
   textmsg("ready")
   q = get_actual_joint_positions()

@@ -12,18 +12,18 @@ from collections.abc import Iterator
 from typing import Final
 
 from elitescript.codec.values import CodecError
-from elitescript.messages.cut import LOOKS_MAX, WHOLE, Cut
+from elitescript.messages.cut import LATE_MAX_MS, LOOKS_MAX, WHOLE, Cut
 from elitescript.messages.timing import TICKS_PER_S
 
 DOWN_MAX: Final = 32 * 1024 * 1024
 UP_MAX: Final = 16 * 1024 * 1024
-"""Less, because reading it takes the time of all clients: the longest text of a program, in the longest form of JSON."""
+"""Less, because reading it takes the time of all clients; the longest text of a program fits, however it is escaped."""
 READ_BYTES: Final = 1 << 16
 """Taken from a socket at once: more would be memory that the system has to find anew for every message."""
 _LENGTH: Final = struct.Struct(">I")
 _HEAD: Final = struct.Struct(">IB")
 _TICK: Final = struct.Struct(">qB?")
-_ANSWERED: Final = struct.Struct(">qII")
+_ANSWERED: Final = struct.Struct(">qIII")
 NEVER: Final = (1 << 63) - 1
 """Number of a tick that does not come."""
 REFRESH_TICKS: Final = TICKS_PER_S // 10
@@ -45,7 +45,7 @@ ANSWER: Final = "A"
 """Answer to a `QUESTION`."""
 
 # Up. The answers to a tick begin with the number of the next one that is due (i64); the next one if that was not asked
-# for. Then comes how far programs came in the tick, a `Cut` (two times u32).
+# for. Then comes how far programs came in the tick, a `Cut` (three times u32).
 LOCKED_IN: Final = "L"
 """The layers of the jail."""
 DESCRIBED: Final = "D"
@@ -85,10 +85,10 @@ def read_answer(content: bytes) -> tuple[int, Cut, bytes]:
     """
     if len(content) < _ANSWERED.size:
         raise CodecError("an answer to a tick without its head")
-    due, looks, cleanups = _ANSWERED.unpack_from(content)
-    if max(looks, cleanups) > LOOKS_MAX:
-        raise CodecError(f"a tick that was cut at {max(looks, cleanups)}; at most {LOOKS_MAX} are possible")
-    return due, Cut(looks, cleanups), content[_ANSWERED.size :]
+    due, looks, cleanups, late_ms = _ANSWERED.unpack_from(content)
+    if max(looks, cleanups) > LOOKS_MAX or late_ms > LATE_MAX_MS:
+        raise CodecError(f"a tick that was cut at {looks}, {cleanups}, {late_ms}; none can be")
+    return due, Cut(looks, cleanups, late_ms), content[_ANSWERED.size :]
 
 
 def frame(letter: str, content: str | bytes, limit: int = DOWN_MAX) -> bytes:

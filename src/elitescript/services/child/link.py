@@ -39,10 +39,11 @@ from elitescript.services.child.supervision import (
     HANG_LIMIT_S,
     Failure,
     Supervision,
+    compile_s,
     termination_events,
 )
 from elitescript.services.child.transport import ChildTransport, SentTick
-from elitescript.services.child.urgent import COMPILES, is_stop, longest_s, stopped
+from elitescript.services.child.urgent import BEGIN_S, COMPILES, is_stop, longest_s, stopped
 from elitescript.services.journal.writer import Journal
 from elitescript.services.time.cycle import CATCH_UP_TICKS
 from elitescript.services.time.prompt import PromptFuture
@@ -333,7 +334,8 @@ class ChildLink:
 
     def _note_urgent(self) -> None:
         """Begin to wait for the end of the program that runs."""
-        if (transport := self._transport) is not None and transport.is_running:
+        transport = self._transport
+        if transport is not None and (transport.is_running or self._begins(transport)):
             self._urgent_since_s, self._urgent_worked_s = time.monotonic(), transport.process.worked_s()
 
     def _go_on(self, transport: ChildTransport, tick: int) -> None:
@@ -436,14 +438,24 @@ class ChildLink:
 
     def _stop_failure(self, transport: ChildTransport) -> Failure | None:
         """Return why the child is to be ended for what is urgent; None if it is not."""
-        if self._urgent_since_s is None or not transport.is_running or not transport.unanswered:
+        if self._urgent_since_s is None or not transport.unanswered:
             return None
-        if any(isinstance(item, COMPILES) for item in transport.unanswered[0].inputs):
+        begins = self._begins(transport)
+        # What is compiled just now does not wait for itself.
+        held = transport.unanswered[0].inputs if begins else ()
+        limit_s = longest_s(item for item in self._waiting_inputs() if item not in held or is_stop(item))
+        if limit_s is None or not (begins or transport.is_running):
             return None
-        limit_s = longest_s(self._waiting_inputs())
-        if limit_s is None:
-            return None
-        return self._supervision.stop_failure(transport, self._urgent_since_s, limit_s, self._urgent_worked_s)
+        if begins:
+            limit_s = BEGIN_S + compile_s(transport.unanswered[0].size)
+        failure = self._supervision.stop_failure(transport, self._urgent_since_s, limit_s, self._urgent_worked_s)
+        # Nothing of the program is on the stack while its text is compiled.
+        return None if begins and failure is not None and failure.where is None else failure
+
+    @staticmethod
+    def _begins(transport: ChildTransport) -> bool:
+        """Return whether a text may be compiled in the tick that is under way."""
+        return bool(transport.unanswered) and any(isinstance(item, COMPILES) for item in transport.unanswered[0].inputs)
 
     def _replace(self, transport: ChildTransport, tick: int, failure: Failure) -> None:
         """Kill the child, report it, and start a fresh one now or later."""

@@ -21,6 +21,8 @@ STOP_S: Final = 0.010
 """Wall time that a child has to answer a stop; with the cycle before and behind it makes less than 20 ms."""
 REPLACE_S: Final = 0.03
 """The same if another program is to run: it may be that both begin at once."""
+BEGIN_S: Final = 0.1
+"""The same in the tick in which a program begins: its text is compiled, and its first calls load what they need."""
 WORKED_SHARE: Final = 0.5
 """Share of that time that the child must have worked itself: on a busy computer it waits for a processor."""
 COMPILES: Final = (RunUnit, Interpret, Query, LoadTask, PlayTask)

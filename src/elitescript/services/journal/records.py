@@ -125,8 +125,8 @@ class RecordReader:
 
 
 def _cut(value: Any) -> Cut:
-    if type(value) is not list or [type(item) for item in value] != [int, int]:
-        raise CodecError(f"cut must be two whole numbers, not {shown(value)}")
+    if type(value) is not list or [type(item) for item in value] != [int, int, int]:
+        raise CodecError(f"cut must be three whole numbers, not {shown(value)}")
     if not all(0 <= item <= LOOKS_MAX for item in value):
         raise CodecError(f"cut must have numbers from 0 to {LOOKS_MAX}, not {shown(value)}")
     return Cut(*value)

@@ -3,7 +3,7 @@
 One JSON text a line:
 
     {"journal": 4, "version": ..., "python": ..., "hash_seed": ..., "metered": true, "options": {...}}
-    {"tick": 812, "in": [...], "asked": [...], "cut": [29, 0]}   inputs, answers about files, how far programs came
+    {"tick": 812, "in": [...], "asked": [...], "cut": [29, 0, 0]}   inputs, answers about files, how far programs came
                                                    before the share of the tick was used up (`messages.cut`); ticks
                                                    without any have no line
     {"digest": 999, "hash": "...", "ticks": "..."} digest of the outputs up to tick 999; a check sum for each tick since
@@ -50,7 +50,7 @@ FORMAT: Final = 4
 UNCUT_FORMAT: Final = 3
 """The format before: no tick was cut."""
 FORMATS: Final = (format2.FORMAT, UNCUT_FORMAT, FORMAT)
-"""Those that are known. `FORMAT` is to be raised with every change of a record or of a message that is in one; options may come and go."""
+"""Known ones. `FORMAT` is to be raised with every change of a record or of a message that is in one; options may come and go."""
 LINE_MAX: Final = 64 * 1024 * 1024
 _NOTHING: Final = to_text([])
 
@@ -134,7 +134,7 @@ class Journal:
         given = inputs if isinstance(inputs, str) else to_text([self._inputs.encode(item) for item in inputs])
         if given != _NOTHING or answers or cut != WHOLE:
             asked = f',"asked":{to_text(list(answers))}' if answers else ""
-            ended = f',"cut":[{cut.looks},{cut.cleanups}]' if cut != WHOLE else ""
+            ended = f',"cut":[{cut.looks},{cut.cleanups},{cut.late_ms}]' if cut != WHOLE else ""
             self._file.put(f'{{"tick":{tick},"in":{given}{asked}{ended}}}\n'.encode())
         text = output if isinstance(output, bytes) else output_text(output).encode()
         self._digest.add(text)
