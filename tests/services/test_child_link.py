@@ -18,15 +18,15 @@ from elitescript.codec.messages import shape_of
 from elitescript.environment.memory import MemoryFiles
 from elitescript.errors import ElitescriptError
 from elitescript.kernel import Kernel, RobotOptions
-from elitescript.messages.enums import TaskState
+from elitescript.messages.enums import SafetyMode, TaskState
 from elitescript.messages.events import Alarm, Event, TaskStateChanged, TextMessage, Warned
-from elitescript.messages.inputs import ChannelCredit, ChannelData, Do, LoadTask, RunUnit
+from elitescript.messages.inputs import ChannelCredit, ChannelData, Do, Input, LoadTask, RunUnit
 from elitescript.messages.line import LineSettings
-from elitescript.messages.machine import SetTcp, StopTask, WriteSignal
+from elitescript.messages.machine import PauseTask, PowerOff, SetTcp, StopTask, WriteSignal
 from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Output, TickResult
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.snapshot_parts import ALL_PARTS, TIME
-from elitescript.services.child import buffers, frames, supervision, transport
+from elitescript.services.child import buffers, frames, supervision, transport, urgent
 from elitescript.services.child import link as child_link
 from elitescript.services.child.frames import REFRESH_TICKS
 from elitescript.services.child.jail import is_complete
@@ -595,6 +595,93 @@ class TestLink:
             assert children[1].numbers == [7]
 
         with_link(body)
+
+    @pytest.mark.parametrize(
+        ("item", "limit_s"),
+        [
+            (Do("dashboard#1", StopTask()), urgent.STOP_S),
+            (Do("ctl#1", WriteSignal("emergency_stop", 0, True)), urgent.STOP_S),
+            (Do("ctl#1", PowerOff()), urgent.STOP_S),
+            (RunUnit("primary#2", "program", "def other():\n  pass\nend\n"), urgent.REPLACE_S),
+        ],
+        ids=["stop", "emergency stop", "power off", "program"],
+    )
+    def test_a_child_that_does_not_answer_a_stop_is_ended_for_it(self, children, clock, item, limit_s):
+        async def body(link):
+            await link.tick(())
+            child = children[0]
+            child.is_mute, child.processor_s = True, 1.0
+            await link.tick(())
+            clock[0] += 0.3
+            await link.tick((item,))
+            clock[0] += 1.01 * limit_s
+            # On a busy computer it has not worked: it is waited for.
+            await link.tick(())
+            assert not child.is_killed
+            assert child.is_asked
+            child.processor_s += 1.01 * limit_s * urgent.WORKED_SHARE
+            found = await link.tick(())
+            assert child.is_killed
+            stopped, alarm = (event for event in found.events if isinstance(event, TaskStateChanged | Alarm))
+            assert (stopped.state, stopped.ending) == (TaskState.STOPPED, "stopped")
+            assert (alarm.code, alarm.line) == ("R132", 12)
+            shown = found.rows[-1].snapshot.robot
+            assert (shown.tick, shown.task_state) == (found.tick, TaskState.STOPPED)
+            is_emergency = isinstance(item, Do) and isinstance(item.request, WriteSignal)
+            assert (shown.safety_mode is SafetyMode.ROBOT_EMERGENCY_STOP) == is_emergency
+            assert found.rows[-1].snapshot.signals["emergency_stop"] == (is_emergency,)
+            # The next child gets it, whatever the last one has done.
+            await link.tick(())
+            assert len(children) == 2
+            assert to_text(shape_of(Input).encode(item)) in to_text([text for _, text in children[1].told])
+
+        with_link(body)
+
+    @pytest.mark.parametrize("item", [Do("dashboard#1", PauseTask()), Do("ctl#1", SetTcp(TCP))], ids=["pause", "tcp"])
+    def test_no_child_is_ended_for_anything_else(self, children, clock, item):
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            await link.tick(())
+            await link.tick((item,))
+            clock[0] += 0.5
+            await link.tick(())
+            assert not children[0].is_killed
+
+        with_link(body)
+
+    def test_a_stop_waits_for_a_text_that_is_compiled_but_not_for_a_call_of_the_program(self, children, clock):
+        async def body(link):
+            await link.tick(())
+            child = children[0]
+            child.is_mute = child.is_compiling = True
+            await link.tick((RunUnit("primary#1", "program", "def p():\n  pass\nend\n"),))
+            await link.tick((Do("dashboard#1", StopTask()),))
+            clock[0] += 0.3
+            await link.tick(())
+            assert not child.is_killed
+            child.is_compiling = False
+            await link.tick(())
+            assert child.is_killed
+
+        with_link(body)
+
+    def test_something_urgent_ends_the_wait_for_a_late_output(self, children):
+        """The tick that has it is not sent behind a wait of a tenth of a second."""
+
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            waiting = asyncio.get_running_loop().create_task(link.tick(()))
+            await asyncio.sleep(0)
+            assert not waiting.done()
+            link.hurry((Do("ctl#1", SetTcp(TCP)),))
+            await asyncio.sleep(0)
+            assert not waiting.done()
+            link.hurry((Do("dashboard#1", StopTask()),))
+            await waiting
+
+        with_link(body, grace_s=PATIENT_S)
 
     def test_a_caller_that_does_not_pace_itself_waits_for_room(self, children, monkeypatch):
         monkeypatch.setattr(child_link, "BEHIND_MAX", 4)

@@ -17,6 +17,7 @@ from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.records import replace
 from elitescript.runtime.environment import Files
+from elitescript.runtime.threads.meter import Meter
 from elitescript.services.channels.connect_policy import ConnectPolicy
 from elitescript.services.child.jail import Layer
 from elitescript.services.child.link import ChildLink
@@ -45,6 +46,7 @@ def robot_link(
     is_jailed: bool,
     journal: Path | None,
     spares: Spares | None = None,
+    meter: Meter | None = None,
 ) -> RobotLink:
     """Return the way to one robot.
 
@@ -56,18 +58,19 @@ def robot_link(
         is_jailed: lock its process in.
         journal: file to write the session to.
         spares: keeps a child ready for the robots of this process; none if None.
+        meter: ends ticks of a robot in this process; work alone counts if None. A child has its own.
 
     Raises:
         UsageError: the journal cannot be written.
     """
     allowance = Allowance(task_dir_limit)
     files: Files = MemoryFiles({}, allowance) if task_dir is None else LocalFiles(task_dir.resolve(), allowance)
-    record = None if journal is None else Journal(journal, options, is_metered=not in_process)
+    record = None if journal is None else Journal(journal, options, is_metered=not in_process or meter is not None)
     if not in_process:
         return ChildLink(options, files=files, is_jailed=is_jailed, journal=record, spares=spares)
     if record is None:
-        return InProcessLink(Kernel(options, RequestEnvironment(files), debugging=debugging()))
-    return _RecordedLink(RecordedRobot(options, files, record), record)
+        return InProcessLink(Kernel(options, RequestEnvironment(files), debugging=debugging(), meter=meter))
+    return _RecordedLink(RecordedRobot(options, files, record, meter), record)
 
 
 def served_robot(

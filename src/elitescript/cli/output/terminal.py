@@ -115,7 +115,6 @@ class QueuedStream:
                 # The reader has closed the stream; the robot goes on.
                 self._is_broken = True
 
-
     def _next_piece(self) -> str:
         parts: list[str] = []
         size = 0

@@ -7,7 +7,7 @@ and so on up to every `PORTION_MAX`. Where the looks are depends on the program 
 exactly how far the threads came, and a robot that is given this number (`RepeatingMeter`) stops at the same place.
 
 The share of a tick is time of the processor that the thread of the robot has had, so that a busy computer cuts nothing.
-What a program leaves of its shares it may use later, up to `CREDIT_NS`; what one long call takes beyond them is
+What a program leaves of its shares it may use later, up to `CREDIT_SHARES`; what one long call takes beyond them is
 missing in the ticks behind it, so that robot time keeps up in the mean.
 """
 
@@ -20,9 +20,9 @@ from elitescript.messages.cut import WHOLE, Cut
 
 SHARE_NS: Final = 2_000_000
 """Time of programs in a tick: half of it; the rest is for the snapshot, the way to the clients and a busy computer."""
-CREDIT_NS: Final = 4_000_000
-"""Most time of earlier ticks that is kept for a later one: a period, so that no stream is late by more."""
-BEGIN_NS: Final = 20_000_000
+CREDIT_SHARES: Final = 2
+"""Shares of earlier ticks that are kept for a later one at most: a period, so that no stream is late by more."""
+BEGIN_SHARES: Final = 10
 """What a program may use at its beginning besides: its first calls load what they need."""
 CLEANUP_NS: Final = 4_000_000
 """Time in a tick for the `finally` blocks of stopped threads."""
@@ -166,7 +166,7 @@ class ClockMeter(Meter):
     def _begin(self, ticks: int) -> None:
         # Nothing was done in ticks that were leapt over.
         earned_ns = ticks * self._share_ns - self._used_ns
-        self._credit_ns = min(self._credit_ns + earned_ns, max(CREDIT_NS, self._credit_ns))
+        self._credit_ns = min(self._credit_ns + earned_ns, max(CREDIT_SHARES * self._share_ns, self._credit_ns))
         self._allowed_ns = self._share_ns + self._credit_ns
         self._used_ns = 0
         self._worked_before_ns = self._worked_ns()
@@ -180,9 +180,10 @@ class ClockMeter(Meter):
 
     def begin_program(self) -> None:
         super().begin_program()
-        self._credit_ns = max(self._credit_ns, BEGIN_NS)
+        begin_ns = BEGIN_SHARES * self._share_ns
+        self._credit_ns = max(self._credit_ns, begin_ns)
         # In the tick that runs already, too.
-        self._allowed_ns = max(self._allowed_ns, BEGIN_NS)
+        self._allowed_ns = max(self._allowed_ns, begin_ns)
 
     def pardon(self) -> Callable[[], None]:
         began_ns = self._worked_ns()

@@ -127,7 +127,7 @@ class Scheduler:
         self._portion = [True] * portion
         self._loaded = 0
         self._unpaid = 0
-        """With a meter and a watcher: the checkpoints that would be in the fuel; no look at the meter is due in them."""
+        """With a meter and a watcher: the checkpoints that would be in the fuel: no look at the meter in them."""
         self._ready: deque[Strand] = deque()
         self._next: list[Strand] = []
         self.said = SaidText()
@@ -367,6 +367,7 @@ class Scheduler:
             self._next.append(strand)
             strand.suspend()
             self._go_on(strand)
+        strand.ran_tick = self.now
 
     def checkpoint(self) -> bool:
         """Refill the fuel, or suspend the strand; return True when it may go on. Called by compiled scripts.
@@ -403,6 +404,7 @@ class Scheduler:
             self._next.append(strand)
             strand.suspend()
             self._go_on(strand)
+        strand.ran_tick = self.now
         # Another strand may have left fuel, which this strand has used since it was resumed.
         if self._loaded == 0:
             self._load(strand)
@@ -620,4 +622,4 @@ def _order(strand: Strand) -> int:
 
 
 def _last_run(strand: Strand) -> tuple[int, int]:
-    return strand.work_tick, strand.order
+    return strand.ran_tick, strand.order

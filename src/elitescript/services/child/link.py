@@ -4,8 +4,9 @@ A tick is sent to the child, and its output taken, within the period. A child th
 takes longer, the last snapshot stands for the robot meanwhile, and the child makes up for the ticks. At most
 `UNDER_WAY_MAX` of them are sent ahead, the others are kept here: so what comes in goes into the next tick that is sent,
 and no stop waits behind ticks that were sent before it. Outputs of late ticks leave together: as rows, each tick once
-(`Output.rows`). While the child cannot make up for them, ticks leave late. One that does not answer, ends or sends what is no message is replaced (see `supervision`); a fresh
-child goes on from the last snapshot.
+(`Output.rows`). While the child cannot make up for them, ticks leave late. One that does not answer, that a stop cannot
+wait for (`urgent`), that ends or sends what is no message is replaced (see `supervision`); a fresh child goes on from
+the last snapshot.
 """
 
 from __future__ import annotations

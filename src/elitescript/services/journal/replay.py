@@ -16,7 +16,7 @@ from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.records import NamedTuple, replace
 from elitescript.runtime.environment import Files
-from elitescript.runtime.threads.meter import RepeatingMeter
+from elitescript.runtime.threads.meter import Meter, RepeatingMeter
 from elitescript.services.child.remote_files import FileDesk, RemoteFiles
 from elitescript.services.debugging import debugging
 from elitescript.services.journal.records import RecordError, check_answer
@@ -31,22 +31,23 @@ class RecordedRobot(Kernel):
         options: of the robot.
         files: its task folder; what was read from it goes into the journal too.
         journal: where to write.
+        meter: ends its ticks; work alone counts if None.
     """
 
     __slots__ = ("_answers", "_desk", "_journal", "_snapshot")
 
-    def __init__(self, options: RobotOptions, files: Files, journal: Journal) -> None:
+    def __init__(self, options: RobotOptions, files: Files, journal: Journal, meter: Meter | None = None) -> None:
         self._journal = journal
         self._desk = FileDesk(files)
         self._answers: list[Any] = []
         self._snapshot: Snapshot
-        super().__init__(options, RequestEnvironment(RemoteFiles(self._ask)), debugging=debugging())
+        super().__init__(options, RequestEnvironment(RemoteFiles(self._ask)), debugging=debugging(), meter=meter)
 
     def tick(self, inputs: Sequence[Input] = (), number: int | None = None) -> TickResult:
         """Run one tick; the digests of the journal cover every snapshot."""
         result = super().tick(inputs, number)
         self._snapshot = super().snapshot()
-        self._journal.tick(result.tick, inputs, self._answers, result.with_snapshot(self._snapshot))
+        self._journal.tick(result.tick, inputs, self._answers, result.with_snapshot(self._snapshot), self.cut)
         self._answers.clear()
         return result
 

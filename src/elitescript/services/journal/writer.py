@@ -50,7 +50,7 @@ FORMAT: Final = 4
 UNCUT_FORMAT: Final = 3
 """The format before: no tick was cut."""
 FORMATS: Final = (format2.FORMAT, UNCUT_FORMAT, FORMAT)
-"""Known ones. `FORMAT` is to be raised with every change of a record or of a message that is in one; options may come and go."""
+"""Known ones. `FORMAT` is to be raised with every change of a record or of a message in one; options come and go."""
 LINE_MAX: Final = 64 * 1024 * 1024
 _NOTHING: Final = to_text([])
 
