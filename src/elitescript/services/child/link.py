@@ -329,6 +329,8 @@ class ChildLink:
             transport = ChildTransport(*receivers, is_jailed=self._is_jailed, memory_max=self._memory_max)
         else:
             transport.serve_for(*receivers)
+            assert self._spares is not None
+            self._spares.want(self._options)
         self._transport = transport
         self._supervision.note_start()
         return transport
@@ -467,7 +469,12 @@ class ChildLink:
         # The oldest of the ticks is what it died of; it has not seen the others.
         unanswered = list(transport.unanswered)
         self._lost = unanswered[0].inputs if unanswered else ()
-        shown = failure._replace(reason=self._supervision.note_failure(tick, failure.reason))
+        if failure.is_stop:
+            # It was asked for: the next one need not wait.
+            self._supervision.note_ended(failure.reason)
+            shown = failure
+        else:
+            shown = failure._replace(reason=self._supervision.note_failure(tick, failure.reason))
         events = termination_events(tick, shown, self._outputs.newest, self._lost, transport.line)
         if failure.is_stop and (last := self._outputs.newest) is not None:
             waiting = [item for sent in unanswered for item in sent.inputs] + list(self._pending)

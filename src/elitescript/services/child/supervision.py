@@ -146,6 +146,11 @@ class Supervision:
             return f"{reason}; after {self._failures} times in a row it starts {pause / TICKS_PER_S:g} s later"
         return reason
 
+    def note_ended(self, reason: str) -> None:
+        """Count a child that was ended for a stop."""
+        self.restarts += 1
+        self.reason = reason
+
     def note_no_process(self, tick: int, reason: str) -> None:
         """Note that no process can be started just now: try again after the longest pause."""
         self._put_off(tick, reason)
