@@ -123,7 +123,8 @@ class Stream:
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         if sys.platform == "linux":
             self.socket.setsockopt(socket.SOL_SOCKET, SO_TIMESTAMPNS, 1)
-        self.buffer = b""
+        self.buffer = self.package = b""
+        """What is not a whole message yet; the last package."""
         self.offset = 0.0
         """What the clock of the stamps showed more than that of this process when data was read last."""
         self.times: list[tuple[float, float, float]] = []
@@ -146,6 +147,7 @@ class Stream:
         while len(self.buffer) >= 3 and len(self.buffer) >= (size := int.from_bytes(self.buffer[:2])):
             package, self.buffer = self.buffer[:size], self.buffer[size:]
             if package[2] == ord("U"):
+                self.package = package
                 self.times.append((struct.unpack_from(">d", package, 4)[0], arrived, now))
                 count += 1
         return count

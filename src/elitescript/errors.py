@@ -96,6 +96,7 @@ _ROWS: Final = (
     Code("W271", "warning", "write to an output that follows the state of the task"),
     Code("W272", "warning", "reading that begins with the line end of the one before"),
     Code("W273", "warning", "arm, tool or payload that touches something"),
+    Code("W274", "warning", "connection that the options of the robot do not let through"),
     # What contradicts the command catalogue; a program may catch it, so it starts unless it is strict.
     Code("E301", "error", "unknown command"),
     Code("E302", "error", "command of a newer firmware"),

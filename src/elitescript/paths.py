@@ -1,9 +1,10 @@
-"""Tests what kind of file a path is, before a read that would block or never end."""
+"""Paths that users give: what kind of file is there, before a read that would block or never end; where links lead."""
 
 from __future__ import annotations
 
 import os
 import stat
+from pathlib import Path
 from typing import Final
 
 STREAMS: Final = ("/dev/stdin", "/dev/fd/", "/proc/self/fd/")
@@ -38,3 +39,12 @@ def why_no_file(path: str | os.PathLike[str], *, is_stream_allowed: bool = False
 def kind_of(mode: int) -> str:
     """Return what a mode of `os.stat` is that is no ordinary file, as `a device`; empty for an ordinary file."""
     return next((kind for test, kind in _KINDS if test(mode)), "")
+
+
+def real_path(path: str | Path) -> Path:
+    """Return an absolute path without links.
+
+    Of links that go round in circles the path stays as it is, and whatever opens it says so; `Path.resolve` of
+    Python 3.11 and 3.12 raises an error that no caller expects.
+    """
+    return Path(os.path.realpath(path))

@@ -18,7 +18,7 @@ from elitescript.controller.views.trace import Trace
 from elitescript.controller.views.trace_signals import SignalRecord, TraceSignals
 from elitescript.controller.views.warning_limit import LIMITED, WarningLimit
 from elitescript.devices.drain import DRAIN_S, Drain
-from elitescript.devices.outside import Outside
+from elitescript.devices.outside import Outside, Place
 from elitescript.devices.surroundings import RobotSettings, Surroundings
 from elitescript.environment.allowance import TASK_DIR_BYTES
 from elitescript.environment.interrupts import interrupts_passed_to
@@ -32,7 +32,7 @@ from elitescript.language.compiler import CompiledUnit, compile_task, compile_un
 from elitescript.language.hash_order import may_hold_set
 from elitescript.language.options import SECONDARY, Options
 from elitescript.language.text.source import SourceFile
-from elitescript.messages.events import UNDELIVERED, Alarm, Event, SignalChanged, Warned
+from elitescript.messages.events import BARRED, UNDELIVERED, Alarm, Event, SignalChanged, Warned
 from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSpeedScale, StopTask
 from elitescript.messages.signals import Value
 from elitescript.messages.state import RobotState
@@ -126,7 +126,7 @@ class VirtualRobot:
         self._on_event = on_event
         self.reports_signals = True
         """Whether `on_event` has a use for changes of signals; else a run need not make their events for it."""
-        self._outside = Outside(world, task_dir, lines, task_dir_limit)
+        self._outside = Outside(world, task_dir, lines, task_dir_limit, self.options.network)
         self._kernel = Kernel(
             self.options,
             self._outside,
@@ -209,9 +209,18 @@ class VirtualRobot:
         """Return every script thread: name, line and what it waits for."""
         return self._host.threads()
 
+    def place(self, kind: str, name: str, port: int = 0) -> Place:
+        """Return what becomes of a connection that its programs make; see `Outside.place`."""
+        return self._outside.place(kind, name, port)
+
+    @property
+    def may_be_real(self) -> bool:
+        """Whether its programs may reach something outside of their world."""
+        return self._outside.may_be_real
+
     def wrap_network(self, wrap: Callable[[Channels], Channels]) -> None:
-        """Put something between programs and the network, before any of them runs; for a debugger."""
-        self._outside.channels = wrap(self._outside.channels)
+        """Put something before the network of this computer, before any program runs; for a debugger."""
+        self._outside.wrap_local(wrap)
 
     # ---------------------------------------------------------------- changing
 
@@ -633,6 +642,8 @@ class VirtualRobot:
             return
         for text in drain.give_up():
             self.controller.emit(Warned(self.tick, NOT_DELIVERED + text, code=UNDELIVERED))
+        if text := self._outside.take_refused():
+            self.controller.emit(Warned(self.tick, text, code=BARRED))
         if self._outside.surroundings is not None:
             self._outside.surroundings.run_ended()
             if (observing := witness(self._kernel.probe)) is not None:

@@ -171,7 +171,7 @@ def closed_world(path: str | Path | None, *, is_trusted: bool = False, may_conne
     if path:
         file = load_world_file(path, network=network, is_trusted=is_trusted)
         if file.world is not None:
-            if file.world.network.outside is not None and not may_connect:
+            if file.world.leads_to == REAL and not may_connect:
                 raise UsageError(f"{path}: [world] network: {REAL!r} is not allowed here")
             return file.world
     world = World(network=network)

@@ -11,9 +11,12 @@ from elitescript.cli.robot_options import add_options, options_from
 from elitescript.errors import UsageError
 
 BY_HAND = {
-    "run": {"--robot", "--firmware", "--strict", "--seed", "--joints", "--speed", "--epoch", "--rpc-timeout"},
-    "plot": {"--robot", "--firmware", "--seed", "--joints", "--speed"},
-    "check": {"--robot", "--firmware", "--strict"},
+    "run": {
+        *("--robot", "--firmware", "--strict", "--seed", "--joints", "--speed", "--epoch", "--rpc-timeout"),
+        "--network",
+    },
+    "plot": {"--robot", "--firmware", "--seed", "--joints", "--speed", "--network"},
+    "check": {"--robot", "--firmware", "--strict", "--network"},
     "serve": {
         *("--robot", "--firmware", "--strict", "--seed", "--joints", "--speed", "--rpc-timeout"),
         *("--power-on", "--local"),

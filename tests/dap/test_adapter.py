@@ -113,6 +113,7 @@ class TestLaunch:
             ({"seed": "x"}, REFUSED, "launch: seed must be a whole number"),
             ({"joints": [1, 2]}, REFUSED, "launch: joints must be six numbers"),
             ({"firmware": "1.0"}, REFUSED, "1.0"),
+            ({"network": "a b"}, REFUSED, "launch: network must be"),
             ({"until": -1}, WRONG_ARGUMENTS, "launch: until must be 0 s or more"),
             ({"until": "x"}, WRONG_ARGUMENTS, "launch: until must be a number"),
             ({"set": 3}, WRONG_ARGUMENTS, "launch: set must be an object"),

@@ -5,11 +5,18 @@ from __future__ import annotations
 import socket
 from threading import Thread
 
+import pytest
+
 from elitescript.debugger.api import LineBreakpoint
+from elitescript.debugger.source import ProgramSource
 from tests.debugger.sessions import debugging, variables
 
+WIRE = "[[wire]]\nwhen = 'standard_digital_out[0]'\nthen = 'standard_digital_in[1]'\n"
 
-def test_what_was_received_is_received_again():
+
+@pytest.mark.parametrize("world", ["", WIRE], ids=["alone", "in a world"])
+def test_what_was_received_is_received_again(world, tmp_path):
+    (tmp_path / "cell.toml").write_text(world)
     taken: list[bytes] = []
     server = socket.create_server(("127.0.0.1", 0))
     port = server.getsockname()[1]
@@ -36,7 +43,7 @@ def test_what_was_received_is_received_again():
 end
 """
     said = []
-    with server, debugging(text, said) as session:
+    with server, debugging(text, said, world=tmp_path / "cell.toml" if world else None) as session:
         session.set_breakpoints([LineBreakpoint(5), LineBreakpoint(8)])
         there = [session.start()]
         first = variables(session)
@@ -54,3 +61,30 @@ end
     thread.join(5)
     assert taken == [b"one", b"two"]
     assert "real connections" in said[0].text
+
+
+DEVICE = "[[tcp]]\nport = 5000\n"
+
+
+@pytest.mark.parametrize(
+    ("call", "network", "may_fork"),
+    [
+        ('socket_open("10.0.0.1", 5000)', "local", True),
+        ('socket_open("127.0.0.1", 5000)', "all", True),
+        ('socket_open("127.0.0.1", 5001)', "local", False),
+        ('socket_open("127.0.0.1", 5001)', "none", True),
+        ('socket_open("10.0.0.1", 5001)', "local", True),
+        ('socket_open("10.0.0.1", 5001)', "10.0.0.1", False),
+        ("socket_open(get_task_path(), 5000)", "local", False),
+        ("socket_open(get_task_path(), 5000)", "none", True),
+        ('rpc_factory("xmlrpc", "http://10.0.0.1:5000/RPC2")', "all", True),
+        ('rpc_factory("xmlrpc", "http://127.0.0.1:80/RPC2")', "local", False),
+        ("tool_serial_config(True, 115200, 0, 1)", "local", True),
+        ("f = socket_open", "local", False),
+    ],
+)
+def test_copies_are_made_of_a_run_that_leads_nowhere_real(call, network, may_fork, tmp_path):
+    (tmp_path / "cell.toml").write_text(DEVICE)
+    (tmp_path / "cell.script").write_text(f"def job():\n  {call}\nend\n")
+    source = ProgramSource(tmp_path / "cell.script", world=tmp_path / "cell.toml", network=network)
+    assert source.may_fork is may_fork

@@ -236,19 +236,12 @@ on = "tool"
     assert len(load_world_file(path).world.faults) == 1
 
 
-@pytest.mark.parametrize(
-    "text, network", [("[[wire]]\nwhen='flag[0]'\nthen='flag[1]'", True), ("[[tcp]]\nport=5", False), ("[world]", True)]
-)
-def test_a_file_with_devices_has_no_other_network_unless_it_says_so(file, text, network):
-    assert (load_world_file(file(text)).world.network.outside is not None) is network
-    assert (
-        load_world_file(file(f"[world]\nnetwork = 'real'\n{text.replace('[world]', '')}")).world.network.outside
-        is not None
-    )
-    assert (
-        load_world_file(file(f"[world]\nnetwork = 'virtual'\n{text.replace('[world]', '')}")).world.network.outside
-        is None
-    )
+@pytest.mark.parametrize("text", ["[[wire]]\nwhen='flag[0]'\nthen='flag[1]'", "[[tcp]]\nport=5", "[world]"])
+def test_a_world_is_closed_only_if_it_says_so(file, text):
+    assert not load_world_file(file(text)).world.is_closed
+    text = text.replace("[world]", "")
+    assert not load_world_file(file(f"[world]\nnetwork = 'real'\n{text}")).world.is_closed
+    assert load_world_file(file(f"[world]\nnetwork = 'virtual'\n{text}")).world.is_closed
 
 
 def test_every_section_is_read():

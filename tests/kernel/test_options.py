@@ -45,10 +45,13 @@ BY_HAND = {
     "plant": None,
     "work_per_tick": 2000,
     "rpc_timeout_s": 60.0,
+    "network": "local",
     "strict": False,
     "confirms_popups": False,
 }
 """What users may set, with the defaults."""
+
+NETWORK = 'network must be "none", "local", "all" or addresses such as "192.168.1.5:502,camera.local"'
 
 
 def test_the_defaults_are_those_that_are_promised():
@@ -70,6 +73,10 @@ def test_the_defaults_are_those_that_are_promised():
         ("speed", None, "speed must be a number, got None"),
         ("rpc_timeout_s", float("inf"), "rpc_timeout_s must be finite, in s, got inf"),
         ("rpc_timeout_s", [1], "rpc_timeout_s must be a number in s, got [1]"),
+        ("network", 1, f"{NETWORK}, got 1"),
+        ("network", "", f"{NETWORK}, got '': write HOST[:PORT], a network such as 192.168.1.0/24, local, all or none"),
+        ("network", "none,all", f"{NETWORK}, got 'none,all': "),
+        ("network", "10.0.0.1:0", f"{NETWORK}, got '10.0.0.1:0': a port is a number from 1 to 65535"),
         ("seed", 1.0, "seed must be a whole number, got 1.0"),
         ("seed", True, "seed must be a whole number, got True"),
         ("work_per_tick", 0, "work_per_tick must be a whole number >= 1, got 0"),

@@ -468,9 +468,25 @@ def test_a_package_that_would_be_too_long_is_refused() -> None:
     assert payload[0] == 1
 
 
-def test_a_recipe_that_cannot_be_answered_ends_the_connection() -> None:
-    with pytest.raises(ProtocolError, match="2048 variables at most, not 2049"):
-        connect().receive(message("I", b"a," * 2048 + b"a"), output())
+@pytest.mark.parametrize(("letter", "head"), [("O", struct.pack(">d", 1.0)), ("I", b"")])
+def test_a_recipe_of_more_variables_than_a_client_may_have_is_refused_and_said(letter: str, head: bytes) -> None:
+    client, why = connect(), "a recipe has 2048 variables at most, not 2049"
+    said = client.receive(message(letter, head + b"a," * 2048 + b"a"), output())
+    assert said == [AddLog("rtsi#1", f"rtsi#1: {why}", is_warning=True)]
+    (first, payload), (second, reason) = told(client)
+    assert (first, payload, second, reason[1:].decode()) == (letter, b"\0", "M", why)
+    # The next ones within a second are refused alone; the connection goes on.
+    assert client.receive(message(letter, head + b"a," * 30_000), output()) == []
+    assert told(client) == [(letter, b"\0")]
+    assert ask(client, output_recipe(250, ["robot_mode"] * 2048))[0][1][0] == 1
+
+
+def test_a_client_is_told_why_its_connection_ends() -> None:
+    client = connect()
+    with pytest.raises(ProtocolError, match="at least 3 bytes, not 2"):
+        client.receive(b"\0\2V", output())
+    ((letter, text),) = told(client)
+    assert (letter, text[1:]) == ("M", b"the connection is closed: a message has at least 3 bytes, not 2")
 
 
 def test_the_longest_message_is_taken() -> None:

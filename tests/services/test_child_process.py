@@ -138,3 +138,17 @@ def test_replaced_children_leave_nothing_behind(small, monkeypatch):
             assert len(set(children.read_text().split()) - before) <= 2
 
     with_link(body)
+
+
+def test_the_signals_that_end_a_whole_group_leave_the_child_to_its_parent():
+    """`timeout`, a service manager and a terminal send them to every process at once."""
+
+    async def body(link: ChildLink) -> None:
+        before = link.pid
+        for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+            os.kill(before, number)
+        for _ in range(3):
+            assert not (await link.tick(())).events
+        assert (link.pid, link.restarts) == (before, 0)
+
+    with_link(body)

@@ -297,7 +297,7 @@ def test_nonsense_is_answered_and_harms_nobody() -> None:
             for _ in range(4):
                 assert json.loads(await reader.readline())["ok"] is False
             writer.write(bytes(200_000))
-            assert await reader.read() == b""
+            assert json.loads(await reader.read())["error"] == "a request has 65536 bytes at most"
             writer.close()
             assert (await order(channel, "state"))["ok"]
 
@@ -431,3 +431,68 @@ def test_stop_says_when_nothing_runs() -> None:
             assert await order(channel, "stop") == {"ok": True, "text": "no task or program is running"}
 
     run(test())
+
+
+@pytest.mark.parametrize(
+    ("line", "why"),
+    [
+        (b'{"verb":' + b"[" * 30_000 + b"]" * 30_000 + b"}", "nested more than 100 deep in line 1"),
+        (b'{"verb":' + b"9" * 5000 + b"}", "a number of 5000 digits in line 1"),
+        (b'{"verb":"state","verb":"stop"}', "'verb' is given twice"),
+        (b'{"verb":"set","values":{"standard_analog_in[0]":NaN}}', "NaN is no number of JSON"),
+        (b'{"verb":"set","values":{"standard_analog_in[0]":1e999}}', "1e999 is larger than every number of a computer"),
+        (b'{"verb":"\xff"}', "not UTF-8: invalid start byte"),
+        (b'{"verb":"\0"}', "Invalid control character at: line 1 column 10"),
+        (b'{"verb":"get","arguments":[["tool_digital_in[0]"]]}', "arguments are texts and numbers"),
+        (
+            b'{"verb":"get","arguments":["tool_digital_in[' + b"9" * 5000 + b']"]}',
+            f"tool_digital_in has indices 0 to 3, not {'9' * 40}",
+        ),
+        (b'{"verb":"disturb"}', "disturb takes KIND on=PLACE NAME=VALUE..., or end"),
+    ],
+)
+def test_what_is_no_request_is_refused_in_one_sentence(line: bytes, why: str) -> None:
+    async def scene() -> None:
+        async with controlled() as (_, channel):
+            assert await asked(channel, line) == {"ok": False, "error": why}
+            assert (await asked(channel, b'{"verb":"state"}'))["ok"]
+
+    run(scene())
+
+
+def test_a_defect_ends_no_connection_and_is_in_the_log(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> None:
+        raise ZeroDivisionError
+
+    async def scene() -> None:
+        async with controlled() as (scene, channel):
+            monkeypatch.setitem(VERBS, "state", VERBS["state"]._replace(read=fail))
+            answer = await asked(channel, b'{"verb":"state"}')
+            assert answer == {"ok": False, "error": "internal error; the log of serve has it"}
+            assert "ZeroDivisionError" in scene.notes("bug")[0].text
+
+    run(scene())
+
+
+def test_connections_are_bounded() -> None:
+    async def scene() -> None:
+        async with controlled() as (_, channel):
+            held = [await asyncio.open_unix_connection(channel.address) for _ in range(control.CLIENTS_MAX)]
+            assert await asked(channel, b"{}") == {"ok": False, "error": "64 connections to ctl are open"}
+            held[0][1].close()
+            await held[0][0].read()
+            assert (await asked(channel, b'{"verb":"state"}'))["ok"]
+            for _, writer in held:
+                writer.close()
+
+    run(scene())
+
+
+async def asked(channel: ControlChannel, line: bytes) -> dict[str, Any]:
+    """The answer to one line."""
+    reader, writer = await asyncio.open_unix_connection(channel.address)
+    with contextlib.suppress(ConnectionError):
+        writer.write(line + b"\n")
+    answer: dict[str, Any] = json.loads(await reader.readline())
+    writer.close()
+    return answer

@@ -157,7 +157,7 @@ def test_what_no_device_has_is_left_to_others():
 
 
 def test_a_world_without_another_network_refuses_the_rest():
-    bench = Bench(World(devices=[Camera()]))
+    bench = Bench(World(devices=[Camera()], network="virtual"))
     text = 'def main():\n  textmsg(socket_open("h", 5001))\nend\n'
     bench.run(5, RunUnit("test", "program", text))
     assert [text for _, text in bench.log] == ["False"]
@@ -304,7 +304,7 @@ def test_a_robot_that_begins_anew_has_nothing_to_do_with_channels_that_devices_h
 
 
 def test_channels_to_devices_are_bounded():
-    bench = Bench(World(devices=[Camera()]))
+    bench = Bench(World(devices=[Camera()], network="virtual"))
     requests = [OpenChannel(number, "tcp", "h", 5001 if number % 2 else 5000, 2.0) for number in range(1, 201)]
     heard = asked(bench, *requests)
     reasons = [item.reason for item in heard if isinstance(item, ChannelOpened) and not item.is_open]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import AsyncIterator
+from typing import Any
 
 import pytest
 
@@ -15,6 +16,7 @@ from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import OpenLine
 from elitescript.services.clients.binding import bind
 from elitescript.services.port_numbers import NAMES
+from tests.protocol.rtsi_client import input_recipe, message, output_recipe
 from tests.services.served import Scene, run
 from tests.services.test_serial_bridges import free_port
 
@@ -46,6 +48,8 @@ async def serving_ssh(**options: object) -> AsyncIterator[tuple[Scene, object]]:
         ) as client:
             yield scene, client
     finally:
+        for peer in scene.peers:
+            await peer.close()
         await scene.server.close()
 
 
@@ -142,5 +146,46 @@ def test_without_a_password_there_is_no_ssh_port() -> None:
         assert "ssh" not in scene.server.ports
         assert scene.server.host_key == ""
         await scene.server.close()
+
+    run(test())
+
+
+def login(scene: Scene) -> Any:
+    return asyncssh.connect(
+        "127.0.0.1",
+        scene.server.ports["ssh"],
+        username="root",
+        password="secret",
+        known_hosts=None,
+        client_keys=None,
+        config=None,
+        agent_path=None,
+    )
+
+
+def test_robots_of_one_process_have_files_and_shares_of_their_own() -> None:
+    async def test() -> None:
+        async with serving_ssh() as (_, client), serving_ssh() as (_, other):
+            async with client.start_sftp_client() as sftp, sftp.open("/tmp/mine", "w") as file:
+                await file.write("x")
+            async with other.start_sftp_client() as sftp:
+                assert await sftp.listdir("/tmp") == [".", ".."]
+
+    run(test())
+
+
+def test_it_answers_while_time_stands_still_in_lockstep() -> None:
+    async def test() -> None:
+        async with serving_ssh(is_lockstep=True, lockstep_timeout_s=1e9) as (scene, client):
+            rtsi = await scene.connect("rtsi")
+            rtsi.send(output_recipe(250, ["timestamp"]) + input_recipe(["input_int_register0"]) + message("S"))
+            await rtsi.rtsi("U")
+            rtsi.send(message("U", b"\1" + bytes(4)))
+            await scene.stands()
+            assert (await client.run("printenv PATH")).exit_status == 0
+            async with client.start_sftp_client() as sftp:
+                assert "log" in await sftp.listdir("/opt/elite/data")
+            async with login(scene) as other:
+                assert (await other.run("printenv PATH")).exit_status == 0
 
     run(test())

@@ -8,6 +8,7 @@ import inspect
 from collections.abc import AsyncIterator
 from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -15,28 +16,36 @@ import pytest
 from elitescript.messages.inputs import ChannelOpened
 from elitescript.messages.line import LineSettings
 from elitescript.messages.outputs import OpenLine
-from elitescript.services.clients.binding import bind
-from elitescript.services.ssh.files import RobotFiles
-from elitescript.services.ssh.line_taps import LineTaps
-from elitescript.services.ssh.serial_bridges import SerialBridges
-from tests.services.served import run
+from elitescript.services.clients import turns
+from elitescript.services.clients.listener import GUESTS_MAX
+from elitescript.services.log import LogLine
+from elitescript.services.port_numbers import NAMES
+from tests.services.served import Scene, run
 from tests.services.test_serial_bridges import free_port
 
 asyncssh = pytest.importorskip("asyncssh")
 ssh_server = import_module("elitescript.services.ssh.server")
 
 LOG = "/opt/elite/data/log/log_history.csv"
-ROW = b"time,text\n"
+ROW = b"time,level,source,code,text\n"
 
 
 class Host:
-    def __init__(self) -> None:
-        self.said: list[str] = []
-        self.taps = LineTaps(self.said.append)
-        self.bridges = SerialBridges("127.0.0.1", self.taps)
-        self.files = RobotFiles({LOG: lambda: ROW})
-        self.port = ssh_server.SshPort("secret", self.files, self.bridges, self.said.append, wrong_password_s=0)
-        self.number = 0
+    """The SSH port of a served robot."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.desk: Any = scene.server._ssh
+        self.taps = self.desk.taps
+        self.bridges = self.desk._bridges
+        self.port = self.desk._port
+        self.files = self.port._files
+        self.port._wrong_password_s = 0
+        self.number = self.desk.number
+
+    @property
+    def said(self) -> list[str]:
+        return [note.text for note in self.scene.said if isinstance(note, LogLine) and note.is_problem]
 
     def connect(self, password: str = "secret", username: str = "root") -> Any:
         return asyncssh.connect(
@@ -53,15 +62,14 @@ class Host:
 
 @contextlib.asynccontextmanager
 async def hosted() -> AsyncIterator[Host]:
-    host = Host()
-    bound = bind("127.0.0.1", 0)
-    host.number = bound.getsockname()[1]
-    await host.port.open(bound)
+    scene = Scene(ssh_password="secret")
+    await scene.server.boot()
+    scene.server.bind("127.0.0.1", dict.fromkeys((*NAMES, "ssh"), 0))
+    await scene.server.open()
     try:
-        yield host
+        yield Host(scene)
     finally:
-        await host.port.close()
-        host.bridges.close_all()
+        await scene.server.close()
 
 
 class TestLogin:
@@ -115,11 +123,11 @@ class TestLogin:
     def test_connections_are_bounded(self) -> None:
         async def scene() -> None:
             async with hosted() as host, contextlib.AsyncExitStack() as held:
-                for _ in range(ssh_server.CONNECTIONS_MAX):
+                for _ in range(ssh_server.CLIENTS_MAX):
                     await held.enter_async_context(host.connect())
                 with pytest.raises((asyncssh.Error, OSError)):
                     await host.connect()
-                assert host.said == ["ssh: a client is refused, 8 are connected"]
+                assert host.said == ["ssh: a client is refused, 8 have logged in"]
 
         run(scene())
 
@@ -301,12 +309,175 @@ class TestFiles:
                 for _ in range(3):
                     client = await host.connect()
                     sftp = await client.start_sftp_client()
-                    for number in range(20):
+                    for number in range(ssh_server.OPEN_MAX):
                         await sftp.open(f"/tmp/{number}", "w")
                     client.abort()
                     await client.wait_closed()
                     while host.files._open:
                         await asyncio.sleep(0)
+
+        run(scene())
+
+
+def packet(kind: int, body: bytes, number: int = 1) -> bytes:
+    """A request of SFTP."""
+    return text(bytes([kind]) + number.to_bytes(4) + body)
+
+
+def text(data: bytes) -> bytes:
+    return len(data).to_bytes(4) + data
+
+
+INIT = text(b"\1" + (3).to_bytes(4))
+OPEN = packet(3, text(b"/tmp/x") + (2 | 8 | 1).to_bytes(4) + bytes(4))
+HANDLE = text(bytes(4))
+
+
+class RawSftp:
+    """A client that sends SFTP requests as it likes."""
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+        self.channel: Any = None
+
+    @classmethod
+    async def begin(cls, client: Any, **options: Any) -> RawSftp:
+        raw = cls()
+
+        class Session(asyncssh.SSHClientSession):  # type: ignore[misc]
+            def data_received(self, data: bytes, datatype: Any) -> None:
+                raw.data += data
+
+        raw.channel, _ = await client.create_session(Session, subsystem="sftp", encoding=None, **options)
+        return raw
+
+    @property
+    def answers(self) -> list[int]:
+        """Kinds of the answers that have come."""
+        kinds, at = [], 0
+        while at + 4 <= len(self.data) and at + 4 + (size := int.from_bytes(self.data[at : at + 4])) <= len(self.data):
+            kinds.append(self.data[at + 4])
+            at += 4 + size
+        return kinds
+
+
+FLOODS = {
+    "FSETSTAT": packet(10, HANDLE + bytes(4)),
+    "FSETSTAT of no handle": packet(10, text(b"none") + bytes(4)),
+    "STAT": packet(17, text(LOG.encode())),
+    "REALPATH": packet(16, text(b"/a/../b")),
+    "WRITE": packet(6, HANDLE + bytes(8) + text(b"x")),
+    "OPENDIR": packet(11, text(b"/")),
+    "no request": packet(99, b""),
+    "copy-data": packet(200, text(b"copy-data") + HANDLE + bytes(16) + HANDLE + bytes(8)),
+}
+
+
+@pytest.mark.parametrize("request_", FLOODS.values(), ids=FLOODS.keys())
+def test_requests_of_one_client_are_carried_out_within_its_share(
+    request_: bytes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A clock that every look at it advances by a sixth of a share: in each tick few requests are answered."""
+
+    async def scene() -> None:
+        async with hosted() as host, host.connect() as client:
+            raw = await RawSftp.begin(client)
+            raw.channel.write(INIT + OPEN)
+            await host.scene.until(lambda: raw.answers == [2, 102])
+            at, seen, most = [0], 2, 0
+            monkeypatch.setattr(turns, "time", SimpleNamespace(thread_time_ns=lambda: at.append(0) or len(at) * 50_000))
+            raw.channel.write(request_ * 60)
+            while len(raw.answers) < 62:
+                await host.scene.ticks()
+                most = max(most, len(raw.answers) - seen)
+                seen = len(raw.answers)
+            assert 1 <= most <= 20
+
+    run(scene())
+
+
+class TestBounds:
+    def test_answers_that_are_not_taken_hold_further_requests_up(self) -> None:
+        async def scene() -> None:
+            async with hosted() as host, host.connect() as client:
+                raw = await RawSftp.begin(client, window=2**31 - 1)
+                raw.channel.write(INIT + OPEN + packet(6, HANDLE + bytes(8) + text(bytes(2**15))))
+                await host.scene.until(lambda: len(raw.answers) == 3)
+                client._transport.pause_reading()
+                raw.channel.write(packet(5, HANDLE + bytes(8) + (2**22).to_bytes(4)) * 600)
+                (served,) = host.desk.listener.clients.values()
+                await host.scene.until(lambda: served.is_behind)
+                await host.scene.ticks(20)
+                assert served._transport.get_write_buffer_size() < 2**19
+                client._transport.resume_reading()
+                await host.scene.until(lambda: len(raw.answers) > 300)
+
+        run(scene())
+
+    def test_sessions_of_a_client_are_bounded(self) -> None:
+        async def scene() -> None:
+            async with hosted() as host, host.connect() as client, host.connect() as other:
+                held = [await RawSftp.begin(client) for _ in range(ssh_server.SESSIONS_MAX)]
+                with pytest.raises(asyncssh.ChannelOpenError, match="4 sessions are open"):
+                    await client.run("printenv PATH")
+                assert (await other.run("printenv PATH")).exit_status == 0
+                held[0].channel.write(INIT)
+                await host.scene.until(lambda: held[0].answers == [2])
+                held[0].channel.close()
+                await held[0].channel.wait_closed()
+                assert (await client.run("printenv PATH")).exit_status == 0
+
+        run(scene())
+
+    def test_open_files_and_listings_of_a_client_are_bounded_and_others_have_theirs(self) -> None:
+        async def scene() -> None:
+            async with hosted() as host, host.connect() as client, host.connect() as other:
+                raw = await RawSftp.begin(client)
+                many = ssh_server.OPEN_MAX + 3
+                raw.channel.write(INIT + OPEN * many + packet(11, text(b"/")) * many)
+                await host.scene.until(lambda: len(raw.answers) == 1 + 2 * many)
+                handles = raw.answers.count(102)
+                assert handles == 2 * ssh_server.OPEN_MAX
+                raw.channel.write(packet(4, text((many + 5).to_bytes(4))) + packet(11, text(b"/")))
+                async with other.start_sftp_client() as sftp:
+                    assert "tmp" in await sftp.listdir("/")
+                    async with sftp.open("/tmp/y", "w") as file:
+                        await file.write("x")
+
+        run(scene())
+
+    def test_environment_variables_are_forgotten(self) -> None:
+        async def scene() -> None:
+            async with hosted() as host, host.connect() as client:
+                done = await client.run("printenv PATH", env={f"NAME{number}": "x" * 1000 for number in range(50)})
+                assert done.exit_status == 0
+
+        run(scene())
+
+    def test_clients_that_do_not_log_in_take_no_place_of_those_that_do(self) -> None:
+        async def scene() -> None:
+            async with hosted() as host, host.connect() as client:
+                strangers = [await asyncio.open_connection("127.0.0.1", host.number) for _ in range(GUESTS_MAX + 8)]
+                async with host.connect() as other:
+                    assert (await other.run("printenv PATH")).exit_status == 0
+                assert (await client.run("printenv PATH")).exit_status == 0
+                assert len(host.desk.listener.clients) <= GUESTS_MAX + 2
+                (line,) = host.said
+                assert line.startswith("ssh: closed ssh#2 from 127.0.0.1:")
+                assert line.endswith(": 32 clients have not logged in")
+                for _, writer in strangers:
+                    writer.close()
+
+        run(scene())
+
+    def test_tasks_of_the_library_are_charged_to_their_client(self) -> None:
+        async def scene() -> None:
+            async with hosted() as host, host.connect() as client:
+                (served,) = host.desk.listener.clients.values()
+                before = served.connection.turns.steps
+                assert before > 3
+                await client.run("printenv PATH")
+                assert served.connection.turns.steps > before
 
         run(scene())
 

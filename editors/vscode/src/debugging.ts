@@ -47,7 +47,7 @@ export class Configurations implements vscode.DebugConfigurationProvider {
     }
     const section = settings(typeof program === "string" ? vscode.Uri.file(program) : folder?.uri);
     const resolved = { ...given };
-    for (const name of ["robot", "firmware", "world"]) {
+    for (const name of ["robot", "firmware", "world", "network"]) {
       const value = section.get<string>(name, "").trim();
       if (resolved[name] === undefined && value) {
         resolved[name] = value;

@@ -76,7 +76,8 @@ class PathPage {
     const folder = await files.mkdtemp(path.join(os.tmpdir(), "elitescript-"));
     try {
       const file = path.join(folder, "page.html");
-      const words = ["plot", this.uri.fsPath, "-o", file, ...robotOptions(this.uri)];
+      // It runs with every save: nothing real may be reached.
+      const words = ["plot", this.uri.fsPath, "-o", file, ...robotOptions(this.uri), "--network", "none"];
       const ended = await runToEnd(found.command, words, folderOf(this.uri), drawing.signal);
       const html = await files.readFile(file, "utf8").catch(() => undefined);
       if (!drawing.signal.aborted) {

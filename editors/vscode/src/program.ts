@@ -89,11 +89,14 @@ export function folderOf(uri?: vscode.Uri): string | undefined {
   return (folder ?? vscode.workspace.workspaceFolders?.[0])?.uri.fsPath;
 }
 
+/** Commands whose programs reach what the setting `network` names; others have no such option. */
+const REACHING = ["check", "plot", "run"];
+
 /** Options of the command line for the settings of a file. */
-export function robotOptions(uri?: vscode.Uri): string[] {
+export function robotOptions(uri?: vscode.Uri, command = ""): string[] {
   const section = settings(uri);
   const options: string[] = [];
-  for (const name of ["robot", "firmware", "world"]) {
+  for (const name of ["robot", "firmware", "world", ...(REACHING.includes(command) ? ["network"] : [])]) {
     const value = section.get<string>(name, "").trim();
     if (value) {
       options.push(`--${name}`, value);

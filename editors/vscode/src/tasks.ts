@@ -39,7 +39,7 @@ function taskOf(
   name: string,
 ): vscode.Task {
   const uri = typeof scope === "object" ? scope.uri : undefined;
-  const options = definition.command === "fmt" ? [] : robotOptions(uri);
+  const options = definition.command === "fmt" ? [] : robotOptions(uri, definition.command);
   const words = [definition.command, ...(definition.files ?? ["."]), ...options, ...(definition.args ?? [])];
   const execution = new vscode.ProcessExecution(command, words, typeof scope === "object" ? { cwd: scope.uri.fsPath } : {});
   const task = new vscode.Task(definition, scope, name, "elitescript", execution, "$elitescript");

@@ -433,10 +433,10 @@ describe("package.json", () => {
   test("has the settings of the language server and the attributes of the debugger", () => {
     assert.deepEqual(
       Object.keys(ABOUT.contributes.configuration.properties).sort(),
-      ["firmware", "hints.run", "path", "robot", "strict", "trace.server", "world"].map((name) => `elitescript.${name}`),
+      ["firmware", "hints.run", "network", "path", "robot", "strict", "trace.server", "world"].map((name) => `elitescript.${name}`),
     );
     const launch = Object.keys(ABOUT.contributes.debuggers[0].configurationAttributes.launch.properties);
-    for (const name of ["program", "robot", "firmware", "world", "set", "joints", "seed", "until", "stopOnEntry"]) {
+    for (const name of ["program", "robot", "firmware", "world", "network", "set", "joints", "seed", "until", "stopOnEntry"]) {
       assert.ok(launch.includes(name), name);
     }
   });

@@ -18,7 +18,7 @@ from elitescript.errors import ScriptError, UsageError
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.models.model import RobotModel
-from elitescript.paths import why_no_file
+from elitescript.paths import real_path, why_no_file
 from elitescript.records import NamedTuple, record
 from elitescript.robot import VirtualRobot, Watch
 from elitescript.run import Run
@@ -193,7 +193,7 @@ def _task_files(source: SourceFile) -> dict[str, bytes]:
     """Return the files beside a program whose names stand in its text."""
     if source.name.startswith("<"):
         return {}
-    folder = Path(source.name).resolve().parent
+    folder = real_path(source.name).parent
     found: dict[str, bytes] = {}
     for path in sorted(folder.iterdir()) if folder.is_dir() else ():
         if path.name in source.text and not why_no_file(path):

@@ -196,6 +196,13 @@ def add_check(parser: Parser) -> None:
     parser.add_argument("--fix", action="store_true", help="make the repairs that are safe; of - to standard output")
     parser.add_argument("--explain", metavar="CODE", help="say what a code such as E303 means, with an example")
     parser.add_argument(
+        "--reach",
+        action="store_true",
+        help="list every address, port, serial port and file that the programs name, and whether the options let it "
+        "through, in place of problems",
+    )
+    _add_serial(parser)
+    parser.add_argument(
         "--world", metavar="FILE", help="what is around the robot: its options and the joint ranges of its safety count"
     )
     _add_color(parser)

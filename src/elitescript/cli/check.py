@@ -18,6 +18,7 @@ from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.lint.fixing import Repair, repaired
 from elitescript.messages.profile import profile
+from elitescript.paths import real_path
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -35,6 +36,16 @@ def check(options: argparse.Namespace) -> int:
         return _explain(options.explain)
     if not options.files:
         raise UsageError("name files or folders, or - for standard input")
+    if options.reach:
+        # Imported late: it makes a robot.
+        from elitescript.cli.reach import reach
+
+        if options.fix or options.format not in (None, "text", "json"):
+            raise UsageError("--reach lists what programs reach, as text or JSON; it goes with no other report")
+        options.json = options.json or options.format == "json"
+        return reach(options)
+    if options.serial:
+        raise UsageError("--serial goes with --reach: nothing is run")
     if options.json and options.format not in (None, "json"):
         raise UsageError(f"--json and --format {options.format} contradict each other")
     is_filter = options.fix and STANDARD_INPUT in options.files
@@ -102,7 +113,7 @@ def _with_contacts(checked: CheckedFile, text: ProgramText, options: argparse.Na
     """Return a file with the contacts that a run of its program in the world has."""
     from elitescript.cli.contact_findings import contact_findings
 
-    folder = None if text.path is None else text.path.resolve().parent
+    folder = None if text.path is None else real_path(text.path).parent
     contacts, why_less = contact_findings(checked.source, folder, options.world, options_from(options))
     if why_less:
         print(f"elitescript check: {checked.name}: {why_less}", file=sys.stderr)

@@ -105,7 +105,7 @@ def answer_to(request: Mapping[str, Any]) -> dict[str, Any]:
     if file.beside.get("world", {}).get("network") == REAL:
         return _nothing("its world leads to the network of this computer")
     if file.world is None:
-        file.world = World()
+        file.world = World(network=VIRTUAL)
         file.world.settings = file
     folder = request["folder"]
     end_s = time.monotonic() + request["wall_s"]

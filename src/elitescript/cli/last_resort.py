@@ -20,8 +20,8 @@ from types import FrameType
 from typing import Final
 
 from elitescript.environment.process import place_in_trace
+from elitescript.environment.stop_signals import STOP_SIGNALS, handled_signals
 
-STOPS: Final = (signal.SIGINT, signal.SIGTERM)
 REACTED: Final = b"\0"
 """Written by the process itself when one of its handlers runs."""
 REACTION_LIMIT_S: Final = 1.0
@@ -81,13 +81,13 @@ def last_resort(name: str) -> Iterator[Callable[[Callable[[], None]], None]]:
 
 
 def _on_signals(handler: Callable[[int, FrameType | None], None]) -> None:
-    for number in STOPS:
+    for number in handled_signals():
         signal.signal(number, handler)
 
 
 def _watch(process: int, signals: int, traced: int, name: str) -> None:
     """Read signals in the watching process until the watched one has ended or must be killed."""
-    for number in (*STOPS, signal.SIGHUP, signal.SIGQUIT):
+    for number in (*STOP_SIGNALS, signal.SIGQUIT):
         signal.signal(number, signal.SIG_IGN)
     until_s: float | None = None
     has_reacted = is_repeated = has_waited = False
@@ -102,7 +102,7 @@ def _watch(process: int, signals: int, traced: int, name: str) -> None:
             return
         else:
             has_reacted = has_reacted or REACTED in data
-            for _ in range(sum(data.count(number) for number in STOPS)):
+            for _ in range(sum(data.count(number) for number in STOP_SIGNALS)):
                 is_repeated = until_s is not None
                 until_s = until_s or time.monotonic() + REACTION_LIMIT_S
         if has_waited and is_repeated:

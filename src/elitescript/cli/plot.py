@@ -21,6 +21,7 @@ from elitescript.lint.engine import compile_checked
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
 from elitescript.page import NOT_BUILT, is_built
+from elitescript.paths import real_path
 from elitescript.plotting.page import page_of
 from elitescript.plotting.recorder import RunRecorder
 from elitescript.plotting.recording import Recording
@@ -143,7 +144,7 @@ def _played(path: Path, options: argparse.Namespace) -> tuple[Recording, int]:
     signals, presets = parse_settings(options.set)
     report = TextRunReport(sys.stderr, sys.stderr)
     robot = VirtualRobot(
-        task_dir=options.task_dir or path.resolve().parent,
+        task_dir=options.task_dir or real_path(path).parent,
         world=options.world,
         on_event=report.event,
         **options_from(options),

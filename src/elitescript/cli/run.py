@@ -24,6 +24,7 @@ from elitescript.environment.start_values import check_presets, parse_settings
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
 from elitescript.language.parser import parse
 from elitescript.messages.events import DeviceNoted
+from elitescript.paths import real_path
 from elitescript.robot import VirtualRobot
 from elitescript.run import EXIT_CODES
 
@@ -57,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
     path = Path(options.file)
     levels, presets = parse_settings(options.set)
     robot = VirtualRobot(
-        task_dir=options.task_dir or path.resolve().parent,
+        task_dir=options.task_dir or real_path(path).parent,
         task_dir_limit=parse_size(options.task_dir_limit, "--task-dir-limit"),
         world=options.world,
         lines=_lines(options.serial),

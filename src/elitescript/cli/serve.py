@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import os
-import signal
 import sys
 import time
 from collections.abc import Callable, Collection
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.cli.last_resort import last_resort
+from elitescript.cli.output.library_lines import library_lines
 from elitescript.cli.output.remedies import served
 from elitescript.cli.output.report import JsonRunReport, RunReport, TextRunReport, parse_logs
 from elitescript.cli.output.terminal import QueuedStream, TaggedStream
@@ -20,9 +20,11 @@ from elitescript.cli.output.writable import Writable
 from elitescript.cli.robot_options import options_from
 from elitescript.cli.settings import parse_size
 from elitescript.cli.ssh_login import Login, ssh_login
+from elitescript.environment.addresses import NONE
 from elitescript.environment.line_bindings import parse_bindings
 from elitescript.environment.start_values import parse_settings
 from elitescript.environment.state_file import StateFile
+from elitescript.environment.stop_signals import handled_signals
 from elitescript.errors import UsageError
 from elitescript.json_records import jsonlines
 from elitescript.kernel import Kernel, RobotOptions
@@ -32,10 +34,11 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Event, TaskLoaded, TaskStateChanged
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import seconds
+from elitescript.paths import real_path
 from elitescript.protocol.ports import SERVICES, services_of
 from elitescript.records import replace
 from elitescript.runtime.threads.meter import SHARE_NS, ClockMeter
-from elitescript.services.channels.connect_policy import NONE, ConnectPolicy
+from elitescript.services.channels.connect_policy import ConnectPolicy, policy_values
 from elitescript.services.child.jail import is_complete
 from elitescript.services.child.spare import Spares
 from elitescript.services.clients.direct import watchable_loop
@@ -106,6 +109,7 @@ def _run(
         with contextlib.ExitStack() as held:
             keepers = _keepers(options.state, len(configs), held)
             configs = list(map(_remembering, configs, keepers))
+            held.enter_context(library_lines(log.library))
             with asyncio.Runner(loop_factory=watchable_loop) as runner:
                 runner.run(_serve(options, configs, worlds, keepers, numbers, spares, login, log, on_signals))
     finally:
@@ -126,7 +130,7 @@ async def _serve(
     on_signals: Callable[[asyncio.Event], None],
 ) -> None:
     lines = line_bindings(options.serial, len(configs))
-    policy = ConnectPolicy(options.allow_connect)
+    policy = ConnectPolicy(policy_values(options.allow_connect, _network(options.world)))
     stop = asyncio.Event()
     on_signals(stop)
     children = Spares(is_jailed=not options.no_jail)
@@ -235,11 +239,21 @@ def _check_world_place(options: argparse.Namespace) -> None:
     """
     if options.world is None or options.task_dir is None or is_in_process(options):
         return
-    if Path(options.task_dir).resolve() in Path(options.world).resolve().parents:
+    if real_path(options.task_dir) in real_path(options.world).parents:
         raise UsageError(
             f"--world {options.world}: it is in the task folder {options.task_dir}, where programs of the robot can "
             "change it and the Python files that it names; keep it elsewhere, or add --in-process if you trust them"
         )
+
+
+def _network(world: str | None) -> str | None:
+    """Return what a world file says programs reach; None if it says nothing."""
+    if world is None:
+        return None
+    from elitescript.world_file import load_world_file
+
+    found: str | None = load_world_file(world, with_world=False).options.get("network")
+    return found
 
 
 def robot_configs(options: argparse.Namespace) -> tuple[list[RobotOptions], list[World | None]]:
@@ -369,7 +383,7 @@ def _ports_text(server: RobotServer) -> str:
 
 def _on_signals(stop: asyncio.Event) -> None:
     loop = asyncio.get_running_loop()
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in handled_signals():
         loop.add_signal_handler(number, stop.set)
 
 
@@ -529,6 +543,14 @@ class ServeLog:
             said = f"{line} {robot}" if line and self._are_several else line
             stream.write(f"{said or f'the studio of {robot} has ended; the robot goes on'}\n")
             stream.flush()
+
+    def library(self, text: str) -> None:
+        """Print what a library reports, which is a problem of none of the robots."""
+        if self._is_json:
+            self._record({"type": "serve", "what": "library", "level": "problem", "text": text})
+        else:
+            self._err.write(f"serve: {text}\n")
+            self._err.flush()
 
     def end(self) -> None:
         """Print that everything is closed."""

@@ -1,16 +1,18 @@
-"""Ends a command that waits, by Ctrl-C or SIGTERM."""
+"""Ends a command that waits, by Ctrl-C or another signal that asks for its end."""
 
 from __future__ import annotations
 
 import asyncio
 import signal
 
+from elitescript.environment.stop_signals import handled_signals
+
 
 def stop_by_signals() -> asyncio.Event:
-    """Return an event of the running loop that SIGINT and SIGTERM set, in place of what they do otherwise."""
+    """Return an event of the running loop that the signals to stop set, in place of what they do otherwise."""
     stop = asyncio.Event()
     loop = asyncio.get_running_loop()
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in handled_signals():
         try:
             loop.add_signal_handler(number, stop.set)
         except NotImplementedError:

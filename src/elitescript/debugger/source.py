@@ -16,23 +16,25 @@ from elitescript.controller.controller import Controller
 from elitescript.debugger.connections import KeptChannels, KeptNetwork
 from elitescript.devices.surroundings import Surroundings
 from elitescript.environment.program_file import source_of
-from elitescript.errors import ProgramError
+from elitescript.errors import ProgramError, ScriptError
 from elitescript.language.compiler import CompiledUnit, compile_unit
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.options import Options
-from elitescript.language.parser import parse
+from elitescript.language.parser import Parsed, parse
 from elitescript.language.probes import STEPS_PROBES
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_parsed
+from elitescript.lint.outside import FILE, RPC, SERIAL, outside_names
+from elitescript.lint.program import AnalysedProgram
 from elitescript.messages.events import Event
 from elitescript.messages.signals import Value
+from elitescript.paths import real_path
 from elitescript.robot import VirtualRobot
 from elitescript.runtime.environment import Channels
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.probe import Probe
 
 _OPENING: Final = re.compile(r"\bopen\s*\(")
-_CONNECTING: Final = re.compile(r"\b(socket_open|rpc_factory|\w*serial_config|modbus_add_signal|modbus_\w+_rtu)\s*\(")
 
 
 class Execution(Protocol):
@@ -154,16 +156,17 @@ class ProgramSource:
         self._levels = dict(levels or {})
         self._schedule = tuple(schedule)
         if task_dir is None and text is None:
-            task_dir = Path(path).resolve().parent
-        self._has_real_network = world is None
+            task_dir = real_path(path).parent
         self._network: KeptNetwork | None = None
-        self.may_fork = not (self._has_real_network and _CONNECTING.search(self.text))
         self.may_write = _OPENING.search(self.text) is not None
         self._world = world
         self._make = partial(VirtualRobot, task_dir=task_dir, lines=lines, **options)
         robot = self._robot()
+        self._may_be_real = robot.may_be_real
         read = Options(strict=robot.options.strict, probes=STEPS_PROBES)
-        checked = check_parsed(parse(source, read), robot.profile, presets=self._presets, arm=robot.model)
+        parsed = parse(source, read)
+        self.may_fork = not (self._may_be_real and _leads_outside(parsed, robot))
+        checked = check_parsed(parsed, robot.profile, presets=self._presets, arm=robot.model)
         self.problems = checked.problems
         if checked.unit is None or checked.is_refused:
             raise ProgramError(checked.problems)
@@ -186,7 +189,7 @@ class ProgramSource:
         robot.set_start(self._levels)
         for time_s, name, value in self._schedule:
             robot.at(time_s, name, value)
-        if self._has_real_network:
+        if self._may_be_real:
             robot.wrap_network(self._kept)
         robot.next_stop = next_stop
         if probe is None:
@@ -199,6 +202,22 @@ class ProgramSource:
         if self._network is None:
             self._network = KeptNetwork(channels)
         return KeptChannels(self._network)
+
+
+def _leads_outside(parsed: Parsed, robot: VirtualRobot) -> bool:
+    """Return whether a program may have a connection that does not end beside the robot or nowhere."""
+    for named in outside_names(AnalysedProgram(parsed, robot.profile)):
+        if named.kind == FILE:
+            continue
+        if named.name is None or (named.port is None and named.kind not in (RPC, SERIAL)):
+            return True
+        try:
+            place = robot.place(named.kind, named.name, named.port or 0)
+        except ScriptError:
+            continue
+        if place.is_reached and not place.is_beside:
+            return True
+    return False
 
 
 class ProgramExecution:

@@ -2,18 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from elitescript.devices.surroundings import Surroundings
 from elitescript.environment.allowance import TASK_DIR_BYTES, Allowance
-from elitescript.environment.local_channels import LocalChannels
+from elitescript.environment.local_channels import NETWORK_DEFAULT, NONE, LocalChannels
 from elitescript.errors import UsageError
+from elitescript.messages.line import bind_hint
 from elitescript.messages.machine import DisturbInput
 from elitescript.messages.timing import seconds
-from elitescript.records import replace
+from elitescript.paths import real_path
+from elitescript.records import NamedTuple, replace
 from elitescript.runtime.environment import Channels, Files, ProgramEnvironment
+
+
+class Place(NamedTuple):
+    """What becomes of a connection that a program makes."""
+
+    name: str
+    """Address, or serial port of the robot."""
+    port: int | None = None
+    is_reached: bool = False
+    is_beside: bool = False
+    """Whether it ends beside the robot, in its world."""
+    words: str = "beside the robot"
+    """Where it ends, or why it is not let through and the option that would allow it."""
 
 
 class Outside:
@@ -25,6 +40,7 @@ class Outside:
             the program's own folder if None.
         lines: serial ports of this computer by those of the robot.
         task_dir_limit: bytes that programs may add to a task folder.
+        network: what programs reach besides what is in the world; see `environment.reach`.
 
     Attributes:
         channels: the network.
@@ -39,6 +55,7 @@ class Outside:
         "_contents",
         "_files",
         "_is_in_memory",
+        "_local",
         "_task_dir",
         "_task_dir_limit",
         "_world",
@@ -52,6 +69,7 @@ class Outside:
         task_dir: str | Path | Mapping[str, bytes] | None,
         lines: Mapping[str, str] | None,
         task_dir_limit: int = TASK_DIR_BYTES,
+        network: str = NETWORK_DEFAULT,
     ) -> None:
         self._contents = task_dir if isinstance(task_dir, Mapping) else {}
         self._is_in_memory = isinstance(task_dir, Mapping)
@@ -62,13 +80,14 @@ class Outside:
         self._files: Files | None = None
         self.surroundings: Surroundings | None = None
         self.channels: Channels
+        self._local: LocalChannels | None = None
         if isinstance(world, Surroundings):
             self.surroundings = world
             self.channels = world.channels
-            if lines:
-                world.lead_outside(LocalChannels(lines))
+            self._local = LocalChannels(lines, NONE if world.is_closed else network)
+            world.lead_outside(self._local)
         elif world is None:
-            self.channels = LocalChannels(lines)
+            self.channels = self._local = LocalChannels(lines, network)
         elif lines:
             raise UsageError("lines are ports of this computer; a world has its own: give one of them")
         else:
@@ -93,7 +112,7 @@ class Outside:
             return self._world
         folder = self._task_dir
         if folder is None and not self._is_in_memory and not source_name.startswith("<"):
-            folder = Path(source_name).resolve().parent
+            folder = real_path(source_name).parent
         if folder is None:
             from elitescript.environment.memory import MemoryEnvironment
 
@@ -101,6 +120,52 @@ class Outside:
         from elitescript.environment.local import LocalEnvironment
 
         return LocalEnvironment(folder, self.channels, self._allowance)
+
+    def wrap_local(self, wrap: Callable[[Channels], Channels]) -> None:
+        """Put something before the network of this computer; for a debugger."""
+        if self._local is None:
+            return
+        wrapped = wrap(self._local)
+        if self.surroundings is not None:
+            self.surroundings.lead_outside(wrapped)
+        else:
+            self.channels = wrapped
+
+    def place(self, kind: str, name: str, port: int = 0) -> Place:
+        """Return what becomes of a connection that a program makes; nothing is looked up.
+
+        Args:
+            kind: `socket`, `modbus`, `rpc` or `serial`.
+            name: address, URL or serial port of the robot.
+            port: of an address.
+
+        Raises:
+            InvalidValueError: a URL that is none.
+        """
+        if kind == "serial":
+            if self.surroundings is not None and self.surroundings.has_line(name):
+                return Place(name, is_reached=True, is_beside=True)
+            target = None if self._local is None else self._local.target(name)
+            return Place(name, is_reached=target is not None, words=target or bind_hint(name))
+        if kind == "rpc":
+            from elitescript.runtime.connections.rpc import server_of
+
+            _, name, port, _ = server_of(name)
+        is_beside = self._local is None or (self.surroundings is not None and self.surroundings.has_server(name, port))
+        if is_beside or self._local is None:
+            return Place(name, port, is_reached=True, is_beside=True)
+        decision = self._local.decide(name, port)
+        words = decision.why_not or ("it is looked up" if decision.is_name else "let through")
+        return Place(name, port, is_reached=not decision.why_not, words=words)
+
+    @property
+    def may_be_real(self) -> bool:
+        """Whether programs may reach something outside of their world."""
+        return self._local is not None and self._local.may_be_real
+
+    def take_refused(self) -> str:
+        """Return in words how many connections were not let through since the last call; empty if there were none."""
+        return "" if self._local is None else self._local.take_refused()
 
     def fault(self, tick: int, kind: str, on: int | str, settings: Mapping[str, Any]) -> DisturbInput | None:
         """Let something go wrong on channels, from a tick on or later; see `devices.channels.faults.Fault`.
@@ -128,7 +193,7 @@ class Outside:
             if tick or self._world is not None:
                 raise UsageError(
                     "the first fault of a robot without a `ProgramEnvironment` must be given before its time begins; "
-                    "VirtualRobot(world=World(network='real')) takes faults at any time"
+                    "VirtualRobot(world=World()) takes faults at any time"
                 )
             self.channels = FaultyChannels(self.channels)
         self.channels.add(channel_fault(fault))

@@ -14,7 +14,7 @@ from typing import Any, Final
 
 from elitescript.devices.channels.faults import Fault, check_together, fault_from
 from elitescript.devices.device import Device, TakenError
-from elitescript.devices.surroundings import REAL, VIRTUAL
+from elitescript.devices.surroundings import REAL
 from elitescript.devices.world import World, place_in
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.records import NamedTuple
@@ -66,7 +66,7 @@ def build_world(
     Args:
         tables: its sections, as far as they are about a world.
         folder: where the file is.
-        network: default of `network` in `[world]`: `virtual` if there is something to connect to, else `real`.
+        network: default of `network` in `[world]`.
         is_trusted: whether it may name Python files, which are run, and, if that is not its default, the network of
             this computer.
         modules: Python files that have been imported, by their names in the tables; the others are read.
@@ -76,8 +76,8 @@ def build_world(
     """
     options = tables.get("world", {})
     try:
-        world = _empty_world(options, tables, network)
-        if world.network.outside is not None and not is_trusted and network != REAL:
+        world = _empty_world(options, network)
+        if world.leads_to == REAL and not is_trusted and network != REAL:
             raise UsageError(f"network: {REAL!r} is not allowed here")
     except UsageError as error:
         raise UsageError(f"[world] {error}") from None
@@ -123,16 +123,14 @@ def build_world(
     return world
 
 
-def _empty_world(options: object, tables: Mapping[str, Any], network: str) -> World:
+def _empty_world(options: object, network: str) -> World:
     if not isinstance(options, Mapping):
         raise UsageError("must be a table")
     for key in options:
         if key not in WORLD_KEYS:
             near = did_you_mean(key, WORLD_KEYS)
             raise UsageError(f"{key}: is not known; there are {', '.join(WORLD_KEYS)}{near}")
-    is_reachable = any(KINDS[section].is_reachable for section in tables if section in KINDS)
-    usual = network or (VIRTUAL if is_reachable else REAL)
-    return World(seed=options.get("seed", 0), network=options.get("network", usual))
+    return World(seed=options.get("seed", 0), network=options.get("network", network))
 
 
 def _made(section: str, number: int, row: Mapping[str, Any], folder: Path, files: dict[Path, Any]) -> Any:

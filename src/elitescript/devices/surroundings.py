@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 VIRTUAL: Final = "virtual"
 REAL: Final = "real"
-"""Where connections lead that no device takes: nowhere, or into the network of this computer."""
+"""Where connections lead that no device takes: nowhere, or where the option `network` of the robot lets them."""
 
 
 class RobotAccess(Protocol):
@@ -93,6 +93,11 @@ class Surroundings:
     channels: Channels
     settings: RobotSettings | None = None
 
+    @property
+    def is_closed(self) -> bool:
+        """Whether programs reach nothing else, whatever the options of the robot are."""
+        return False
+
     def begin(self, robot: RobotAccess) -> None:
         """Join a robot, from now on."""
 
@@ -115,6 +120,14 @@ class Surroundings:
             UsageError: it makes no sense.
         """
         return fault
+
+    def has_server(self, address: str, port: int) -> bool:
+        """Return whether a device is at an address and port."""
+        return False
+
+    def has_line(self, device: str) -> bool:
+        """Return whether a device is on a serial line."""
+        return False
 
     def hear(self, listener: Callable[[Passing], Any]) -> None:
         """Have a function called with each message that passes between programs and devices, from now on."""

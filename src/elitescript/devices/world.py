@@ -26,7 +26,6 @@ from elitescript.devices.channels.machine_faults import channel_fault, input_req
 from elitescript.devices.channels.network import VirtualNetwork
 from elitescript.devices.device import Device, DeviceContext, misspelt
 from elitescript.devices.surroundings import REAL, VIRTUAL, RobotAccess, Surroundings
-from elitescript.environment.local_channels import LocalChannels
 from elitescript.errors import UsageError
 from elitescript.messages.faults import Passing
 from elitescript.messages.machine import DisturbInput, EndInputFaults
@@ -43,19 +42,21 @@ class World(Surroundings):
     """Devices, wires and faults around one robot, in the robot's own time.
 
     It has no clock: a program runs as fast as without it, and every run with the same seed is the same.
-    What is not in it does not exist: a connection to another port is refused.
+    What is not in it is reached as far as the option `network` of the robot lets it: by default the loopback addresses
+    of this computer are, which holds the run back to the wall clock while a connection is open.
 
     Args:
         devices: what is there.
         wires: how signals depend on each other; devices as well.
         faults: what goes wrong on channels and at inputs.
         seed: of everything that is drawn in it.
-        network: `virtual`: there is nothing but the devices; `real`: what is not a device leads to the network and the
-            serial ports of this computer, which holds the run back to the wall clock while a connection is open.
+        network: `virtual`: there is nothing but the devices, whatever the option of the robot is; `real`: as without,
+            and faults may be at places where no device is.
 
     Attributes:
         signals: of the robot, as all devices share them.
         network: what programs reach.
+        leads_to: what `network` was.
         agenda: what happens when.
         seed: see above.
         devices: all of them, wires too.
@@ -90,16 +91,17 @@ class World(Surroundings):
         faults: Iterable[Fault] = (),
         *,
         seed: int = 0,
-        network: str = VIRTUAL,
+        network: str = "",
     ) -> None:
-        if network not in (VIRTUAL, REAL):
+        if network not in ("", VIRTUAL, REAL):
             raise UsageError(f"network: must be {VIRTUAL} or {REAL}, got {network!r}")
+        self.leads_to = network
         if isinstance(seed, bool) or not isinstance(seed, int):
             raise UsageError(f"seed: must be a whole number, got {seed!r}")
         self.seed = seed
         self.agenda = Agenda()
         self.agenda.on_failure = self._failed
-        self.network = VirtualNetwork(agenda=self.agenda, outside=LocalChannels() if network == REAL else None)
+        self.network = VirtualNetwork(agenda=self.agenda)
         self._context = DeviceContext(self.agenda, self.network, seed)
         self.signals = self._context.signals
         self._faults: list[Fault] = []
@@ -152,6 +154,12 @@ class World(Surroundings):
         names = [(name, device) for device in self.devices for name in device.driven_inputs]
         places += [(name, device) for name, device in names if name.partition("[")[0] in INPUTS]
         return [(str(place), place_of(place)[0], device.name or device.title) for place, device in places]
+
+    def has_server(self, address: str, port: int) -> bool:
+        return self.network.server(address, port) is not None
+
+    def has_line(self, device: str) -> bool:
+        return device in self.network.lines
 
     def hear(self, listener: Callable[[Passing], Any]) -> None:
         """Have a function called with each message that passes between programs and devices, from now on."""
@@ -214,11 +222,20 @@ class World(Surroundings):
         if is_of_input(fault):
             return fault
         owners = self.network.owners(*place_of(fault.on))
-        if not owners and self.network.outside is None:
+        if not owners and not self._has_other_places:
             raise UsageError(f"on: no device of this world is at {fault.on!r}, so nothing could ever go wrong there")
         there = [owner for owner in owners if isinstance(owner, Device)]
         check_protocol(fault, {device.title: device.protocol for device in there})
         return fault
+
+    @property
+    def is_closed(self) -> bool:
+        return self.leads_to == VIRTUAL
+
+    @property
+    def _has_other_places(self) -> bool:
+        """Whether faults may be where no device is: what has devices is meant to be all that programs speak to."""
+        return self.leads_to == REAL or not (self.leads_to or self.network.servers or self.network.lines)
 
     def end_faults(self) -> None:
         """End all faults."""

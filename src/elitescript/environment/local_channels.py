@@ -1,5 +1,8 @@
 """TCP connections and serial ports of this computer, looked at between two ticks.
 
+Where they lead is decided by the option `network` of the robot; see `reach`. What it does not let through is as an
+address without a host: there is an event that says so, and no answer. It costs no time of the wall clock.
+
 While one is open, ticks are held back to the wall clock, so that time-outs and polling are what the peer expects.
 So they are for a while after a connection was lost, and after each try to make it anew: a peer that comes back after a
 second has to find a program that is still waiting for it.
@@ -7,13 +10,15 @@ second has to find a program that is still waiting for it.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+import sys
+from collections.abc import Callable, Collection, Mapping, Sequence
 from time import perf_counter, sleep
 from typing import TYPE_CHECKING, Final
 
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
 
 if TYPE_CHECKING:
+    from elitescript.environment.reach import Decision, Reach
     from elitescript.environment.serial_channel import SerialChannel
     from elitescript.environment.tcp_channel import TcpChannel
     from elitescript.messages.inputs import ChannelEvent
@@ -29,35 +34,76 @@ LINGER_S: Final = 0.1
 LOST_MAX: Final = 100
 """Losses on closed channels that are remembered."""
 
+PEERS_MAX: Final = 100
+"""Peers that are named, each once, before they are connected to; so many others are named as refused."""
+
+NETWORK_DEFAULT: Final = "local"
+NONE: Final = "none"
+"""Values of the option; see `reach`."""
+NOT_COUNTED: Final = "others"
+"""Name of the peers beyond `PEERS_MAX`."""
+
 _LOOK_S: Final = 0.001
+
+
+def print_error(text: str) -> None:
+    """Print a line on the error output."""
+    print(text, file=sys.stderr, flush=True)
 
 
 class LocalChannels:
     """Implements `runtime.environment.Channels` with the network and the serial ports of this computer.
 
     Args:
-        lines: what is on the robot's serial ports; see `line_bindings`.
+        lines: what is on the robot's serial ports; see `line_bindings`. They are reached whatever `network` is.
+        network: what programs reach; see `reach`.
+        say: takes a line for people before the first byte goes to a peer.
+
+    Attributes:
+        refused: how many connections were not let through, by their peers.
 
     Raises:
-        UsageError: a binding that makes no sense.
+        UsageError: a binding or a network that makes no sense.
     """
 
     __slots__ = (
         "_first_tick",
+        "_fixes",
         "_hope_tick",
         "_last",
         "_leaving",
         "_lines",
         "_lost",
         "_met",
+        "_network",
         "_open",
         "_places",
+        "_reach",
+        "_refusals",
+        "_said",
+        "_say",
         "_start_s",
         "_tick",
+        "refused",
     )
 
-    def __init__(self, lines: Mapping[str, str] | None = None) -> None:
+    def __init__(
+        self,
+        lines: Mapping[str, str] | None = None,
+        network: str = NETWORK_DEFAULT,
+        say: Callable[[str], None] = print_error,
+    ) -> None:
         self._last = 0
+        self._network = network
+        self._reach: Reach | None = None
+        self._say = say
+        self._said: set[str] = set()
+        """Peers that were named."""
+        self._refusals: list[ChannelEvent] = []
+        """Of connections that are not let through, for the next tick."""
+        self.refused: dict[str, int] = {}
+        self._fixes: dict[str, None] = {}
+        """What would let them through."""
         self._lines: Mapping[str, str] = {}
         if lines:
             from elitescript.environment.line_bindings import check_bindings
@@ -86,14 +132,76 @@ class LocalChannels:
         return bool(self._leaving) and any(channel.pending for channel in self._leaving)
 
     def open(self, address: str, port: int, timeout_s: float) -> int:
-        """Begin to connect."""
-        # Most programs open none, and the network takes its time to load.
+        """Begin to connect, if the options let it through."""
+        self._last += 1
+        decision = self.decide(address, port)
+        if decision.why_not:
+            self._refusals.append(self._refuse(self._last, address, port, decision))
+        else:
+            assert self._reach is not None
+            self._connect(address, port, self._reach, decision)
+        return self._last
+
+    def decide(self, address: str, port: int) -> Decision:
+        """Return what the options let through of an address; nothing is looked up."""
+        if self._reach is None:
+            # Most programs open no connection, and the network takes its time to load.
+            from elitescript.environment.reach import Reach
+
+            self._reach = Reach(self._network)
+        return self._reach.decide(address, port)
+
+    def target(self, device: str) -> str | None:
+        """Return what is bound to a serial port of the robot; None if nothing is."""
+        return self._lines.get(device)
+
+    @property
+    def may_be_real(self) -> bool:
+        """Whether anything outside may be reached."""
+        return self._network != NONE or bool(self._lines)
+
+    def _connect(self, address: str, port: int, reach: Reach, decision: Decision) -> None:
+        from elitescript.environment.addresses import place_of
         from elitescript.environment.tcp_channel import TcpChannel
 
-        self._last += 1
-        self._open[self._last] = TcpChannel(self._last, address, port)
+        self._name_peer(f"the program connects to {place_of(address, port)}", f"--network {reach.text}")
+        self._open[self._last] = TcpChannel(self._last, address, port, reach, decision)
         self._places[self._last] = address, port
-        return self._last
+
+    def _refuse(self, channel: int, address: str, port: int, decision: Decision) -> ChannelEvent:
+        """Count a connection that is not let through, and return its event."""
+        from elitescript.environment.addresses import place_of
+        from elitescript.messages.enums import ChannelError
+        from elitescript.messages.inputs import ChannelOpened
+
+        place = place_of(address, port)
+        if place not in self.refused and len(self.refused) >= PEERS_MAX:
+            place = NOT_COUNTED
+        self.refused[place] = self.refused.get(place, 0) + 1
+        if decision.fix and place != NOT_COUNTED:
+            self._fixes[decision.fix] = None
+        return ChannelOpened(channel, False, decision.why_not, ChannelError.BARRED)
+
+    def take_refused(self) -> str:
+        """Return in words how many connections were not let through since the last call; empty if there were none."""
+        if not self.refused or self._reach is None:
+            return ""
+        count = sum(self.refused.values())
+        peers = ", ".join(f"{place} ({times} times)" if times > 1 else place for place, times in self.refused.items())
+        text = f"--network {self._reach.text} has refused {count} connection{'s' * (count > 1)}: {peers}"
+        if self._fixes:
+            text += f"; `{self._reach.allowing(self._fixes)}` allows them"
+        self.refused, self._fixes = {}, {}
+        return text
+
+    def _name_peer(self, text: str, option: str) -> None:
+        """Say that the outside is reached, once for each peer."""
+        if text in self._said or len(self._said) > PEERS_MAX:
+            return
+        self._said.add(text)
+        if len(self._said) > PEERS_MAX:
+            text = f"the program reaches more than {PEERS_MAX} peers; further ones are not named"
+        self._say(f"elitescript: {text} ({option})")
 
     def open_line(self, device: str, settings: LineSettings) -> int:
         """Open what is bound to a port; 0 if nothing is."""
@@ -103,11 +211,17 @@ class LocalChannels:
         from elitescript.environment.line_bindings import bridge_address
 
         address = bridge_address(target)
+        self._last += 1
         if address is not None:
-            return self.open(*address, 0.0)
+            from elitescript.environment.reach import Reach
+
+            # The user has named it.
+            reach = Reach("all")
+            self._connect(*address, reach, reach.decide(*address))
+            return self._last
         from elitescript.environment.serial_channel import SerialChannel
 
-        self._last += 1
+        self._name_peer(f"the program opens the serial port {target}", f"--serial {device}={target}")
         self._open[self._last] = SerialChannel(self._last, target, settings)
         return self._last
 
@@ -135,11 +249,11 @@ class LocalChannels:
             for channel in self._leaving:
                 channel.leave()
             self._look_at_leaving()
+        events, self._refusals = self._refusals, []
         if not self.is_real:
             self._first_tick = -1
-            return ()
+            return events
         self._hold(tick)
-        events: list[ChannelEvent] = []
         for number, channel in list(self._open.items()):
             found = channel.poll()
             events += found
@@ -150,6 +264,8 @@ class LocalChannels:
             if channel.is_over:
                 del self._open[number]
                 self._places.pop(number, None)
+                if place is not None and (decision := getattr(channel, "barred", None)) is not None:
+                    events[-1] = self._refuse(number, *place, decision)
                 if place in self._met:
                     self._hope_tick = tick + HOPE_TICKS
         return events
@@ -186,8 +302,8 @@ class LocalChannels:
         self._leaving = [channel for channel in self._leaving if not channel.is_over]
 
     def next_tick(self, tick: int) -> int | None:
-        """Return every tick while time is held back."""
-        return tick + 1 if self.is_real else None
+        """Return every tick while time is held back, and the next one for a connection that is not let through."""
+        return tick + 1 if self._refusals or self.is_real else None
 
     def _hold(self, tick: int) -> None:
         now_s = perf_counter()

@@ -23,7 +23,7 @@ from typing import IO, Any, Final
 from elitescript.controller.signals.by_name import signal_write
 from elitescript.errors import UsageError
 from elitescript.messages.signals import KEPT, SIGNALS, Value, parse_signal_name, signal_name
-from elitescript.paths import why_no_file
+from elitescript.paths import real_path, why_no_file
 from elitescript.untrusted.json_text import JsonError, json_value
 
 FORMAT: Final = "elitescript state"
@@ -108,7 +108,7 @@ class StateFile:
 
     def __init__(self, path: str | Path, disk: Disk | None = None) -> None:
         # Two names of one file are one file.
-        self._path = Path(path).resolve()
+        self._path = real_path(path)
         self._disk = Disk() if disk is None else disk
         self._lock: IO[bytes] | None = None
         self._seen: bytes | None = None

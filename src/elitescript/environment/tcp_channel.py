@@ -12,6 +12,7 @@ from threading import Thread
 from time import monotonic
 from typing import Any, Final
 
+from elitescript.environment.reach import Decision, Reach
 from elitescript.messages.enums import ChannelError
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
 from elitescript.messages.outputs import CHANNEL_WINDOW
@@ -43,8 +44,11 @@ class TcpChannel:
         channel: its number.
         address: name or number of the computer.
         port: port of the server.
+        reach: decides on what a name stands for.
+        decision: what it has decided on the address.
 
     Attributes:
+        barred: why nothing of what a name stands for is let through; None if it is.
         room: bytes that the peer may send.
         is_over: whether nothing will come any more; the connection is closed then.
         place: address and port; for messages.
@@ -62,18 +66,22 @@ class TcpChannel:
         "_is_shut",
         "_left",
         "_outgoing",
+        "_reach",
         "_socket",
+        "barred",
         "is_over",
         "lost",
         "place",
         "room",
     )
 
-    def __init__(self, channel: int, address: str, port: int) -> None:
+    def __init__(self, channel: int, address: str, port: int, reach: Reach, decision: Decision) -> None:
         self._channel = channel
         self._address = address, port
         self._socket: socket.socket | None = None
-        self._found: list[Any] | None = None
+        self._found: list[Any] | None = None if decision.is_name else decision.rows
+        self._reach = reach
+        self.barred: Decision | None = None
         self._failure = ""
         self._error = ChannelError.OTHER
         self._is_open = False
@@ -85,25 +93,26 @@ class TcpChannel:
         self.room = CHANNEL_WINDOW
         self.is_over = False
         self.lost = 0
-        try:
-            self._look_up(socket.AI_NUMERICHOST)
-        except (OSError, ValueError):
-            # A name: a name server may take seconds to answer.
+        if decision.is_name:
+            # A name server may take seconds to answer.
             Thread(target=self._look_up_name, name=f"look up {address!r:.40}", daemon=True).start()
 
     # ---------------------------------------------------------------- connecting
 
-    def _look_up(self, flags: int) -> None:
-        address, port = self._address
-        found = socket.getaddrinfo(address, port, type=socket.SOCK_STREAM, flags=flags)
-        # Most servers listen on IPv4 alone, whatever the computer likes better.
-        self._found = sorted(found, key=lambda entry: entry[0] != socket.AF_INET)
-
     def _look_up_name(self) -> None:
+        address, port = self._address
         try:
-            self._look_up(0)
+            found = socket.getaddrinfo(address, port, type=socket.SOCK_STREAM)
+            # What was decided on is what is connected to.
+            decision = self._reach.among(found, address, port)
         except (OSError, ValueError):
             self._failure, self._error = "the address is not known", ChannelError.HOST_UNREACHABLE
+            return
+        if decision.why_not:
+            self.barred = decision
+            self._failure, self._error = decision.why_not, ChannelError.BARRED
+        else:
+            self._found = decision.rows
 
     def _connect(self) -> None:
         if self._socket is None:

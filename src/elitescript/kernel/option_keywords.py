@@ -45,6 +45,9 @@ class RobotKeywords(TypedDict, total=False):
     (default: 2000)"""
     rpc_timeout_s: float
     """how long a remote procedure call waits for its answer; 0 waits for ever (default: 60.0)"""
+    network: str
+    """what programs reach besides what is beside the robot in its world: none; local, the loopback addresses of this
+    computer; HOST[:PORT],..., these as well; all (default: 'local')"""
     strict: bool
     """refuse what only warns otherwise (default: False)"""
     confirms_popups: bool

@@ -128,6 +128,28 @@ class Text(NamedTuple):
         return value
 
 
+class Network:
+    """What programs reach outside of their world; see `environment.reach`."""
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        return '"none", "local", "all" or addresses such as "192.168.1.5:502,camera.local"'
+
+    def accept(self, value: Any) -> str:
+        if value in ("none", "local", "all"):
+            return str(value)
+        if not isinstance(value, str):
+            raise UsageError(f"must be {self}, got {value!r}")
+        # Few robots name addresses.
+        from elitescript.environment.addresses import parse_values
+
+        try:
+            return ",".join(parse_values([value], "--network")[2])
+        except UsageError as error:
+            raise UsageError(f"must be {self}, got {value!r}: {str(error).partition(': ')[2]}") from None
+
+
 class Joints:
     """Six joint positions in rad, or None; their ranges are those of the model."""
 
@@ -184,7 +206,7 @@ class Option(NamedTuple):
 
     text: str
     """What it means, with the unit."""
-    kind: Number | Whole | Switch | Text | Joints | Section | None = None
+    kind: Number | Whole | Switch | Text | Network | Joints | Section | None = None
     """What values it takes; None for what only this package sets."""
     default_text: str = ""
     """The default in words, where the value says too little."""
@@ -302,6 +324,15 @@ class RobotOptions:
         flag="--rpc-timeout",
         metavar="SECONDS",
         commands=("run", "sweep", "serve"),
+    )
+    network: str = option(
+        "local",
+        "what programs reach besides what is beside the robot in its world: none; local, the loopback addresses of "
+        "this computer; HOST[:PORT],..., these as well; all",
+        Network(),
+        flag="--network",
+        metavar="WHAT",
+        commands=("run", "plot", "check"),
     )
     strict: bool = option(
         False,

@@ -416,6 +416,15 @@ _TEXTS: Final[dict[str, str]] = {
 
             movel([0.4, -0.2, 0.01, 3.14, 0, 0])  # W273: gripper touches table, 12.0 mm deep at 1.204 s
         """,
+    "W274": """
+        A run connects to what its world or its test puts beside the robot, and to loopback addresses of this computer.
+        Any other address is a real machine: it is left alone, and the program goes on as if no host were there.
+        `socket_open` returns False after its timeout, MODBUS signals get no answer, a remote procedure raises its
+        timeout; no name is looked up. A serial port that nothing is bound to is open and silent. The message names the
+        option that lets the connection through; `elitescript check --reach` lists all that a program names.
+
+            socket_open("192.168.1.5", 502)    # W274: `--network 192.168.1.5:502` allows it
+        """,
     "R150": """
         The program has requested more memory than the run may have. Make shorter lists and texts, or keep fewer of
         them; `run --memory-limit` sets what a run may have.

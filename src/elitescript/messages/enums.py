@@ -120,6 +120,8 @@ class DiscardReason(Mode):
 class ChannelError(Mode):
     """Why a channel does not open or breaks: errno of Linux, which programs see."""
 
+    BARRED = -2
+    """The options of the robot do not let it through: it goes on as if there were no host at the address."""
     NOTHING_BOUND = -1
     """Nothing is bound to the serial port: it opens all the same, and is silent."""
     OTHER = 5

@@ -56,6 +56,8 @@ class Popup:
 
 UNDELIVERED: Final = "W270"
 """Code of warnings about data that a program sent and that did not arrive."""
+BARRED: Final = "W274"
+"""Code of warnings about connections that the options of the robot do not let through."""
 
 
 @record

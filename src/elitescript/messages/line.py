@@ -10,6 +10,11 @@ PORT_NAMES: Final = {"tool": "tool", "/dev/ttymxc0": "box"}
 """Names of the robot's serial ports, by the device that programs open."""
 
 
+def bind_hint(device: str) -> str:
+    """Return the option that binds a serial port of the robot to one of this computer."""
+    return f"`--serial {PORT_NAMES.get(device, device)}=DEVICE` binds it to a port of this computer"
+
+
 @record
 class LineSettings:
     """Format of characters on a serial line."""

@@ -108,9 +108,10 @@ def parse_signal_name(text: str) -> tuple[Signal, int]:
         return signal, 0
     if not rest.endswith("]") or not rest[:-1].strip().isdecimal():
         raise UsageError(f"{text!r}: write the index as a number in brackets, such as {name}[0]")
-    index = int(rest[:-1])
+    digits = rest[:-1].strip()
+    index = int(digits) if len(digits) < 10 else signal.size
     if index >= signal.size:
-        raise UsageError(f"{name} has indices 0 to {signal.size - 1}, not {index}")
+        raise UsageError(f"{name} has indices 0 to {signal.size - 1}, not {digits[:40]}")
     return signal, index
 
 

@@ -1,6 +1,6 @@
 """The interface of every connection that the controller serves: bytes in, inputs out; output of a tick in, bytes out.
 
-A connection is sans-I/O: it has no socket and no clock, only ticks. The pump (`services.clients.tcp`) calls `receive`
+A connection is sans-I/O: it has no socket and no clock, only ticks. The pump (`services.clients.tcp`) calls `take_in`
 with received bytes, passes the inputs to the robot, calls `publish` after every tick, and writes each message of `take`
 with one call. Buffers are bounded. Invalid bytes raise `ProtocolError`, which closes that connection only.
 """
@@ -8,12 +8,14 @@ with one call. Buffers are bounded. Invalid bytes raise `ProtocolError`, which c
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from typing import Final
 
 from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
+from elitescript.protocol.browsers import FirstBytes
 
 RESTARTED: Final = "R132"
 """Code of the alarm about a robot that was restarted in the place of another."""
@@ -28,6 +30,10 @@ class ProtocolError(Exception):
     """The peer sent invalid bytes; the text names what, where and what was expected."""
 
 
+class BrowserError(ProtocolError):
+    """The peer is a web browser: its connection ends, and nothing that it sent counts."""
+
+
 class Connection(ABC):
     """One client of one port.
 
@@ -36,16 +42,38 @@ class Connection(ABC):
         description: the robot.
     """
 
-    __slots__ = ("_count", "_due", "_out", "description", "is_over", "origin")
+    __slots__ = ("_count", "_due", "_first_bytes", "_out", "attend", "description", "is_behind", "is_over", "origin")
 
     def __init__(self, origin: str, description: RobotDescription) -> None:
         self.origin = origin
         self.description = description
         self.is_over = False
         """Whether the connection is to be closed once its messages are sent."""
+        self.attend: Callable[[], object] = _nobody
+        """Set by the pump; called by a connection that has messages or is over without having been called before."""
+        self.is_behind = False
+        """Set by the pump: whether the client takes what it is sent more slowly than it asks for it."""
+        self._first_bytes: FirstBytes | None = FirstBytes()
+        """Those that decide whether the peer is a browser; None once that is decided."""
         self._out: list[bytes] = []
         self._due: list[Input] = []
         self._count = 0
+
+    def take_in(self, data: bytes, output: Output) -> list[Input]:
+        """Take received bytes as they come from outside, and `receive` them; return their inputs to the robot.
+
+        Every pump calls this, so that a page reaches a robot nowhere.
+
+        Raises:
+            BrowserError: they are the request of a web browser.
+            ProtocolError: see `receive`.
+        """
+        if self._first_bytes is not None:
+            if found := self._first_bytes.feed(data):
+                raise BrowserError(f"it sent {found}, as a web browser does")
+            if self._first_bytes.is_decided:
+                self._first_bytes = None
+        return self.receive(data, output)
 
     @abstractmethod
     def receive(self, data: bytes, output: Output) -> list[Input]:
@@ -73,6 +101,16 @@ class Connection(ABC):
         Called before the tick runs. `receive` and `publish` may get a snapshot of which all other parts are older, and
         only the discrete state (levels, modes, tool, task) is always that of the tick. See `messages.outputs.Output`.
         """
+        return 0
+
+    @property
+    def is_admitted(self) -> bool:
+        """Whether the client may stay as long as it likes; one that has not logged in yet makes room for others."""
+        return True
+
+    @property
+    def progress(self) -> int:
+        """How far a client has come on its way to log in; of those that have come least far one makes room."""
         return 0
 
     @property
@@ -125,3 +163,7 @@ class Connection(ABC):
     def send(self, message: bytes) -> None:
         """Queue one message."""
         self._out.append(message)
+
+
+def _nobody() -> None:
+    """Stand for a pump that looks at its connections in every tick."""

@@ -10,7 +10,7 @@ from typing import Final
 
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
-from elitescript.protocol.connection import Connection, ProtocolError
+from elitescript.protocol.connection import BrowserError, Connection, ProtocolError
 
 READ_MAX: Final = 65_536
 """Limit of bytes that a connection gets at once."""
@@ -81,9 +81,13 @@ class MemoryTransport:
             while self._unread and not connection.is_busy and not connection.is_over:
                 piece = bytes(self._unread[:READ_MAX])
                 del self._unread[:READ_MAX]
-                if found := connection.receive(piece, output):
+                if found := connection.take_in(piece, output):
                     connection.posted(tick)
                     inputs += found
+        except BrowserError as error:
+            self.error = str(error)
+            self.end()
+            return []
         except ProtocolError as error:
             self.error = str(error)
         return inputs + self._settled()

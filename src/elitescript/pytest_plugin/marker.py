@@ -9,7 +9,7 @@ from typing import Any, Final
 import pytest
 
 from elitescript.errors import UsageError, did_you_mean
-from elitescript.kernel.options import KEYWORDS, OPTIONS, SECTIONS
+from elitescript.kernel.options import DEFAULTS, KEYWORDS, OPTIONS, SECTIONS, accept
 
 MARKER: Final = "elitescript"
 
@@ -17,6 +17,9 @@ ROBOT: Final = "robot"
 """Keyword of the arm: the first argument of `VirtualRobot`, `--robot` of `serve`."""
 WORLD: Final = "world"
 """Keyword of what is around the robot."""
+
+NETWORK: Final = "network"
+"""Keyword of what programs reach; of `serve`, `--allow-connect`."""
 
 SETTINGS: Final = (ROBOT, WORLD, *KEYWORDS)
 
@@ -78,11 +81,15 @@ def robot_arguments(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]
 def serve_arguments(settings: Mapping[str, Any], folder: Path) -> list[str]:
     """Return the command line of `serve` for the settings of a test.
 
+    Its programs reach what `network` names, by default this computer, as programs of a robot in this process do.
+
     Raises:
         UsageError: a setting that `serve` cannot be given.
     """
-    words = []
+    words = _reach(settings, folder)
     for name, value in settings.items():
+        if name == NETWORK:
+            continue
         if name == WORLD and isinstance(value, str | Path):
             words += ["--world", str(folder / value)]
             continue
@@ -96,6 +103,21 @@ def serve_arguments(settings: Mapping[str, Any], folder: Path) -> list[str]:
         else:
             words.append(f"{row.flag}={_model(value, folder) if name == ROBOT else value}")
     return words
+
+
+def _reach(settings: Mapping[str, Any], folder: Path) -> list[str]:
+    """Return the options of `serve` for what programs reach; none if the world file says it."""
+    # Few tests have a controller of their own.
+    from elitescript.services.channels.connect_policy import policy_values
+    from elitescript.world_file import load_world_file
+
+    network = settings.get(NETWORK)
+    if network is None:
+        world = settings.get(WORLD)
+        if isinstance(world, str | Path) and NETWORK in load_world_file(folder / world, with_world=False).options:
+            return []
+        network = DEFAULTS[NETWORK]
+    return [f"--allow-connect={value}" for value in policy_values((), accept(NETWORK, network, NETWORK))]
 
 
 def _model(value: Any, folder: Path) -> Any:

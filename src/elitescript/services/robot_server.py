@@ -258,7 +258,10 @@ class RobotServer:
                 self.listeners[service.name] = Listener(service, self, connect, bound)
             self._by_urgency = sorted(self.listeners.values(), key=lambda listener: listener.service.name != RTSI)
             if self._ssh is not None:
-                self._ssh.bind(host, numbers[SSH.name], (spares or {}).get(SSH.name))
+                number, spare_number = numbers[SSH.name], (spares or {}).get(SSH.name)
+                self._ssh.bind(host, number, spare_number, self, self.link.description)
+                assert self._ssh.listener is not None
+                self._by_urgency.append(self._ssh.listener)
         except BaseException:
             for listener in self.listeners.values():
                 listener.release()
@@ -391,7 +394,7 @@ class RobotServer:
 
     def _relieve(self, waits_for: str) -> None:
         """Read clients on, once in a period in lockstep; if too much waits for a tick, only whom time waits for."""
-        for listener in self.listeners.values():
+        for listener in self._by_urgency:
             for client in list(listener.clients.values()):
                 if len(self._inputs) < PENDING_MAX or client.origin == waits_for:
                     client.relieve()

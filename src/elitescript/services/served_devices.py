@@ -205,7 +205,7 @@ class ServedDevices:
         network = self._world.network
         match request:
             case OpenChannel(number, _, address, port):
-                if network.outside is not None and network.server(address, port) is None:
+                if not self._world.is_closed and network.server(address, port) is None:
                     return False
                 if self._has_room(number):
                     self._lead(number, network.open(address, port, request.timeout_s))

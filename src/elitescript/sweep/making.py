@@ -17,6 +17,7 @@ from elitescript.kernel.arm import named_model
 from elitescript.kernel.options import ROBOT_SECTION
 from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
+from elitescript.paths import real_path
 from elitescript.properties.parsing import function_place
 from elitescript.sweep.failures.cases import is_case
 from elitescript.sweep.plans.plan import Plan, Variation
@@ -113,7 +114,7 @@ def make_plan(
         chosen |= named_model(chosen["model"])[1]
     ensure = tuple(_with_files(text, python) for text in ensure)
     measures = {name: _with_files(text, python) for name, text in (measures or {}).items()}
-    folder = Path(task_dir) if task_dir is not None else path.resolve().parent if is_file else None
+    folder = Path(task_dir) if task_dir is not None else real_path(path).parent if is_file else None
     files: dict[str, str] = {}
     if folder is not None and (task_dir is not None or _reaches_files(source)):
         files = _task_files(folder, {*map(Path.resolve, without_files)})
@@ -199,7 +200,7 @@ def _task_files(folder: Path, left_out: Collection[Path]) -> dict[str, str]:
                 or is_case(name)
                 or path.is_symlink()
                 or not path.is_file()
-                or path.resolve() in left_out
+                or real_path(path) in left_out
             ):
                 continue
             size += path.stat().st_size

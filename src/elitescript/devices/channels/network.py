@@ -286,6 +286,10 @@ class VirtualNetwork:
         """Return the server that listens there."""
         return self.servers.get((address, port)) or self.servers.get(port)
 
+    def _hosts(self) -> set[str]:
+        """Return the addresses at which devices are, which have no other ports than theirs."""
+        return {endpoint[0] for endpoint in self.servers if isinstance(endpoint, tuple)}
+
     def owners(self, kind: str, address: str, port: int) -> list[object]:
         """Return what is at the place of a fault, see `faults.place_of`."""
         if kind == LINE:
@@ -328,7 +332,7 @@ class VirtualNetwork:
 
     def open(self, address: str, port: int, timeout_s: float) -> int:
         """Connect to the server of a port."""
-        if self.outside is not None and self.server(address, port) is None:
+        if self.outside is not None and self.server(address, port) is None and address not in self._hosts():
             return self._lead_outside(self.outside.open(address, port, timeout_s))
         self._last += 1
         self.connect(self._last, address, port)

@@ -29,6 +29,9 @@ _NO_NETWORK: Final = "this run has no network"
 _NO_MODBUS: Final = "what the device sends is no MODBUS"
 _CREDIT_SIZE: Final = CHANNEL_WINDOW // 4
 
+BARRED: Final = "barred"
+"""What is recorded of a connection that the options of the robot do not let through, before it times out."""
+
 _CLOSED: Final = "closed"
 _OPENING: Final = "opening"
 _OPEN: Final = "open"
@@ -309,6 +312,8 @@ class MasterConnection:
             self.connection_code = NO_ERROR
             self._note(self.name, "open", "")
             self.exchange.begin(tick)
+        elif isinstance(event, ChannelOpened) and event.error is ChannelError.BARRED:
+            self._note(self.name, BARRED, event.reason)
         elif isinstance(event, ChannelOpened | ChannelClosed):
             self._lose(tick, event.reason, event.error)
 

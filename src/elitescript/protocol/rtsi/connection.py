@@ -163,6 +163,7 @@ class RtsiConnection(Connection):
         except ProtocolError as error:
             buffer.clear()
             self._failure = error
+            self.send_text(ERROR, f"the connection is closed: {error}")
             self.is_over = True
             if not inputs:
                 raise
@@ -302,6 +303,8 @@ class RtsiConnection(Connection):
             self._refuse("O", [], "an output recipe begins with its frequency, an f64", output)
             return []
         wanted_hz: float = _FREQUENCY.unpack_from(body)[0]
+        if problem := _too_many(body[_FREQUENCY.size :]):
+            return self._refuse_unread("O", problem, output)
         names = _names(body[_FREQUENCY.size :])
         words = [OUTPUTS[name].type.name if name in OUTPUTS else NOT_FOUND for name in names]
         problem = self._problem(names, self._outputs)
@@ -324,6 +327,8 @@ class RtsiConnection(Connection):
         return []
 
     def _set_up_input(self, body: bytes, output: Output) -> list[Input]:
+        if problem := _too_many(body):
+            return self._refuse_unread("I", problem, output)
         names = _names(body)
         claims = self._port.claims
         words = [
@@ -343,8 +348,6 @@ class RtsiConnection(Connection):
 
     def _problem(self, names: tuple[str, ...], recipes: list[OutputRecipe] | list[InputRecipe]) -> str:
         """Return why one more recipe is refused, apart from its names; empty if it is not."""
-        if len(names) > VARIABLES_MAX:
-            raise ProtocolError(f"a recipe has {VARIABLES_MAX} variables at most, not {len(names)}")
         if not names:
             return "a recipe needs at least one variable"
         if len(recipes) >= RECIPES_MAX:
@@ -358,6 +361,13 @@ class RtsiConnection(Connection):
         self._reply(letter, b"\0" + ",".join(words).encode())
         if problem:
             self._report(f"recipe {letter}", problem, output)
+
+    def _refuse_unread(self, letter: str, problem: str, output: Output) -> list[Input]:
+        """Answer a set-up whose names were not looked up; return the line for the log, if the client got a message."""
+        said = len(self._out)
+        self._refuse(letter, [], problem, output)
+        is_told = len(self._out) > said + 1
+        return [AddLog(self.origin, f"{self.origin}: {problem}", is_warning=True)] if is_told else []
 
     def _start(self, _body: bytes, output: Output) -> list[Input]:
         self._reply("S", b"\x01")
@@ -416,6 +426,12 @@ _HANDLERS: Final[dict[int, Callable[[RtsiConnection, bytes, Output], list[Input]
     ord("S"): RtsiConnection._start,
     ord("P"): RtsiConnection._pause,
 }
+
+
+def _too_many(body: bytes) -> str:
+    """Return why a recipe is refused whose names are not even looked up: there are too many; empty if there are not."""
+    count = body.rstrip(b", ").count(b",") + 1
+    return f"a recipe has {VARIABLES_MAX} variables at most, not {count}" if count > VARIABLES_MAX else ""
 
 
 def _names(body: bytes) -> tuple[str, ...]:

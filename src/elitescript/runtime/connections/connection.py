@@ -47,6 +47,7 @@ class ScriptConnection:
     Attributes:
         reason: of the close; empty if the peer or the program closed it.
         received: bytes that have arrived and are not read.
+        is_barred: whether the options of the robot do not let it through; it is opening until it is closed.
         is_behind_numbers: whether the last read gave a list of numbers in parentheses.
     """
 
@@ -60,6 +61,7 @@ class ScriptConnection:
         "_waiting",
         "channel",
         "error",
+        "is_barred",
         "is_behind_numbers",
         "log",
         "queued",
@@ -74,6 +76,7 @@ class ScriptConnection:
         self.reason = ""
         self.error: ChannelError | None = None
         self.received = bytearray()
+        self.is_barred = False
         self.is_behind_numbers = False
         self.queued = 0
         """Bytes that the program has sent so far."""
@@ -123,6 +126,9 @@ class ScriptConnection:
         elif isinstance(event, ChannelOpened) and event.is_open:
             self._state = _OPEN
             self.log.opened()
+        elif isinstance(event, ChannelOpened) and event.error is ChannelError.BARRED:
+            self.is_barred = True
+            self.log.barred(event.reason)
         elif isinstance(event, ChannelOpened | ChannelClosed):
             if self._state is _OPEN:
                 self.log.lost(event.reason)

@@ -5,12 +5,14 @@ Signals outlive the program that has added them: the next one uses them by name 
 
 from __future__ import annotations
 
+from typing import Final
+
 from elitescript.commands.definition.context import Machine
 from elitescript.errors import InvalidValueError, ScriptStateError
 from elitescript.messages.events import Warned
 from elitescript.messages.timing import seconds, ticks_for
 from elitescript.modbus.frames.pdu import custom
-from elitescript.modbus.master.connection import CONNECT_TICKS, MasterConnection
+from elitescript.modbus.master.connection import BARRED, CONNECT_TICKS, MasterConnection
 from elitescript.modbus.master.master import Master
 from elitescript.modbus.master.signals import ModbusSignal, SignalKind
 from elitescript.runtime.connections.connection import Receiver
@@ -18,6 +20,9 @@ from elitescript.runtime.connections.traffic import Traffic, cut
 from elitescript.runtime.environment import Channels
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Stopped, Strand
+
+ASKED_MAX: Final = 1024
+"""Most connections of which the first statement is kept."""
 
 
 class ModbusSignals:
@@ -34,7 +39,7 @@ class ModbusSignals:
         master: carries out the requests.
     """
 
-    __slots__ = ("_machine", "_scheduler", "_traffic", "_waiting", "master")
+    __slots__ = ("_asked", "_machine", "_scheduler", "_traffic", "_waiting", "master")
 
     def __init__(
         self,
@@ -48,13 +53,25 @@ class ModbusSignals:
         self._scheduler = scheduler
         self._waiting: list[tuple[MasterConnection, Strand]] = []
         self._traffic = traffic
+        self._asked: dict[str, tuple[int, str]] = {}
+        """Line and thread that first asked for each connection."""
         self.master = Master(channels, connections, self._warn, self._note, tick=machine.tick)
 
     def _warn(self, text: str, code: str = "") -> None:
         self._machine.emit(Warned(self._machine.tick, text, code=code))
 
     def _note(self, name: str, what: str, data: str) -> None:
-        self._traffic.note_of_caller("modbus", name, what, cut(data))
+        if what == BARRED:
+            line, thread = self._asked.get(name, (0, ""))
+            self._traffic.bar("modbus", name, data, line=line, thread=thread)
+        else:
+            self._traffic.note_of_caller("modbus", name, what, cut(data))
+
+    def _ask(self, address: str, port: int) -> None:
+        """Take note of the statement that asks for a connection, for warnings about it."""
+        strand = self._scheduler.current
+        if strand is not None and len(self._asked) < ASKED_MAX:
+            self._asked.setdefault(f"{address}:{port}", (strand.line, strand.name))
 
     # ---------------------------------------------------------------- signals
 
@@ -62,6 +79,7 @@ class ModbusSignals:
         self, address: str, port: int, name: str, kind: int, slave: int, first: int, count: int, *, is_sequential: bool
     ) -> None:
         """Add a signal; see `commands.definition.context.ModbusSignalAccess.add`."""
+        self._ask(address, port)
         self.master.add(address, port, name, SignalKind(kind), slave, first, count, is_sequential=is_sequential)
 
     def add_read_write(
@@ -76,6 +94,7 @@ class ModbusSignals:
         is_sequential: bool,
     ) -> None:
         """Add a signal that reads and writes; see `commands.definition.context.ModbusSignalAccess.add_read_write`."""
+        self._ask(address, port)
         self.master.add(
             address,
             port,
@@ -178,6 +197,7 @@ class ModbusSignals:
         Raises:
             ScriptStateError: too many wait, or there are too many signals.
         """
+        self._ask(address, port)
         self.master.request(address, port, slave, custom(function, data), is_once=is_once)
 
     def reset(self, address: str, port: int, *, waits: bool) -> None:

@@ -15,7 +15,8 @@ from typing import Final
 
 from elitescript.errors import ScriptPermissionError
 from elitescript.messages.enums import ChannelError
-from elitescript.messages.line import PORT_NAMES, LineSettings
+from elitescript.messages.events import BARRED
+from elitescript.messages.line import PORT_NAMES, LineSettings, bind_hint
 from elitescript.messages.outputs import CHANNEL_WINDOW, NOT_CONNECTED
 from elitescript.messages.timing import TICKS_PER_S, seconds, ticks_for
 from elitescript.modbus.frames import pdu
@@ -66,7 +67,7 @@ class SerialLines:
         scheduler: runs the threads.
         connections: receiver of each open channel.
         background: has the ports, and records their traffic.
-        warn_once: records a warning, once for each key.
+        warn_once: records a warning, once for each key: key, text, perhaps code and hint.
     """
 
     __slots__ = ("_channels", "_connections", "_lines", "_scheduler", "_traffic", "_warn_once")
@@ -77,7 +78,7 @@ class SerialLines:
         scheduler: Scheduler,
         connections: dict[int, Receiver],
         background: Background,
-        warn_once: Callable[[str, str], None],
+        warn_once: Callable[..., None],
     ) -> None:
         self._channels = channels
         self._scheduler = scheduler
@@ -124,7 +125,8 @@ class SerialLines:
 
     def _open_silent(self, line: SerialLine, device: str) -> bool:
         line.wire = SilentLineConnection(self._scheduler, self._log(line, device, NOT_CONNECTED))
-        self._warn_once(f"line {device} silent", f"{NOT_CONNECTED} to {_called(device)}: it is open, and silent")
+        text = f"{NOT_CONNECTED} to {_called(device)}: it is open, and silent"
+        self._warn_once(f"line {device} silent", text, code=BARRED, hint=bind_hint(device))
         return True
 
     def _log(self, line: SerialLine, device: str, where: str) -> ChannelLog:

@@ -91,7 +91,9 @@ class Sockets:
         if connection is None or not connection.is_open:
             reason = NO_NETWORK if connection is None else connection.reason or "closed at once"
             shown = address if len(address) <= _SHOWN else f"{address[:_SHOWN]}..."
-            self._warn_once(f"socket {name} {reason}", f"socket {name!r} cannot connect to {shown}:{port}: {reason}")
+            if connection is None or not connection.is_barred:
+                text = f"socket {name!r} cannot connect to {shown}:{port}: {reason}"
+                self._warn_once(f"socket {name} {reason}", text)
             return False
         return True
 

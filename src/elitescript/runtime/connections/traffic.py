@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Final
 
 from elitescript.commands.definition.context import Machine
-from elitescript.messages.events import ChannelActivity
+from elitescript.messages.events import BARRED, ChannelActivity, Warned
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand
 
@@ -21,6 +21,9 @@ NAME_MAX: Final = 80
 
 PER_TICK_MAX: Final = 100
 """Most events in one tick, of all channels; one more states that others are left out."""
+
+BARRED_MAX: Final = 200
+"""Most statements and peers for which a connection that is not let through has a warning; all have an event."""
 
 LEFT_OUT: Final = f"(more than {PER_TICK_MAX} in this tick; the others are not recorded)"
 
@@ -48,9 +51,10 @@ class Traffic:
         scheduler: has the calling thread.
     """
 
-    __slots__ = ("_count", "_machine", "_scheduler", "_tick")
+    __slots__ = ("_barred", "_count", "_machine", "_scheduler", "_tick")
 
     def __init__(self, machine: Machine, scheduler: Scheduler) -> None:
+        self._barred: set[tuple[int, str]] = set()
         self._machine = machine
         self._scheduler = scheduler
         self._tick = -1
@@ -72,6 +76,13 @@ class Traffic:
                 return
             data = LEFT_OUT
         self._machine.emit(ChannelActivity(tick, channel[:NAME_MAX], kind, what, data, line, thread))
+
+    def bar(self, kind: str, channel: str, reason: str, *, line: int, thread: str) -> None:
+        """Record a connection that the options of the robot do not let through, and warn of it once for each line."""
+        self.note(kind, channel, "refused", reason, line=line, thread=thread)
+        if (line, reason) not in self._barred and len(self._barred) < BARRED_MAX:
+            self._barred.add((line, reason))
+            self._machine.emit(Warned(self._machine.tick, reason, thread, line, BARRED))
 
     def note_of_caller(self, kind: str, channel: str, what: str, data: str = "") -> None:
         """Record an event with line and name of the running thread."""
@@ -117,6 +128,10 @@ class ChannelLog:
         what = "timeout" if is_late else "refused"
         text = ": ".join(filter(None, (self._where, reason)))
         self._traffic.note(self._kind, self._channel, what, text, line=self._line, thread=self._thread)
+
+    def barred(self, reason: str) -> None:
+        """Record that the options of the robot do not let it through."""
+        self._traffic.bar(self._kind, self._channel, reason, line=self._line, thread=self._thread)
 
     def sent(self, data: bytes) -> None:
         """Record sent bytes."""

@@ -20,6 +20,7 @@ from os import strerror
 from re import search
 from typing import Any, Final
 
+from elitescript.environment.addresses import HOST_MAX
 from elitescript.environment.line_bindings import bridge_address
 from elitescript.environment.tcp_channel import channel_error
 from elitescript.messages.enums import ChannelError
@@ -34,7 +35,7 @@ from elitescript.messages.outputs import (
     OpenLine,
     SendChannel,
 )
-from elitescript.services.channels.connect_policy import HOST_MAX, ConnectPolicy
+from elitescript.services.channels.connect_policy import OPTION, ConnectPolicy
 from elitescript.services.channels.serial_ports import SerialPorts
 from elitescript.services.clients.liveness import watch_peer
 
@@ -154,7 +155,7 @@ class Broker:
         timeout_s = min(max(0.0, request.timeout_s), TIMEOUT_MAX_S)
         try:
             async with asyncio.timeout(timeout_s):
-                found = await self._found(request.address, request.port)
+                found = await self._found(request.address, request.port, policy)
                 channel = await self._first_of(_allowed(found, request, policy), number)
         except TimeoutError:
             self._give_up(number, f"no answer within {request.timeout_s:g} s", ChannelError.TIMED_OUT)
@@ -166,17 +167,19 @@ class Broker:
             self._post([ChannelOpened(number, True)])
             channel.start()
 
-    async def _found(self, address: str, port: int) -> list[Any]:
+    async def _found(self, address: str, port: int, policy: ConnectPolicy | None) -> list[Any]:
         """Return what `getaddrinfo` finds for an address.
 
         Raises:
-            OSError: nothing, or too many others are asked for.
+            OSError: nothing, too many others are asked for, or the user does not allow to ask for it.
             ValueError: it cannot be an address.
         """
         try:
             return socket.getaddrinfo(address, port, type=socket.SOCK_STREAM, flags=socket.AI_NUMERICHOST)
         except socket.gaierror:
             pass  # a name
+        if policy is not None and not policy.looks_up(address, port):
+            raise OSError(f"refused: {address} is a name that `serve {OPTION}` does not allow to look up")
         if len(self._look_ups) >= LOOK_UPS_MAX:
             raise OSError(f"{LOOK_UPS_MAX} names are being looked up already")
         if self._resolver is None:

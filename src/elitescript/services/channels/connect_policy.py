@@ -11,51 +11,45 @@ except:
 
 from __future__ import annotations
 
-import re
 import socket
 from collections.abc import Iterable
-from ipaddress import IPv4Address, IPv4Network, IPv6Address, IPv6Network, ip_address, ip_network
+from ipaddress import IPv4Address, ip_address
 from typing import Final
 
-from elitescript.errors import UsageError
-from elitescript.records import record
+from elitescript.environment.addresses import (
+    ALL,
+    LOCAL,
+    LOCAL_HOST,
+    LOOPBACK_RULE,
+    NONE,
+    Address,
+    address_of,
+    embedded,
+    is_loopback,
+    is_unspecified,
+    parse_values,
+    special_kind,
+)
 
 OPTION: Final = "--allow-connect"
-ANY: Final = "any"
-NONE: Final = "none"
 DEFAULT: Final = "default"
 OWN_PORTS: Final = "own-ports"
 DEFAULT_TEXT: Final = "every address except link-local ones and the ports of this serve's robots"
 DEFAULT_WITH_OWN_TEXT: Final = "every address except link-local ones"
-HOST_MAX: Final = 253
-"""Characters of a host name (RFC 1035, section 2.3.4)."""
-
-_HOST: Final = re.compile(r"[A-Za-z0-9_.\-]+")
-_NUMBERS: Final = re.compile(r"(0[xX][0-9A-Fa-f]+|[0-9]+)(\.(0[xX][0-9A-Fa-f]+|[0-9]+))*\.?")
-"""What name services take for an address, not for a name: 127.1, 0x7f000001."""
-_NAT64: Final = ip_network("64:ff9b::/96")
-_THIS_NETWORK: Final = ip_network("0.0.0.0/8")
-_BROADCAST: Final = ip_address("255.255.255.255")
-_LOCAL_HOST: Final = "localhost"
-
-Address = IPv4Address | IPv6Address
+LOCAL_TEXT: Final = "this computer"
 
 
-@record
-class _Rule:
-    """Holds what one option allows: networks, or the host of that name; one port of it, or all."""
+def policy_values(given: Iterable[str], network: str | None) -> list[str]:
+    """Return values of `--allow-connect`: those that are given, else what `[robot] network` of a world file means.
 
-    networks: tuple[IPv4Network | IPv6Network, ...]
-    name: str
-    port: int | None
-
-    def has(self, address: Address, port: int) -> bool:
-        """Return whether an address lies in its networks."""
-        return self.port in (None, port) and any(address in network for network in self.networks)
-
-    def names(self, name: str, port: int) -> bool:
-        """Return whether a program has asked for its name."""
-        return bool(self.name) and self.port in (None, port) and name.rstrip(".").lower() == self.name
+    Args:
+        given: on the command line.
+        network: of the world file; None if it has none.
+    """
+    values = list(given)
+    if values or network is None:
+        return values
+    return [network] if network in (NONE, LOCAL, ALL) else [network, LOCAL]
 
 
 class ConnectPolicy:
@@ -71,15 +65,12 @@ class ConnectPolicy:
         UsageError: a value makes no sense.
     """
 
-    __slots__ = ("_has_any", "_has_default", "_has_own", "_rules", "own_ports", "text")
+    __slots__ = ("_has_all", "_has_default", "_has_own", "_rules", "own_ports", "text")
 
     def __init__(self, texts: Iterable[str] = ()) -> None:
-        values = [text.strip() for text in texts]
-        words = {value for value in values if value in (ANY, NONE, DEFAULT, OWN_PORTS)}
-        if NONE in words and len(values) > 1:
-            raise UsageError(f"{OPTION} {NONE} allows nothing; it cannot stand beside others")
-        self._rules = tuple(_rule(value) for value in values if value not in words)
-        self._has_any = ANY in words
+        words, rules, values = parse_values(texts, OPTION, (OWN_PORTS, DEFAULT))
+        self._rules = (*rules, LOOPBACK_RULE) if LOCAL in words else rules
+        self._has_all = ALL in words
         self._has_own = OWN_PORTS in words
         self._has_default = DEFAULT in words or not (self._rules or words - {OWN_PORTS})
         self.own_ports: set[int] = set()
@@ -94,9 +85,9 @@ class ConnectPolicy:
             address: what that was resolved to.
             port: of the server.
         """
-        if self._has_any:
+        if self._has_all:
             return ""
-        found = _plain(ip_address(address.partition("%")[0]))
+        found = embedded(address_of(address))
         rules = [rule for rule in self._rules if rule.has(found, port) or rule.names(name, port)]
         if port in self.own_ports and _is_of_this_computer(found):
             if self._has_own or any(rule.port is not None for rule in rules):
@@ -106,67 +97,30 @@ class ConnectPolicy:
             return ""
         if not (rules or self._has_default):
             return f"{found}:{port} is not among what programs may reach ({self.text}); see `serve {OPTION}`"
-        if kind := _special(found):
+        if kind := special_kind(found):
             return f"{found} is {kind}; `serve {OPTION} {found}` allows it"
         return ""
 
-    def _shown(self, values: list[str]) -> str:
-        if self._has_any:
+    def looks_up(self, name: str, port: int) -> bool:
+        """Return whether a name server may be asked for a name: a query is contact too."""
+        if self._has_all or self._has_default or any(rule.names(name, port) for rule in self._rules):
+            return True
+        # A name may stand for an address of a network that is allowed, but loopback addresses have one name.
+        return any(rule.networks and rule.name != LOCAL_HOST for rule in self._rules)
+
+    def _shown(self, values: tuple[str, ...]) -> str:
+        if self._has_all:
             return "every address"
         if self._has_default and self._has_own and not self._rules:
             return DEFAULT_WITH_OWN_TEXT
-        parts = [DEFAULT_TEXT] * self._has_default + [value for value in values if value not in (DEFAULT, OWN_PORTS)]
+        parts = [DEFAULT_TEXT] * self._has_default
+        parts += [LOCAL_TEXT if value == LOCAL else value for value in values if value not in (DEFAULT, OWN_PORTS)]
         return " and ".join(parts + ["the ports of this serve's robots"] * self._has_own)
-
-
-def _rule(text: str) -> _Rule:
-    host, port = _host_and_port(text)
-    if host.lower() == _LOCAL_HOST:
-        return _Rule((ip_network("127.0.0.0/8"), ip_network("::1/128")), _LOCAL_HOST, port)
-    try:
-        return _Rule((ip_network(host, strict=False),), "", port)
-    except ValueError:
-        pass
-    if not _HOST.fullmatch(host) or _NUMBERS.fullmatch(host) or len(host) > HOST_MAX or "/" in text:
-        raise UsageError(
-            f"{OPTION} {text}: write HOST[:PORT], a network such as 192.168.1.0/24, {OWN_PORTS}, {ANY} or {NONE}"
-        )
-    return _Rule((), host.rstrip(".").lower(), port)
-
-
-def _host_and_port(text: str) -> tuple[str, int | None]:
-    host, colon, number = text.rpartition(":")
-    if not colon or (":" in host and not host.endswith("]")):
-        return text.removeprefix("[").removesuffix("]"), None
-    if not (number.isascii() and number.isdecimal() and 1 <= int(number[:6]) <= 65535):
-        raise UsageError(f"{OPTION} {text}: a port is a number from 1 to 65535")
-    return host.removeprefix("[").removesuffix("]"), int(number)
-
-
-def _plain(address: Address) -> Address:
-    """Return the IPv4 address that an IPv6 address stands for; any other address as it is."""
-    if isinstance(address, IPv6Address):
-        if inner := address.ipv4_mapped or address.sixtofour:
-            return inner
-        if address in _NAT64:
-            return IPv4Address(int(address) & 0xFFFF_FFFF)
-    return address
-
-
-def _special(address: Address) -> str:
-    """Return what an address is that is not one of a single computer; else empty."""
-    if address.is_unspecified or address in _THIS_NETWORK:
-        return "no address of a computer"
-    if address.is_link_local:
-        return "a link-local address"
-    if address.is_multicast:
-        return "a multicast address"
-    return "the broadcast address" if address == _BROADCAST else ""
 
 
 def _is_of_this_computer(address: Address) -> bool:
     """Return whether a connection to an address ends on this computer."""
-    if address.is_loopback or address.is_unspecified or address in _THIS_NETWORK:
+    if is_loopback(address) or is_unspecified(address):
         return True
     family = socket.AF_INET if isinstance(address, IPv4Address) else socket.AF_INET6
     try:

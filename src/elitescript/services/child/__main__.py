@@ -17,6 +17,7 @@ from typing import Any, Final
 
 from elitescript.codec.json_text import from_text, to_text
 from elitescript.codec.messages import shape_of
+from elitescript.environment import stop_signals
 from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.errors import ElitescriptError, UsageError
 from elitescript.kernel import Kernel, RobotOptions
@@ -124,8 +125,7 @@ def main(descriptor: int, coverage: int | None = None) -> None:
     faulthandler.register(signal.SIGUSR1, all_threads=False)
     # A crash leaves the same trace.
     faulthandler.enable(all_threads=False)
-    # Ctrl-C reaches the whole group of the terminal; the parent decides what it means.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    stop_signals.ignore()
     if coverage is not None:
         from elitescript.services.coverage import count_programs_in
 

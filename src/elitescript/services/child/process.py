@@ -17,6 +17,7 @@ from typing import Final
 
 import elitescript
 from elitescript.codec.values import CodecError
+from elitescript.environment import stop_signals
 from elitescript.environment.process import HASH_SEED
 from elitescript.observer import COVERAGE_VARIABLE
 from elitescript.services.child.frames import QUESTION, READ_BYTES, UP_MAX, FrameReader, frame
@@ -81,16 +82,18 @@ class ChildProcess:
                 from elitescript.services.coverage import coverage_descriptor
 
                 given.append(coverage_descriptor(folder))
-            self._process = subprocess.Popen(
-                [*COMMAND, *map(str, given)],
-                pass_fds=given,
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                bufsize=0,
-                env=child_environment(),
-                cwd="/",
-            )
+            # What ends this process by a signal to its group, or its service, is no end of the child.
+            with stop_signals.held_back():
+                self._process = subprocess.Popen(
+                    [*COMMAND, *map(str, given)],
+                    pass_fds=given,
+                    stdin=subprocess.DEVNULL,
+                    stdout=subprocess.PIPE,
+                    stderr=subprocess.STDOUT,
+                    bufsize=0,
+                    env=child_environment(),
+                    cwd="/",
+                )
         except BaseException:
             self._socket.close()
             raise

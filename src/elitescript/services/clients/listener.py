@@ -23,6 +23,8 @@ CLIENTS_MAX: Final = 64
 """Of one service."""
 LEAVING_MAX: Final = 256
 """Of one service, with those that are about to leave."""
+GUESTS_MAX: Final = 32
+"""Clients of one service that have not logged in, where that is asked for; the next one takes a place of theirs."""
 ACCEPTS_PER_TICK: Final = 8
 """Of one service: two thousand a second, as long as there is time for it."""
 BURST_TICKS: Final = TICKS_PER_S
@@ -88,6 +90,7 @@ class Listener:
         hub: the robot.
         connect: makes connections.
         bound: a socket that listens; the listener closes it.
+        accepts_per_tick: clients that are accepted in a tick at most.
 
     Attributes:
         clients: by origin.
@@ -98,6 +101,7 @@ class Listener:
 
     __slots__ = (
         "_accepted",
+        "_accepts_per_tick",
         "_bound",
         "_browsers",
         "_count",
@@ -113,7 +117,15 @@ class Listener:
         "service",
     )
 
-    def __init__(self, service: Service, hub: Hub, connect: Connect, bound: socket.socket) -> None:
+    def __init__(
+        self,
+        service: Service,
+        hub: Hub,
+        connect: Connect,
+        bound: socket.socket,
+        *,
+        accepts_per_tick: int = ACCEPTS_PER_TICK,
+    ) -> None:
         self.service = service
         self.clients: dict[str, Client] = {}
         self.number: int = bound.getsockname()[1]
@@ -127,6 +139,7 @@ class Listener:
         self._bound = bound
         self._count = 0
         self._accepted = 0
+        self._accepts_per_tick = accepts_per_tick
         self._turn: asyncio.Future[None] | None = None
         self._task: asyncio.Task[None] | None = None
 
@@ -163,6 +176,18 @@ class Listener:
     def count(self) -> int:
         """Clients that are not about to leave."""
         return sum(not client.is_leaving for client in self.clients.values())
+
+    def _make_room(self) -> None:
+        """End the client that has come furthest the least of those that have not logged in, if they are many."""
+        guests = [
+            client for client in self.clients.values() if not (client.is_leaving or client.connection.is_admitted)
+        ]
+        if len(guests) >= GUESTS_MAX:
+            # Of equals the oldest comes first.
+            chosen = min(guests, key=lambda client: client.connection.progress)
+            self._crowd.add(f"closed {chosen.origin} from {chosen.peer}: {GUESTS_MAX} clients have not logged in")
+            chosen.abort()
+            self._forget(chosen.origin)
 
     def begin_tick(self) -> None:
         """Accept on, and write how many clients were refused if that is due; while `is_restless`."""
@@ -218,6 +243,7 @@ class Listener:
                 # Any other error is of the client that was to be accepted: it has gone already.
                 continue
             start_ns = time.thread_time_ns()
+            self._make_room()
             if self.count >= CLIENTS_MAX or len(self.clients) >= LEAVING_MAX:
                 raw.close()
                 self._crowd.add(f"refused {_host_of(address)}: {CLIENTS_MAX} clients are connected")
@@ -227,7 +253,7 @@ class Listener:
             self._hub.shares.charge(self.expected_ns)
             self._accepted += 1
             self._stir()
-            if self._accepted >= ACCEPTS_PER_TICK or self._hub.shares.is_used_up(0):
+            if self._accepted >= self._accepts_per_tick or self._hub.shares.is_used_up(0):
                 self._turn = loop.create_future()
                 try:
                     await self._turn

@@ -46,13 +46,14 @@ class Shares:
     Attributes:
         robots: that one process serves; they share its time.
         spent_ns: of this tick, with what the ticks before have left to pay.
+        tick: number of ticks that have begun.
     """
 
-    __slots__ = ("_heavy", "_light", "_tick_ns", "robots", "spent_ns")
+    __slots__ = ("_heavy", "_light", "_tick_ns", "robots", "spent_ns", "tick")
 
     def __init__(self) -> None:
         self.robots = 1
-        self.spent_ns = 0
+        self.spent_ns = self.tick = 0
         self._tick_ns = READ_BUDGET_NS
         self._light: deque[Waiting] = deque()
         self._heavy: deque[Waiting] = deque()
@@ -106,6 +107,7 @@ class Shares:
         Args:
             is_late: the tick began late.
         """
+        self.tick += 1
         self.spent_ns = min(max(self.spent_ns - self._tick_ns, 0), DEBT_MAX_TICKS * READ_BUDGET_NS)
         self._tick_ns = (LATE_READ_BUDGET_NS if is_late else READ_BUDGET_NS) // self.robots
         left_ns = self._tick_ns - self.spent_ns

@@ -27,8 +27,7 @@ from typing import Any, Final, Protocol
 from elitescript.messages.inputs import Input, VariablesArrived
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.protocol.browsers import FirstBytes
-from elitescript.protocol.connection import Connection, ProtocolError
+from elitescript.protocol.connection import BrowserError, Connection, ProtocolError
 from elitescript.protocol.ports import Service
 from elitescript.services.clients.shares import READ_MAX, SHARE_NS, Shares
 
@@ -93,9 +92,9 @@ class Client(asyncio.BufferedProtocol):
         "_buffer",
         "_deadline",
         "_descriptor",
-        "_first_bytes",
         "_forget",
         "_hub",
+        "_is_attended",
         "_is_light",
         "_is_paused",
         "_is_prompt",
@@ -129,7 +128,6 @@ class Client(asyncio.BufferedProtocol):
         self._service = service
         self._forget = forget
         self._refuse = refuse
-        self._first_bytes: FirstBytes | None = FirstBytes()
         self._buffer = memoryview(bytearray(READ_MAX))
         self._size = READ_MAX
         self._ns_per_byte = NS_PER_BYTE
@@ -148,6 +146,8 @@ class Client(asyncio.BufferedProtocol):
         self._stalled_since: int | None = None
         self._deadline: int | None = None
         self.connection = connection
+        connection.attend = self._attend
+        self._is_attended = False
         self.peer = ""
         self.dropped = 0
         self.owes_input = False
@@ -198,11 +198,11 @@ class Client(asyncio.BufferedProtocol):
         """Hand on what has come; return the number of inputs, or None if the client was closed for what it sent."""
         connection, hub = self.connection, self._hub
         hub.make_due()
-        data = bytes(self._buffer[:nbytes])
-        if self._first_bytes is not None and self._is_browser(self._first_bytes, data):
-            return None
         try:
-            inputs = connection.receive(data, hub.output)
+            inputs = connection.take_in(bytes(self._buffer[:nbytes]), hub.output)
+        except BrowserError as error:
+            self._end_browser(str(error))
+            return None
         except ProtocolError as error:
             self._offend(str(error))
             return None
@@ -216,18 +216,13 @@ class Client(asyncio.BufferedProtocol):
         self._write()
         return len(inputs)
 
-    def _is_browser(self, first_bytes: FirstBytes, data: bytes) -> bool:
-        """Return whether the client is a web browser; then its connection ends, and nothing of it counts."""
-        if found := first_bytes.feed(data):
-            self._is_silent = True
-            self.owes_input = False
-            self.connection.closed()
-            self._refuse(f"{self.origin} from {self.peer}: closed: it sent {found}, as a web browser does")
-            self.abort()
-            return True
-        if first_bytes.is_decided:
-            self._first_bytes = None
-        return False
+    def _end_browser(self, why: str) -> None:
+        """End the connection of a web browser; nothing of it counts."""
+        self._is_silent = True
+        self.owes_input = False
+        self.connection.closed()
+        self._refuse(f"{self.origin} from {self.peer}: closed: {why}")
+        self.abort()
 
     def _account(self, size: int, spent_ns: int) -> None:
         whole_ns, self._late_ns = spent_ns + self._late_ns, 0
@@ -273,9 +268,11 @@ class Client(asyncio.BufferedProtocol):
 
     def pause_writing(self) -> None:
         self._stalled_since = self._hub.output.tick
+        self.connection.is_behind = True
 
     def resume_writing(self) -> None:
         self._stalled_since = None
+        self.connection.is_behind = False
         # The transport is in the middle of writing, and ticks that run at once could close it.
         asyncio.get_running_loop().call_soon(self._hub.wake)
 
@@ -435,6 +432,18 @@ class Client(asyncio.BufferedProtocol):
             self._part()
 
     # ---------------------------------------------------------------- inside
+
+    def _attend(self) -> None:
+        """Look at the connection in the next turn of the event loop."""
+        if not self._is_attended:
+            self._is_attended = True
+            asyncio.get_running_loop().call_soon(self._attended)
+
+    def _attended(self) -> None:
+        self._is_attended = False
+        self._write()
+        if self.connection.is_over and self._deadline is None:
+            self._finish()
 
     def _write(self) -> None:
         connection, transport = self.connection, self._transport

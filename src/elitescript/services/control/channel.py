@@ -18,6 +18,7 @@ import os
 import secrets
 import stat
 import tempfile
+import traceback
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -29,15 +30,18 @@ from elitescript.messages.outcomes import Outcome
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import seconds
 from elitescript.protocol.browsers import is_web_request
+from elitescript.services.clients.turns import Turns
 from elitescript.services.control.debug_events import DebugEvents, debug_result
 from elitescript.services.control.verbs import VERBS, Verb, VerbRequest, outcome_text
 from elitescript.services.robot_server import RobotServer
 from elitescript.untrusted.files import ADDRESS, read_bytes
-from elitescript.untrusted.json_text import JsonError, json_value
+from elitescript.untrusted.json_text import JsonError, json_object, json_value
 
 LINE_MAX: Final = 64 * 1024
 ANSWER_TIMEOUT_S: Final = 6.0
 """For a tick; in lockstep time may stand still."""
+CLIENTS_MAX: Final = 64
+"""Connections at once."""
 REPLY_TICKS: Final = 1000
 """Within which the robot answers an order."""
 DEBUG: Final = "debug"
@@ -133,29 +137,44 @@ class ControlChannel:
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         self._count += 1
         origin = f"ctl#{self._count}"
+        if len(self._writers) >= CLIENTS_MAX:
+            writer.write(_line(_refusal(f"{CLIENTS_MAX} connections to ctl are open")))
+            writer.close()
+            return
         self._writers.add(writer)
-        number = 0
         events = DebugEvents(self._server, origin, writer)
+        turns = Turns(self._server.shares, self._server.make_due)
         try:
-            while line := await reader.readline():
-                number += 1
-                if number == 1 and is_web_request(line):
-                    break
-                writer.write(json.dumps(await self._answer(f"{origin}/{number}", line, events)).encode() + b"\n")
-                await writer.drain()
-        except (ConnectionError, ValueError, asyncio.CancelledError):
-            # The client has gone, or sends a line without an end: there is no answer to give.
+            await turns.measured(self._answer_all(origin, reader, writer, events, turns))
+        except (ConnectionError, asyncio.CancelledError):
+            # The client has gone: there is no answer to give.
             pass
         finally:
             events.close()
             self._writers.discard(writer)
             writer.close()
 
+    async def _answer_all(
+        self, origin: str, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, events: DebugEvents, turns: Turns
+    ) -> None:
+        """Answer the requests of a connection, one after the other, as its share of the time allows."""
+        number = 0
+        while True:
+            await turns.next()
+            try:
+                line = await reader.readline()
+            except ValueError:
+                writer.write(_line(_refusal(f"a request has {LINE_MAX} bytes at most")))
+                return
+            number += 1
+            if not line or (number == 1 and is_web_request(line)):
+                return
+            writer.write(_line(await self._answer(f"{origin}/{number}", line, events)))
+            await writer.drain()
+
     async def _answer(self, origin: str, line: bytes, events: DebugEvents) -> dict[str, Any]:
         try:
-            asked = json_value(line)
-            if not isinstance(asked, dict):
-                raise UsageError("a request is a JSON object")
+            asked = json_object(line)
             if self._token and not hmac.compare_digest(str(asked.get("token", "")), self._token):
                 raise UsageError("the token is wrong")
             verb = VERBS.get(str(asked.get("verb")))
@@ -164,6 +183,8 @@ class ControlChannel:
             arguments, values = asked.get("arguments", []), asked.get("values", {})
             if not isinstance(arguments, list) or not isinstance(values, dict):
                 raise UsageError("arguments are a list, values an object")
+            if any(isinstance(argument, list | dict) for argument in arguments):
+                raise UsageError("arguments are texts and numbers")
             server = self._server
             snapshot, description = server.output.snapshot, server.link.description
             request = VerbRequest(origin, tuple(map(str, arguments)), values, snapshot, description, server.devices)
@@ -173,7 +194,12 @@ class ControlChannel:
                 return await self._play_to_the_end(verb, request)
             return await self._carry_out(verb, request)
         except (UsageError, JsonError) as error:
-            return {"ok": False, "error": str(error)}
+            return _refusal(str(error))
+        except Exception:
+            # A defect of this program ends no connection.
+            text = f"{origin}: internal error, please report it:\n{traceback.format_exc()}"
+            self._server.note("bug", text, is_problem=True, origin=origin)
+            return _refusal("internal error; the log of serve has it")
 
     async def _play_to_the_end(self, verb: Verb, request: VerbRequest) -> dict[str, Any]:
         ending = Ending()
@@ -301,6 +327,14 @@ def _why_late(server: RobotServer) -> str:
         return f": time waits for {server.waits_for}"
     line = server.link.busy_line
     return f": the program keeps it in line {line}" if line else ""
+
+
+def _refusal(why: str) -> dict[str, Any]:
+    return {"ok": False, "error": why}
+
+
+def _line(answer: dict[str, Any]) -> bytes:
+    return json.dumps(answer).encode() + b"\n"
 
 
 def _clients(server: RobotServer) -> dict[str, Any]:

@@ -225,6 +225,8 @@ def _disturb(request: VerbRequest) -> VerbAction:
     from elitescript.devices.channels.faults import DEVICE, fault_from, nowhere, place_of
     from elitescript.devices.channels.machine_faults import machine_fault
 
+    if not request.arguments:
+        raise UsageError("disturb takes KIND on=PLACE NAME=VALUE..., or end")
     kind, *words = request.arguments
     if kind == "end" and not words:
         return VerbAction((EndFaults(request.origin),), "nothing goes wrong any more", failure="disturb")
@@ -235,7 +237,7 @@ def _disturb(request: VerbRequest) -> VerbAction:
             raise UsageError(f"disturb takes KIND on=PLACE NAME=VALUE..., not {word!r}")
         try:
             settings[name] = literal_eval(text)
-        except (ValueError, SyntaxError):
+        except (ValueError, SyntaxError, MemoryError, RecursionError):
             settings[name] = text
     fault = fault_from(settings)
     if request.world is not None:

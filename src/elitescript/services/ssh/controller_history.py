@@ -39,11 +39,13 @@ class ControllerHistory:
         clock: seconds since 1970.
     """
 
-    __slots__ = ("_clock", "_rows")
+    __slots__ = ("_clock", "_rows", "_text")
 
     def __init__(self, clock: Callable[[], float] = time.time) -> None:
         self._clock = clock
         self._rows: deque[bytes] = deque(maxlen=ROWS_MAX)
+        self._text = b""
+        """The whole log; empty if a row has come since it was made."""
 
     def take(self, event: Event) -> None:
         """Write an event down, if it is one of those that the log has."""
@@ -51,11 +53,13 @@ class ControllerHistory:
         if entry is not None:
             stamp = datetime.fromtimestamp(self._clock(), UTC).isoformat(" ", "milliseconds").removesuffix("+00:00")
             level, source, code, text = entry
+            self._text = b""
             self._rows.append(_row((stamp, level, source, code, text[:TEXT_MAX])))
 
     def text(self) -> bytes:
         """Return the whole log: CSV in UTF-8 with a row of names; times are UTC."""
-        return b"".join((_row(COLUMNS), *self._rows))
+        self._text = self._text or b"".join((_row(COLUMNS), *self._rows))
+        return self._text
 
 
 def _row(cells: tuple[str, ...]) -> bytes:

@@ -19,7 +19,10 @@ BYTES_MAX: Final = 32 * 1024 * 1024
 """Of all files that clients have written."""
 ENTRIES_MAX: Final = 256
 """Files and folders that clients have made."""
-OPEN_MAX: Final = 32
+OPEN_MAX: Final = 64
+"""Files that are open at once."""
+PAGE: Final = 64 * 1024
+"""Bytes of a file that are kept together; those that were never written take no memory."""
 PATH_MAX: Final = 1024
 """Bytes of a path."""
 NAME_MAX: Final = 255
@@ -46,13 +49,66 @@ class Status:
 
 
 class _File:
-    __slots__ = ("data", "handles", "is_linked", "time_s")
+    """A file that clients write, in pages.
+
+    Attributes:
+        size: bytes, with those that were never written.
+    """
+
+    __slots__ = ("_pages", "handles", "is_linked", "size", "time_s")
 
     def __init__(self, time_s: int) -> None:
-        self.data = bytearray()
+        self._pages: dict[int, bytearray] = {}
+        self.size = 0
         self.handles = 0
         self.is_linked = True
         self.time_s = time_s
+
+    def read(self, offset: int, size: int) -> bytes:
+        end = min(offset + size, self.size)
+        parts: list[bytes] = []
+        while offset < end:
+            number, start = divmod(offset, PAGE)
+            count = min(PAGE - start, end - offset)
+            page = self._pages.get(number)
+            parts.append(bytes(count) if page is None else bytes(page[start : start + count]))
+            offset += count
+        return b"".join(parts)
+
+    def write(self, offset: int, data: bytes) -> None:
+        """Write where there is room already."""
+        done = 0
+        while done < len(data):
+            number, start = divmod(offset + done, PAGE)
+            count = min(PAGE - start, len(data) - done)
+            page = self._pages.get(number)
+            if page is None:
+                page = self._pages[number] = bytearray(PAGE)
+            page[start : start + count] = data[done : done + count]
+            done += count
+
+    def resize(self, size: int) -> None:
+        if size < self.size:
+            last, start = divmod(size, PAGE)
+            for number in [number for number in self._pages if number > last or (number == last and not start)]:
+                del self._pages[number]
+            if start and (page := self._pages.get(last)) is not None:
+                page[start:] = bytes(PAGE - start)
+        self.size = size
+
+
+class _Made(_File):
+    """A file that the robot makes, as it was when it was opened."""
+
+    __slots__ = ("_content",)
+
+    def __init__(self, time_s: int, content: bytes) -> None:
+        super().__init__(time_s)
+        self._content = content
+        self.size = len(content)
+
+    def read(self, offset: int, size: int) -> bytes:
+        return self._content[offset : offset + size]
 
 
 class RobotFiles:
@@ -98,7 +154,7 @@ class RobotFiles:
             return Status(False, len(self._made[place]()), READ_ONLY_MODE, int(self._clock()))
         if place in self._files:
             file = self._files[place]
-            return Status(False, len(file.data), FILE_MODE, file.time_s)
+            return Status(False, file.size, FILE_MODE, file.time_s)
         raise _error(errno.ENOENT, place)
 
     def names(self, path: str) -> list[str]:
@@ -149,9 +205,7 @@ class RobotFiles:
         if writes:
             _check_writable(place)
         if place in self._made:
-            file = _File(int(self._clock()))
-            file.data += self._made[place]()
-            return OpenFile(self, file, writes=False, appends=False)
+            return OpenFile(self, _Made(int(self._clock()), self._made[place]()), writes=False, appends=False)
         found = self._files.get(place)
         if found is None:
             if not (creates and writes):
@@ -264,13 +318,10 @@ class RobotFiles:
             self._resize(file, 0)
 
     def _resize(self, file: _File, size: int) -> None:
-        grown = size - len(file.data)
+        grown = size - file.size
         if grown > 0 and self._used + grown > BYTES_MAX:
             raise OSError(errno.ENOSPC, f"the files of the robot have {BYTES_MAX // 2**20} MiB at most")
-        if grown > 0:
-            file.data += bytes(grown)
-        else:
-            del file.data[size:]
+        file.resize(size)
         self._used += grown
         file.time_s = int(self._clock())
 
@@ -292,11 +343,11 @@ class OpenFile:
     def status(self) -> Status:
         """What is known of it."""
         mode = FILE_MODE if self._writes else READ_ONLY_MODE
-        return Status(False, len(self._file.data), mode, self._file.time_s)
+        return Status(False, self._file.size, mode, self._file.time_s)
 
     def read(self, offset: int, size: int) -> bytes:
         """Return bytes from an offset on, fewer at the end."""
-        return bytes(self._file.data[max(offset, 0) : max(offset, 0) + max(size, 0)])
+        return self._file.read(max(offset, 0), max(size, 0))
 
     def write(self, offset: int, data: bytes) -> int:
         """Write at an offset; zeros fill what lies before it.
@@ -305,10 +356,10 @@ class OpenFile:
             OSError: not opened to be written, or there is no room.
         """
         self._check_writes()
-        at = len(self._file.data) if self._appends else max(offset, 0)
-        if at + len(data) > len(self._file.data):
+        at = self._file.size if self._appends else max(offset, 0)
+        if at + len(data) > self._file.size:
             self._files._resize(self._file, at + len(data))
-        self._file.data[at : at + len(data)] = data
+        self._file.write(at, data)
         return len(data)
 
     def truncate(self, size: int) -> None:

@@ -1,5 +1,8 @@
 """The SSH port of a robot. Everything that a client can reach is in memory: no shell, no file of this computer.
 
+Sockets are read and written as those of every other port are (`services.clients`); the library gets bytes through
+`connection`. What one client has at once is bounded: sessions, open files, listings, bytes that wait for it.
+
 The only module that imports asyncssh, which is the extra `ssh`; nothing imports this one before `serve --ssh` does.
 """
 
@@ -10,24 +13,31 @@ import contextlib
 import errno
 import hmac
 import posixpath
-import socket
 import stat
-from collections.abc import AsyncIterator, Callable
+import weakref
+from collections.abc import Callable
 from hashlib import sha256
 from typing import Any, Final
 
 import asyncssh
 
 from elitescript.errors import UsageError
-from elitescript.services.clients.liveness import watch_peer
 from elitescript.services.ssh import commands as ssh_commands
 from elitescript.services.ssh.commands import FindBridge, Kill, Refuse, Say, StartBridge, read_command
+from elitescript.services.ssh.connection import SshConnection
 from elitescript.services.ssh.files import BYTES_MAX, OpenFile, RobotFiles, Status, absolute
 from elitescript.services.ssh.serial_bridges import SerialBridges
 
 USER: Final = "root"
 """The only one (*assumed*)."""
-CONNECTIONS_MAX: Final = 8
+CLIENTS_MAX: Final = 8
+"""That have logged in; those that have not are bounded by `listener.GUESTS_MAX`."""
+SESSIONS_MAX: Final = 4
+"""Of one client at once: commands, SFTP, SCP."""
+OPEN_MAX: Final = 16
+"""Files, and as many listings of folders, that one client has open at once."""
+READ_MAX: Final = 256 * 1024
+"""Bytes that one request reads; copies within the robot are made of pieces of this size."""
 ATTEMPTS_MAX: Final = 3
 """Passwords of one connection."""
 WRONG_PASSWORD_S: Final = 1.0
@@ -36,6 +46,10 @@ LOGIN_S: Final = 20
 """A client that has not logged in by then is let go."""
 WINDOW: Final = 64 * 1024
 """Bytes of a channel that may wait to be read: few, so that a transfer does not hold up a tick for long."""
+PACKET_MAX: Final = 4 * 1024 * 1024 + 1024
+"""Bytes of an SFTP request: as many as the library tells clients."""
+CONNECTION: Final = "elitescript_connection"
+"""What the library knows a connection's `SshConnection` by."""
 KEY_EXCHANGES: Final = ("curve25519-sha256", "curve25519-sha256@libssh.org", "ecdh-sha2-nistp256")
 """Those that keep the process busy for less than a tick."""
 
@@ -56,7 +70,17 @@ class SshPort:
         wrong_password_s: how long the answer to a wrong password takes.
     """
 
-    __slots__ = ("_acceptor", "_bridges", "_connections", "_files", "_key", "_password", "_warn", "_wrong_password_s")
+    __slots__ = (
+        "_acceptor",
+        "_bridges",
+        "_clients",
+        "_files",
+        "_key",
+        "_make",
+        "_password",
+        "_warn",
+        "_wrong_password_s",
+    )
 
     def __init__(
         self,
@@ -73,25 +97,23 @@ class SshPort:
         self._warn = warn
         self._wrong_password_s = wrong_password_s
         self._key = asyncssh.generate_private_key("ssh-ed25519")
-        self._connections: set[_Login] = set()
+        self._clients: set[_Login] = set()
         self._acceptor: Any = None
+        self._make: Callable[[str, int], Any]
 
     @property
     def fingerprint(self) -> str:
         """Of the host key, as clients show it."""
         return str(self._key.get_fingerprint())
 
-    async def open(self, bound: socket.socket) -> None:
-        """Accept clients at a socket that listens; the port closes it."""
+    async def open(self) -> None:
+        """Prepare the library for clients."""
+        # What it takes for a connection that carries its connections gets their factory, and nothing listens.
         self._acceptor = await asyncssh.listen(
-            sock=bound,
+            tunnel=self,
             config=None,
             server_factory=lambda: _Login(self),
             server_host_keys=[self._key],
-            process_factory=self._run,
-            sftp_factory=lambda channel: _Sftp(channel, self._files),
-            allow_scp=True,
-            encoding=None,
             password_auth=True,
             public_key_auth=False,
             kbdint_auth=False,
@@ -100,35 +122,45 @@ class SshPort:
             allow_pty=False,
             agent_forwarding=False,
             x11_forwarding=False,
-            line_editor=False,
             compression_algs=None,
             kex_algs=list(KEY_EXCHANGES),
             login_timeout=LOGIN_S,
-            window=WINDOW,
         )
 
-    async def close(self) -> None:
-        """Let every client go."""
-        if self._acceptor is not None:
-            self._acceptor.close()
-            for login in list(self._connections):
-                login.drop()
-            with contextlib.suppress(OSError, asyncssh.Error):
-                await self._acceptor.wait_closed()
+    async def create_server(self, factory: Callable[[str, int], Any], host: str, port: int) -> SshPort:
+        """Keep what makes the library's end of a connection; called by the library."""
+        self._make = factory
+        return self
+
+    def set_tunnel(self, tunnel: SshPort) -> None:
+        """Do nothing; called by the library."""
+
+    def close(self) -> None:
+        """Do nothing: clients are let go by the listener."""
+
+    def make_protocol(self, connection: SshConnection) -> Any:
+        """Return the library's end of a connection; `_Login` finds the connection in it."""
+        protocol = self._make("", 0)
+        protocol.set_extra_info(**{CONNECTION: connection})
+        return protocol
 
     # ---------------------------------------------------------------- called by connections
 
     def enter(self, login: _Login) -> bool:
-        """Count a connection; whether there is room for it."""
-        if len(self._connections) >= CONNECTIONS_MAX:
-            self._warn(f"ssh: a client is refused, {CONNECTIONS_MAX} are connected")
+        """Count a client that logs in; return whether there is room for it."""
+        if len(self._clients) >= CLIENTS_MAX:
+            self._warn(f"ssh: a client is refused, {CLIENTS_MAX} have logged in")
             return False
-        self._connections.add(login)
+        self._clients.add(login)
         return True
 
     def leave(self, login: _Login) -> None:
-        """Forget a connection that has gone."""
-        self._connections.discard(login)
+        """Forget a client that has gone."""
+        self._clients.discard(login)
+
+    def session(self, login: _Login) -> Any:
+        """Return a session of a client."""
+        return _Session(login, self._run, lambda channel: _Sftp(channel, self._files, login))
 
     async def admits(self, user: str, password: str) -> bool:
         """Return whether a login is right; takes the same time whatever is wrong."""
@@ -175,27 +207,27 @@ class SshPort:
 
 
 class _Login(asyncssh.SSHServer):
-    """One connection. What it does not answer itself (forwarding, other ways to log in) the library refuses."""
+    """One client. What it does not answer itself (forwarding, other ways to log in) the library refuses."""
 
-    __slots__ = ("_attempts", "_connection", "_port")
+    __slots__ = ("_attempts", "_library", "_port", "connection", "listings", "opened", "sessions")
 
     def __init__(self, port: SshPort) -> None:
         self._port = port
-        self._connection: Any = None
-        self._attempts = 0
+        self._library: Any = None
+        self.connection: SshConnection
+        self._attempts = self.sessions = self.opened = 0
+        self.listings: weakref.WeakSet[_Listing] = weakref.WeakSet()
+        """Of folders, that the client has not closed."""
 
     def connection_made(self, conn: Any) -> None:
-        self._connection = conn
-        raw = conn.get_extra_info("socket")
-        if raw is not None:
-            watch_peer(raw)
-        if not self._port.enter(self):
-            conn.abort()
+        self._library = conn
+        self.connection = conn.get_extra_info(CONNECTION)
 
     def connection_lost(self, exc: Exception | None) -> None:
         self._port.leave(self)
 
     def begin_auth(self, username: str) -> bool:
+        self.connection.stage = max(self.connection.stage, 2)
         return True
 
     def password_auth_supported(self) -> bool:
@@ -204,14 +236,89 @@ class _Login(asyncssh.SSHServer):
     async def validate_password(self, username: str, password: str) -> bool:
         self._attempts += 1
         if await self._port.admits(username, password):
+            if not self._port.enter(self):
+                reason = f"{CLIENTS_MAX} clients have logged in"
+                raise asyncssh.DisconnectError(asyncssh.DISC_TOO_MANY_CONNECTIONS, reason)
+            self.connection.stage = SshConnection.ADMITTED
             return True
         if self._attempts >= ATTEMPTS_MAX:
-            self.drop()
+            self._library.abort()
         return False
 
-    def drop(self) -> None:
-        """Close at once."""
-        self._connection.abort()
+    def session_requested(self) -> Any:
+        if self.sessions >= SESSIONS_MAX:
+            raise asyncssh.ChannelOpenError(asyncssh.OPEN_RESOURCE_SHORTAGE, f"{SESSIONS_MAX} sessions are open")
+        channel = self._library.create_server_channel(encoding=None, window=WINDOW)
+        channel._env = _Nothing()
+        return channel, self._port.session(self)
+
+    def take(self) -> None:
+        """Count a file that is opened.
+
+        Raises:
+            OSError: the client has too many.
+        """
+        if self.opened >= OPEN_MAX:
+            raise OSError(errno.EMFILE, f"a client has {OPEN_MAX} files open at most")
+        self.opened += 1
+
+
+class _Nothing(dict[bytes, bytes]):
+    """Keeps no environment variables: nothing reads them, and a client may send any number."""
+
+    def __setitem__(self, key: bytes, value: bytes) -> None:
+        """Forget it."""
+
+
+class _Session(asyncssh.SSHServerProcess[bytes]):
+    """One session of a client. Its requests are read one by one, each when the client's share allows it."""
+
+    def __init__(self, login: _Login, run: Callable[[Any], Any], make_files: Callable[[Any], Any]) -> None:
+        super().__init__(run, make_files, sftp_version=3, allow_scp=True)
+        self._login = login
+
+    def connection_made(self, chan: Any) -> None:
+        self._login.sessions += 1
+        super().connection_made(chan)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._login.sessions -= 1
+        super().connection_lost(exc)
+
+    async def read(self, datatype: Any, n: int, exact: bool) -> Any:
+        if n > PACKET_MAX:
+            raise asyncssh.SFTPBadMessage(f"a request has {PACKET_MAX} bytes at most")
+        # What was answered before is to be taken first.
+        await self.drain(None)
+        await self._login.connection.turns.next()
+        return await super().read(datatype, n, exact)
+
+
+class _Listing:
+    """The entries of a folder, as they were when it was opened.
+
+    Args:
+        files: of the robot.
+        folder: its path.
+    """
+
+    __slots__ = ("__weakref__", "_files", "_folder", "_names")
+
+    def __init__(self, files: RobotFiles, folder: str) -> None:
+        self._files = files
+        self._folder = folder
+        self._names = iter((".", "..", *files.names(folder)))
+
+    def __aiter__(self) -> _Listing:
+        return self
+
+    async def __anext__(self) -> Any:
+        for name in self._names:
+            # An entry may have been removed since.
+            with contextlib.suppress(FileNotFoundError):
+                attributes = _attributes(self._files.status(posixpath.join(self._folder, name)))
+                return asyncssh.SFTPName(name.encode(errors="surrogateescape"), attrs=attributes)
+        raise StopAsyncIteration
 
 
 class _Sftp(asyncssh.SFTPServer):
@@ -221,9 +328,10 @@ class _Sftp(asyncssh.SFTPServer):
     for those that later versions of the library may add.
     """
 
-    def __init__(self, channel: Any, files: RobotFiles) -> None:
+    def __init__(self, channel: Any, files: RobotFiles, login: _Login) -> None:
         super().__init__(channel)
         self._files = files
+        self._login = login
 
     def format_user(self, uid: int | None) -> str:
         return USER
@@ -238,6 +346,14 @@ class _Sftp(asyncssh.SFTPServer):
         return path
 
     def open(self, path: bytes, pflags: int, attrs: Any) -> OpenFile:
+        self._login.take()
+        try:
+            return self._opened(path, pflags)
+        except OSError:
+            self._login.opened -= 1
+            raise
+
+    def _opened(self, path: bytes, pflags: int) -> OpenFile:
         return self._files.open(
             _text(path),
             writes=bool(pflags & asyncssh.FXF_WRITE),
@@ -252,12 +368,15 @@ class _Sftp(asyncssh.SFTPServer):
         raise _unsupported()
 
     def close(self, file_obj: object) -> None:
+        self._login.opened -= 1
         _opened(file_obj).close()
 
-    def read(self, file_obj: object, offset: int, size: int) -> bytes:
-        return _opened(file_obj).read(offset, size)
+    async def read(self, file_obj: object, offset: int, size: int) -> bytes:
+        # One request may read and write without end: a copy within the robot.
+        await self._login.connection.turns.next()
+        return _opened(file_obj).read(offset, min(size, READ_MAX))
 
-    def write(self, file_obj: object, offset: int, data: bytes) -> int:
+    async def write(self, file_obj: object, offset: int, data: bytes) -> int:
         return _opened(file_obj).write(offset, data)
 
     def stat(self, path: bytes) -> Any:
@@ -287,12 +406,13 @@ class _Sftp(asyncssh.SFTPServer):
         if attrs.size is not None:
             _opened(file_obj).truncate(attrs.size)
 
-    async def scandir(self, path: bytes) -> AsyncIterator[Any]:
-        folder = _text(path)
-        for name in (".", "..", *self._files.names(folder)):
-            status = self._files.status(posixpath.join(folder, name))
-            encoded = name.encode(errors="surrogateescape")
-            yield asyncssh.SFTPName(encoded, attrs=_attributes(status))
+    def scandir(self, path: bytes) -> _Listing:
+        listings = self._login.listings
+        if len(listings) >= OPEN_MAX:
+            raise OSError(errno.EMFILE, f"a client has {OPEN_MAX} folders open at most")
+        listing = _Listing(self._files, _text(path))
+        listings.add(listing)
+        return listing
 
     def remove(self, path: bytes) -> None:
         self._files.remove(_text(path))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from elitescript.conversation.messages import SignalInput
 from elitescript.environment.memory import folder_contents
@@ -13,6 +13,9 @@ from elitescript.models.model import is_model_file
 from elitescript.records import field, fields_of, record
 from elitescript.robot import VirtualRobot
 from elitescript.world_file import closed_world, files_read
+
+if TYPE_CHECKING:
+    from elitescript.devices.world import World
 
 
 @record
@@ -69,6 +72,12 @@ def code_name(name: str) -> str:
     return name if name.endswith(".script") else f"{name}.script"
 
 
+def _reach(job: Job, world: World) -> dict[str, str]:
+    """Return the option for what a job reaches that may connect: what the world file says, else every address."""
+    in_file = {} if world.settings is None else world.settings.options
+    return {"network": "all"} if job.may_connect and "network" not in in_file else {}
+
+
 class PreparedJob:
     """What a job needs of this computer, read once: robots of it can be made when nothing can be read any more.
 
@@ -98,7 +107,7 @@ class PreparedJob:
         """Return a new robot, with its world and its inputs."""
         job = self.job
         world = closed_world(job.world or None, is_trusted=job.is_trusted, may_connect=job.may_connect)
-        robot = VirtualRobot(world=world, task_dir=self._files, **job.robot)
+        robot = VirtualRobot(world=world, task_dir=self._files, **{**_reach(job, world), **job.robot})
         robot.reports_signals = False
         robot.set_start(self.levels)
         for at_s, name, value in self.schedule:

@@ -1,0 +1,135 @@
+"""Which addresses a program reaches that runs in this process: the option `network` of a robot (`--network`).
+
+- `none`: only what is beside the robot in its world, or in a test;
+- `local`: this computer's loopback addresses as well;
+- addresses, networks and names: `local`, and these;
+- `all`: every address.
+
+What is decided on is the address that is connected to, so that no other way to write it and no answer of a name server
+gets around it. A query of a name is contact too: under `none` and `local` nothing is looked up, `localhost` stands for
+the loopback addresses; otherwise the names that the option has, under `all` every name.
+"""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Iterable
+from typing import Any, Final
+
+from elitescript.environment.addresses import (
+    ALL,
+    HOST_MAX,
+    LOCAL_HOST,
+    LOOPBACK,
+    NONE,
+    address_of,
+    embedded,
+    is_loopback,
+    parse_values,
+    place_of,
+    plain_name,
+    special_kind,
+    unmapped,
+)
+from elitescript.records import NamedTuple
+
+OPTION: Final = "--network"
+_SHOWN: Final = 80
+"""Most characters of an address in a text."""
+
+Rows = list[Any]
+"""What `socket.getaddrinfo` returns."""
+
+
+class Decision(NamedTuple):
+    """What a program reaches of an address and port.
+
+    Attributes:
+        rows: where it may connect; empty if nowhere, or if the name must be looked up first.
+        is_name: whether a name server may be asked for it.
+        why_not: why it may not connect, with the option that would allow it; empty if it may.
+        fix: part of the option's value that would allow it; empty if none is of use.
+    """
+
+    rows: Rows
+    is_name: bool = False
+    why_not: str = ""
+    fix: str = ""
+
+
+class Reach:
+    """Decides what programs of one robot reach outside of its world.
+
+    Args:
+        text: value of the option.
+
+    Raises:
+        UsageError: it makes no sense.
+    """
+
+    __slots__ = ("_has_all", "_has_none", "_kept", "_rules", "text")
+
+    def __init__(self, text: str) -> None:
+        words, self._rules, parts = parse_values([text], OPTION)
+        self._has_all = ALL in words
+        self._has_none = NONE in words
+        self._kept = [part for part in parts if part not in words]
+        self.text = ",".join(parts)
+
+    def decide(self, name: str, port: int) -> Decision:
+        """Decide on an address that a program names; nothing is looked up."""
+        if len(name) > HOST_MAX:
+            # A name server is not asked for what cannot be a name.
+            return self._refused(name, port, f"it has {len(name)} characters, and a name {HOST_MAX} at most", "")
+        rows = _rows(LOOPBACK, port) if plain_name(name) == LOCAL_HOST else numeric(name, port)
+        if rows:
+            return self.among(rows, name, port)
+        if self._has_all or any(rule.names(name, port) for rule in self._rules):
+            return Decision([], is_name=True)
+        return self._refused(name, port, f"it is a name, which {OPTION} {self.text} does not look up", name)
+
+    def among(self, rows: Rows, name: str, port: int) -> Decision:
+        """Decide on what a name, or another way to write an address, stands for."""
+        allowed = [row for row in rows if self._allows(name, row[4][0], port)]
+        if allowed:
+            # Most servers listen on IPv4 alone, whatever the computer likes better.
+            return Decision(sorted(allowed, key=lambda row: row[0] != socket.AF_INET))
+        first = str(rows[0][4][0])
+        address = unmapped(address_of(first))
+        kind = special_kind(embedded(address))
+        if not kind:
+            kind = "not beside the robot" if self._has_none else "neither beside the robot nor a loopback address"
+        what = "it is" if plain_name(name) == first.lower() else f"it is {first},"
+        return self._refused(name, port, f"{what} {kind}", str(address))
+
+    def _refused(self, name: str, port: int, why: str, host: str) -> Decision:
+        shown = name if len(name) <= _SHOWN else f"{name[:_SHOWN]}..."
+        fix = place_of(host, port) if host else ""
+        hint = f"; `{self.allowing([fix])}` allows it" if fix else ""
+        return Decision([], why_not=f"not connected to {place_of(shown, port)}: {why}{hint}", fix=fix)
+
+    def allowing(self, fixes: Iterable[str]) -> str:
+        """Return the option with a value that allows what it does, and more."""
+        return f"{OPTION} {','.join([*self._kept, *fixes])}"
+
+    def _allows(self, name: str, text: str, port: int) -> bool:
+        if self._has_all:
+            return True
+        address = unmapped(address_of(text))
+        if any(rule.has(address, port) for rule in self._rules):
+            return True
+        if is_loopback(address):
+            return not self._has_none
+        return any(rule.names(name, port) for rule in self._rules) and not special_kind(embedded(address))
+
+
+def numeric(name: str, port: int) -> Rows:
+    """Return what the number of an address stands for, in whatever way it is written; nothing for a name."""
+    try:
+        return socket.getaddrinfo(name, port, type=socket.SOCK_STREAM, flags=socket.AI_NUMERICHOST)
+    except (OSError, ValueError, OverflowError):
+        return []
+
+
+def _rows(addresses: tuple[str, ...], port: int) -> Rows:
+    return [row for address in addresses for row in numeric(address, port)]
