@@ -23,7 +23,7 @@ from typing import Any, Final, NamedTuple
 
 from elitescript.client.rtsi import RtsiClient, rtsi_client
 from elitescript.services.control.channel import exchange
-from tests.stops.programs import programs
+from tests.stops.programs import FURTHER, programs
 
 ACTIONS: Final = ("stop", "pause", "estop", "replace")
 WARM_S: Final = 0.1
@@ -239,6 +239,8 @@ async def run(options: argparse.Namespace) -> int:
     chosen = programs()
     if options.only:
         chosen = {name: text for name, text in chosen.items() if any(word in name for word in options.only)}
+    if options.further:
+        chosen = {name: text for name, text in chosen.items() if name in FURTHER}
     number, _, count = options.shard.partition("/")
     chosen = dict(list(chosen.items())[int(number) - 1 :: int(count)])
     folder = Path("build") / "stops"
@@ -281,6 +283,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.stops")
     parser.add_argument("--shard", default="1/1")
     parser.add_argument("--only", action="append", default=[])
+    parser.add_argument("--further", action="store_true", help="the programs that are no calls of the catalogue")
     parser.add_argument("--actions", default=",".join(ACTIONS))
     parser.add_argument("--instance", type=int, default=os.getpid() % 50 + 20)
     parser.add_argument("--journal", action="store_true")
