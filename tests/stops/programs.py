@@ -112,7 +112,7 @@ FURTHER: Final[dict[str, str]] = {
     "print of 1 MB": 'print("x" * 1000000)',
     "popup of 1 MB": 'popup("x" * 1000000, "t", False, False, blocking=False)',
     "warning of 1 MB": 'set_tcp(["x" * 1000000])',
-    "send of one byte": 'socket_open("127.0.0.1", 9, "s", 0.1)\nsocket_send_byte(1, "s")',
+    "send of one byte": 'socket_open("127.0.0.1", 9, "s")\nsocket_send_byte(1, "s")',
     "re": 'import re\nre.match("(", "x")',
     "sleep": "sleep(-1)",
     "popup with wrong arguments": "popup(1, 2, 3, 4, 5, 6, 7)",
