@@ -118,8 +118,8 @@ def used_s(processes: list[int]) -> list[float]:
 class Stream:
     """One client that notes when its packages come."""
 
-    def __init__(self, port: int, names: str, frequency_hz: float = 250.0) -> None:
-        self.socket = socket.create_connection(("127.0.0.1", port))
+    def __init__(self, port: int, names: str, frequency_hz: float = 250.0, host: str = "127.0.0.1") -> None:
+        self.socket = socket.create_connection((host, port))
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         if sys.platform == "linux":
             self.socket.setsockopt(socket.SOL_SOCKET, SO_TIMESTAMPNS, 1)

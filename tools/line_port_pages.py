@@ -16,6 +16,7 @@ from elitescript.kernel.interpreter_logs import (
 )
 from elitescript.messages.enums import RobotMode, SafetyMode, TaskState
 from elitescript.messages.outcomes import ShownValue, StatementAccepted, StatementDiscarded
+from elitescript.messages.profile import PLAIN
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol import interpreter, query
 from elitescript.protocol.dashboard import answers as dashboard_answers
@@ -152,11 +153,16 @@ def interpreter_page() -> str:
         "",
         "| reply | when | evidence |",
         "|---|---|---|",
-        f"| `{query.reply_text('ID', ShownValue('VALUE'))}` | The value, as `repr` writes it. | documented |",
+        f"| `{query.reply_text('ID', ShownValue('VALUE'))}` | The value as `repr` writes it,"
+        " but floats in digits alone. | observed |",
         f"| `{query.reply_text('ID', query.NOT_PARSED)}` | The statement does not compile, or is missing. |"
-        " documented |",
+        " words documented, brackets assumed |",
         f"| `{query.reply_text('ID', query.NOT_EXECUTED)}` | It raised an exception, is not allowed or took too long,"
-        " or too many wait. | documented; when too many wait, assumed |",
-        f"| `{query.reply_text(query.UNREADABLE_ID, query.NOT_PARSED)}` | The line is not a request. | documented |",
+        " or too many wait. The log has the reason. | words documented, brackets assumed |",
+        f"| `{query.reply_text(query.UNREADABLE_ID, query.NOT_PARSED)}` | The line is not a request. | assumed |",
+        "",
+        "`--query-form plain` (`query_form` in world files and in Python) is the form of version 0.1.0 and of the",
+        f"vendor's article: `{query.reply_text('ID', ShownValue('VALUE'), PLAIN)}`, with floats as `repr` writes them,",
+        "such as `-6.1e-17`.",
     ]
     return "\n".join(lines) + "\n"

@@ -152,8 +152,16 @@ class ElitescriptError(Exception):
     """Root of the errors that this library raises to its Python callers."""
 
 
+TEXT_MAX: Final = 4000
+"""Characters of the message of a `UsageError`."""
+
+
 class UsageError(ElitescriptError):
     """The caller of this library or of the command line passed an invalid value."""
+
+    def __init__(self, text: str = "") -> None:
+        # A message may quote a value of a file that somebody else wrote.
+        super().__init__(text if len(text) <= TEXT_MAX else f"{text[:TEXT_MAX]}... ({len(text)} characters)")
 
 
 class InternalError(ElitescriptError):
@@ -277,6 +285,10 @@ class ScriptStateError(ScriptError, RuntimeError):
     """The command is not possible in the present state of program or machine."""
 
     default_code = "R115"
+
+
+class ArmNotReadyError(ScriptStateError):
+    """The arm has no power, or its brakes are engaged."""
 
 
 class ScriptPermissionError(ScriptError, PermissionError):

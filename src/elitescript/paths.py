@@ -1,4 +1,4 @@
-"""Paths that users give: what kind of file is there, before a read that would block or never end; where links lead."""
+"""Paths that users give: what is there before a read that might never end, where links lead, what becomes of a file."""
 
 from __future__ import annotations
 
@@ -17,6 +17,33 @@ _KINDS: Final = (
     (stat.S_ISCHR, "a device"),
     (stat.S_ISBLK, "a device"),
 )
+
+
+REMOVED: Final = "was removed"
+CHANGED: Final = "was truncated, or another process has written to it"
+MOVED: Final = "was moved"
+
+
+def what_became_of(path: str | os.PathLike[str], descriptor: int, size: int) -> str:
+    """Return what became of a file that this process writes: `REMOVED`, `CHANGED`, `MOVED`; empty if all is well.
+
+    Args:
+        path: under which it was made.
+        descriptor: of the open file, which appends: so what is written behind a cut shows in the size.
+        size: bytes that were written to it.
+    """
+    ours = os.fstat(descriptor)
+    if not stat.S_ISREG(ours.st_mode):
+        return ""
+    if ours.st_nlink == 0:
+        return REMOVED
+    if ours.st_size != size:
+        return CHANGED
+    try:
+        there = os.stat(path)  # noqa: PTH116
+    except OSError:
+        return MOVED
+    return "" if (there.st_dev, there.st_ino) == (ours.st_dev, ours.st_ino) else MOVED
 
 
 def why_no_file(path: str | os.PathLike[str], *, is_stream_allowed: bool = False) -> str:

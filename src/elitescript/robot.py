@@ -18,7 +18,7 @@ from elitescript.controller.views.trace import Trace
 from elitescript.controller.views.trace_signals import SignalRecord, TraceSignals
 from elitescript.controller.views.warning_limit import LIMITED, WarningLimit
 from elitescript.devices.drain import DRAIN_S, Drain
-from elitescript.devices.outside import Outside, Place
+from elitescript.devices.outside import Outside, OutsideChannels, Place
 from elitescript.devices.surroundings import RobotSettings, Surroundings
 from elitescript.environment.allowance import TASK_DIR_BYTES
 from elitescript.environment.interrupts import interrupts_passed_to
@@ -50,7 +50,6 @@ if TYPE_CHECKING:
     from elitescript.environment.state_file import StateFile
     from elitescript.kernel.clients import Client, Clients
     from elitescript.kernel.option_keywords import RobotKeywords
-    from elitescript.runtime.environment import Channels
     from elitescript.runtime.host import ScriptHost
     from elitescript.solids.contacts import Contact, ContactWatch
 
@@ -120,7 +119,7 @@ class VirtualRobot:
             settings, world = file, file.world
         elif isinstance(world, Surroundings) and world.settings is not None:
             settings = world.settings
-        arm = model or settings.options.get("model") or DEFAULTS["model"]
+        arm = settings.options.get("model", DEFAULTS["model"]) if model is None else model
         self.model, named = (arm, {"model": arm.name}) if isinstance(arm, RobotModel) else named_model(arm)
         self.options = robot_options({**options, **named}, settings.options, **IN_VIRTUAL_TIME)
         self._on_event = on_event
@@ -218,7 +217,7 @@ class VirtualRobot:
         """Whether its programs may reach something outside of their world."""
         return self._outside.may_be_real
 
-    def wrap_network(self, wrap: Callable[[Channels], Channels]) -> None:
+    def wrap_network(self, wrap: Callable[[OutsideChannels], OutsideChannels]) -> None:
         """Put something before the network of this computer, before any program runs; for a debugger."""
         self._outside.wrap_local(wrap)
 
@@ -346,6 +345,13 @@ class VirtualRobot:
             trace_signals=trace_signals,
             trace_window_s=trace_window_s,
         )
+        if OBSERVATION.observer is None:
+            return self._run_through(run, until_s, pace, watch)
+        with OBSERVATION.observer.limits(self, run, until_s, watch) as (until_s, watch):
+            self._run_through(run, until_s, pace, watch)
+        return run
+
+    def _run_through(self, run: Run, until_s: float | None, pace: Pace | None, watch: Watch | None) -> Run:
         limit = None if until_s is None else self.tick + ticks_for(until_s)
         try:
             with interrupts_passed_to(self.interrupt):

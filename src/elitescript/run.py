@@ -16,6 +16,7 @@ from elitescript.messages.events import (
     Change,
     DeviceNoted,
     Event,
+    Popup,
     Printed,
     TextMessage,
     Warned,
@@ -29,7 +30,9 @@ if TYPE_CHECKING:
     from elitescript.solids.contacts import Contact, ContactWatch
 
 RECORDS_MAX: Final = 50_000
-"""Events, and texts of each kind, that a run keeps at least."""
+"""Events, and texts of each kind, that a run keeps at least, unless they are long:"""
+TEXT_MAX: Final = 64 << 20
+"""Characters of the texts of its events that a run keeps; likewise of the texts of each kind."""
 
 NOT_DELIVERED: Final = "not delivered: "
 """Begin of the warning about data that a program sent before its end and that did not arrive."""
@@ -59,11 +62,13 @@ class EventRecord:
         dropped: how many events have gone.
     """
 
-    __slots__ = ("_events", "_is_read", "dropped")
+    __slots__ = ("_events", "_is_read", "_text", "dropped")
 
     def __init__(self) -> None:
         self._events: list[Any] = []
         self._is_read = False
+        self._text = 0
+        """Characters of the texts of the events, at least."""
         self.dropped = 0
 
     def add(self, event: Event | Change) -> None:
@@ -71,6 +76,13 @@ class EventRecord:
         self._events.append(event_of(event) if self._is_read else event)
         if len(self._events) > _SURPLUS_FROM:
             self.dropped += _trim(self._events)
+
+    def weigh(self, characters: int) -> None:
+        """Count the text of the event that was added last; the oldest events go if all texts are too long."""
+        self._text += characters
+        if self._text > TEXT_MAX:
+            self._text, gone = _lighten(self._events)
+            self.dropped += gone
 
     def read(self) -> list[Event]:
         """Return the events, always in the same list, which grows with the run."""
@@ -107,6 +119,7 @@ class Run:
         "__weakref__",
         "_end",
         "_signals",
+        "_texts",
         "_trace",
         "alarms",
         "is_alone",
@@ -131,6 +144,8 @@ class Run:
         self.log: list[str] = []
         self.printed: list[str] = []
         self.warnings: list[str] = [str(problem) for problem in unit.diagnostics]
+        self._texts = [0, 0, 0]
+        """Characters of `log`, `printed` and `warnings`, at least."""
         self.alarms: list[Alarm] = []
         self.record = EventRecord()
         """What `events` are read from."""
@@ -149,7 +164,8 @@ class Run:
     def events(self) -> list[Event]:
         """Everything that happened, in order, each kind as `docs/reference/events.md` says.
 
-        Of a very long run these are the last `RECORDS_MAX`. So it is with the texts.
+        Of a very long run these are the last `RECORDS_MAX`, and fewer if their texts have more than `TEXT_MAX`
+        characters. So it is with the texts.
         """
         return self.record.read()
 
@@ -269,24 +285,32 @@ class Run:
         if type(event) not in _WITH_TEXT:
             return
         if isinstance(event, TextMessage):
-            _keep(self.log, event.text)
+            self._keep(self.log, 0, event.text)
         elif isinstance(event, Printed):
-            _keep(self.printed, event.text)
+            self._keep(self.printed, 1, event.text)
         elif isinstance(event, Warned):
-            _keep(self.warnings, event.text)
+            self._keep(self.warnings, 2, event.text)
             if event.code == UNDELIVERED:
                 _keep(self.undelivered, event.text.removeprefix(NOT_DELIVERED))
         elif isinstance(event, DeviceNoted) and event.is_warning:
-            _keep(self.warnings, f"{event.device}: {event.text}")
+            self._keep(self.warnings, 2, f"{event.device}: {event.text}")
         elif isinstance(event, Alarm):
             self.alarms.append(event)
+        self.record.weigh(_text_of(event))
+
+    def _keep(self, texts: list[str], kind: int, text: str) -> None:
+        """Append to a list that is bounded by number and by characters."""
+        _keep(texts, text)
+        self._texts[kind] += len(text)
+        if self._texts[kind] > TEXT_MAX:
+            self._texts[kind], _ = _lighten(texts)
 
     def __repr__(self) -> str:
         return f"<Run {self.state or 'running'} after {self.time_s:.3f} s>"
 
 
-_WITH_TEXT: Final = frozenset({TextMessage, Printed, Warned, DeviceNoted, Alarm})
-"""Events that have a list of their own in a run."""
+_WITH_TEXT: Final = frozenset({TextMessage, Printed, Popup, Warned, DeviceNoted, Alarm})
+"""Events with a text of any length; most have a list of their own in a run."""
 
 
 _SURPLUS_FROM: Final = RECORDS_MAX + RECORDS_MAX // 10
@@ -305,3 +329,25 @@ def _trim(records: list[_Record]) -> int:
     surplus = len(records) - RECORDS_MAX
     del records[:surplus]
     return surplus
+
+
+def _lighten(records: list[Any]) -> tuple[int, int]:
+    """Drop the oldest records until a tenth of the characters is free, but never the last one.
+
+    Returns:
+        how many characters are left, and how many records have gone.
+    """
+    sizes = [len(record) if isinstance(record, str) else _text_of(record) for record in records]
+    left, gone = sum(sizes), 0
+    while left > TEXT_MAX - TEXT_MAX // 10 and gone < len(records) - 1:
+        left -= sizes[gone]
+        gone += 1
+    del records[:gone]
+    return left, gone
+
+
+def _text_of(event: Any) -> int:
+    """Return how many characters the text of an event has; 0 if it has none."""
+    if type(event) not in _WITH_TEXT:
+        return 0
+    return len(event.text) + (len(event.title) if isinstance(event, Popup) else 0)

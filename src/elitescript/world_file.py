@@ -153,13 +153,16 @@ def read_tables(
     return found
 
 
-def closed_world(path: str | Path | None, *, is_trusted: bool = False, may_connect: bool = False) -> World:
+def closed_world(
+    path: str | Path | None, *, is_trusted: bool = False, may_connect: bool = False, text: str | None = None
+) -> World:
     """Return what is around a robot whose programs reach nothing of this computer.
 
     Args:
         path: of a world file, whose options and levels are in `World.settings`; there is nothing around without one.
         is_trusted: whether the file may name Python files.
         may_connect: whether what is no device of it may be reached after all.
+        text: of the file; it is read if None. An arm of its own that it names is the caller's to give.
 
     Raises:
         UsageError: an invalid world file, or one that names what it may not.
@@ -169,7 +172,11 @@ def closed_world(path: str | Path | None, *, is_trusted: bool = False, may_conne
     network = REAL if may_connect else VIRTUAL
     file = None
     if path:
-        file = load_world_file(path, network=network, is_trusted=is_trusted)
+        if text is None:
+            file = load_world_file(path, network=network, is_trusted=is_trusted)
+        else:
+            tables = _without_arm_file(tables_of(Path(path), text))
+            file = read_tables(Path(path), text, tables, network=network, is_trusted=is_trusted)
         if file.world is not None:
             if file.world.leads_to == REAL and not may_connect:
                 raise UsageError(f"{path}: [world] network: {REAL!r} is not allowed here")
@@ -177,6 +184,16 @@ def closed_world(path: str | Path | None, *, is_trusted: bool = False, may_conne
     world = World(network=network)
     world.settings = file
     return world
+
+
+def _without_arm_file(tables: dict[str, Any]) -> dict[str, Any]:
+    """Return the tables of a world file without the name of an arm file, which stands beside it elsewhere."""
+    from elitescript.models.model import is_model_file
+
+    robot = tables.get(ROBOT_SECTION)
+    if not isinstance(robot, dict) or not is_model_file(str(robot.get("model", ""))):
+        return tables
+    return {**tables, ROBOT_SECTION: {name: value for name, value in robot.items() if name != "model"}}
 
 
 def files_read(path: str | Path) -> list[Path]:

@@ -185,3 +185,21 @@ def test_pythons_warnings_about_a_text_stay_away(text: str) -> None:
         warnings.simplefilter("always")
         hover(document, line, column)
     assert shown == []
+
+
+def test_what_a_stranger_wrote_is_text_and_no_link() -> None:
+    text = 'def go():\n  """[run](command:a.b) <img src=x> **b**"""\n  sleep(1)\nend\ng¦o()\n'
+    document, line, column = marked(text)
+    found = hover(document, line, column)
+    assert found is not None
+    assert r"\[run\](command:a.b) \<img src=x\> \*\*b\*\*" in found.markdown
+    assert "[run](" not in found.markdown
+    document, line, column = marked("# [run](javascript:x)\ndef go(a='```'):\n  sleep(1)\nend\ng¦o()\n")
+    found = hover(document, line, column)
+    assert found is not None
+    assert r"\[run\](javascript:x)" in found.markdown
+    assert found.markdown.startswith("````elitescript\ndef go(a='```'):\n````")
+    values = {"": {"parts": "'`[x](command:y)`'"}}
+    _, found = shown("x = par¦ts", last_run=LastRun(JOB, values=values))
+    assert found is not None
+    assert "``'`[x](command:y)`'``" in found.markdown

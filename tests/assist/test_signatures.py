@@ -100,3 +100,10 @@ def test_an_own_function_shows_its_comment():
     found = signature_help(*marked(OWN + "f(¦"))
     assert found is not None
     assert found.markdown == "Adds."
+
+
+def test_what_a_stranger_wrote_is_text_and_no_link() -> None:
+    document, line, column = marked('def go(a):\n  """[run](command:a.b) <b>"""\n  sleep(1)\nend\ngo(¦)\n')
+    found = signature_help(document, line, column)
+    assert found is not None
+    assert found.markdown == r"\[run\](command:a.b) \<b\>"

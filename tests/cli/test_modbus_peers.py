@@ -55,8 +55,8 @@ class TestPymodbus:
         client.close()
 
     def test_reads_with_every_function(self, client: Any) -> None:
-        assert client.read_holding_registers(63, count=5).registers == [2, 14, 0, 7, 1]
-        assert client.read_input_registers(63, count=5).registers == [2, 14, 0, 7, 1]
+        assert client.read_holding_registers(63, count=5).registers == [2, 15, 0, 7, 1]
+        assert client.read_input_registers(63, count=5).registers == [2, 15, 0, 7, 1]
         assert client.read_coils(0, count=128).bits[:128] == [False] * 128
         assert client.read_discrete_inputs(60, count=8).bits == [False] * 8
 

@@ -123,8 +123,8 @@ def test_nobody_is_an_error_of_the_call(tmp_path, capsys):
         (["--fetch-program", "/a.script"], "--fetch-program PATH and --ssh-password TEXT|@FILE go together"),
         (["--fetch-program", "/a", "--program", "b", "--ssh-password", "x"], "are two programs; write one of them"),
         (["--fetch-program", "/a.script", "--ssh-password", "x", "--port", "ssh=1"], "the program cannot be fetched"),
-        (["--program", "none.script"], "--program: none.script: No such file"),
-        (["--world", "."], "--world: . is a folder, not a file"),
+        (["--program", "none.script"], "cannot read none.script: No such file"),
+        (["--world", "."], "cannot read .: it is a folder, not a file"),
         (["--world", "there.mcap", "--program", "there.mcap"], "another file of the recording has the name there.mcap"),
     ],
 )

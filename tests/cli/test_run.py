@@ -89,6 +89,14 @@ def test_a_text_in_which_nothing_runs_is_said_before_the_run_and_refused_when_st
     assert (code, [record["severity"] for record in records]) == (3, ["error"])
 
 
+@pytest.mark.parametrize("text", ["", "# only a comment\n"])
+def test_a_text_that_holds_nothing_is_told_and_refused_where_that_is_asked_for(text):
+    code, records = run_json(text)
+    assert (code, [record["type"] for record in records]) == (0, ["problem", "end"])
+    assert (records[0]["code"], records[0]["line"]) == ("W214", 1)
+    assert run_json(text, "--strict")[0] == 3
+
+
 def test_a_run_in_spite_of_errors_says_why(program, capsys):
     text = "def a():\n  if False:\n    set_digital_out(1, True)\n    texmsg(1)\n  end\nend\n"
     assert main(["run", program(text)]) == 0

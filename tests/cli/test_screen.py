@@ -26,6 +26,7 @@ from elitescript.cli.output.screen import (
 )
 from elitescript.language.diagnostics import Severity, diagnostic
 from elitescript.language.text.source import SourceFile
+from elitescript.untrusted.escaping import OWN_COLORS
 
 XTERM = {"TERM": "xterm"}
 SPEED = "\N{MULTIPLICATION SIGN} real time"
@@ -298,3 +299,45 @@ def test_colours_for_a_pipe_if_they_are_wanted(tmp_path, capsys):
     path.write_text("sleep(0.1)\n")
     assert main(["run", str(path), "--color", "always"]) == 0
     assert "\x1b[32mfinished\x1b[0m" in capsys.readouterr().out
+
+
+HOSTILE = "textmsg('a\\x1b]0;title\\x07\\x1b[2Jb\\rALARM')\nprint('x\\n::error::y')\n"
+
+
+def test_texts_of_programs_do_not_drive_a_terminal(on_terminal, tmp_path):
+    (tmp_path / "hostile.script").write_text(HOSTILE)
+    code, text = on_terminal("run", "hostile.script")
+    assert code == 0
+    assert r"a\x1b]0;title\x07\x1b[2Jb\rALARM" in text
+    assert "\x1b]0" not in text
+    assert "\x1b[2J" not in text
+
+
+def test_errors_do_not_drive_a_terminal(on_terminal, tmp_path):
+    (tmp_path / "w.toml").write_text('["\\u001b[2J"]\n')
+    code, text = on_terminal("run", "job.script", "--world", "w.toml")
+    assert code == 2
+    assert r"[\x1b[2J] is not known" in text
+
+
+def test_a_pipe_gets_the_bytes_of_a_program(tmp_path, capsys, monkeypatch):
+    monkeypatch.delenv("GITHUB_ACTIONS", raising=False)
+    (tmp_path / "hostile.script").write_text(HOSTILE)
+    assert main(["run", str(tmp_path / "hostile.script")]) == 0
+    out = capsys.readouterr().out
+    assert "a\x1b]0;title\x07\x1b[2Jb\rALARM" in out
+    assert "x\n::error::y" in out
+
+
+def test_texts_of_programs_are_no_commands_of_github(tmp_path, capsys, monkeypatch):
+    monkeypatch.setenv("GITHUB_ACTIONS", "true")
+    (tmp_path / "hostile.script").write_text(HOSTILE)
+    assert main(["run", str(tmp_path / "hostile.script")]) == 0
+    assert "x\n\\::error::y" in capsys.readouterr().out
+    (tmp_path / "wrong.script").write_text("slep(1)\n")
+    assert main(["check", "--format", "github", str(tmp_path / "wrong.script")]) == 3
+    assert capsys.readouterr().out.startswith("::error ")
+
+
+def test_the_colours_of_terminals_are_those_that_pass():
+    assert {*screen._CODES.values(), "0"} == set(OWN_COLORS)

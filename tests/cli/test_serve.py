@@ -244,7 +244,7 @@ def test_a_port_that_cannot_be_read_is_refused(text: str) -> None:
         (["--set", "standard_digital_in[3]=5"], "takes True or False"),
         (["--robot", "CS99"], "CS99"),
         (["--world", "CELL"], "cell.toml:2"),
-        (["--world", "no.toml"], "world file no.toml"),
+        (["--world", "no.toml"], "cannot read no.toml"),
     ],
 )
 def test_wrong_options_are_told_as_by_run_before_anything_starts(

@@ -16,7 +16,13 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "good.script").write_text("def p():\n  textmsg('ran')\nend\n")
     for name in ("pipe", "pipe.script", "pipe.toml", "pipe.csv", "pipe.jsonl", "kept.json.lock", "other.json.new"):
         os.mkfifo(name)
+    os.mkfifo("pipe.case.toml")
     (tmp_path / "folder").mkdir()
+    for name in ("loop.script", "loop.json", "loop.toml"):
+        (tmp_path / name).symlink_to(name)
+    with (tmp_path / "large.toml").open("wb") as file:
+        file.truncate(20_000_000)
+    (tmp_path / "parts.toml").write_text(f"[{'.'.join('a' * 5000)}]\n")
     return tmp_path
 
 
@@ -38,6 +44,21 @@ def folder(tmp_path, monkeypatch):
         (["run", "good.script", "--state", "other.json"], "other.json.new is a named pipe, not a file"),
         (["run", "good.script", "--state", "folder"], "folder is a folder, not a file"),
         (["run", "good.script", "--state", "/dev/null"], "/dev/null is a device, not a file"),
+        (["run", "loop.script"], "cannot read loop.script: Too many levels of symbolic links"),
+        (["run", "good.script", "--state", "loop.json"], "Too many levels of symbolic links"),
+        (["run", "good.script", "--world", "loop.toml"], "cannot read loop.toml: Too many levels of symbolic links"),
+        (["run", "good.script", "--world", "large.toml"], "it has 20000000 bytes; at most 4000000 bytes are read"),
+        (["run", "good.script", "--robot", "large.toml"], "it has 20000000 bytes; at most 1000000 bytes are read"),
+        (["run", "good.script", "--world", "parts.toml"], "parts.toml:1: a name of 5000 parts with dots between"),
+        (["run", "good.script", "--robot", "parts.toml"], "parts.toml:1: a name of 5000 parts with dots between"),
+        (["run", "--case", "parts.toml"], "parts.toml:1: a name of 5000 parts with dots between"),
+        (["run", "--case", "pipe.case.toml"], "cannot read pipe.case.toml: it is a named pipe, not a file"),
+        (["sweep", "good.script", "--chaos", "pipe.toml"], "cannot read pipe.toml: it is a named pipe, not a file"),
+        (["sweep", "good.script", "--chaos", "parts.toml"], "parts.toml:1: a name of 5000 parts with dots between"),
+        (["replay", "pipe"], "cannot read pipe: it is a named pipe, not a file"),
+        (["audit", "pipe"], "cannot read pipe: it is a named pipe, not a file"),
+        (["fit", "good.script", "--pairs", "pipe.csv"], "cannot read pipe.csv: it is a named pipe, not a file"),
+        (["serve", "--in-process", "--port", "all=0", "--world", "parts.toml"], "parts.toml:1: a name of 5000 parts"),
         (["serve", "--port", "all=0", "--state", "pipe"], "pipe is a named pipe, not a file"),
         (["serve", "--port", "all=0", "--world", "pipe.toml"], "cannot read pipe.toml: it is a named pipe, not a file"),
     ],

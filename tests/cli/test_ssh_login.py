@@ -62,7 +62,7 @@ def test_what_is_no_password_is_refused(text: str, tmp_path: Path) -> None:
 
 
 def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match=r"--ssh-password @.*none: No such file"):
+    with pytest.raises(UsageError, match=r"cannot read .*none: No such file"):
         login(f"@{tmp_path / 'none'}")
 
 

@@ -181,12 +181,12 @@ class FakeLines:
     def flush(self, device: str) -> None:
         self._ask("flush", device)
 
-    def read_slave(self, *what: Any) -> tuple[int, ...] | None:
-        self._ask("read_slave", *what)
+    def read_slave(self, *what: Any, is_polled: bool) -> tuple[int, ...] | None:
+        self._ask("read_slave", *what, is_polled)
         return self.answer
 
-    def write_slave(self, *what: Any) -> bool:
-        self._ask("write_slave", *what)
+    def write_slave(self, *what: Any, is_polled: bool) -> bool:
+        self._ask("write_slave", *what, is_polled)
         return self.answer is not None
 
 

@@ -23,9 +23,9 @@ def test_reading(script, lines, kind, function):
     assert script(f"serial_modbus_{kind}(7, 100, 2, 0.5)") == [1, 2]
     assert script(f"serial_modbus_{kind}(7, 100, 2, port='/dev/ttyS2')") == [1, 2]
     assert lines.asked == [
-        ("read_slave", "tool", 7, function, 100, 2, 5.0),
-        ("read_slave", BOX, 7, function, 100, 2, 0.5),
-        ("read_slave", "/dev/ttyS2", 7, function, 100, 2, 5.0),
+        ("read_slave", "tool", 7, function, 100, 2, 5.0, False),
+        ("read_slave", BOX, 7, function, 100, 2, 0.5, True),
+        ("read_slave", "/dev/ttyS2", 7, function, 100, 2, 5.0, False),
     ]
     lines.answer = None
     assert script(f"tool_modbus_{kind}(7, 100, 2)") == []
@@ -59,8 +59,8 @@ def test_writing(script, lines, kind, data, function, values, count):
         assert results == [by_tool, by_box]
         assert [type(result) for result in results] == [type(by_tool), int]
         assert lines.asked == [
-            ("write_slave", "tool", 7, function, 100, values, 5.0),
-            ("write_slave", BOX, 7, function, 100, values, 0.5),
+            ("write_slave", "tool", 7, function, 100, values, 5.0, False),
+            ("write_slave", BOX, 7, function, 100, values, 0.5, True),
         ]
 
 

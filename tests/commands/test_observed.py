@@ -64,9 +64,10 @@ def test_pose_along_path_is_the_one_without_the_path_offset(call: Any) -> None:
 
 
 def test_a_thread_that_is_pinned_goes_on(call: Any, robot: Any) -> None:
-    call("pin_thread", 5, 2)
+    call("pin_thread", cpu=1, prio=80, lockmem=1)  # as a control program of the vendor calls it
+    call("pin_thread", 2, 80, True)
     call("pin_thread")
-    assert robot.asked == [SetOption("pin_thread", 2), SetOption("pin_thread", 0)]
+    assert robot.asked == [SetOption("pin_thread", core) for core in (1, 2, 0)]
 
 
 def test_serial_ports_that_are_open(call: Any) -> None:

@@ -10,6 +10,7 @@ import pytest
 
 from elitescript.conversation import describe
 from elitescript.conversation.describe import Moment, Thread, Variable
+from elitescript.conversation.limits import EventBudget
 from elitescript.conversation.messages import RunOptions, SignalInput
 from elitescript.json_records.events import record_of
 from elitescript.language.diagnostics import Edit, Fix, diagnostic
@@ -75,7 +76,8 @@ class TestForms:
             describe.problems(1, [diagnostic("W206", 1, 1, "text")], compiles=True),
             describe.run_began(1, 2, RunOptions(until_s=3.0)),
             describe.progress(1, 0.5),
-            describe.events(1, []),
+            describe.events(1, [], EventBudget()),
+            describe.left_out(1, EventBudget()),
             describe.lines(1, "main", [(0.0, 1)]),
             describe.moves(1, []),
             describe.cycle(1, []),
@@ -142,7 +144,7 @@ class TestRun:
     def test_events_are_those_of_json(self):
         run = VirtualRobot("CS66").run('def p():\n  textmsg("a")\n  set_standard_digital_out(1, True)\nend\n')
         records = [record for event in run.events if (record := record_of(event)) is not None]
-        assert describe.events(3, run.events) == {"type": "events", "run": 3, "list": records}
+        assert describe.events(3, run.events, EventBudget()) == {"type": "events", "run": 3, "list": records}
         assert [record["type"] for record in records] == ["log", "signal"]
 
     def test_options_are_as_the_page_gives_them(self):

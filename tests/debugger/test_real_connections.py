@@ -88,3 +88,16 @@ def test_copies_are_made_of_a_run_that_leads_nowhere_real(call, network, may_for
     (tmp_path / "cell.script").write_text(f"def job():\n  {call}\nend\n")
     source = ProgramSource(tmp_path / "cell.script", world=tmp_path / "cell.toml", network=network)
     assert source.may_fork is may_fork
+
+
+def test_what_is_not_let_through_is_counted_once_however_often_it_is_run_again():
+    said = []
+    with debugging('def job():\n  socket_open("10.0.0.1", 80)\n  x = 1\n  y = 2\nend\n', said) as session:
+        session.set_breakpoints([LineBreakpoint(4)])
+        session.start()
+        session.step_back(1)
+        session.resume()
+        assert session.resume().result == "finished"
+    texts = [output.text for output in said]
+    assert len([text for text in texts if "not connected to 10.0.0.1:80" in text]) == 1
+    assert len([text for text in texts if "--network local has refused 1 connection: 10.0.0.1:80" in text]) == 1

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from elitescript.kernel import RobotOptions
@@ -136,7 +138,8 @@ class TestMany:
     def test_queries_that_are_too_many_fail_at_once(self):
         talk = Talk()
         talk.send(*(Query(f"query#1/{number}", "1 + 1") for number in range(2000)))
-        assert Reply("query#1/1999", QueryFailed(is_compiled=True)) in talk.last.replies
+        failed = QueryFailed(is_compiled=True, why="1000 requests wait already")
+        assert Reply("query#1/1999", failed) in talk.last.replies
 
 
 class TestStatements:
@@ -385,7 +388,26 @@ class TestQueries:
         ],
     )
     def test_each_gets_one_answer(self, text, reply):
-        assert self.ask(Session(), text) == [reply]
+        (outcome,) = self.ask(Session(), text)
+        assert replace(outcome, why="") == reply if isinstance(outcome, QueryFailed) else outcome == reply
+
+    @pytest.mark.parametrize(
+        ("text", "why"),
+        [
+            ("no_such_name", "NameError: name 'no_such_name' is not defined"),
+            ("sleep(1)", "sleep"),
+            ("[0 for i in iter(int, 1)]", "it was stopped: it ended itself, or took more than 0.1 s of robot time"),
+            ("'x' * 70000", "the value has 70002 characters, 65536 are allowed"),
+            ("halt()", "it was stopped: it ended itself"),
+            ("1 / 0", "ZeroDivisionError: "),
+            ("1 +", "something is missing behind `+`"),
+            ("x = 1", "expression"),
+        ],
+    )
+    def test_a_failure_has_its_reason(self, text, why):
+        (outcome,) = self.ask(Session(), text)
+        assert isinstance(outcome, QueryFailed)
+        assert why in outcome.why
 
     def test_it_is_answered_in_the_tick_in_which_it_came(self):
         assert Session().send(Query("query#1/1", "1")).replies == (Reply("query#1/1", ShownValue("1")),)
@@ -395,5 +417,5 @@ class TestQueries:
         session.start("global g", "g = [1, 2]", FOREVER)
         assert self.ask(session, "g") == [ShownValue("[1, 2]")]
         self.ask(session, "(h := 1)")
-        assert self.ask(session, "h") == [QueryFailed(is_compiled=True)]
+        assert [type(outcome) for outcome in self.ask(session, "h")] == [QueryFailed]
         assert session.last.snapshot.robot.task_state is TaskState.PLAYING

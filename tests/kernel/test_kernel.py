@@ -12,7 +12,7 @@ from elitescript.kernel.handlers import HANDLERS
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.messages.enums import AnalogDomain, RobotMode, SafetyMode, TaskState
-from elitescript.messages.events import Alarm, Popup, RobotModeChanged, TextMessage, Warned
+from elitescript.messages.events import Alarm, Popup, RobotModeChanged, TaskStateChanged, TextMessage, Warned
 from elitescript.messages.inputs import (
     AddLog,
     ChannelOpened,
@@ -44,6 +44,7 @@ from elitescript.messages.outputs import CloseChannel, Reply
 from elitescript.messages.profile import profile
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.state import RobotState
+from elitescript.messages.timing import ticks_for
 from tests.kernel.machine import FOREVER, READY, Session, program
 from tests.messages.snapshot_fields import DISCRETE, FIELDS
 
@@ -117,6 +118,52 @@ class TestPower:
         session = Session()
         session.start("stopj(8)", "end_freedrive_mode()", "end_force_mode()", "textmsg('on')")
         assert session.texts == ["on"]
+
+    @pytest.mark.parametrize(
+        ("call", "duration_s"),
+        [
+            ("servoj([0, -1.5, -1.5, -1.5, 1.5, 0], t=0.02)", 0.02),
+            ("servoj([0, -1.5, -1.5, -1.5, 1.5, 0])", 0.004),
+            ("speedj([0.1, 0, 0, 0, 0, 0], 1, 0.5)", 0.5),
+            ("speedl([0.1, 0, 0, 0, 0, 0], 1, 0.5)", 0.5),
+            ("speedl([0.1, 0, 0, 0, 0, 0], 1)", 0.004),
+        ],
+    )
+    @pytest.mark.parametrize("mode", ["off", "idle"])
+    def test_a_stream_without_power_takes_its_time_and_moves_nothing(self, call, duration_s, mode):
+        session = Session()
+        if mode == "idle":
+            session.do(PowerOn())
+            session.run(2.0)
+        before = session.tick().snapshot.robot.q_actual
+        session.start(f"{call}\n  textmsg('back')\n  {call}")
+        session.run(duration_s + 0.1)
+        assert session.of(TextMessage)[0].tick - session.of(TaskStateChanged)[0].tick == ticks_for(duration_s)
+        assert session.of(Alarm) == []
+        (warning,) = session.of(Warned)
+        assert warning.line == 2
+        assert "servoj, speedj and speedl return after their time and move nothing" in warning.text
+        assert "release the brakes" in warning.hint
+        assert session.last.snapshot.robot.q_actual == before
+
+    def test_a_stream_from_before_moves_once_there_is_power(self):
+        session = Session()
+        session.start("while True:\n    speedj([0.1, 0, 0, 0, 0, 0], 1, 0.02)\n  end")
+        session.run(0.2)
+        session.do(PowerOn())
+        session.do(ReleaseBrakes())
+        session.run(4.0)
+        assert session.of(Alarm) == []
+        assert len(session.of(Warned)) == 1
+        assert session.last.snapshot.robot.q_actual[0] > 0.05
+
+    def test_a_stream_that_is_stopped_without_power_ends(self):
+        session = Session()
+        session.start("speedj([0.1, 0, 0, 0, 0, 0], 1, 60)")
+        session.run(0.02)
+        session.do(StopTask())
+        session.tick()
+        assert session.last.snapshot.robot.task_state is TaskState.STOPPED
 
     def test_a_program_from_before_moves_once_there_is_power(self):
         session = Session()
@@ -529,3 +576,35 @@ class TestSnapshot:
         assert steps > len(changes)
         # While nothing happens it is not made anew.
         assert kept > 0.9 * 100 * len(changes)
+
+
+class TestFindings:
+    """What `check` finds in programs of clients, in the log."""
+
+    TEXT = "def job():\n  def never():\n    a(subprocess)\n    b(subprocess)\n    c(other)\n  end\nend\n"
+
+    def told(self, session: Session) -> list[tuple[str, int]]:
+        return [(event.text, event.line) for event in session.of(Warned) if event.code == "W201"]
+
+    def test_equal_ones_are_told_once_with_their_lines(self):
+        session = Session(READY)
+        session.send(RunUnit("primary#1", "program", self.TEXT))
+        assert self.told(session) == [
+            ("the name `subprocess` is not defined (also in line 4)", 3),
+            ("the name `other` is not defined", 5),
+        ]
+
+    def test_those_of_a_text_that_comes_again_are_not_told_again(self):
+        session = Session(READY)
+        for number in range(5):
+            session.send(RunUnit(f"primary#{number}", "program", self.TEXT))
+            session.run(0.02)
+        assert len(self.told(session)) == 2
+        session.send(RunUnit("primary#9", "program", self.TEXT.replace("c(other)", "c(others)")))
+        assert len(self.told(session)) == 4
+
+    def test_what_does_not_compile_is_refused_each_time(self):
+        session = Session(READY)
+        for _ in range(3):
+            session.send(RunUnit("primary#1", "program", "def job():\n  x = = 1\nend\n"))
+        assert len(session.of(Alarm)) == 3

@@ -97,3 +97,11 @@ def test_other_texts_did_not_lose_it(text):
 def test_a_text_with_very_many_headers_is_not_restored():
     text = "if x:\n" * 200 + "end\n" * 200
     assert not any("the indentation is lost" in problem.text for problem in problems(text))
+
+
+def test_a_flat_secondary_program_without_end_is_about_its_indentation_alone() -> None:
+    for text in ("sec s():\nset_flag(1, True)\nx = 2\n", "sec s():\nset_flag(1, True)\n"):
+        parsed = parse(SourceFile("s.script", text))
+        assert [(row.code, row.line) for row in parsed.diagnostics if row.is_error] == [("E001", 2)]
+    longer = parse(SourceFile("s.script", "sec s():\n  set_flag(1, True)\nend\nx = 2\n"))
+    assert [row.code for row in longer.diagnostics] == ["E105"]

@@ -163,6 +163,37 @@ def test_unknown_model_names_the_nearest_and_all(name: str, nearest: str | None)
     assert nearest is None or f"did you mean '{nearest}" in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("name", "base"),
+    [
+        ("CS68", "CS66"),
+        ("cs616-9", "CS616"),
+        ("CS616_9", "CS616"),
+        ("CS618", "CS616"),
+        ("CS630", "CS625"),
+        ("CS66A", "CS66"),
+        ("CS610A", "CS612"),
+        ("CS612AZ", "CS612"),
+        ("CS56H", "CS66"),
+        ("cs520h", "CS620"),
+        ("CS525H", "CS625"),
+        ("CS530H", "CS625"),
+    ],
+)
+def test_an_arm_without_public_numbers_is_said_to_exist(name: str, base: str, tmp_path: Path) -> None:
+    with pytest.raises(UsageError) as caught:
+        load_model(name)
+    words = str(caught.value)
+    assert words.startswith(
+        f"the arm {name.upper().replace('_', '-')} exists, but its lengths and limits are not public"
+    )
+    assert f'base = "{base}"' in words
+    assert "did you mean" not in words
+    # What it proposes is an arm file.
+    (tmp_path / "my_arm.toml").write_text(f'base = "{base}"\n[arm]\nd6 = 0.095\n')
+    assert load_model(tmp_path / "my_arm.toml").arm.modified_dh[1][5] == 0.095
+
+
 @pytest.mark.parametrize("name", ["", "common", "../cs66", "/etc/passwd", "cs66.tom"])
 def test_a_name_is_not_a_path(name: str) -> None:
     with pytest.raises(UsageError, match="there is no robot model"):

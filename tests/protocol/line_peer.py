@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import fields, replace
 from typing import Any
 
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output, Reply
-from elitescript.messages.snapshot import TaskPicture
+from elitescript.messages.snapshot import RobotDescription, TaskPicture
 from elitescript.protocol.connection import Connection
 from elitescript.protocol.dashboard.connection import SETTLING_TICKS
 from tests.protocol.snapshots import description, output
@@ -19,7 +20,9 @@ OF_TASK = {field.name for field in fields(TaskPicture)}
 class Peer:
     """One client, its connection, and the robot's last output."""
 
-    def __init__(self, kind: type[Connection], origin: str = "peer#1", **changes: Any) -> None:
+    def __init__(
+        self, kind: Callable[[str, RobotDescription], Connection], origin: str = "peer#1", **changes: Any
+    ) -> None:
         self.connection = kind(origin, description())
         self.output = picture(0, **changes)
         self.greeting = self.connection.take()

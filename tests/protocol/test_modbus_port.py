@@ -31,8 +31,8 @@ def peer(site: Site) -> Peer:
 
 
 def test_reads_are_answered_at_once(peer: Peer) -> None:
-    assert client.words(peer.ask(client.read(3, 63, 8), ticks=0)) == [2, 14, 0, 3, 0, 0, 0, 0]
-    assert client.words(peer.ask(client.read(4, 63, 2), ticks=0)) == [2, 14]
+    assert client.words(peer.ask(client.read(3, 63, 8), ticks=0)) == [2, 15, 0, 3, 0, 0, 0, 0]
+    assert client.words(peer.ask(client.read(4, 63, 2), ticks=0)) == [2, 15]
     assert client.levels(peer.ask(client.read(1, 0, 128), ticks=0), 128) == [False] * 128
     assert client.levels(peer.ask(client.read(2, 60, 3), ticks=0), 3) == [False] * 3
 

@@ -171,9 +171,12 @@ class TestPorts:
     def test_programs_run(self, port):
         assert connect(port).receive(b"stop task\n", output(0)) == [Do(ME, StopTask())]
 
-    def test_the_read_only_port_ignores_what_comes_in(self):
+    def test_the_read_only_port_ignores_what_comes_in_and_says_so_once(self):
         connection = connect(READ_ONLY)
-        assert connection.receive(f"{PROGRAM}\nstop task\nstop task".encode(), output(0)) == []
+        (log,) = connection.receive(f"{PROGRAM}\nstop task\nstop task".encode(), output(0))
+        text = "this port only sends, and what comes in is not read; send programs to 30001"
+        assert log == AddLog(ME, f"{ME}: {text}", is_warning=True)
+        assert connection.receive(b"stop task\n", output(1)) == []
         run(connection, range(100))
         assert connection.due() == connection.closed() == []
 

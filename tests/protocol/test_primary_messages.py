@@ -149,7 +149,7 @@ class TestOtherKinds:
 
     def test_version(self):
         message = client.robot_message(version_message(0, description()).data)
-        assert (message["kind"], message["version"]) == (3, description().firmware)
+        assert (message["kind"], message["version"]) == (3, (2, 14, 2, 7))
 
     @pytest.mark.parametrize(
         "event",

@@ -131,16 +131,24 @@ class TestUploads:
     def test_a_flood_of_programs_is_run_in_portions(self):
         connection = connect()
         portions = [connection.receive(b"halt()\n" * 1000, output(1))]
-        for tick in range(2, 600):
+        for tick in range(2, 1010):
             connection.publish(output(tick))
             portions.append(connection.due())
         assert [unit for portion in portions for unit in portion] == [RunUnit(ME, "line", "halt()")] * 1000
-        assert max(map(len, portions)) == UNITS_PER_TICK
+        assert max(map(len, portions)) == 1
         assert not connection.is_busy
+
+    def test_commands_and_secondary_programs_come_in_pairs(self):
+        connection = connect()
+        portions = [connection.receive(b"set speed 0.5\n" * 5 + b"sec a():\n  x = 1\nend\n" * 2, output(1))]
+        for tick in range(2, 6):
+            connection.publish(output(tick))
+            portions.append(connection.due())
+        assert list(map(len, portions)) == [UNITS_PER_TICK] * 3 + [1, 0]
 
     def test_a_client_with_units_ready_is_not_read(self):
         connection = connect()
-        connection.receive(b"halt()\n" * (UNITS_PER_TICK + 1), output(1))
+        connection.receive(b"halt()\n" * 2, output(1))
         assert connection.is_busy
         connection.publish(output(2))
         assert len(connection.due()) == 1
@@ -150,7 +158,7 @@ class TestUploads:
         connection = connect()
         sent = connection.receive(b"halt()\n" * 1000, output(1))
         *last, log = connection.closed()
-        assert len(sent) == UNITS_PER_TICK
+        assert len(sent) == 1
         assert last == [RunUnit(ME, "line", "halt()")] * MAX_UNITS_AT_ONCE
         assert isinstance(log, AddLog)
         assert "the rest is lost" in log.text
@@ -164,9 +172,10 @@ class TestUploads:
             connection.publish(output(tick))
             if due := connection.due():
                 found.append((tick, due))
-        ((tick, due),) = found
-        assert due == [RunUnit(ME, "program", program), Do(ME, StopTask())]
+        (tick, due), (next_tick, rest) = found
+        assert (due, rest) == ([RunUnit(ME, "program", program)], [Do(ME, StopTask())])
         assert 3 <= tick <= 6
+        assert next_tick == tick + 1
 
     @pytest.mark.parametrize("line_end", [b"\n", b"\r", b"\r\n"])
     def test_a_flood_of_line_ends_is_read_in_portions(self, line_end):

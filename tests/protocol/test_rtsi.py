@@ -46,8 +46,8 @@ def told(client: RtsiConnection) -> list[tuple[str, bytes]]:
 
 
 def ask(client: RtsiConnection, data: bytes, tick: int = 1000, **changes: Any) -> list[tuple[str, bytes]]:
-    """What the client hears when it sends something that asks nothing of the robot."""
-    assert client.receive(data, output(tick, **changes)) == []
+    """What the client hears when it sends something that asks nothing of the robot but lines of the log."""
+    assert all(isinstance(item, AddLog) for item in client.receive(data, output(tick, **changes)))
     return told(client)
 
 
@@ -619,3 +619,9 @@ def test_well_framed_nonsense_leaves_the_connection_usable() -> None:
         client.receive(PAUSE, tick)
         client.take()
         assert ask(client, message("V", b"\0\x01")) == [("V", b"\x01")]
+
+
+@pytest.mark.parametrize("data", [b"\x05\0V\x01\0", b"\x03\0v", b"\x03\0S", b"\x03\0P"])
+def test_a_little_endian_client_is_named_instead_of_waited_for(data: bytes) -> None:
+    with pytest.raises(ProtocolError, match="RTSI is big-endian, and this client little-endian"):
+        connect().receive(data, output(1))

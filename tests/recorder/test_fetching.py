@@ -34,7 +34,7 @@ def controller() -> Iterator[tuple[int, bytes]]:
             ready.set()
             await end.wait()
 
-    assert ROW == b"time,text\n"
+    assert ROW == b"time,level,source,code,text\n"
     thread = threading.Thread(target=lambda: asyncio.run(serve()))
     thread.start()
     assert ready.wait(20.0)
@@ -47,7 +47,7 @@ def controller() -> Iterator[tuple[int, bytes]]:
 
 def test_a_file_is_read_and_what_is_not_to_be_had_is_said():
     with controller() as (port, known):
-        assert fetch_program(HOST, port, "secret", LOG, known) == b"time,text\n"
+        assert fetch_program(HOST, port, "secret", LOG, known) == b"time,level,source,code,text\n"
         for password, path, hosts, text in (
             ("secret", "/away.script", known, r"/away\.script: No such file.*; name its file with --program"),
             ("guess", LOG, known, "the password of root is refused"),

@@ -423,7 +423,7 @@ class TestPorts:
         robot = VirtualRobot()
         client = robot.connect("query")
         client.send(b"req 7 1 + 2\n")
-        assert client.expect(b"\n") == b"7 success : 3\n"
+        assert client.expect(b"\n") == b"[7] [success] : [3]\n"
 
     def test_popups(self):
         events = []

@@ -113,7 +113,8 @@ def test_a_real_address_is_as_one_without_a_host(tmp_path, name, program, log, l
     warned = [event for event in run.events if isinstance(event, Warned) and event.code == BARRED]
     assert (warned[0].line, warned[0].thread) == (line, "main")
     assert warned[0].text.startswith("not connected to 192.168.1.5:502: it is n")
-    assert "`--network 192.168.1.5:502` allows it" in warned[0].text
+    assert ("`--network 192.168.1.5:502` allows it" in warned[0].text) is ("closed" not in name)
+    assert ("this run is closed" in warned[0].text) is ("closed" in name)
     refused = [event for event in run.events if isinstance(event, ChannelActivity) and event.what == "refused"]
     assert refused[0].line == line and refused[0].data == warned[0].text
     assert "has refused" in warned[-1].text and "192.168.1.5:502" in warned[-1].text

@@ -66,6 +66,16 @@ class TestConfiguring:
         """
         assert run(body, Echo).log == ["True", f"True{mode}", "False", "FalseCLOSE"]
 
+    def test_firmware_2_10_writes_the_plain_mode_as_its_manual_prints_it(self):
+        rows = "textmsg({}(True, 9600, 0, 1, 8, False), {}())"
+        tool = rows.format("tool_serial_config", "tool_serial_mode")
+        assert run(tool, Echo, firmware="2.10").log == ["TrueRS-485"]
+        assert run(tool, Echo).log == ["TrueRS485"]
+        box = rows.format("serial_config", "serial_mode")
+        assert run(box, Echo, name=BOX, firmware="2.10").log == ["TrueRS-485"]
+        modbus = "textmsg(tool_serial_config(True, 9600, 0, 1, 8, True), tool_serial_mode())"
+        assert run(modbus, Echo, firmware="2.10").log == ["TrueMODBUS-RTU"]
+
     @pytest.mark.parametrize(("is_modbus", "mode"), [(False, "RS485"), (True, "MODBUS-RTU")])
     def test_the_control_box_says_true_when_disabling(self, is_modbus, mode):
         body = f"""

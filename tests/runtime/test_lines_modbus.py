@@ -160,20 +160,56 @@ class TestSharing:
 
 
 class TestSecondaryPrograms:
-    def test_the_request_goes_out_and_nobody_waits_for_the_answer(self):
+    def test_a_call_without_a_time_out_waits_for_its_transaction(self):
         given = slave((1, pdu.write_register(0, 5)), (1, pdu.registers_read(3, [5])))
-        main = program(f"{TOOL_RTU}\nsleep(0.1)\ntextmsg(tool_modbus_read_registers(1, 0, 1))")
+        main = program(f"{TOOL_RTU}\nsleep(2)")
         one = bench(given, steps=True).start(main)
         one.run(until=3)
-        one.secondary("sec s():\n  textmsg(tool_modbus_write_single_register(1, 0, 5))\nend\n").run()
-        assert one.log == ["0", "[5]"]
+        one.secondary(
+            "sec s():\n  textmsg(tool_modbus_write_single_register(1, 0, 5))\n"
+            "  textmsg(tool_modbus_read_registers(1, 0, 1))\nend\n"
+        ).run()
+        assert one.log == ["1", "[5]"]
         assert [what for what, _ in given.log] == [pdu.write_register(0, 5), pdu.read(3, 0, 1)]
+        assert one.warnings == []
 
-    def test_it_asks_nothing_while_another_thread_does(self):
+    @pytest.mark.parametrize(
+        "call", ["tool_modbus_read_registers(1, 0, 1, 5)", "tool_modbus_read_registers(1, 0, 1, time_out=5.0)"]
+    )
+    def test_a_call_with_a_time_out_looks_once(self, call):
+        given = slave((1, pdu.registers_read(3, [5])))
+        one = bench(given, steps=True).start(program(f"{TOOL_RTU}\nsleep(2)")).run(until=3)
+        one.secondary(f"sec s():\n  textmsg({call})\nend\n").run()
+        assert one.log == ["[]"]
+        assert one.warnings == [f"{SLAVE}: no answer in time"]
+
+    def test_without_an_answer_it_goes_on_within_its_second(self):
+        one = bench(slave(), steps=True).start(program(f"{TOOL_RTU}\nsleep(9)")).run(until=3)
+        text = "sec s():\n  textmsg(tool_modbus_read_registers(1, 0, 1))\nend\n"
+        one.secondary(text).run()
+        assert one.log == ["[]"]
+        assert one.warnings == [f"{SLAVE}: no answer in time"]
+
+    def test_a_second_call_without_an_answer_looks_once(self):
+        one = bench(slave(), steps=True).start(program(f"{TOOL_RTU}\nsleep(9)")).run(until=3)
+        call = "  textmsg(tool_modbus_read_registers(1, 0, 1))\n"
+        one.secondary(f"sec s():\n{call}{call}end\n").run()
+        assert one.log == ["[]", "[]"]
+        assert not any("stopped after" in text for text in one.warnings)
+
+    def test_it_waits_for_another_thread_and_then_asks(self):
         given = slave()
         main = program(f"{TOOL_RTU}\ntool_modbus_read_registers(1, 0, 1, 0.2)")
         one = bench(given, steps=True).start(main).run(until=3)
         one.secondary("sec s():\n  textmsg(tool_modbus_write_single_register(1, 0, 5))\nend\n").run()
+        assert one.log == ["0"]
+        assert len(given.log) == 2
+
+    def test_with_a_time_out_it_asks_nothing_while_another_thread_does(self):
+        given = slave()
+        main = program(f"{TOOL_RTU}\ntool_modbus_read_registers(1, 0, 1, 0.2)")
+        one = bench(given, steps=True).start(main).run(until=3)
+        one.secondary("sec s():\n  textmsg(tool_modbus_write_single_register(1, 0, 5, 1))\nend\n").run()
         assert one.log == ["0"]
         assert len(given.log) == 1
 

@@ -134,3 +134,17 @@ def test_too_many_are_refused():
         host.start_secondary(unit)
     with pytest.raises(ScriptStateError, match=str(QUEUE_MAX)):
         host.start_secondary(unit)
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ("  def f(a):\n    return a\n  f()\n", "TypeError: f() missing 1 required positional argument: 'a'"),
+        ("  def f():\n    def h(b):\n      pass\n    h()\n  f()\n", "TypeError: h() missing 1 required"),
+        ("  class A:\n    def g(self, a):\n      pass\n  A().g()\n", "TypeError: A.g() missing 1 required"),
+        ("  f = lambda a: a\n  f()\n", "TypeError: <lambda>() missing 1 required"),
+    ],
+)
+def test_a_warning_names_functions_by_their_own_names(body: str, words: str) -> None:
+    bench = Bench().secondary(f"sec s():\n{body}end\n").run()
+    assert bench.warnings[0].startswith(f"[SEC] Exception: {words}")

@@ -179,6 +179,23 @@ def socket_pair():
 
 
 @action
+def listen_for_others():
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as connection:
+        connection.listen()
+
+
+@action
+def take_a_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as connection:
+        connection.bind(("127.0.0.1", 0))
+
+
+@action
+def raw_socket():
+    socket.socket(socket.AF_INET, socket.SOCK_RAW, socket.IPPROTO_ICMP)
+
+
+@action
 def netlink_socket():
     socket.socket(socket.AF_NETLINK, socket.SOCK_RAW)
 
@@ -369,7 +386,8 @@ def main() -> None:
     else:
         from elitescript.services.child.jail import enter_jail
 
-        layers = [list(layer) for layer in enter_jail(may_copy=sys.argv[1] == "copies")]
+        how = sys.argv[1]
+        layers = [list(layer) for layer in enter_jail(may_copy=how == "copies", may_connect=how == "connections")]
     results = {name: tried(name) for name in names}
     from decimal import Decimal  # a module of the standard library can still be loaded
 

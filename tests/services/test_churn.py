@@ -56,7 +56,11 @@ class Served:
             text=True,
         )
         assert self.process.stdout is not None
-        self.robots: list[dict[str, Any]] = json.loads(self.process.stdout.readline())["robots"]
+        ready = self.process.stdout.readline()
+        if not ready:
+            assert self.process.stderr is not None
+            raise RuntimeError(self.process.stderr.read())
+        self.robots: list[dict[str, Any]] = json.loads(ready)["robots"]
         self.thread = threading.Thread(target=self._read)
         self.thread.start()
 

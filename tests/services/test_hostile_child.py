@@ -165,7 +165,7 @@ class TestLink:
             child.is_mute = True
             for _ in range(3):
                 child.say(letter, b'["usage", "no"]')
-            monkeypatch.setattr(json_text.json, "loads", lambda text: read.append(text) or loads(text))
+            monkeypatch.setattr(json_text.json, "loads", lambda text, **how: read.append(text) or loads(text, **how))
             for _ in range(50):
                 child.say(letter, b"[0]")
             assert read == []

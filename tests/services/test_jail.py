@@ -79,6 +79,22 @@ class TestCopies:
         }
 
 
+class TestConnections:
+    """A process that may connect to other computers."""
+
+    def test_only_that_is_allowed(self):
+        found = outcome("connections")
+        missing = [f"{layer}: {detail}" for layer, is_active, detail in found["layers"] if not is_active]
+        if missing:
+            pytest.skip("; ".join(missing))
+        assert {name for name in hostile.ACTIONS if not found["results"][name]} == {
+            "tcp_socket",
+            "udp_socket",
+            "start_a_thread",
+            "many_descriptors",
+        }
+
+
 class TestReport:
     def test_says_why_a_layer_is_missing(self, monkeypatch):
         def fail() -> str:

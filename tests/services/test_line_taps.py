@@ -116,7 +116,9 @@ def test_bytes_for_a_line_that_no_program_has_enabled_are_lost_and_the_log_says_
     assert said == [] and client.resumed == 0
     taps.outgoing([])
     assert client.resumed == 1
-    assert taps.send("tool", b"y")
+    assert not taps.send("tool", b"y")
+    taps.outgoing([])
+    assert client.resumed == 2
     assert said == [
         "a client bridges the serial port tool, and its bytes go nowhere: no program has enabled it "
         "(tool_serial_config, masterboard_serial_config)"

@@ -16,7 +16,7 @@ from elitescript.messages.outputs import Output
 from elitescript.services.clients.binding import bind
 from elitescript.services.clients.tcp import Client
 from elitescript.services.port_numbers import NAMES
-from elitescript.services.time import paced as server
+from elitescript.services.time import overload
 from elitescript.services.time.cycle import PERIOD_NS
 from tests.protocol import primary_client, rtsi_client
 from tests.services.fake_robot import FakeRobot
@@ -41,7 +41,7 @@ def test_every_port_answers() -> None:
             assert await interpreter.line() == "ack: 1: x = 1\n"
             query = await scene.connect("query")
             query.send(b"req 7 get_x()\n")
-            assert await query.line() == "7 success : get_x()\n"
+            assert await query.line() == "[7] [success] : [get_x()]\n"
 
     run(test())
 
@@ -51,9 +51,9 @@ def test_clients_are_told_apart() -> None:
         async with serving() as scene:
             first, second = await scene.connect("query"), await scene.connect("query")
             second.send(b"req 2 b()\n")
-            assert await second.line() == "2 success : b()\n"
+            assert await second.line() == "[2] [success] : [b()]\n"
             first.send(b"req 1 a()\n")
-            assert await first.line() == "1 success : a()\n"
+            assert await first.line() == "[1] [success] : [a()]\n"
 
     run(test())
 
@@ -159,6 +159,7 @@ def test_garbage_closes_one_connection_and_no_other() -> None:
         async with serving() as scene:
             good, bad = await scene.connect("rtsi"), await scene.connect("rtsi")
             bad.send(b"\0\0\0")
+            assert (await bad.rtsi())[1].endswith(b"a message has at least 3 bytes, not 0")
             assert await bad.reader.read() == b""
             good.send(rtsi_client.message("V", b"\0\1"))
             assert await good.rtsi() == ("V", b"\1")
@@ -220,8 +221,7 @@ def test_late_ticks_are_made_up_for_and_counted(monkeypatch: pytest.MonkeyPatch)
 
 
 def test_the_log_is_told_of_late_ticks(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(server, "REPORT_TICKS", 20)
-    monkeypatch.setattr(server, "LATE_MANY", 1)
+    monkeypatch.setattr(overload, "FIRST_TICKS", 20)
 
     async def test() -> None:
         async with timed(monkeypatch, FakeRobot()) as (scene, wall, _):

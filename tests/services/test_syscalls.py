@@ -6,7 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from elitescript.services.child.syscalls import AUDIT_ARCHES, CALLS, COPYING, filter_program, packed
+from elitescript.services.child.syscalls import (
+    AUDIT_ARCHES,
+    CALLS,
+    CONNECTING,
+    COPYING,
+    allowed,
+    filter_program,
+    packed,
+)
 
 ALLOW, KILL, REFUSE = 0x7FFF0000, 0x80000000, 0x00050000 | errno.EPERM
 BY_NAME = {call.name: call for call in CALLS}
@@ -101,6 +109,27 @@ def test_copies_share_everything_and_talk_to_nobody_else(machine, clone, pair):
     assert verdict(machine, clone, 0x1200011) == REFUSE
 
 
+@pytest.mark.parametrize(
+    ("machine", "socket", "listen", "bind", "clone", "ioctl"),
+    [("x86_64", 41, 50, 49, 56, 16), ("aarch64", 198, 201, 200, 220, 29)],
+)
+def test_connections_are_begun_and_nothing_else(machine, socket, listen, bind, clone, ioctl):
+    calls = allowed(may_connect=True)
+    for family, kind, expected in (
+        *((2, 1, ALLOW), (10, 1, ALLOW), (2, 2, ALLOW), (2, 0x80801, ALLOW), (0xFFFFFFFF00000002, 1, ALLOW)),
+        *((1, 1, REFUSE), (16, 3, REFUSE), (17, 3, REFUSE), (2, 3, REFUSE), (2, 0x100000001 + 2, REFUSE)),
+    ):
+        assert verdict(machine, socket, family, kind, calls=calls) == expected, (family, kind)
+    assert verdict(machine, listen, 3, 1, calls=calls) == REFUSE
+    assert verdict(machine, bind, 3, 1, calls=calls) == REFUSE
+    assert verdict(machine, clone, 0x3D0F00, calls=calls) == ALLOW, "a thread"
+    assert verdict(machine, clone, 0x1200011, calls=calls) == REFUSE, "a process"
+    assert verdict(machine, 435, 4096, 88, calls=calls) == 0x00050000 | errno.ENOSYS, "clone3, then clone"
+    assert verdict(machine, ioctl, 3, 0x541B, calls=calls) == ALLOW
+    assert verdict(machine, ioctl, 3, 0x5412, calls=calls) == REFUSE, "typing into a terminal"
+    assert verdict(machine, socket, 2, 1) == REFUSE
+
+
 def test_the_second_set_of_numbers_is_closed():
     assert verdict("x86_64", 0x40000000) == KILL
 
@@ -115,6 +144,6 @@ def test_numbers_are_those_of_the_headers(path, column):
     text = Path(path).read_text()
     defined = {name: int(number) for name, number in re.findall(r"#define __NR(?:3264)?_(\w+) (\d+)", text)}
     defined.setdefault("newfstatat", defined.get("fstatat", -1))
-    for call in (*CALLS, *COPYING):
+    for call in (*CALLS, *COPYING, *CONNECTING):
         number = getattr(call, column)
         assert number is None or number == defined[call.name], call.name

@@ -185,10 +185,12 @@ state: running
         return run_case(case, case.expectations[0])
 
     def test_what_is_heard_is_compared(self):
-        assert self.differences("1 success : 4") == []
-        assert self.differences("1 success : ...") == []
-        assert self.differences("1 success : 5") == ["received '1 success : 4', expected '1 success : 5'"]
+        assert self.differences("[1] [success] : [4]") == []
+        assert self.differences("[1] [success] : [...]") == []
+        assert self.differences("[1] [success] : [5]") == [
+            "received '[1] [success] : [4]', expected '[1] [success] : [5]'"
+        ]
 
     def test_what_nobody_says_is_missed_and_what_nobody_expects_is_told(self):
-        assert self.differences("1 success : 4\n< more") == ["received '', expected 'more'"]
-        assert self.differences("1 success : 4\n> req 2 5") == ["received '2 success : 5\\n' besides"]
+        assert self.differences("[1] [success] : [4]\n< more") == ["received '', expected 'more'"]
+        assert self.differences("[1] [success] : [4]\n> req 2 5") == ["received '[2] [success] : [5]\\n' besides"]

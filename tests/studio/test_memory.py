@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import stat
 import sys
 from pathlib import Path
@@ -102,3 +103,16 @@ class TestFolder:
         monkeypatch.setattr(sys, "platform", "win32")
         monkeypatch.setenv("LOCALAPPDATA", str(tmp_path))
         assert state_folder() == tmp_path / "elitescript" / "studio"
+
+
+def test_what_a_killed_process_has_left_goes(tmp_path):
+    memory = Memory(tmp_path)
+    program = tmp_path / "a.script"
+    memory.keep(program, "text", "", "one")
+    (draft,) = (tmp_path / "drafts").iterdir()
+    old, new = (draft.with_name(f"{draft.name}.{name}") for name in ("0000", "1111"))
+    for path in (old, new):
+        path.write_text("{")
+    os.utime(old, (1, 1))
+    memory.keep(program, "text 2", "", "one")
+    assert sorted((tmp_path / "drafts").iterdir()) == [draft, new]

@@ -186,6 +186,8 @@ class Play:
         self.settings: dict[str, Any] = {}
         self.problems: list[Message] = []
         self.compiles = True
+        self.empties = False
+        """Whether texts hold nothing."""
         self.ended: dict[str, Any] = {"state": "finished"}
         self.refusal: Message | None = None
         self.contacts: list[Message] = []
@@ -209,8 +211,14 @@ class Play:
         match message["type"]:
             case "program":
                 self.version = message["version"]
-                yield {"type": "problems", "version": self.version, "list": self.problems, "compiles": self.compiles}
-                if self.compiles:
+                checked = {
+                    "type": "problems",
+                    "version": self.version,
+                    "list": self.problems,
+                    "compiles": self.compiles,
+                }
+                yield {**checked, "start": moment(0.0)} if self.empties else checked
+                if self.compiles and not self.empties:
                     yield from self.run()
             case "seek":
                 yield {"type": "state", "ask": ask, "run": message["run"], "moment": moment(message["t"])}
@@ -289,7 +297,10 @@ def moment(t: float) -> Message:
             tcp_pose=(0.4 + 0.1 * sin(t), 0.1 * t, 0.5, 3.14, 0.0, 0.0),
             globals=(Variable("count", str(count), "int", t >= 2.5), Variable("limit_mm", "0.25", "float")),
             signals=signals,
-            threads=(ThreadState("main", line, "the arm", ""), ThreadState("watch", 9, "0.02 s", "look")),
+            threads=(
+                ThreadState("main", line, "the end of its move, until 2.500 s", ""),
+                ThreadState("watch", 9, "data on socket 'plc'", "look"),
+            ),
             position=f"at {t}",
         )
     )
@@ -297,6 +308,15 @@ def moment(t: float) -> Message:
 
 EVENTS: Final[list[Message]] = [
     {"type": "log", "t": 0.0, "level": "info", "text": "begin", "thread": "main", "line": 2},
+    {
+        "type": "channel",
+        "t": 1.0,
+        "channel": "plc",
+        "kind": "socket",
+        "what": "open",
+        "data": "192.168.1.5:5000",
+        "line": 4,
+    },
     {"type": "signal", "t": 2.0, "name": "standard_digital_out[0]", "value": True, "by": "program", "line": 7},
     {"type": "print", "t": 2.0, "text": "part 1", "thread": "main", "line": 7},
     {"type": "warning", "t": 2.5, "text": "movej: v is 60 rad/s", "thread": "main", "line": 6, "code": "W232"},
@@ -328,7 +348,7 @@ SERVICES: Final[dict[str, Any]] = {
         "defaults": {"robot": "cs66", "firmware": "2.14"},
     },
     "completion": [],
-    "examples": [],
+    "examples": [{"name": "first", "title": "First moves", "text": PROGRAM}],
     "folding": [],
     "hints": [],
     "outline": [],

@@ -163,3 +163,26 @@ def test_buttons_stay_at_the_top_of_a_narrow_window(open_page: Open) -> None:
     assert box is not None and 0 <= box["y"] < 50
     page.get_by_role("button", name="Cycle time").click()
     expect(page.get_by_role("region", name="Cycle time")).to_contain_text("50.0 %")
+
+
+def test_an_empty_program_is_a_beginning(open_page: Open) -> None:
+    play = Play()
+    page, source = open_page(play)
+    expect(page.locator(".state")).to_contain_text("finished")
+    version = source.wait("program")["version"]
+    page.get_by_role("textbox", name="Program text").click()
+    page.keyboard.press("Control+A")
+    play.empties = True
+    page.keyboard.press("Delete")
+    source.wait("program", lambda message: message["version"] > version and message["text"] == "")
+    expect(page.locator(".state")).to_have_text(re.compile("no program yet"))
+    expect(page.get_by_role("region", name="Problems")).to_contain_text("There is no program yet to check.")
+    expect(page.get_by_role("region", name="Time line", exact=True)).to_contain_text("No run yet")
+    begin = page.get_by_role("group", name="No program yet. Three ways to begin:")
+    expect(begin).to_contain_text("Example: First moves")
+    expect(begin).to_contain_text("elitescript studio FOLDER")
+    play.empties = False
+    begin.get_by_role("button", name="Write: ").click()
+    source.wait("program", lambda message: message["text"].startswith("def program():"))
+    expect(page.locator(".state")).to_contain_text("finished")
+    expect(begin).to_have_count(0)

@@ -81,7 +81,7 @@ def test_the_first_click_into_an_empty_program_writes_and_does_not_take_an_examp
         page = context()
         page.goto(address)
         text, program = page.get_by_role("textbox", name="Program text"), page.get_by_role("region", name="Program")
-        expect(program.get_by_role("listitem")).to_have_count(3)
+        expect(program.get_by_role("listitem")).to_have_count(5)
         text.click()
         page.keyboard.type("sleep(0.5)")
         expect(program.get_by_role("listitem")).to_have_count(0)

@@ -43,8 +43,11 @@ def test_slider_and_field(open_page: Open) -> None:
 
 def test_pointer_zoom_and_table(open_page: Open) -> None:
     page, source = open_page()
+    expect(page.locator(".state")).to_contain_text("finished")
     slider = page.get_by_role("slider", name="Time", exact=True)
     timeline = page.get_by_role("region", name="Time line", exact=True)
+    # With all lanes the places in it do not move any more.
+    page.get_by_role("img", name=re.compile(r"^Signals, 0\.000 s")).wait_for()
     box = timeline.get_by_role("img", name=re.compile("^Lines of the threads")).bounding_box()
     assert box is not None
     # The canvas is 8 px wider than the run on both sides.

@@ -65,7 +65,7 @@ def test_the_case_of_a_lost_run_can_be_played(state: str, tmp_path: Path) -> Non
     choices = runner.choices_of(2)
     row = Row(choices, state, None, failure=Failure(state, state, text="it is lost"))
     engine: Any = HereEngine(runner)
-    found = find(row, runner, engine, Places(tmp_path, str(program)))
+    (found,) = find([row], runner, engine, Places(tmp_path, str(program)))
     assert read_case(found.case).failure.state == state
     assert Replay(found.case).play().words == "the failure did not come again: the run comes to its end now"
 
@@ -77,7 +77,7 @@ def test_a_case_that_cannot_be_read_is_said_and_left_out(tmp_path: Path) -> None
     runner = Runner(make_plan(program, variations=VARIED))
     engine: Any = HereEngine(runner)
     row = Row(runner.choices_of(2), "crashed", None, failure=Failure("crashed", "crashed", text="it is lost"))
-    first, second = find(row, runner, engine, places).case, find(row, runner, engine, places).case
+    first, second = (find([row], runner, engine, places)[0].case for _ in range(2))
     first.write_text("program = 3\n")
     notes: list[str] = []
     assert [case.path for case in remembered(runner, engine, places, notes.append)] == [second]

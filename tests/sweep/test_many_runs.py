@@ -41,7 +41,24 @@ def test_functions_are_called_in_this_process(tmp_path: Path) -> None:
     assert out.read_text().splitlines()[0] == ",".join(result.columns)
     assert "1 of 3 runs hold, 2 fail" in repr(result)
     assert result.play(result.failures[0]).log == ["paused True"]
-    assert [path.name for path in tmp_path.iterdir()] == ["out.csv"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out.csv", "out.csv.sweep"]
+    with pytest.raises(UsageError, match="what functions compute cannot be compared with what is there"):
+        sweep(PROGRAM, ensure=short, out=out, resume=True)
+
+
+def test_a_finished_table_belongs_to_its_settings(tmp_path: Path) -> None:
+    out = tmp_path / "out.csv"
+    arguments = {"vary": {"pause_s": uniform(0, 1)}, "ensure": "time_s < 2", "jobs": 1, "out": out}
+    first = sweep(PROGRAM, **arguments, runs=4)
+    seen: list[tuple[int, int]] = []
+    again = sweep(PROGRAM, **arguments, runs=2, resume=True, on_progress=lambda *counts: seen.append(counts))
+    assert [row.digest for row in again] == [row.digest for row in first]
+    assert seen == []
+    more = sweep(PROGRAM, **arguments, runs=6, resume=True, on_progress=lambda *counts: seen.append(counts))
+    assert seen[0][0] > 4
+    assert (len(more), len(out.read_text().splitlines())) == (6, 7)
+    with pytest.raises(UsageError, match="was made with other settings: --seed 1, was 0"):
+        sweep(PROGRAM, **arguments, runs=6, seed=1, resume=True)
 
 
 def test_rows_are_those_of_processes() -> None:

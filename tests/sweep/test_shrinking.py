@@ -8,7 +8,7 @@ import pytest
 
 from elitescript.errors import UsageError
 from elitescript.records import replace
-from elitescript.sweep.failures.shrinking import Shrunk, is_same, shrink
+from elitescript.sweep.failures.shrinking import Shrinking, Shrunk, is_same, shrink
 from elitescript.sweep.plans.plan import Choices, Disturbance, Failure
 
 NOISE = tuple(Disturbance("pause", at_s=0.5 * at, for_s=1.0) for at in range(12))
@@ -174,3 +174,29 @@ def test_the_same_failure_has_property_alarm_and_line(changes: dict[str, object]
     failure = Failure("no_alarm", "alarm", "R101", 12, "drop", "text", 1.0)
     assert is_same(replace(failure, **changes), failure) is expected
     assert not is_same(None, failure)
+
+
+def fails_late(choices: Choices) -> bool:
+    """A pause of 2 s or more that begins after 3 s, with a stop before it and a value above 0.3."""
+    kinds = [item.kind for item in choices.disturbances]
+    late = [item for item in choices.disturbances if item.kind == "pause" and item.at_s >= 3.2 and item.for_s >= 2.0]
+    return bool(late) and "protective_stop" in kinds and choices.values["x"] > 0.3
+
+
+@pytest.mark.parametrize("width", [1, 2, 3, 7, 100])
+@pytest.mark.parametrize("budget", [3, 20, 200])
+def test_candidates_that_are_run_beside_each_other_change_nothing(width: int, budget: int) -> None:
+    pauses = tuple(Disturbance("pause", at_s=0.7 * at, for_s=1.0 + 0.3 * at) for at in range(9))
+    choices = Choices(3, 1, {"x": 0.873}, (*pauses, Disturbance("protective_stop", at_s=1.0)))
+    plain = {"x": 0.0}
+    one = shrink(choices, fails_late, plain=plain, budget=budget)
+    search = Shrinking(choices, plain=plain, budget=budget)
+    rounds = 0
+    while search.asked:
+        rounds += 1
+        search.answer({at: fails_late(candidate) for at, candidate in enumerate(search.asked[:width])})
+    assert search.result == one
+    assert one.runs <= budget
+    assert rounds <= one.runs
+    if width > 1 and budget == 200:
+        assert rounds < 0.8 * one.runs

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -102,6 +103,30 @@ def test_rows_are_the_same_for_any_number_of_processes_and_any_end(
     assert killed.read_bytes() == whole.read_bytes()
     assert not part.exists()
 
+    # A finished table belongs to its settings, as does one that is not finished.
+    before = whole.read_bytes()
+    for arguments, words in (
+        (["--seed", "4"], "was made with other settings: --seed 4, was 0"),
+        (["--ensure", "time_s < 2", "--runs", "70"], "time_s < 2"),
+    ):
+        assert main(["sweep", program, *USUAL, "--runs", "60", "--out", str(whole), "--resume", *arguments]) == 2
+        assert words in capsys.readouterr().err
+    assert main(["sweep", program, *USUAL, "--runs", "60", "--out", str(whole), "--resume"]) == 0
+    assert "whole.csv is finished: it has the 60 runs of these settings, and" in capsys.readouterr().out
+    assert main(["sweep", program, *USUAL, "--runs", "5", "--out", str(whole), "--resume", "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert (said["type"], said["runs"], said["out"]) == ("finished", 60, str(whole))
+    assert said["failed"] == sum(line.split(",")[-2] != "" for line in rows[1:])
+    assert whole.read_bytes() == before
+    # More runs are no other setting.
+    assert main(["sweep", program, *USUAL, "--runs", "64", "--out", str(whole), "--resume"]) == 1
+    assert "60 of 64 runs are there already" in capsys.readouterr().err
+    assert whole.read_bytes().startswith(before)
+    assert len(whole.read_bytes().splitlines()) == 65
+    Path(f"{whole}.sweep").unlink()
+    assert main(["sweep", program, *USUAL, "--runs", "64", "--out", str(whole), "--resume"]) == 2
+    assert "is there, but no whole.csv.sweep beside it" in capsys.readouterr().err
+
 
 def test_ctrl_c_keeps_what_is_there(program: str, tmp_path: Path) -> None:
     out = tmp_path / "out.csv"
@@ -159,3 +184,45 @@ def test_a_run_that_hangs_costs_itself_alone(tmp_path: Path, capsys: pytest.Capt
     assert lines[-1]["states"] == {"finished": 2, "hung": 1}
     assert lines[-2]["type"] == "failure"
     assert Path(lines[-2]["case"]).exists()
+
+
+def test_the_numbers_add_up_and_are_the_same_for_any_number_of_processes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "cell.script").write_text(PROGRAM)
+    told: list[list[dict[str, Any]]] = []
+    for jobs in ("1", "3"):
+        arguments = ["--ensure", "time_s < 0.5", "--ensure", "no_alarm", "--runs", "30", "--jobs", jobs, "--json"]
+        assert main(["sweep", "cell.script", *VARY, *arguments]) == 1
+        told.append([json.loads(line) for line in capsys.readouterr().out.splitlines()])
+        (tmp_path / "CASE.toml").rename(tmp_path / f"{jobs}.toml")
+        for path in tmp_path.glob("CASE*"):
+            path.unlink()
+    assert told[0] == told[1]
+    assert (tmp_path / "1.toml").read_bytes() == (tmp_path / "3.toml").read_bytes()
+    failures = [line for line in told[0] if line["type"] == "failure"]
+    numbers = told[0][-1]["numbers"]
+    assert numbers["runs"] == 30 == sum(line["type"] == "row" for line in told[0])
+    assert numbers["failed"] == told[0][-1]["failed"]
+    assert numbers["shrink_runs"] == sum(line["tried"] for line in failures) > 0
+    assert numbers["shrunk"] == len(failures)
+    assert numbers["cases_written"] == sum(line["written"] for line in failures)
+    assert all(line["complete"] for line in failures)
+
+
+def test_a_budget_for_making_failures_smaller(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "cell.script").write_text(PROGRAM)
+    usual = ["sweep", "cell.script", *VARY, "--ensure", "time_s < 0.6", "--runs", "5", "--jobs", "1"]
+    assert main([*usual, "--shrink-runs", "2"]) == 1
+    out = capsys.readouterr().out
+    assert "made smaller in 2 tries and perhaps not the smallest, see --shrink-runs" in out
+    assert "5 runs of the plan, 2 to make 1 of " in out
+    (tmp_path / "CASE.toml").unlink()
+    assert main([*usual, "--shrink-runs", "0"]) == 1
+    assert "5 runs of the plan; 1 case is written" in capsys.readouterr().out
+    assert main([*usual, "--shrink-runs", "-1"]) == 2
+    assert "--shrink-runs must be 0 or more, got -1" in capsys.readouterr().err

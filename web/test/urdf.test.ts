@@ -139,3 +139,98 @@ test("meshes that are not understood are named", async () => {
   await assert.rejects(load("a.obj", ""), /mesh a\.obj is neither STL nor Collada/);
   await assert.rejects(load("a.stl", "solid a\nendsolid a\n"), /mesh a\.stl (has no triangles|is not understood)/);
 });
+
+// ---------------------------------------------------------------- bombs
+
+/** Processor time: of a quadratic or exponential reader it would be minutes, whatever else this computer does. */
+const CPU_MS = 15_000;
+const cpuMs = () => process.cpuUsage().user / 1000;
+
+function refusedSoon(read: () => unknown, why: RegExp) {
+  const began = cpuMs();
+  assert.throws(read, why);
+  assert.ok(cpuMs() - began < CPU_MS, `${cpuMs() - began} ms`);
+}
+
+const stl = (facets: number, claimed = facets) => {
+  const bytes = new ArrayBuffer(84 + 50 * facets);
+  new DataView(bytes).setUint32(80, claimed, true);
+  return bytes;
+};
+const ofText = (words: string) => new TextEncoder().encode(words).buffer as ArrayBuffer;
+const mesh = (file: string) => urdf({ visual: `<geometry><mesh filename="${file}"/></geometry>` });
+
+test("bombs: XML that is opened a million times and never closed", () => {
+  for (const part of ["<!-- >", "<? >", "<![CDATA[ >", "<!a ", '<a b="', "<a ", "<a>", "</a>"]) {
+    refusedSoon(() => readXml(part.repeat(1_000_000)), /./);
+  }
+});
+
+test("bombs: links in more ways than can be counted, in a circle, too many, too deep", () => {
+  const link = (n: number) => `<link name="x${n}"/>`;
+  const joint = (from: string, to: string, name: string) => `<joint name="${name}" type="fixed"><parent link="${from}"/><child link="${to}"/></joint>`;
+  const many = Array.from({ length: 60 }, (_, n) => link(n) + joint(n === 0 ? "tool0" : `x${n - 1}`, `x${n}`, `a${n}`) + joint(n === 0 ? "tool0" : `x${n - 1}`, `x${n}`, `b${n}`));
+  refusedSoon(() => readUrdf(urdf({ extra: many.join("") }), CS66), /hangs on two joints/);
+  const ring = link(0) + link(1) + joint("x0", "x1", "a") + joint("x1", "x0", "b");
+  assert.ok(readUrdf(urdf({ extra: ring }), CS66).length > 0, "beside the arm");
+  const chain = Array.from({ length: 20_000 }, (_, n) => link(n) + joint(n === 0 ? "tool0" : `x${n - 1}`, `x${n}`, `a${n}`));
+  refusedSoon(() => readUrdf(urdf({ extra: chain.join("") }), CS66), /20009 links and 20008 joints; at most 1000/);
+  const visual = '<geometry><box size="1 1 1"/></geometry></visual><visual>'.repeat(2000) + '<geometry><box size="1 1 1"/></geometry>';
+  refusedSoon(() => readUrdf(urdf({ visual }), CS66), /shapes; at most 1000 are drawn/);
+});
+
+const STLS: readonly (readonly [string, ArrayBuffer, RegExp])[] = [
+  ["claims four billion triangles", stl(1, 0xffffffff), /4294967295 triangles, which are 214748364834 bytes; it has 134/],
+  ["is cut off", stl(3, 4), /says that it has 4 triangles/],
+  ["is empty", new ArrayBuffer(0), /it has 0 bytes/],
+  ["has more triangles than are drawn", stl(1_000_001), /more than 1,000,000 triangles/],
+  ["begins facets that never end", ofText(`solid ${"facet ".repeat(2_000_000)}`), /has no triangles/],
+  ["begins vertices that never end", ofText(`solid ${"vertex ".repeat(2_000_000)}`), /has no triangles/],
+  ["has one endless number", ofText(`solid vertex ${"1".repeat(4_000_000)} 2 3`), /has no triangles/],
+  ["ends within a triangle", ofText("solid a\nfacet normal 0 0 1\nouter loop\nvertex 1 2 3\nvertex 1 2 4\n"), /ends within a triangle/],
+  ["has a corner at infinity", ofText("solid vertex 1e999 2 3 vertex 1 2 3 vertex 1 2 4"), /triangle 1 has a corner that is no place/],
+];
+for (const [what, bytes, why] of STLS) {
+  test(`bombs: an STL that ${what}`, async () => {
+    const began = cpuMs();
+    await assert.rejects(loadPieces(mesh("a.stl"), CS66, () => Promise.resolve(bytes)), why);
+    assert.ok(cpuMs() - began < CPU_MS);
+  });
+}
+
+test("an STL as text and as bytes has the same triangles", async () => {
+  const corners = [0, 0, 0, 1, 0, 0, 0, 1, 0];
+  const bytes = stl(1);
+  corners.forEach((value, index) => new DataView(bytes).setFloat32(84 + 12 + 4 * index, value, true));
+  const words = ofText(`solid x\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1.0e0 0 0\n   vertex 0 1 0\n  endloop\n endfacet\nendsolid x\n`);
+  const [first, second] = await Promise.all([bytes, words].map((given) => loadPieces(mesh("a.stl"), CS66, () => Promise.resolve(given))));
+  assert.deepEqual([...first![0]!.geometry.getAttribute("position").array], [...second![0]!.geometry.getAttribute("position").array]);
+  assert.equal(first![0]!.geometry.getAttribute("position").count, 3);
+});
+
+const dae = (nodes: string, p = "0 1 2", vcount = "") => `<COLLADA><library_geometries><geometry id="g"><mesh><source id="s"><float_array>0 0 0 1 0 0 0 1 0</float_array></source>
+<vertices id="v"><input semantic="POSITION" source="#s"/></vertices>${vcount === "" ? "<triangles>" : `<polylist><vcount>${vcount}</vcount>`}<input semantic="VERTEX" source="#v" offset="0"/><p>${p}</p>${vcount === "" ? "</triangles>" : "</polylist>"}</mesh></geometry></library_geometries>
+<library_nodes>${nodes}</library_nodes><library_visual_scenes><visual_scene id="z"><node><instance_node url="#n0"/></node></visual_scene></library_visual_scenes><scene><instance_visual_scene url="#z"/></scene></COLLADA>`;
+
+test("bombs: a Collada file whose nodes name others again and again", () => {
+  const doubled = Array.from({ length: 40 }, (_, n) => `<node id="n${n}">${`<instance_node url="#n${n + 1}"/>`.repeat(2)}</node>`).join("");
+  refusedSoon(() => readCollada(dae(`${doubled}<node id="n40"><instance_geometry url="#g"/></node>`)), /more than 10,000 nodes/);
+  const itself = '<node id="n0"><instance_node url="#n0"/></node>';
+  refusedSoon(() => readCollada(dae(itself)), /more than 64 nodes inside of each other/);
+});
+
+test("bombs: polygons of more corners than there are", () => {
+  const node = '<node id="n0"><instance_geometry url="#g"/></node>';
+  for (const vcount of ["1e12", "Infinity", "-4", "NaN", "3 3"]) refusedSoon(() => readCollada(dae(node, "0 1 2", vcount)), /corners, which are not there|triangles/);
+  refusedSoon(() => readCollada(dae(node, "0 1 2 ".repeat(1_000_001))), /more than 1,000,000 triangles/);
+  refusedSoon(() => readCollada(dae(`<node id="n0"><scale>1e300 1 1</scale><scale>1e300 1 1</scale><instance_geometry url="#g"/></node>`)), /a corner that is no place/);
+});
+
+test("bombs: one file drawn a hundred times, and files without end", async () => {
+  const visual = '<geometry><mesh filename="a.stl"/></geometry></visual><visual>'.repeat(99) + '<geometry><mesh filename="a.stl"/></geometry>';
+  await assert.rejects(loadPieces(urdf({ visual }), CS66, () => Promise.resolve(stl(2000))), /more than 1,000,000 triangles/);
+  const files = Array.from({ length: 101 }, (_, n) => `<geometry><mesh filename="${n}.stl"/></geometry>`).join("</visual><visual>");
+  let read = 0;
+  await assert.rejects(loadPieces(urdf({ visual: files }), CS66, () => Promise.resolve((read++, new ArrayBuffer(2 ** 22)))), /128 MB|is not understood/);
+  assert.ok(read <= 33);
+});

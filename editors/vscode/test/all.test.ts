@@ -86,6 +86,11 @@ describe("the command elitescript", onPosix, () => {
     assert.deepEqual(robotOptions(), []);
     Object.assign(fake.settings, { "elitescript.robot": "CS612", "elitescript.world": "cell.toml", "elitescript.strict": true });
     assert.deepEqual(robotOptions(), ["--robot", "CS612", "--world", "cell.toml", "--strict"]);
+    // Only commands that run programs have it; others would refuse it.
+    fake.settings["elitescript.network"] = "192.168.1.5:502";
+    assert.deepEqual(robotOptions(undefined, "run").slice(4, 6), ["--network", "192.168.1.5:502"]);
+    assert.ok(!robotOptions(undefined, "sweep").includes("--network"));
+    delete fake.settings["elitescript.network"];
   });
 });
 
@@ -325,7 +330,7 @@ describe("the path page", onPosix, () => {
     await pages.show(uri);
     assert.equal(fake.panels.length, 1);
     assert.equal(panel.webview.html.trim(), "<html>run 3</html>");
-    assert.match(readFileSync(path.join(path.dirname(own), "calls"), "utf8"), /^plot \S+a\.script -o \S+page\.html --world cell\.toml\n/);
+    assert.match(readFileSync(path.join(path.dirname(own), "calls"), "utf8"), /^plot \S+a\.script -o \S+page\.html --world cell\.toml --network none\n/);
     panel.dispose();
     await pages.show(uri);
     assert.equal(fake.panels.length, 2);

@@ -22,6 +22,7 @@ from elitescript.commands.definition.registry import Command, Param
 from elitescript.commands.definition.vocabulary import newer_firmware_text
 from elitescript.messages.profile import Profile, release_of
 from elitescript.messages.signals import Signal
+from elitescript.untrusted.escaping import code_block
 
 LANGUAGE: Final = "elitescript"
 """Name of the language behind the fences of code."""
@@ -144,7 +145,7 @@ def parameter_label(param: Param) -> str:
 
 def fenced(code: str) -> str:
     """Return code as a block of Markdown."""
-    return f"```{LANGUAGE}\n{code}\n```"
+    return code_block(code, LANGUAGE)
 
 
 def _plain(text: str) -> str:

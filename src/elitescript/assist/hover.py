@@ -38,6 +38,7 @@ from elitescript.lint.places import TargetPlaces, six
 from elitescript.lint.program import Span
 from elitescript.messages.signals import parse_signal_name
 from elitescript.records import record
+from elitescript.untrusted.escaping import code_span
 
 _LINES_MAX: Final = 4
 """Lines that a list of places names."""
@@ -174,7 +175,7 @@ def _last_values(document: Document, own: OwnName, last_run: LastRun | None) -> 
         return ""
     scope = "" if own.home is None or own.home is document.symbols.body else own.home.name
     value = last_run.values.get(scope, {}).get(own.name)
-    return "" if value is None else f"In the last run at last: `{value}`"
+    return "" if value is None else f"In the last run at last: {code_span(value)}"
 
 
 # -------------------------------------------------------------------- lists of six numbers

@@ -18,6 +18,7 @@ from elitescript.lint.constants import Unknown
 from elitescript.lint.kinds import Kinds
 from elitescript.lint.program import CommandCall
 from elitescript.records import NamedTuple
+from elitescript.untrusted.escaping import markdown_text
 
 _SHORT: Final = 40
 LIST_KINDS: Final = {"joints": "joints", "pose": "pose", "tcp": "pose"}
@@ -95,13 +96,13 @@ def function_signature(function: ast.FunctionDef) -> str:
 
 
 def function_text(document: Document, function: ast.FunctionDef) -> str:
-    """Return what the program says of a function: its docstring, or the comment below or above its header."""
+    """Return as Markdown what the program says of a function: its docstring, or the comment at its header."""
     text = ast.get_docstring(function)
     if text:
-        return text
+        return markdown_text(text)
     line = function.lineno
     below = _comment(document, line + 1, 1)
-    return below or _comment(document, line - 1, -1)
+    return markdown_text(below or _comment(document, line - 1, -1))
 
 
 def _comment(document: Document, line: int, step: int) -> str:

@@ -19,11 +19,13 @@ from elitescript.audit.simulation import Cell, Simulated, cell_of, simulate
 from elitescript.audit.words import audit_as_json, audit_in_words
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.errors import UsageError, printable
+from elitescript.kernel.options import ROBOT_SECTION
 from elitescript.language.text.source import SourceFile
-from elitescript.models.model import load_model
+from elitescript.models.model import is_model_file, load_model
 from elitescript.protocol.primary.messages import SCRIPT_EXCEPTION
 from elitescript.recorder.recording import Recording
 from elitescript.records import record, replace
+from elitescript.world_file import closed_world, tables_of, world_text
 
 if TYPE_CHECKING:
     from elitescript.models.model import RobotModel
@@ -69,8 +71,9 @@ def audit(
     Args:
         recording: of `elitescript record`, or the path of its file.
         program: text, path or source of the program that ran; that of the recording if None.
-        robot: name of the arm or path of its file; if None that of the world file, else the recorded model.
-        world: path of the world file: devices over channels are not in a recording.
+        robot: name of the arm or path of its file; if None the arm file that the recording holds, else the arm of the
+            world file, else the recorded model.
+        world: path of the world file; that of the recording if None. What devices have answered is not recorded.
         run: number of the run to audit, from 1 on; `all` for each.
         tolerance: what does not count as a difference.
         presets: program globals that have a value before the program begins.
@@ -87,14 +90,95 @@ def audit(
     if not found.t:
         raise UsageError("the recording has no rows")
     source = _program(found, program)
-    with TemporaryDirectory() as folder:
-        # An arm is read from a file.
-        arm = robot or (None if world is not None else _recorded_arm(found, Path(folder)))
-    cell = cell_of(source, arm, world, options, presets)
-    return _audit(found, cell, run, tolerance or Tolerance(), is_fitted=fit)
+    kept = _Kept()
+    world_text = kept.world(found) if world is None else None
+    named = str(world) if world is not None else None if world_text is None else kept.taken[-1]
+    arm = robot or kept.arm(found, named, world_text)
+    cell = cell_of(source, arm, named, options, presets, world_text)
+    return _audit(found, cell, run, tolerance or Tolerance(), kept, is_fitted=fit)
 
 
-def _audit(recording: Recording, cell: Cell, run: int | str, tolerance: Tolerance, *, is_fitted: bool) -> Audit:
+class _Kept:
+    """What the simulated robot is made of that the recording holds.
+
+    Attributes:
+        taken: names of its files.
+        not_taken: what is not, in words.
+    """
+
+    __slots__ = ("not_taken", "taken")
+
+    def __init__(self) -> None:
+        self.taken: list[str] = []
+        self.not_taken: list[str] = []
+
+    def world(self, recording: Recording) -> str | None:
+        """Return the text of the world file that the recording holds; None if it holds none that can be used."""
+        name = str(recording.facts.get("world", ""))
+        if not name:
+            return None
+        if name not in recording.attachments:
+            self.not_taken.append(f"the world file {name}, which the recorder was given, is not in the recording")
+            return None
+        try:
+            text = recording.attachments[name].decode()
+            closed_world(name, text=text)
+        except (UnicodeDecodeError, UsageError) as error:
+            why = "it is not UTF-8" if isinstance(error, UnicodeDecodeError) else error
+            self.not_taken.append(f"the world file of the recording is not used: {why}; --world FILE gives it")
+            return None
+        self.taken.append(name)
+        return text
+
+    def arm(self, recording: Recording, world: str | None, world_text: str | None) -> RobotModel | None:
+        """Return the recorded arm: the file that the recording holds, else the model that is named in it.
+
+        Args:
+            recording: that is audited.
+            world: name or path of the world file; None without one.
+            world_text: of one that the recording holds.
+
+        Returns:
+            None for the arm of the world file.
+        """
+        of_world = _arm_of_world(world, world_text)
+        file = arm_file_of(recording)
+        if file and not is_model_file(of_world):
+            with TemporaryDirectory() as folder:
+                # An arm is read from a file.
+                path = Path(folder) / Path(file).name
+                path.write_bytes(recording.attachments[file])
+                model = load_model(str(path))
+            self.taken.insert(0, file)
+            return model
+        if file:
+            self.not_taken.append(f"the arm file {file} of the recording: the world file names {of_world}")
+        if of_world:
+            return None
+        for fact in ("model", "robot"):
+            name = str(recording.facts.get(fact, "")).strip()
+            try:
+                if name and not is_model_file(name):
+                    return load_model(name)
+            except UsageError as error:
+                self.not_taken.append(f"the arm of the recording is not simulated: {error}; --robot names another")
+        return None
+
+
+def _arm_of_world(world: str | None, text: str | None) -> str:
+    """Return the arm that a world file names; empty if it names none."""
+    if world is None:
+        return ""
+    tables = tables_of(Path(world), text if text is not None else world_text(Path(world)))
+    section = tables.get(ROBOT_SECTION)
+    name = str(section.get("model", "")) if isinstance(section, dict) else ""
+    # An arm file of the recorder's disk is the one that the recording holds.
+    return "" if text is not None and is_model_file(name) else name
+
+
+def _audit(
+    recording: Recording, cell: Cell, run: int | str, tolerance: Tolerance, kept: _Kept, *, is_fitted: bool
+) -> Audit:
     model = cell.robot().model
     ranges = runs_of(recording)
     if not ranges:
@@ -124,6 +208,8 @@ def _audit(recording: Recording, cell: Cell, run: int | str, tolerance: Toleranc
         (*_without_marks(chosen, runs), *_not_compared(recording, cell, model)),
         lost,
         fit,
+        tuple(kept.taken),
+        tuple(kept.not_taken),
     )
 
 
@@ -170,8 +256,6 @@ def _audited(recording: Recording, cell: Cell, number: int, rows: range, toleran
         if setters[kind.command] and kind.command not in compared
     ]
     notes = [*comparison.notes, *missing, *inputs.unknown, *made.refused]
-    if series.is_headless:
-        notes.insert(0, "the program ran already when the recording began: what was before is not compared")
     if not by_lines:
         notes.insert(0, "the recording shows no change of lines: pieces are cut at standstills and edges of outputs")
     return AuditedRun(
@@ -226,19 +310,6 @@ def _program(recording: Recording, program: str | Path | SourceFile | None) -> s
     return SourceFile(f"<{names[0]}>", recording.attachments[names[0]].decode("utf-8", "replace"))
 
 
-def _recorded_arm(recording: Recording, folder: Path) -> RobotModel | None:
-    """Return the arm of a recording: the file that it holds, else the model that the controller named."""
-    if file := arm_file_of(recording):
-        path = folder / Path(file).name
-        path.write_bytes(recording.attachments[file])
-        return load_model(str(path))
-    name = str(recording.facts.get("model", "")).strip()
-    try:
-        return load_model(name) if name else None
-    except UsageError:
-        return None
-
-
 def _not_compared(recording: Recording, cell: Cell, model: RobotModel) -> Iterable[str]:
     families = {
         command.family for name in _CALL.findall(cell.source.text) if (command := CATALOGUE.get(name)) is not None
@@ -252,10 +323,10 @@ def _not_compared(recording: Recording, cell: Cell, model: RobotModel) -> Iterab
     if named and named != model.name and not model.name.startswith(named) and not shows_lengths(recording.facts):
         # A fitted arm has another name, and the lengths of the recorded one.
         yield f"lengths of the arm: the recording shows none of its {named}, the simulated one is {model.name}"
-    if cell.world is None:
-        for name in recording.attachments:
-            if name.endswith(".toml") and name != arm_file_of(recording):
-                yield f"{name}, which the recording holds: as a world it is given with --world"
+    known = (arm_file_of(recording), cell.world if cell.world_text is not None else "", recording.facts.get("world"))
+    for name in recording.attachments:
+        if name.endswith(".toml") and name not in known and cell.world is None:
+            yield f"{name}, which the recording holds: as a world it is given with --world"
     if _FORCES in families:
         yield "forces at the TCP: the simulated arm has only those of the world file"
     for rows in (gap for gap in recording.gaps if gap[1] - gap[0] > 1.0):

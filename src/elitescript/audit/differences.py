@@ -113,6 +113,7 @@ class Comparison:
         signals: edges that only one run has.
         compared_signals: how many signals changed in either run, or were the same all the time in both.
         notes: what could not be compared, and what explains itself.
+        simulated_s: duration of the simulated run, as far as the recording goes.
     """
 
     findings: tuple[Finding, ...]
@@ -123,6 +124,7 @@ class Comparison:
     signals: tuple[SignalDifference, ...]
     compared_signals: int
     notes: tuple[str, ...] = field(default=())
+    simulated_s: float = 0.0
 
     @property
     def divergence(self) -> Finding | None:
@@ -240,16 +242,18 @@ class Comparer:
             self._notes.insert(
                 0, f"lines of the recording are {abs(shift)} {higher} than those of the program: one of both was edited"
             )
+        until = self._rows_until_end(pairs)
         changed = {change.name for series in (self._recorded, self._other) for change in series.changes}
         return Comparison(
             tuple(self._findings),
             self._joints(),
             self._path(),
             None if self._findings else self._measured(pairs),
-            self._lines(),
+            self._lines(until),
             tuple(self._signals),
             len(changed & set(signals)),
             tuple(self._notes),
+            self._other.t[until - 1],
         )
 
     # ---------------------------------------------------------------- alignment
@@ -715,9 +719,23 @@ class Comparer:
     def _largest(self, rms: float, largest: float, row: int) -> Largest:
         return Largest(rms, largest, self._recorded.t[row], self._recorded.lines[row])
 
-    def _lines(self) -> tuple[LineTime, ...]:
-        times, passes, slowed = _line_times(self._recorded)
-        its_times, its_passes, _ = _line_times(self._other)
+    def _rows_until_end(self, pairs: Sequence[Match]) -> int:
+        """Return how many rows of the simulated run are not behind the end of the recording."""
+        if not self._recorded.is_open or not pairs:
+            return len(self._other)
+        last = pairs[-1]
+        rest_s = self._recorded.t[-1] - self._recorded.t[self._row(last.first)]
+        its_begin = self._its_row(last.second)
+        return max(its_begin + 1, bisect_right(self._other.t, self._other.t[its_begin] + rest_s + 0.5 * PERIOD_S))
+
+    def _lines(self, until: int) -> tuple[LineTime, ...]:
+        """Return the times of lines.
+
+        Args:
+            until: rows of the simulated run that count.
+        """
+        times, passes, slowed = _line_times(self._recorded, len(self._recorded))
+        its_times, its_passes, _ = _line_times(self._other, until)
         found = []
         for line in sorted({*times, *its_times} - {0}):
             causes = self._causes.get(line, {})
@@ -766,22 +784,27 @@ def _named(lines: Sequence[int]) -> str:
     return f"{len(shown)} lines from {shown[0]} to {shown[-1]}"
 
 
-def _line_times(series: Series) -> tuple[dict[int, float], dict[int, int], dict[int, float]]:
-    """Return for each line its time, how often it was reached, and what the speed scaling took of its time."""
+def _line_times(series: Series, count: int) -> tuple[dict[int, float], dict[int, int], dict[int, float]]:
+    """Return for each line its time, how often it was reached, and what the speed scaling took of its time.
+
+    Args:
+        series: of the run.
+        count: rows that are looked at.
+    """
     times: dict[int, float] = {}
     passes: dict[int, int] = {}
     slowed: dict[int, float] = {}
     lines, t, scaling = series.lines, series.t, series.scaling
     begin = 0
-    for row in range(1, len(lines) + 1):
-        if row == len(lines) or lines[row] != lines[begin]:
+    for row in range(1, count + 1):
+        if row == count or lines[row] != lines[begin]:
             line = lines[begin]
-            until = t[min(row, len(t) - 1)]
+            until = t[min(row, count - 1)]
             times[line] = times.get(line, 0.0) + until - t[begin]
             passes[line] = passes.get(line, 0) + 1
             begin = row
     if scaling is not None and any(value < 1.0 for value in scaling):
-        for row in range(len(lines) - 1):
+        for row in range(count - 1):
             if scaling[row] < 1.0 and not series.stands(row):
                 line = lines[row]
                 slowed[line] = slowed.get(line, 0.0) + (1.0 - scaling[row]) * (t[row + 1] - t[row])

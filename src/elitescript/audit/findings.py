@@ -11,7 +11,7 @@ from elitescript.audit.series import Mark, Series
 from elitescript.audit.simulation import Cell, Simulated
 from elitescript.errors import UsageError
 from elitescript.recorder.recording import Recording
-from elitescript.records import record
+from elitescript.records import NamedTuple, record
 from elitescript.untrusted.files import ARM, text_of
 from elitescript.untrusted.toml_text import toml_tables
 
@@ -46,6 +46,22 @@ class AuditedRun:
     simulated: Simulated
 
 
+class Cut(NamedTuple):
+    """Where a recording begins or ends within a run.
+
+    Attributes:
+        run: its number.
+        t: s since the begin of the run, as far as it is recorded.
+        line: of the program; 0 if it is not known.
+        controller_s: time of the controller.
+    """
+
+    run: int
+    t: float
+    line: int
+    controller_s: float
+
+
 @record
 class AuditFindings:
     """What an audit has found.
@@ -60,6 +76,8 @@ class AuditFindings:
         not_compared: what could not be compared, in words, for all runs.
         lost: rows that are missing in the recording.
         fit: what the recording says of the arm; None unless it was asked for.
+        taken: names of arm file and world file of the recording that the simulated robot is made of.
+        not_taken: what the recording says of arm and world and the simulated robot is not made of, with the reason.
     """
 
     recording: Recording
@@ -71,11 +89,28 @@ class AuditFindings:
     not_compared: tuple[str, ...]
     lost: int
     fit: RecordingFit | None = None
+    taken: tuple[str, ...] = ()
+    not_taken: tuple[str, ...] = ()
 
     @property
     def agrees(self) -> bool:
-        """Whether every run agrees, and the arm has the lengths of the model."""
+        """Whether every run agrees as far as it is recorded, and the arm has the lengths of the model."""
         return not any(run.comparison.findings for run in self.runs) and not any(its.is_geometry for its in self.arm)
+
+    @property
+    def begins(self) -> Cut | None:
+        """Where the recording begins within a run; None if it shows the begin of each."""
+        return next((_cut(run, 0) for run in self.runs if run.recorded.is_headless), None)
+
+    @property
+    def ends(self) -> Cut | None:
+        """Where the recording ends within a run; None if it shows the end of each."""
+        return next((_cut(run, -1) for run in self.runs if run.recorded.is_open), None)
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether each run was compared from its begin to its end."""
+        return self.begins is None and self.ends is None
 
     @property
     def first(self) -> AuditedRun:
@@ -91,6 +126,11 @@ class AuditFindings:
     def divergence(self) -> Finding | None:
         """The first difference of target joints, durations or signals; None if there is none."""
         return self.first.comparison.divergence
+
+
+def _cut(run: AuditedRun, row: int) -> Cut:
+    series = run.recorded
+    return Cut(run.number, series.t[row], series.lines[row], run.begin_s + series.t[row])
 
 
 def arm_file_of(recording: Recording) -> str:

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from elitescript.audit.configuration import arm_differences
 from elitescript.audit.differences import Finding
+from elitescript.audit.findings import Cut
 from elitescript.audit.inputs import SAFETY
 from elitescript.audit.live_inputs import Values
 from elitescript.audit.live_run import Expected, LiveRun
@@ -118,6 +119,7 @@ class Shadow:
     Attributes:
         runs: that were followed.
         differences: that were said.
+        ends: where the last run was left that was not over; None if it was.
     """
 
     def __init__(self, expected: Expected, say: Callable[[Said], None]) -> None:
@@ -125,6 +127,7 @@ class Shadow:
         self._say_it = say
         self.runs = 0
         self.differences = 0
+        self.ends: Cut | None = None
         self._facts: dict[str, Any] = {}
         self._run: LiveRun | None = None
         self._t: float | None = None
@@ -252,6 +255,7 @@ class Shadow:
             what = f"{said} difference{'s' if said > 1 else ''}"
             what += f", seen again {again} times" if again else ""
         over = "the program is over" if run.has_ended else "followed until here"
+        self.ends = None if run.has_ended else Cut(self.runs, run.t, run.line, run.begin_s + run.t)
         self._say("end", run.t, 0, f"{over}: {what}")
         self._run = None
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from elitescript.audit.findings import AuditedRun, AuditFindings
 from elitescript.audit.series import STATE
 from elitescript.audit.simulation import play, started_robot
@@ -41,7 +43,17 @@ def audit_page(audit: AuditFindings, title: str) -> Page:
     simulated = recorder.recording(f"{audit.cell.source.name}, simulated", robot, audit.cell.source, made)
     begin_s = simulated.rows[0].t
     rows = rows_of(audit.recording, run, audit, begin_s)
+    title += "".join(f", {words}" for words in _cut(run))
     return page_of(simulated, Plotted(title, audit.model, rows, recorded_source(audit)))
+
+
+def _cut(run: AuditedRun) -> Iterator[str]:
+    """Say where the recording of a run begins or ends before the run does."""
+    series = run.recorded
+    if series.is_headless:
+        yield "begins within the program"
+    if series.is_open:
+        yield f"ends at {series.t[-1]:.3f} s in line {series.lines[-1]}"
 
 
 def recorded_source(audit: AuditFindings) -> SourceFile:

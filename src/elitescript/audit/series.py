@@ -32,6 +32,9 @@ SLIDER: Final = "target_speed_fraction"
 SCALING: Final = "speed_scaling"
 
 
+RUNNING: Final = (TaskState.PLAYING, TaskState.PAUSED)
+"""States of a program that is not over."""
+
 _LINES: Final = 1 << 31
 """Lines from which on a number is none."""
 
@@ -152,7 +155,7 @@ def runs_of(recording: Recording) -> list[range]:
     """
     columns = recording.columns
     if STATE in columns:
-        runs = [state in (TaskState.PLAYING, TaskState.PAUSED) for state in columns[STATE]]
+        runs = [state in RUNNING for state in columns[STATE]]
     elif LINE in columns:
         runs = [line > 0 for line in columns[LINE]]
     else:
@@ -201,7 +204,10 @@ def recorded(recording: Recording, rows: range) -> Series:
         found = columns[name][begin:end] if name in columns else None
         return found if found and isfinite(sum(found)) else None
 
-    last = recording.columns[STATE][end - 1] if STATE in columns else float(TaskState.PLAYING)
+    # Without a state the line says whether the program runs; without both a run has no end that could be seen.
+    is_open = (
+        columns[STATE][end - 1] in RUNNING if STATE in columns else LINE not in columns or columns[LINE][end - 1] > 0
+    )
     return Series(
         t,
         lines,
@@ -213,7 +219,7 @@ def recorded(recording: Recording, rows: range) -> Series:
         slider=one(SLIDER),
         levels=levels,
         changes=changes,
-        is_open=last != TaskState.STOPPED,
+        is_open=is_open,
         is_headless=begin == 0 or begin in recording.restarts,
     )
 

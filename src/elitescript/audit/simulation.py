@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.audit.inputs import Inputs, Schedule
 from elitescript.audit.series import Mark, Series, simulated
@@ -25,6 +25,9 @@ from elitescript.run import Run
 from elitescript.untrusted.files import TASK_FILE, read_bytes
 from elitescript.world_file import closed_world
 
+if TYPE_CHECKING:
+    from elitescript.devices.world import World
+
 LONGER_S: Final = 1.0
 """How long the simulated run goes on behind the end of a recording that ends while the program runs."""
 _LIMIT: Final = (2.0, 30.0)
@@ -42,7 +45,8 @@ class Cell:
     Attributes:
         source: text of the program.
         model: the arm, its name or the path of its file; None for that of the world file.
-        world: path of the world file; None if there is none.
+        world: path of the world file, or its name if there is a text; None if there is none.
+        world_text: of a world file that a recording holds, which may name no Python file; None for that of the path.
         task_files: of the program's folder, by name.
         options: further options of the robot.
         presets: program globals that have a value before the program begins.
@@ -51,6 +55,7 @@ class Cell:
     source: SourceFile
     model: str | RobotModel | None = None
     world: str | None = None
+    world_text: str | None = None
     task_files: Mapping[str, bytes] | None = None
     options: Mapping[str, Any] | None = None
     presets: Mapping[str, object] | None = None
@@ -59,7 +64,7 @@ class Cell:
         """Return a new robot that reaches nothing of this computer."""
         return VirtualRobot(
             self.model,
-            world=closed_world(self.world, is_trusted=True),
+            world=self._closed_world(),
             task_dir=dict(self.task_files or {}),
             **{**(self.options or {}), **options},
         )
@@ -73,7 +78,10 @@ class Cell:
         return bool(self._devices())
 
     def _devices(self) -> Sequence[Device]:
-        return closed_world(self.world, is_trusted=True).devices
+        return self._closed_world().devices
+
+    def _closed_world(self) -> World:
+        return closed_world(self.world, is_trusted=self.world_text is None, text=self.world_text)
 
 
 class Simulated(NamedTuple):
@@ -179,6 +187,7 @@ def cell_of(
     world: str | Path | None = None,
     options: Mapping[str, Any] | None = None,
     presets: Mapping[str, object] | None = None,
+    world_text: str | None = None,
 ) -> Cell:
     """Return the cell of a program: its text, and the files of its folder that it names.
 
@@ -186,7 +195,8 @@ def cell_of(
         UsageError: no such file.
     """
     source = program if isinstance(program, SourceFile) else source_of(program)
-    return Cell(source, model, None if world is None else str(world), _task_files(source), options, presets)
+    name = None if world is None else str(world)
+    return Cell(source, model, name, world_text, _task_files(source), options, presets)
 
 
 def _task_files(source: SourceFile) -> dict[str, bytes]:

@@ -8,7 +8,7 @@ from math import isfinite
 from typing import Any, Final
 
 from elitescript.audit.differences import Finding, Largest
-from elitescript.audit.findings import AuditedRun, AuditFindings
+from elitescript.audit.findings import AuditedRun, AuditFindings, Cut
 from elitescript.errors import printable
 from elitescript.json_records.jsonlines import plain
 from elitescript.messages.signals import Value
@@ -29,6 +29,9 @@ def audit_as_json(audit: AuditFindings) -> dict[str, Any]:
     first = audit.first
     return {
         "agrees": audit.agrees,
+        "complete": audit.is_complete,
+        "begins": cut_as_json(audit.begins),
+        "ends": cut_as_json(audit.ends),
         "divergence": _finding(first, audit.divergence),
         "run": first.number,
         "parameters": {} if audit.fit is None else audit.fit.json()["parameters"],
@@ -40,9 +43,16 @@ def audit_as_json(audit: AuditFindings) -> dict[str, Any]:
         "model": audit.model.name,
         "rows": len(audit.recording.t),
         "lost": audit.lost,
+        "taken": [*audit.taken],
+        "not_taken": [*audit.not_taken],
         "not_compared": [*dict.fromkeys((*first.comparison.notes, *audit.not_compared))],
         **_details(first),
     }
+
+
+def cut_as_json(cut: Cut | None) -> dict[str, Any] | None:
+    """Return where a run is cut as JSON has it."""
+    return None if cut is None else {**cut._asdict(), "t": round(cut.t, 6), "controller_s": round(cut.controller_s, 6)}
 
 
 def _run_as_json(run: AuditedRun) -> dict[str, Any]:
@@ -50,6 +60,7 @@ def _run_as_json(run: AuditedRun) -> dict[str, Any]:
         "run": run.number,
         "begin_s": run.begin_s,
         "end_s": run.end_s,
+        "complete": not (run.recorded.is_headless or run.recorded.is_open),
         "divergence": _finding(run, run.comparison.divergence),
         "differences": [_finding(run, finding) for finding in run.comparison.findings],
     }
@@ -99,7 +110,7 @@ def _details(run: AuditedRun) -> dict[str, Any]:
         ],
         "inputs": [{"t": round(its.t, 6), "what": its.text} for its in run.inputs.arrivals],
         "recorded_s": round(run.recorded.t[-1], 6),
-        "simulated_s": round(run.simulated.series.t[-1], 6),
+        "simulated_s": round(found.simulated_s, 6),
     }
 
 
@@ -116,12 +127,33 @@ def _head(audit: AuditFindings) -> Iterator[str]:
     runs = "" if audit.runs_in_all == 1 else f", {audit.runs_in_all} runs"
     yield f"{audit.cell.source.name}: {run.recorded.t[-1]:.3f} s of {audit.model.name}, {rows} rows{lost}{runs}"
     where = "" if audit.runs_in_all == 1 else f"run {run.number}, "
+    yield from audit.not_taken
+    if audit.taken:
+        yield f"with {' and '.join(audit.taken)} of the recording"
+    yield from _cuts(audit)
+    so_far = "" if audit.is_complete else " as far as it is recorded"
     if (finding := audit.divergence) is not None:
         yield f"differs from {finding.t:.3f} s on, {where}line {finding.line}: {finding.what}"
     elif audit.agrees:
-        yield "agrees: target joints, times and signals"
+        yield f"agrees{so_far}: target joints, times and signals"
     else:
-        yield "target joints, times and signals agree, the arm does not:"
+        yield f"target joints, times and signals agree{so_far}, the arm does not:"
+
+
+def _cuts(audit: AuditFindings) -> Iterator[str]:
+    """Say where the recording begins or ends within a run, and what is not compared so."""
+    for run in audit.runs:
+        series, of_run = run.recorded, "" if audit.runs_in_all == 1 else f" of run {run.number}"
+        if series.is_headless:
+            where = f", in line {series.lines[0]}" if series.lines[0] else ""
+            begin = f"the program{of_run} ran already when the recording began{where}"
+            yield f"{begin}: what was before is not compared"
+        if series.is_open:
+            where = f", in line {series.lines[-1]}" if series.lines[-1] else ""
+            end = f"the recording ends at {series.t[-1]:.3f} s{where}, before the program{of_run} does"
+            yield f"{end}: nothing from there on is compared"
+    if audit.recording.is_cut_off:
+        yield "the file of the recording is cut off: its recorder was killed, or the file has lost its end"
 
 
 def _arm(audit: AuditFindings) -> Iterator[str]:
@@ -172,7 +204,7 @@ def _run(run: AuditedRun) -> Iterator[str]:
 
 def _lines(run: AuditedRun) -> Iterator[str]:
     times = [its for its in run.comparison.lines if its.cause or abs(its.recorded_s - its.simulated_s) > 0.05]
-    recorded_s, simulated_s = run.recorded.t[-1], run.simulated.series.t[-1]
+    recorded_s, simulated_s = run.recorded.t[-1], run.comparison.simulated_s
     yield f"time                   {recorded_s:.3f} s recorded, {simulated_s:.3f} s simulated"
     if times:
         yield "  line   recorded  simulated  difference  passes  cause"

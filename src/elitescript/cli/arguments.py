@@ -67,6 +67,7 @@ def add_sweep(parser: Parser) -> None:
     from elitescript.cli.robot_options import add_options
     from elitescript.environment.process import MEMORY_DEFAULT
     from elitescript.sweep.engines.executor import MAX_WALL_S
+    from elitescript.sweep.failures.shrinking import BUDGET
 
     parser.description = (
         "Run a program many times and say what holds. Exit code: 0 all hold, 1 something failed, 2 usage, 3 the "
@@ -109,11 +110,20 @@ def add_sweep(parser: Parser) -> None:
         "--page", metavar="FILE.html", help="a page with plots and failures; replays are in the folder FILE.replays"
     )
     parser.add_argument("--only", type=int, metavar="RUN", help="only the run of this number; with --page, its replay")
-    parser.add_argument("--resume", action="store_true", help="go on with a sweep that was ended before its table")
+    parser.add_argument(
+        "--resume", action="store_true", help="go on with a sweep that was ended, or with more runs than its table has"
+    )
     parser.add_argument(
         "--no-cases",
         action="store_true",
         help="write no CASE.toml, and shrink no failure, nor play those that are there",
+    )
+    parser.add_argument(
+        "--shrink-runs",
+        type=int,
+        default=BUDGET,
+        metavar="N",
+        help="runs that making one failure smaller may take (default %(default)s); 0 leaves failures as they are",
     )
     parser.add_argument("--jobs", type=int, metavar="N", help="processes (default: one for each processor)")
     parser.add_argument(
@@ -265,7 +275,13 @@ def add_serve(parser: Parser) -> None:
         "Serve virtual controllers: primary port, RTSI, dashboard and the others. A line that starts with `ready` "
         "names every port once all are open; then the programs' messages and errors follow. Ctrl-C ends it."
     )
-    parser.add_argument("--host", default="127.0.0.1", metavar="ADDRESS", help="where to listen (default %(default)s)")
+    parser.add_argument(
+        "--host",
+        default="127.0.0.1",
+        metavar="ADDRESS",
+        help="where to listen (default %(default)s); 127.0.0.11-13: three --robots, each with an own address and "
+        "the usual ports",
+    )
     parser.add_argument(
         "--trust-network",
         action="store_true",
@@ -503,15 +519,24 @@ def add_audit(parser: Parser) -> None:
 
     parser.description = (
         "Run the program of a recording on the simulated robot, with the recorded inputs, and say where both part: "
-        "target joints, times, signals. Exit code: 0 they agree, 1 they differ, 2 usage. Needs: pip install "
-        "'elitescript[mcap]'"
+        "target joints, times, signals. Exit code: 0 they agree, 1 they differ or the recording is not "
+        "complete, 2 usage. Needs: pip install 'elitescript[mcap]'"
     )
     parser.add_argument("file", metavar="RUN.mcap", help="a recording of `elitescript record`")
     parser.add_argument("--program", metavar="FILE", help="the program that ran (default: the one in the recording)")
-    add_options(parser, "audit", model={"help": "arm, or its file (default: that of the world, else the recorded one)"})
-    _add_world(parser, "what is around the robot: devices are not in a recording")
+    add_options(
+        parser,
+        "audit",
+        model={
+            "help": "arm, or its file (default: the arm file in the recording, that of the world, the recorded model)"
+        },
+    )
+    _add_world(parser, "what is around the robot (default: the world file in the recording)")
     parser.add_argument(
         "--run", default="all", metavar="N|all", help="which run of a program in the recording (default %(default)s)"
+    )
+    parser.add_argument(
+        "--partial", action="store_true", help="a recording that begins or ends within the program may agree too (0)"
     )
     _add_tolerance(parser)
     parser.add_argument("--fit", metavar="MY_ARM.toml", help="write an arm file with what the recording determines")

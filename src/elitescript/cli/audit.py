@@ -68,7 +68,7 @@ def audit(options: argparse.Namespace) -> int:
         print(json.dumps(found.json(), ensure_ascii=False, allow_nan=False))
     else:
         print(found)
-    return AGREES if found.agrees else DIFFERS
+    return AGREES if found.agrees and (found.is_complete or options.partial) else DIFFERS
 
 
 def parse_tolerance(texts: list[str]) -> Tolerance:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import gc
 import os
 import sys
+from contextlib import nullcontext
 from functools import partial
 
 from elitescript.cli.watched import MARK, can_watch, run_watched
@@ -17,6 +18,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
     from collections.abc import Callable, Sequence
+    from contextlib import AbstractContextManager
     from typing import Any, Never
 
 USAGE = 2
@@ -85,8 +87,6 @@ def _run_here(arguments: list[str], start_again: Callable[[], Never] | None = No
         start_again: runs it in place of this process in one with a fixed hash seed; None if this is one.
         is_process: whether this process has nothing else to do.
     """
-    from elitescript.errors import ElitescriptError, ProgramError, UsageError
-
     for stream in (sys.stdout, sys.stderr):
         # Texts of programs may need characters that the encoding of a pipe does not have.
         if hasattr(stream, "reconfigure"):
@@ -101,18 +101,8 @@ def _run_here(arguments: list[str], start_again: Callable[[], Never] | None = No
         if options.parsed is None:
             start_again()
     try:
-        if _has_screen(options):
-            from elitescript.cli.output.screen import on_screen
-
-            with on_screen(options.color):
-                return _dispatch(options, is_process=is_process)
-        return _dispatch(options, is_process=is_process)
-    except UsageError as error:
-        print(f"elitescript {options.command}: {error}", file=sys.stderr)
-        return USAGE
-    except (ProgramError, ElitescriptError) as error:
-        print(f"elitescript {options.command}: {error}", file=sys.stderr)
-        return 3 if isinstance(error, ProgramError) else 1
+        with _screen(options):
+            return _answered(options, is_process=is_process)
     except BrokenPipeError:
         # The reader has closed the pipe (`| head`), which is no error.
         sys.stderr = None
@@ -123,10 +113,32 @@ def _run_here(arguments: list[str], start_again: Callable[[], Never] | None = No
         return USAGE
 
 
-def _has_screen(options: argparse.Namespace) -> bool:
-    """Return whether a command has colours or a status line, not for pipes and files."""
+def _answered(options: argparse.Namespace, *, is_process: bool) -> int:
+    """Run a command; print what it raises, where texts of others do not drive a terminal, and return its exit code."""
+    from elitescript.errors import ElitescriptError, ProgramError, UsageError
+
+    try:
+        return _dispatch(options, is_process=is_process)
+    except (ProgramError, ElitescriptError) as error:
+        print(f"elitescript {options.command}: {error}", file=sys.stderr)
+        return USAGE if isinstance(error, UsageError) else 3 if isinstance(error, ProgramError) else 1
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        print(f"elitescript {options.command}: {error}", file=sys.stderr)
+        return USAGE
+
+
+def _screen(options: argparse.Namespace) -> AbstractContextManager[None]:
+    """Return what gives a command colours and a status line, and keeps texts of others off terminals and GitHub."""
     color = getattr(options, "color", None)
-    return color == "always" or (color is not None and (sys.stdout.isatty() or sys.stderr.isatty()))
+    is_shown = sys.stdout.isatty() or sys.stderr.isatty() or os.environ.get("GITHUB_ACTIONS") == "true"
+    if color != "always" and not is_shown:
+        return nullcontext()
+    from elitescript.cli.output.screen import on_screen
+
+    writes_commands = getattr(options, "format", None) == "github"
+    return on_screen(color or "never", writes_commands=writes_commands)
 
 
 def _dispatch(options: argparse.Namespace, *, is_process: bool) -> int:

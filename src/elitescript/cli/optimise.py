@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable
-from pathlib import Path
 from typing import Any, Final
 
 from elitescript.cli.output.screen import progress_on
@@ -17,6 +16,7 @@ from elitescript.sweep.optimise import Candidate, Change, Outcome, Search, check
 from elitescript.sweep.plans.plan import Plan
 from elitescript.sweep.plans.program_values import constant_lines
 from elitescript.sweep.plans.variations import parse_variation
+from elitescript.sweep.results.table_files import TableFiles
 from elitescript.sweep.results.tables import json_line, write_table
 
 TYPE_CHECKING = False
@@ -56,7 +56,7 @@ def searches(options: argparse.Namespace) -> bool:
     return False
 
 
-def search_values(options: argparse.Namespace, plan: Plan, engine: Engine, out: Path | None) -> int:
+def search_values(options: argparse.Namespace, plan: Plan, engine: Engine, files: TableFiles | None) -> int:
     """Look for the values of the command line; return the exit code."""
     search = Search(
         plan,
@@ -81,8 +81,9 @@ def search_values(options: argparse.Namespace, plan: Plan, engine: Engine, out: 
     except KeyboardInterrupt:
         print(f"elitescript sweep: ended by Ctrl-C after {meter.done} candidates; {meter.shown()}", file=sys.stderr)
         return INTERRUPTED
-    if out is not None:
-        write_table(out, search.table_plan, (row for candidate in outcome.candidates for row in candidate.rows))
+    if files is not None:
+        files.forget()
+        write_table(files.table, search.table_plan, (row for candidate in outcome.candidates for row in candidate.rows))
     if options.json:
         data = outcome_data(outcome)
         print(json_line(data, data.values()))

@@ -24,6 +24,8 @@ _SIZES: Final = {"": 1, "k": 1000, "m": 1000**2, "g": 1000**3, "ki": 1 << 10, "m
 _ROTATION: Final = re.compile(r"(\d+(?:\.\d+)?)\s*(s|([kmg]i?)?b)?", re.IGNORECASE)
 _ROTATION_MAX: Final = 1e15
 """Bytes or seconds; more is a slip."""
+LOST: Final = 1
+"""Exit code: a part of the recording is lost."""
 RATE_MIN_HZ: Final = 1.0
 RATE_MAX_HZ: Final = 250.0
 
@@ -45,7 +47,7 @@ def record(options: argparse.Namespace) -> int:
         "rate_hz": f"{options.rate:g}",
         **{name: _name_of(value) for name, value in _files(options).items() if value},
     }
-    sink = McapSink(Path(options.out), about, attachments, _rotation(options.rotate))
+    sink = McapSink(Path(options.out), about, attachments, _rotation(options.rotate), _say)
     if fetches:
         sink.add_attachment(*fetched(options, ports), "program")
     session = Session(Target(host, ports, options.rate), [sink], _say)
@@ -54,7 +56,7 @@ def record(options: argparse.Namespace) -> int:
     finally:
         sink.close()
     print(_summary(session, sink))
-    return 0
+    return LOST if sink.losses else 0
 
 
 async def _record(session: Session, sink: McapSink, for_s: float | None) -> None:
@@ -87,7 +89,8 @@ def _summary(session: Session, sink: McapSink) -> str:
     restarts = f", the controller's time began anew {pace.restarts} x" if pace.restarts else ""
     repeated = f", {pace.repeated:,} repeated rows left out" if pace.repeated else ""
     rows = f"{pace.rows:,} rows at {pace.rate_hz:g} Hz, {_gaps(session)}{repeated}{restarts}"
-    return f"{sink.path}: {rows}; {shown_size(sink.size)}{files}"
+    lost = "".join(f"\n{words}" for words in sink.losses)
+    return f"{sink.path}: {rows}; {shown_size(sink.size)}{files}{lost}"
 
 
 def _gaps(session: Session) -> str:

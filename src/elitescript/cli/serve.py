@@ -38,16 +38,18 @@ from elitescript.paths import real_path
 from elitescript.protocol.ports import SERVICES, services_of
 from elitescript.records import replace
 from elitescript.runtime.threads.meter import SHARE_NS, ClockMeter
+from elitescript.services.capacity import Capacity, own_capacity
 from elitescript.services.channels.connect_policy import ConnectPolicy, policy_values
 from elitescript.services.child.jail import is_complete
 from elitescript.services.child.spare import Spares
 from elitescript.services.clients.direct import watchable_loop
+from elitescript.services.hosts import hosts_of, is_loopback, range_of
 from elitescript.services.log import DEVICE, LogLine
 from elitescript.services.port_numbers import NAMES, SSH, port_numbers, spare_numbers
 from elitescript.services.robot_link import RobotLink
 from elitescript.services.robot_server import RobotServer
 from elitescript.services.robots import numbered_path, probe_jail, robot_link, served_robot
-from elitescript.services.server import ServeSession, is_loopback
+from elitescript.services.server import ServeSession
 from elitescript.services.state_keeper import StateKeeper
 from elitescript.services.time.lockstep import TIMEOUT_S as LOCKSTEP_TIMEOUT_S
 
@@ -74,12 +76,14 @@ def serve(options: argparse.Namespace) -> int:
     for config in {(config.model, config.model_text): config for config in configs}.values():
         # An invalid robot is reported before a port is open or a process started.
         _check_ports(options, Kernel(config).description)
+    _check_host(options, len(configs))
     chosen = chosen_ports(options.port, (*NAMES, SSH.name) if options.ssh else NAMES)
     login = ssh_login(options)
-    robots, has_ssh = range(len(configs)), login is not None
-    numbers = [port_numbers(options.instance, chosen, robot=index, has_ssh=has_ssh) for index in robots]
-    spares = [spare_numbers(options.instance, chosen, robot=index, has_ssh=has_ssh) for index in robots]
-    _check_host(options)
+    has_ssh = login is not None
+    # Robots with an address each have the same ports.
+    steps = [0 if range_of(options.host) else index for index in range(len(configs))]
+    numbers = [port_numbers(options.instance, chosen, robot=step, has_ssh=has_ssh) for step in steps]
+    spares = [spare_numbers(options.instance, chosen, robot=step, has_ssh=has_ssh) for step in steps]
     _lockstep_timeout_s(options)
     if options.studio:
         from elitescript.cli.studio_beside import check_studio
@@ -149,17 +153,18 @@ async def _serve(
         )
         for index, (config, keeper) in enumerate(zip(configs, keepers, strict=True))
     ]
-    session = ServeSession(servers, options.host, numbers, options.instance, spares)
+    session = ServeSession(servers, hosts_of(options.host, len(configs)), numbers, options.instance, spares)
     await session.open()
     try:
-        log.ready(options.host, session, configs, policy.text, login)
+        capacity = own_capacity(len(configs), is_in_process=is_in_process(options))
+        log.ready(options.host, session, configs, policy.text, login, None if options.lockstep else capacity)
         with contextlib.ExitStack() as held:
             if options.studio:
                 from elitescript.cli.studio_beside import studios
 
                 names = [config.robot_id for config in configs]
                 robots = list(zip(names, session.control_addresses, strict=True))
-                held.enter_context(studios(robots, options.host, options.task_dir, _from_thread(log.studio)))
+                held.enter_context(studios(robots, session.hosts, options.task_dir, _from_thread(log.studio)))
             await session.run(stop)
     finally:
         await session.close()
@@ -268,7 +273,7 @@ def robot_configs(options: argparse.Namespace) -> tuple[list[RobotOptions], list
 
     if not 1 <= options.robots <= ROBOTS_MAX:
         raise UsageError(f"--robots must be from 1 to {ROBOTS_MAX}, got {options.robots}")
-    models: list[str] = [model for model in options.models or [""] for _ in range(options.robots)]
+    models: list[str | None] = [model for model in options.models or [None] for _ in range(options.robots)]
     if len(models) > ROBOTS_MAX:
         raise UsageError(f"one serve has {ROBOTS_MAX} robots at most, not {len(models)}")
     signals, presets = parse_settings(options.set)
@@ -282,7 +287,7 @@ def robot_configs(options: argparse.Namespace) -> tuple[list[RobotOptions], list
     worlds: list[World | None] = []
     for index, model in enumerate(models):
         file = WorldFile() if options.world is None else load_world_file(options.world, network=REAL)
-        arm, named = named_model(model or file.options.get("model") or DEFAULTS["model"])
+        arm, named = named_model(file.options.get("model", DEFAULTS["model"]) if model is None else model)
         robot_id = file.options.get("robot_id", arm.name)
         worlds.append(file.world)
         if len(models) > 1:
@@ -333,11 +338,12 @@ def _check_ports(options: argparse.Namespace, description: RobotDescription) -> 
     for text in options.port:
         name = text.partition("=")[0].strip()
         if name in NAMES and name not in has:
-            major, minor, *_ = description.firmware
+            major, minor = description.firmware
             raise UsageError(f"--port {text}: firmware {major}.{minor} does not have that port")
 
 
-def _check_host(options: argparse.Namespace) -> None:
+def _check_host(options: argparse.Namespace, robots: int) -> None:
+    hosts_of(options.host, robots)
     if is_loopback(options.host):
         return
     if options.ssh and not options.trust_network:
@@ -373,12 +379,12 @@ def _why_not_jailed(options: argparse.Namespace) -> str:
     return "; ".join(f"{layer.name}: {layer.detail}" for layer in layers if not layer.is_active)
 
 
-def _ports_text(server: RobotServer) -> str:
+def _ports_text(server: RobotServer, place: str = "") -> str:
     ports = ", ".join(f"{name} {number}" for name, number in server.ports.items())
-    release = server.link.description.firmware[:2]
+    release = server.link.description.firmware
     absent = [row.name for row in SERVICES if row.name not in server.ports]
     closed = f" (firmware {release[0]}.{release[1]} has no {', '.join(absent)})" if absent else ""
-    return f"{server.name}: {ports}{closed}"
+    return f"{server.name}{place}: {ports}{closed}"
 
 
 def _on_signals(stop: asyncio.Event) -> None:
@@ -449,30 +455,46 @@ class ServeLog:
                 self._reports[name] = TextRunReport(TaggedStream(out, "", tag), TaggedStream(err, "", tag), logs)
 
     def ready(
-        self, host: str, session: ServeSession, configs: list[RobotOptions], reach: str, login: Login | None = None
+        self,
+        host: str,
+        session: ServeSession,
+        configs: list[RobotOptions],
+        reach: str,
+        login: Login | None = None,
+        capacity: Capacity | None = None,
     ) -> None:
-        """Print that every port is open, what programs reach, and then the earlier events."""
-        self._print_ready(host, session, configs, reach, login)
+        """Print that every port is open, what programs reach, how many robots fit, and then the earlier events."""
+        self._print_ready(host, session, configs, reach, login, capacity)
         held, self._held = self._held or [], None
         for robot, what in held:
             self.take(robot, what)
 
     def _print_ready(
-        self, host: str, session: ServeSession, configs: list[RobotOptions], reach: str, login: Login | None
+        self,
+        host: str,
+        session: ServeSession,
+        configs: list[RobotOptions],
+        reach: str,
+        login: Login | None,
+        capacity: Capacity | None,
     ) -> None:
         if self._is_json:
             robots: list[dict[str, Any]] = [
-                {"robot": config.robot_id, "model": config.model, "ports": server.ports, "ctl": address}
-                for config, server, address in zip(configs, session.servers, session.control_addresses, strict=True)
+                {"robot": config.robot_id, "model": config.model, "host": at, "ports": server.ports, "ctl": address}
+                for config, at, server, address in zip(
+                    configs, session.hosts, session.servers, session.control_addresses, strict=True
+                )
             ]
             if login is not None:
                 for robot, server in zip(robots, session.servers, strict=True):
                     robot["ssh"] = {"user": login.user, "host_key": server.host_key}
                     if login.is_random:
                         robot["ssh"]["password"] = login.password
-            self._record({"type": "ready", "host": host, "robots": robots, "allow_connect": reach})
+            ready = {"type": "ready", "host": host, "robots": robots, "allow_connect": reach}
+            self._record(ready if capacity is None else {**ready, "cores": capacity.cores, "holds": capacity.held})
             return
-        robots_text = "; ".join(_ports_text(server) for server in session.servers)
+        places = [f" at {at}" if at != host else "" for at in session.hosts]
+        robots_text = "; ".join(map(_ports_text, session.servers, places))
         self._out.write(f"ready on {host}: {robots_text}\n")
         self._out.write(f"ctl at {', '.join(session.control_addresses)}\n")
         self._out.write(f"programs reach {'no address' if reach == NONE else reach}\n")
@@ -480,6 +502,8 @@ class ServeLog:
             password = f"password {login.password}" if login.is_random else "password as given"
             keys = ", ".join(server.host_key for server in session.servers)
             self._out.write(f"ssh: user {login.user}, {password}, host key {keys}\n")
+        if capacity is not None and capacity.robots > 1:
+            (self._err if capacity.is_exceeded else self._out).write(f"{capacity}\n")
         for address, usual in zip(session.control_addresses, session.usual_addresses, strict=True):
             if address != usual:
                 self._err.write(
@@ -518,9 +542,10 @@ class ServeLog:
             self._task_states[robot] = event.state
             is_resumed = before is TaskState.PAUSED and event.state is TaskState.PLAYING
             what = "resumed" if is_resumed else event.ending or _TASK_WORDS[event.state]
+        successor = event.replaced_by if isinstance(event, TaskStateChanged) else ""
         if self._is_json:
             record = {"type": "task", "robot": robot, "t": seconds(event.tick), "state": what, "name": event.name}
-            line = jsonlines.line(record) + "\n"
+            line = jsonlines.line({**record, "replaced_by": successor} if successor else record) + "\n"
             if isinstance(self._out, QueuedStream):
                 # A stop shows when it acts, also where much of what the program has said before is still to be read.
                 self._out.write_state(line, overtakes=what in OVERTAKING)
@@ -530,7 +555,10 @@ class ServeLog:
             return
         tag = f"{robot}: " if self._are_several else ""
         words = "ended by an alarm" if what == "alarm" else what
-        self._out.write(f"{tag}{seconds(event.tick):10.3f} s  [{words}] {event.name or 'a program without a name'}\n")
+        name = event.name or "a program without a name"
+        self._out.write(
+            f"{tag}{seconds(event.tick):10.3f} s  [{words}] {name}{f', replaced by {successor}' if successor else ''}\n"
+        )
         self._out.flush()
 
     def studio(self, robot: str, line: str) -> None:

@@ -10,6 +10,7 @@ from typing import Final
 from elitescript.audit.live import DIFFERENCE, WANTED, Said, Shadow
 from elitescript.audit.live_run import Expected
 from elitescript.audit.simulation import Cell, cell_of
+from elitescript.audit.words import cut_as_json
 from elitescript.cli.audit import AGREES, DIFFERS, USAGE, given_program, parse_tolerance, print_problems
 from elitescript.cli.listening import check_fetching, check_host, check_positive, chosen_ports, ended, fetched
 from elitescript.cli.output.screen import palette_of
@@ -59,9 +60,12 @@ def shadow(options: argparse.Namespace) -> int:
         _say(f"{sink.left_out:,} rows and messages were left out: this computer is too busy")
     runs, found = follower.runs, follower.differences
     if options.json:
-        print(json.dumps({"type": "summary", "runs": runs, "differences": found}), flush=True)
+        data = {"complete": follower.ends is None, "ends": cut_as_json(follower.ends)}
+        print(json.dumps({"type": "summary", "runs": runs, "differences": found, **data}), flush=True)
     else:
         shown = f"{found} difference{'s' if found != 1 else ''}" if found else "no difference"
+        if (cut := follower.ends) is not None:
+            shown += f"; run {cut.run} goes on, followed until {cut.t:.3f} s, line {cut.line}"
         print(f"{runs} run{'s' if runs != 1 else ''}: {shown}", flush=True)
     return DIFFERS if found else AGREES
 

@@ -36,19 +36,19 @@ def check_studio() -> None:
 
 
 @contextlib.contextmanager
-def studios(robots: Sequence[tuple[str, str]], host: str, folder: str | None, say: Say) -> Iterator[None]:
+def studios(robots: Sequence[tuple[str, str]], hosts: Sequence[str], folder: str | None, say: Say) -> Iterator[None]:
     """Start a studio for each robot; end them with the block.
 
     Args:
         robots: name and `ctl` address of each.
-        host: that the robots are served at.
+        hosts: that each robot is served at.
         folder: of programs that the page opens; the working directory if None.
         say: takes the name of a robot and a line of its studio, in a thread of its own; an empty one: it has ended.
     """
     processes: list[subprocess.Popen[str]] = []
     ending = threading.Event()
     try:
-        for name, address in robots:
+        for (name, address), host in zip(robots, hosts, strict=True):
             # Its input ends with this process, also when that is killed.
             command = _command(_EVERYWHERE.get(host, host), address, folder)
             process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)

@@ -24,17 +24,18 @@ from elitescript.page import NOT_BUILT, is_built
 from elitescript.sweep.chaos.properties import properties_of
 from elitescript.sweep.engines.engine import Engine
 from elitescript.sweep.engines.local import LocalEngine
-from elitescript.sweep.failures.findings import KINDS_MAX, Finding, Places, Remembered, find, remembered
+from elitescript.sweep.failures.findings import KINDS_MAX, Finding, Places, Remembered, Shrinkings, find, remembered
 from elitescript.sweep.making import make_plan, runs_of
 from elitescript.sweep.many_runs import cores
 from elitescript.sweep.plans.plan import Plan, Row
 from elitescript.sweep.plans.plan_json import disturbance_data, plan_digest
 from elitescript.sweep.plans.variations import grid_size, parse_variation
-from elitescript.sweep.results.journal import SUFFIX, Journal
+from elitescript.sweep.results.journal import Journal
 from elitescript.sweep.results.page import PAGE_SAMPLE
 from elitescript.sweep.results.progress import Meter
 from elitescript.sweep.results.replays import write_pages
 from elitescript.sweep.results.summary import Summary, summary_of
+from elitescript.sweep.results.table_files import Finished, TableFiles
 from elitescript.sweep.results.tables import check_table, columns, json_line, values
 from elitescript.sweep.results.totals import SAMPLE, Totals
 from elitescript.sweep.single import Runner
@@ -49,6 +50,8 @@ FAILS: Final = 1
 DOES_NOT_COMPILE: Final = 3
 INTERRUPTED: Final = 130
 """Ctrl-C, as shells count it."""
+LINE_S: Final = 10.0
+"""Wall time between two lines of progress where there is no terminal."""
 
 
 def sweep(options: argparse.Namespace) -> int:
@@ -56,7 +59,11 @@ def sweep(options: argparse.Namespace) -> int:
     variations = [parse_variation(text) for text in options.vary]
     out = None if options.out is None else Path(options.out)
     _check_out(options, out)
-    part = None if out is None else out.with_name(out.name + SUFFIX)
+    if options.shrink_runs < 0:
+        raise UsageError(f"--shrink-runs must be 0 or more, got {options.shrink_runs}")
+    files = None if out is None else TableFiles(out)
+    if files is not None:
+        files.check()
     if options.page is not None and not is_built():
         raise UsageError(f"--page: {NOT_BUILT}")
     plan = make_plan(
@@ -73,12 +80,12 @@ def sweep(options: argparse.Namespace) -> int:
         chaos=options.chaos or "",
         step_s=options.step,
         has_margins=options.margins,
-        without_files=[path for path in (out, part, options.page and Path(options.page)) if path],
+        without_files=[*(files or ()), *([Path(options.page)] if options.page else ())],
     )
     if options.json and "type" in columns(plan):
         raise UsageError("--json: a column called 'type' would hide what each line is; choose another name")
     if searches(options):
-        return search_values(options, plan, _engine(options), out)
+        return search_values(options, plan, _engine(options), files)
     runs = runs_of(variations, options.runs)
     first = 0
     if options.only is not None:
@@ -94,20 +101,38 @@ def sweep(options: argparse.Namespace) -> int:
     if options.only is None:
         _note_grid(plan, runs)
     with ExitStack() as stack:
-        if part is None:
-            part = Path(stack.enter_context(TemporaryDirectory(prefix="elitescript-sweep-"))) / "journal"
-        is_overwritten = part.exists() and not options.resume
-        journal = stack.enter_context(Journal(part, plan, resumes=options.resume))
-        if is_overwritten:
-            _note(f"{part} is written anew; --resume would have gone on with it")
+        if files is None:
+            home = stack.enter_context(TemporaryDirectory(prefix="elitescript-sweep-"))
+            journal = stack.enter_context(Journal(Path(home, "journal"), plan, resumes=False))
+        else:
+            if options.resume and (found := files.finished(plan)) is not None:
+                # A page needs the rows; a table that was deleted is written again from them.
+                if found.runs >= runs and options.page is None and files.table.exists():
+                    return _say_finished(options, files.table, found)
+                runs = max(runs, found.runs)
+            if files.part.exists() and not options.resume:
+                _note(f"{files.part} is written anew; --resume would have gone on with it")
+            journal = stack.enter_context(files.journal(plan, resumes=options.resume))
         sweeping = Sweeping(plan, runs, journal, first)
         if sweeping.done and not options.json:
             print(f"{sweeping.done:,} of {runs:,} runs are there already", file=sys.stderr)
-        return _go(options, sweeping, runner, out)
+        return _go(options, sweeping, runner, files)
 
 
-def _go(options: argparse.Namespace, sweeping: Sweeping, runner: Runner, out: Path | None) -> int:
+def _say_finished(options: argparse.Namespace, table: Path, found: Finished) -> int:
+    """Say that there is nothing left to do; return the exit code."""
+    if options.json:
+        _print_json(type="finished", out=str(table), runs=found.runs, failed=found.failed)
+        return HOLDS
+    few = f", {options.runs:,} are asked for" if options.runs is not None and options.runs < found.runs else ""
+    rest = f"{found.failed:,} of them failed" if found.failed else "all of them hold"
+    print(f"{table} is finished: it has the {found.runs:,} runs of these settings{few}, and {rest}; nothing was run")
+    return HOLDS
+
+
+def _go(options: argparse.Namespace, sweeping: Sweeping, runner: Runner, files: TableFiles | None) -> int:
     plan = sweeping.plan
+    out = None if files is None else files.table
     places = Places(
         Path() if out is None else out.parent,
         options.file,
@@ -131,8 +156,8 @@ def _go(options: argparse.Namespace, sweeping: Sweeping, runner: Runner, out: Pa
         summary = summary_of(totals, is_random=options.only is None and is_random(plan))
         findings: list[Finding] = []
         if not is_interrupted and not options.no_cases:
-            findings = _findings(totals, runner, engine, places, known)
-    reports.end(summary, findings)
+            findings = _findings(options, totals, runner, engine, places, known)
+    reports.end(summary, findings, len(known))
     if options.page is not None and not is_interrupted:
         _write_pages(options, runner, totals, summary, findings)
     if is_interrupted:
@@ -140,27 +165,61 @@ def _go(options: argparse.Namespace, sweeping: Sweeping, runner: Runner, out: Pa
         done = f"{sweeping.done:,} of {sweeping.runs:,} runs are done"
         print(f"elitescript sweep: ended by Ctrl-C; {done}; {rest}", file=sys.stderr)
         return INTERRUPTED
-    if out is not None:
+    if files is not None:
+        files.finish(sweeping.journal, sweeping.failed)
         sweeping.journal.delete()
     return FAILS if sweeping.failed or any(row.row.failure is not None for row in known) else HOLDS
 
 
-def _findings(totals: Totals, runner: Runner, engine: Engine, places: Places, known: list[Remembered]) -> list[Finding]:
-    """Return the first failures of each kind, shrunk; Ctrl-C leaves out the rest."""
-    found: list[Finding] = []
-    progress = progress_on(sys.stderr)
+def _findings(
+    options: argparse.Namespace,
+    totals: Totals,
+    runner: Runner,
+    engine: Engine,
+    places: Places,
+    known: list[Remembered],
+) -> list[Finding]:
+    """Return the first failures of each kind, shrunk; Ctrl-C leaves them as small as they are."""
     # First one of each mistake, then what other disturbances have led to.
     alike = totals.alike()
     groups = [kinds[0] for kinds in alike] + [group for kinds in alike for group in kinds[1:]]
-    groups = groups[:KINDS_MAX]
-    try:
-        for number, group in enumerate(groups, 1):
-            if progress is not None:
-                progress.note(f"failure {number} of {len(groups)} is made smaller  (Ctrl-C leaves it as it is)")
-            found.append(find(group.rows[0], runner, engine, places, known, found))
-    except KeyboardInterrupt:
-        print("elitescript sweep: ended by Ctrl-C before all failures were made smaller", file=sys.stderr)
-    return found
+    firsts = [group.rows[0] for group in groups[:KINDS_MAX]]
+    progress = _Lines(time.monotonic())
+
+    def note(shrinkings: Shrinkings) -> None:
+        left = shrinkings.waiting
+        done = f"{len(firsts) - left} of {len(firsts)} failures are made smaller, {shrinkings.tried:,} runs for that"
+        progress.note(f"{done}  (Ctrl-C leaves them as they are)", done)
+        if shrinkings.is_interrupted:
+            print("elitescript sweep: ended by Ctrl-C before all failures were made smaller", file=sys.stderr)
+
+    return find(firsts, runner, engine, places, known, budget=options.shrink_runs, note=note)
+
+
+class _Lines:
+    """Shows progress: on a terminal in its status line, elsewhere as a line each `LINE_S`.
+
+    Args:
+        now_s: wall time at the start, s.
+    """
+
+    def __init__(self, now_s: float) -> None:
+        self._progress = progress_on(sys.stderr)
+        self._next_s = now_s + LINE_S
+
+    def note(self, status: str, line: str = "") -> None:
+        """Show it.
+
+        Args:
+            status: on a terminal.
+            line: elsewhere; the same if empty.
+        """
+        if self._progress is not None:
+            self._progress.note(status)
+        elif (now_s := time.monotonic()) >= self._next_s:
+            self._next_s = now_s + LINE_S
+            _note(line or status)
+            sys.stderr.flush()
 
 
 def _write_pages(
@@ -216,16 +275,17 @@ def _note(text: str) -> None:
 
 
 class _Meter:
-    """Shows how far a sweep is, in the status line of a terminal."""
+    """Shows how far a sweep is."""
 
     def __init__(self, sweeping: Sweeping) -> None:
-        self._progress = progress_on(sys.stderr)
+        self._lines = _Lines(time.monotonic())
+        self._runs = sweeping.runs
         self._meter = Meter(sweeping.runs, time.monotonic(), sweeping.done)
 
     def update(self, done: int, failed: int) -> None:
         """Show it."""
-        if self._progress is not None and (text := self._meter.text(done, failed, time.monotonic())):
-            self._progress.note(text)
+        if text := self._meter.text(done, failed, time.monotonic()):
+            self._lines.note(text, f"{done:,} of {self._runs:,} runs are done, {failed:,} of them failed")
 
 
 class _TextReport:
@@ -245,7 +305,7 @@ class _TextReport:
                 words = f"fails otherwise now: {failure.expression}: {failure.text}"
             print(f"{case.path} {words}", file=self._out)
 
-    def end(self, summary: Summary, findings: list[Finding]) -> None:
+    def end(self, summary: Summary, findings: list[Finding], known: int) -> None:
         """Say what was found."""
         for line in summary.lines():
             print(line, file=self._out)
@@ -258,11 +318,33 @@ class _TextReport:
                 for line in finding.story.lines:
                     print(line, file=self._out)
             smaller = f", made smaller in {finding.tried} tries" if finding.tried else ""
+            smaller += "" if finding.is_complete else " and perhaps not the smallest, see --shrink-runs"
             run = f"run {finding.first.choices.run}{smaller}"
             print(f"{run}: elitescript run --case {finding.case}", file=self._out)
             if same:
                 runs = ", ".join(str(other.first.choices.run) for other in same)
-                print(f"made smaller, run{'s' if len(same) > 1 else ''} {runs} came to the same", file=self._out)
+                tries = sum(other.tried for other in same)
+                made = f"made smaller in {tries} tries" if tries else "made smaller"
+                print(f"{made}, run{'s' if len(same) > 1 else ''} {runs} came to the same", file=self._out)
+        if findings or known:
+            print(file=self._out)
+            print(_spent(_numbers(summary, findings, known)), file=self._out)
+
+
+def _spent(numbers: dict[str, int]) -> str:
+    """Return in words what runs were made for, and what was written."""
+
+    def counted(name: str, one: str, many: str) -> str:
+        return f"{numbers[name]:,} {one if numbers[name] == 1 else many}"
+
+    parts = [counted("runs", "run of the plan", "runs of the plan")]
+    if numbers["cases_played"]:
+        parts.append(counted("cases_played", "of a case that was there", "of cases that were there"))
+    if numbers["shrink_runs"]:
+        parts.append(
+            f"{numbers['shrink_runs']:,} to make {numbers['shrunk']} of {numbers['failed']:,} failures smaller"
+        )
+    return f"{', '.join(parts)}; {counted('cases_written', 'case is', 'cases are')} written"
 
 
 class _JsonReport:
@@ -282,7 +364,7 @@ class _JsonReport:
             row = case.row
             _print_json(type="case", case=str(case.path), state=row.state, failed=row.failed, same=case.is_same)
 
-    def end(self, summary: Summary, findings: list[Finding]) -> None:
+    def end(self, summary: Summary, findings: list[Finding], known: int) -> None:
         """Print what was found."""
         for finding in findings:
             failure = finding.failure
@@ -300,8 +382,24 @@ class _JsonReport:
                 disturbances=[disturbance_data(row) for row in finding.choices.disturbances],
                 story=None if finding.story is None else finding.story.data(),
                 case=str(finding.case),
+                tried=finding.tried,
+                complete=finding.is_complete,
+                written=finding.is_written,
             )
-        _print_json(type="summary", digest=plan_digest(self._plan), **summary.as_json())
+        numbers = _numbers(summary, findings, known)
+        _print_json(type="summary", digest=plan_digest(self._plan), **summary.as_json(), numbers=numbers)
+
+
+def _numbers(summary: Summary, findings: list[Finding], known: int) -> dict[str, int]:
+    """Return how many runs a sweep has made and for what, and what it has written."""
+    return {
+        "runs": summary.runs,
+        "cases_played": known,
+        "shrink_runs": sum(finding.tried for finding in findings),
+        "shrunk": sum(finding.tried > 0 for finding in findings),
+        "failed": summary.failed,
+        "cases_written": sum(finding.is_written for finding in findings),
+    }
 
 
 def _print_json(**data: Any) -> None:

@@ -274,8 +274,11 @@ def _report_crash(name: str, cause: str, place: tuple[str, int] | None, *, is_js
 def _line_of(file: str, line: int) -> str:
     if not os.path.isfile(file):  # noqa: PTH113
         return ""
+    from elitescript.untrusted.escaping import terminal_text
+
+    shown = terminal_text if sys.stderr.isatty() else str
     with open(file, encoding="utf-8", errors="replace") as text:  # noqa: PTH123
-        return next((row.rstrip() for number, row in enumerate(text, 1) if number == line), "")
+        return next((shown(row.rstrip()) for number, row in enumerate(text, 1) if number == line), "")
 
 
 def _print_records(*records: dict[str, Any]) -> None:

@@ -12,6 +12,10 @@ from elitescript.errors import ElitescriptError, PeerError
 
 CONNECT_S: Final = 3.0
 """Longest time for a connection to open."""
+BURST_S: Final = 5.0
+"""How long a peer may send as much as it may at most, s: what waited while this computer was busy comes at once."""
+READ_BYTES: Final = 1 << 14
+"""Bytes that are read at once: what else goes on waits for so much to be decoded."""
 BACKOFF_S: Final = (0.2, 0.5, 1.0, 2.0, 5.0)
 """Pauses between attempts; the last one again and again."""
 
@@ -22,6 +26,45 @@ class LinkError(ElitescriptError):
 
 class CommandError(ElitescriptError):
     """Something would command the controller over a connection that only reads."""
+
+
+class Inflow:
+    """Bounds what a peer sends: a burst passes, a flood ends its connection.
+
+    Args:
+        name: of the port, for texts.
+        messages_per_s: most messages a second for longer than `BURST_S`.
+        bytes_per_s: most bytes a second, likewise.
+    """
+
+    __slots__ = ("_bytes", "_bytes_per_s", "_messages", "_messages_per_s", "_name", "_t")
+
+    def __init__(self, name: str, messages_per_s: float, bytes_per_s: float) -> None:
+        self._name = name
+        self._messages_per_s = messages_per_s
+        self._bytes_per_s = bytes_per_s
+        self._messages = self._bytes = 0.0
+        """What counts yet of that which has come."""
+        self._t = 0.0
+
+    def take(self, messages: int, size: int, t: float) -> None:
+        """Count what has come by a time, s.
+
+        Raises:
+            PeerError: it is too much.
+        """
+        passed_s, self._t = t - self._t, t
+        self._messages = max(0.0, self._messages - passed_s * self._messages_per_s) + messages
+        self._bytes = max(0.0, self._bytes - passed_s * self._bytes_per_s) + size
+        too_much = ""
+        if self._messages > self._messages_per_s * BURST_S:
+            too_much = f"{self._messages_per_s:g} messages"
+        elif self._bytes > self._bytes_per_s * BURST_S:
+            too_much = f"{self._bytes_per_s / 1e6:g} MB"
+        if too_much:
+            raise PeerError(
+                f"{self._name}: the controller sends more than {too_much} a second: the connection was closed"
+            )
 
 
 Streams = tuple[asyncio.StreamReader, asyncio.StreamWriter]
@@ -72,13 +115,15 @@ async def read_some(reader: asyncio.StreamReader, timeout_s: float, what: str) -
     """
     try:
         async with asyncio.timeout(timeout_s):
-            data = await reader.read(1 << 16)
+            data = await reader.read(READ_BYTES)
     except TimeoutError:
         raise LinkError(f"{what}: nothing came in time") from None
     except OSError as error:
         raise LinkError(f"{what}: {error.strerror or error}") from None
     if not data:
         raise LinkError(f"{what}: the controller has closed the connection")
+    # What has arrived already is returned without a pause; everything else must go on beside a flood.
+    await asyncio.sleep(0)
     return data
 
 

@@ -15,6 +15,8 @@ REPLY_S: Final = 5.0
 """Longest time for a reply."""
 GREETING_LINES_MAX: Final = 20
 """Lines in front of the reply to the first command (*documented*: three)."""
+UNASKED_MAX: Final = 1 << 16
+"""Bytes between two replies that are passed over; more is no controller."""
 HELLO: Final = "Hello ELITE ROBOTS"
 """Reply to `echo`; newer firmware has a full stop behind it."""
 
@@ -101,6 +103,7 @@ class DashboardClient:
         Raises:
             CommandError: the command would change something and this connection only reads; or it has several lines.
             LinkError: no reply came: the connection is out of step, and over.
+            PeerError: the controller sends without end, unasked.
         """
         if not (self._may_command or is_reading(line)):
             raise CommandError(f"this connection only reads: it may not send {line.split(maxsplit=2)[:2]}")
@@ -109,8 +112,27 @@ class DashboardClient:
         async with self._lock:
             if self._is_broken:
                 raise LinkError("dashboard: the connection is out of step")
+            await self._pass_over()
             self._writer.write(line.encode() + b"\n")
             return await self._line(timeout_s, line)
+
+    async def _pass_over(self) -> None:
+        """Read past what came without a command: it is no reply to the next one."""
+        passed = 0
+        try:
+            async with asyncio.timeout(0):
+                while data := await self._reader.read(UNASKED_MAX):
+                    passed += len(data)
+                    if passed >= UNASKED_MAX:
+                        self._is_broken = True
+                        raise PeerError(
+                            "dashboard: the controller sends without being asked: the connection was closed"
+                        )
+        except TimeoutError:
+            return
+        except OSError:
+            # The reply that does not come says so.
+            return
 
     async def _line(self, timeout_s: float, command: str) -> str:
         whole = False

@@ -7,12 +7,15 @@ import contextlib
 from collections.abc import AsyncIterator
 from typing import Final
 
-from elitescript.client.connecting import CommandError, LinkError, connected, read_some
+from elitescript.client.connecting import CommandError, Inflow, LinkError, connected, read_some
 from elitescript.client.primary_messages import MessageReader, RobotState, RobotText
 
 SILENCE_S: Final = 3.0
 """Longest time without a message: a controller sends ten states a second."""
 SEND_S: Final = 3.0
+MESSAGES_PER_S: Final = 4000.0
+BYTES_PER_S: Final = 4e6
+"""What a controller may send; ten states a second have 12 kB."""
 
 
 class PrimaryClient:
@@ -24,22 +27,34 @@ class PrimaryClient:
         may_command: whether programs may be sent.
     """
 
-    __slots__ = ("_may_command", "_messages", "_reader", "_writer")
+    __slots__ = ("_inflow", "_may_command", "_messages", "_reader", "_silent_s", "_writer")
 
     def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, *, may_command: bool) -> None:
         self._reader = reader
         self._writer = writer
         self._may_command = may_command
         self._messages = MessageReader()
+        self._inflow = Inflow("primary port", MESSAGES_PER_S, BYTES_PER_S)
+        self._silent_s = 0.0
+        """How long it was waited since the last message that was complete, s."""
 
     async def messages(self, timeout_s: float = SILENCE_S) -> list[RobotState | RobotText]:
         """Return the messages that have arrived; none if only a part of one has.
 
         Raises:
-            LinkError: nothing came within the time, or the connection has ended.
-            PeerError: bytes that cannot be a message.
+            LinkError: no message was complete within the time, or the connection has ended.
+            PeerError: bytes that cannot be a message, or too many.
         """
-        return self._messages.feed(await read_some(self._reader, timeout_s, "primary port, states"))
+        loop = asyncio.get_running_loop()
+        began = loop.time()
+        left_s = max(0.0, timeout_s - self._silent_s)
+        data = await read_some(self._reader, left_s, "primary port, states")
+        before = self._messages.count
+        found = self._messages.feed(data)
+        new, now = self._messages.count - before, loop.time()
+        self._inflow.take(new, len(data), now)
+        self._silent_s = 0.0 if new else self._silent_s + now - began
+        return found
 
     async def send_script(self, text: str) -> None:
         """Send a program or a command; the controller does not answer but with messages about what is wrong.

@@ -56,12 +56,17 @@ class RobotText:
 
 
 class MessageReader:
-    """Cuts the stream of a controller into messages and decodes them, however it arrives."""
+    """Cuts the stream of a controller into messages and decodes them, however it arrives.
 
-    __slots__ = ("_rest",)
+    Attributes:
+        count: messages that were complete, of all types.
+    """
+
+    __slots__ = ("_rest", "count")
 
     def __init__(self) -> None:
         self._rest = bytearray()
+        self.count = 0
 
     def feed(self, data: bytes) -> list[RobotState | RobotText]:
         """Return the messages that are complete now; those of other types are left out.
@@ -88,6 +93,7 @@ class MessageReader:
             elif kind == ROBOT_MESSAGE:
                 found.append(_message(whole))
             at += size
+            self.count += 1
         del rest[:at]
         return found
 

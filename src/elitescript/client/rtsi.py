@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import AsyncIterator, Mapping, Sequence
 from typing import Final
 
-from elitescript.client.connecting import CommandError, LinkError, connected, read_some
+from elitescript.client.connecting import CommandError, Inflow, LinkError, connected, read_some
 from elitescript.client.rtsi_messages import (
     TYPES,
     Frame,
@@ -34,6 +34,9 @@ ANSWER_S: Final = 2.0
 """Longest time for an answer; the vendor's client waits 1 s."""
 SILENCE_S: Final = 2.0
 """Longest time without a package."""
+MESSAGES_PER_S: Final = 10_000.0
+BYTES_PER_S: Final = 8e6
+"""What a controller may send; 250 packages a second of 2 kB have 0.5 MB."""
 _TEXT: Final = ord("M")
 _TEXTS_KEPT: Final = 100
 
@@ -51,13 +54,14 @@ class RtsiClient:
         strange: packages of recipes that were never set up, which are left out.
     """
 
-    __slots__ = ("_frames", "_layouts", "_may_command", "_reader", "_waiting", "_writer", "strange", "texts")
+    __slots__ = ("_frames", "_inflow", "_layouts", "_may_command", "_reader", "_waiting", "_writer", "strange", "texts")
 
     def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, *, may_command: bool) -> None:
         self._reader = reader
         self._writer = writer
         self._may_command = may_command
         self._frames = FrameReader()
+        self._inflow = Inflow("RTSI", MESSAGES_PER_S, BYTES_PER_S)
         self._waiting: deque[Frame] = deque()
         self._layouts: dict[int, OutputLayout] = {}
         self.texts: deque[tuple[str, str]] = deque(maxlen=_TEXTS_KEPT)
@@ -190,8 +194,11 @@ class RtsiClient:
         """Read once, up to a time of the loop."""
         # Raises if no message can follow those that were taken.
         self._frames.feed(b"")
-        left_s = end - asyncio.get_running_loop().time()
-        self._waiting.extend(self._frames.feed(await read_some(self._reader, left_s, f"RTSI, {what}")))
+        loop = asyncio.get_running_loop()
+        data = await read_some(self._reader, end - loop.time(), f"RTSI, {what}")
+        frames = self._frames.feed(data)
+        self._inflow.take(len(frames), len(data), loop.time())
+        self._waiting.extend(frames)
 
 
 @contextlib.asynccontextmanager

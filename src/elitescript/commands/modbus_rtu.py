@@ -2,6 +2,9 @@
 
 The port must be in MODBUS-RTU mode. A failure shows in the result, and its reason in the log: another mode, a slave
 that does not answer in time, an answer that is broken, or a refusal (*assumed*).
+
+In a secondary program a call without a time-out waits for its one transaction, inside the second that the program has;
+one with a time-out looks once, as all readings do there (*assumed*).
 """
 
 from __future__ import annotations
@@ -10,7 +13,16 @@ from collections.abc import Callable
 from typing import Annotated, Any, Final
 
 from elitescript.commands.definition.context import Robot
-from elitescript.commands.definition.quantities import Bool, Boolean, Either, Integer, TimeOut, Vector, Whole
+from elitescript.commands.definition.quantities import (
+    Bool,
+    Boolean,
+    Either,
+    Integer,
+    RequestTimeOut,
+    UsualTimeOut,
+    Vector,
+    Whole,
+)
 from elitescript.commands.definition.registry import Function, alias, command
 from elitescript.commands.serial import CABINET_PORT, TOOL_PORT, CabinetPort, cabinet_device
 from elitescript.errors import ArgumentRangeError
@@ -24,6 +36,8 @@ WRITE_REGISTER: Final = 6
 WRITE_COILS: Final = 15
 WRITE_REGISTERS: Final = 16
 
+TIME_OUT: Final = UsualTimeOut(5)
+"""S."""
 _ADDRESSES: Final = 65_536
 _WRITTEN_MAX: Final = {WRITE_COILS: 1968, WRITE_REGISTERS: 123}
 """Values that one request can take."""
@@ -57,7 +71,9 @@ def _rtu(manual: str, arguments: dict[str, str] = _ARGUMENTS) -> Callable[[Funct
 
 
 @_rtu("3.33")
-def tool_modbus_read_registers(robot: Robot, slave: Slave, addr: Address, len: Count, time_out: TimeOut = 5) -> Values:
+def tool_modbus_read_registers(
+    robot: Robot, slave: Slave, addr: Address, len: Count, time_out: RequestTimeOut = TIME_OUT
+) -> Values:
     """Read holding registers of a slave through the port of the tool (function code 0x03).
 
     Returns:
@@ -67,7 +83,9 @@ def tool_modbus_read_registers(robot: Robot, slave: Slave, addr: Address, len: C
 
 
 @_rtu("3.34")
-def tool_modbus_read_bits(robot: Robot, slave: Slave, addr: Address, len: Count, time_out: TimeOut = 5) -> Values:
+def tool_modbus_read_bits(
+    robot: Robot, slave: Slave, addr: Address, len: Count, time_out: RequestTimeOut = TIME_OUT
+) -> Values:
     """Read coils of a slave through the port of the tool (function code 0x01).
 
     Returns:
@@ -78,7 +96,7 @@ def tool_modbus_read_bits(robot: Robot, slave: Slave, addr: Address, len: Count,
 
 @_rtu("3.35")
 def tool_modbus_write_registers(
-    robot: Robot, slave: Slave, addr: Address, data: Registers, timeout: TimeOut = 5
+    robot: Robot, slave: Slave, addr: Address, data: Registers, timeout: RequestTimeOut = TIME_OUT
 ) -> Bool:
     """Write holding registers of a slave through the port of the tool (function code 0x10).
 
@@ -89,7 +107,9 @@ def tool_modbus_write_registers(
 
 
 @_rtu("3.36")
-def tool_modbus_write_bits(robot: Robot, slave: Slave, addr: Address, data: Bits, timeout: TimeOut = 5) -> Bool:
+def tool_modbus_write_bits(
+    robot: Robot, slave: Slave, addr: Address, data: Bits, timeout: RequestTimeOut = TIME_OUT
+) -> Bool:
     """Write coils of a slave through the port of the tool (function code 0x0F).
 
     Returns:
@@ -100,7 +120,7 @@ def tool_modbus_write_bits(robot: Robot, slave: Slave, addr: Address, data: Bits
 
 @_rtu("3.37")
 def tool_modbus_read_input_registers(
-    robot: Robot, slave: Slave, addr: Address, len: Count, timeout: TimeOut = 5
+    robot: Robot, slave: Slave, addr: Address, len: Count, timeout: RequestTimeOut = TIME_OUT
 ) -> Values:
     """Read input registers of a slave through the port of the tool (function code 0x04).
 
@@ -111,7 +131,9 @@ def tool_modbus_read_input_registers(
 
 
 @_rtu("3.38")
-def tool_modbus_read_input_bits(robot: Robot, slave: Slave, addr: Address, len: Count, timeout: TimeOut = 5) -> Values:
+def tool_modbus_read_input_bits(
+    robot: Robot, slave: Slave, addr: Address, len: Count, timeout: RequestTimeOut = TIME_OUT
+) -> Values:
     """Read discrete inputs of a slave through the port of the tool (function code 0x02).
 
     Returns:
@@ -121,7 +143,9 @@ def tool_modbus_read_input_bits(robot: Robot, slave: Slave, addr: Address, len: 
 
 
 @_rtu("3.39", _SINGLE_BIT)
-def tool_modbus_write_single_bit(robot: Robot, slave: Slave, addr: Address, data: Whole, timeout: TimeOut = 5) -> Whole:
+def tool_modbus_write_single_bit(
+    robot: Robot, slave: Slave, addr: Address, data: Whole, timeout: RequestTimeOut = TIME_OUT
+) -> Whole:
     """Write one coil of a slave through the port of the tool (function code 0x05).
 
     Returns:
@@ -132,7 +156,7 @@ def tool_modbus_write_single_bit(robot: Robot, slave: Slave, addr: Address, data
 
 @_rtu("3.40", _SINGLE)
 def tool_modbus_write_single_register(
-    robot: Robot, slave: Slave, addr: Address, data: RegisterValue, timeout: TimeOut = 5
+    robot: Robot, slave: Slave, addr: Address, data: RegisterValue, timeout: RequestTimeOut = TIME_OUT
 ) -> Whole:
     """Write one holding register of a slave through the port of the tool (function code 0x06).
 
@@ -148,7 +172,7 @@ def serial_modbus_write_registers(
     slave: Slave,
     address: Address,
     data: Registers,
-    timeout: TimeOut = 5,
+    timeout: RequestTimeOut = TIME_OUT,
     port: CabinetPort = CABINET_PORT,
 ) -> Whole:
     """Write holding registers of a slave through the port of the control box (function code 0x10).
@@ -161,7 +185,12 @@ def serial_modbus_write_registers(
 
 @_rtu("3.49")
 def serial_modbus_write_bits(
-    robot: Robot, slave: Slave, address: Address, data: Bits, timeout: TimeOut = 5, port: CabinetPort = CABINET_PORT
+    robot: Robot,
+    slave: Slave,
+    address: Address,
+    data: Bits,
+    timeout: RequestTimeOut = TIME_OUT,
+    port: CabinetPort = CABINET_PORT,
 ) -> Whole:
     """Write coils of a slave through the port of the control box (function code 0x0F).
 
@@ -173,7 +202,12 @@ def serial_modbus_write_bits(
 
 @_rtu("3.50")
 def serial_modbus_read_registers(
-    robot: Robot, slave: Slave, address: Address, len: Count, timeout: TimeOut = 5, port: CabinetPort = CABINET_PORT
+    robot: Robot,
+    slave: Slave,
+    address: Address,
+    len: Count,
+    timeout: RequestTimeOut = TIME_OUT,
+    port: CabinetPort = CABINET_PORT,
 ) -> Values:
     """Read holding registers of a slave through the port of the control box (function code 0x03).
 
@@ -185,7 +219,12 @@ def serial_modbus_read_registers(
 
 @_rtu("3.51")
 def serial_modbus_read_bits(
-    robot: Robot, slave: Slave, address: Address, len: Count, timeout: TimeOut = 5, port: CabinetPort = CABINET_PORT
+    robot: Robot,
+    slave: Slave,
+    address: Address,
+    len: Count,
+    timeout: RequestTimeOut = TIME_OUT,
+    port: CabinetPort = CABINET_PORT,
 ) -> Values:
     """Read coils of a slave through the port of the control box (function code 0x01).
 
@@ -197,7 +236,12 @@ def serial_modbus_read_bits(
 
 @_rtu("3.52")
 def serial_modbus_read_input_registers(
-    robot: Robot, slave: Slave, address: Address, len: Count, timeout: TimeOut = 5, port: CabinetPort = CABINET_PORT
+    robot: Robot,
+    slave: Slave,
+    address: Address,
+    len: Count,
+    timeout: RequestTimeOut = TIME_OUT,
+    port: CabinetPort = CABINET_PORT,
 ) -> Values:
     """Read input registers of a slave through the port of the control box (function code 0x04).
 
@@ -209,7 +253,12 @@ def serial_modbus_read_input_registers(
 
 @_rtu("3.53")
 def serial_modbus_read_input_bits(
-    robot: Robot, slave: Slave, address: Address, len: Count, timeout: TimeOut = 5, port: CabinetPort = CABINET_PORT
+    robot: Robot,
+    slave: Slave,
+    address: Address,
+    len: Count,
+    timeout: RequestTimeOut = TIME_OUT,
+    port: CabinetPort = CABINET_PORT,
 ) -> Values:
     """Read discrete inputs of a slave through the port of the control box (function code 0x02).
 
@@ -221,7 +270,12 @@ def serial_modbus_read_input_bits(
 
 @_rtu("3.54", _SINGLE_BIT)
 def serial_modbus_write_single_bit(
-    robot: Robot, slave: Slave, address: Address, data: Whole, timeout: TimeOut = 5, port: CabinetPort = CABINET_PORT
+    robot: Robot,
+    slave: Slave,
+    address: Address,
+    data: Whole,
+    timeout: RequestTimeOut = TIME_OUT,
+    port: CabinetPort = CABINET_PORT,
 ) -> Whole:
     """Write one coil of a slave through the port of the control box (function code 0x05).
 
@@ -237,7 +291,7 @@ def serial_modbus_write_single_register(
     slave: Slave,
     address: Address,
     data: RegisterValue,
-    timeout: TimeOut = 5,
+    timeout: RequestTimeOut = TIME_OUT,
     port: CabinetPort = CABINET_PORT,
 ) -> Whole:
     """Write one holding register of a slave through the port of the control box (function code 0x06).
@@ -271,7 +325,8 @@ def _read(
         ArgumentRangeError: beyond the last address.
     """
     _check_end(address, count)
-    return robot.lines.read_slave(device, slave, function, address, count, timeout_s) or ()
+    is_polled = type(timeout_s) is not UsualTimeOut
+    return robot.lines.read_slave(device, slave, function, address, count, timeout_s, is_polled=is_polled) or ()
 
 
 def _write(robot: Robot, device: str, function: int, slave: int, address: int, data: Any, timeout_s: float) -> int:
@@ -286,7 +341,9 @@ def _write(robot: Robot, device: str, function: int, slave: int, address: int, d
         text = f"data must have 1 to {most} elements, got {len(values)}"
         raise ArgumentRangeError(text, argument="data", value=len(values), limit=f"1 to {most} elements")
     _check_end(address, len(values))
-    return len(values) if robot.lines.write_slave(device, slave, function, address, values, timeout_s) else 0
+    is_polled = type(timeout_s) is not UsualTimeOut
+    is_done = robot.lines.write_slave(device, slave, function, address, values, timeout_s, is_polled=is_polled)
+    return len(values) if is_done else 0
 
 
 def _check_end(address: int, count: int) -> None:

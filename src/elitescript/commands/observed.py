@@ -124,16 +124,18 @@ def cal_rpy_frame(origin: _PointOrPose, x_axis: _PointOrPose, y_axis: _PointOrPo
 
 
 @command(family="observed", evidence="observed")
-def pin_thread(robot: Robot, thread_id: Whole = 0, core: Whole = 0) -> None:
+def pin_thread(robot: Robot, cpu: Whole = 0, prio: Whole = 0, lockmem: Whole = 0) -> None:
     """Store a value without effect: threads of a program take turns here, whatever core of a real controller runs them.
 
-    Only the name has been seen; what it takes is *assumed*.
+    The names of the arguments are those of a control program of the vendor's SDK, `pin_thread(cpu=1, prio=80,
+    lockmem=1)`. Their order, defaults and ranges are *assumed*.
 
     Args:
-        thread_id: what `start_thread` returned; 0 for the calling thread.
-        core: number of the core.
+        cpu: core on which a real controller runs the calling thread.
+        prio: priority of the thread there.
+        lockmem: 1 keeps the memory of the controller's process from being swapped out.
     """
-    robot.request(SetOption("pin_thread", core))
+    robot.request(SetOption("pin_thread", cpu))
 
 
 @command(family="observed", evidence="observed")

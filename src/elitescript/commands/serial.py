@@ -31,6 +31,9 @@ CABINET_PORT: Final = "/dev/ttymxc0"
 _SECOND_PORT: Final = "/dev/ttyS2"
 _SECOND_PORT_SINCE: Final = (2, 14)
 
+_DASHED_UNTIL: Final = (2, 10)
+"""Firmware up to which the plain mode is written as the manual 2.10 prints it; of the control box *assumed*."""
+
 CabinetPort = Annotated[str, Choice(CABINET_PORT, _SECOND_PORT)]
 """Device of the control box; the second one is that of B1 and MINI boxes, since 2.14."""
 
@@ -148,9 +151,10 @@ def tool_serial_mode(robot: Robot) -> Str:
     """Return the mode of the serial port of the tool.
 
     Returns:
-        `"MODBUS-RTU"`, `"RS485"`, or `"CLOSE"` when the port is off.
+        `"MODBUS-RTU"`, `"CLOSE"` when the port is off, or `"RS485"`; with firmware 2.10 `"RS-485"`, as its manual
+        prints it.
     """
-    return robot.lines.mode(TOOL_PORT)
+    return _mode(robot, TOOL_PORT)
 
 
 @command(family="serial", manual="3.43", waits=True, arguments=_ARGUMENTS)
@@ -240,9 +244,10 @@ def serial_mode(robot: Robot, port: CabinetPort = CABINET_PORT) -> Str:
     """Return the mode of the serial port of the control box.
 
     Returns:
-        `"MODBUS-RTU"`, `"RS485"`, or `"CLOSE"` when the port is off.
+        `"MODBUS-RTU"`, `"CLOSE"` when the port is off, or `"RS485"`; with firmware 2.10 `"RS-485"`, as its manual
+        prints it.
     """
-    return robot.lines.mode(cabinet_device(robot, port))
+    return _mode(robot, cabinet_device(robot, port))
 
 
 @command(family="serial", manual="3.56", arguments=_ARGUMENTS)
@@ -256,3 +261,8 @@ def serial_flush(robot: Robot, port: CabinetPort = CABINET_PORT) -> None:
 
 # Older name, in the vendor's SDK (four arguments) and in public programs (six).
 alias("masterboard_serial_config", of="serial_config", evidence="observed")
+
+
+def _mode(robot: Robot, device: str) -> str:
+    mode = robot.lines.mode(device)
+    return "RS-485" if mode == "RS485" and robot.profile.release <= _DASHED_UNTIL else mode

@@ -30,8 +30,10 @@ def servoj(
     The stream is averaged over the look-ahead time, and the arm follows the mean; how, is *assumed*. When targets
     stop coming, the arm comes to rest at the last one. A stream may begin while the arm moves; a stop command ends
     it. In front of the end of a joint's range the arm brakes with a warning, and the stream may go on (*assumed*). The
-    speed percentage does not count (*assumed*). Values outside the ranges below are brought into them, with one
-    warning for each program; real clients send 0.3 s and a gain of 2000.
+    speed percentage does not count (*assumed*). While the arm has no power or its brakes are engaged, a call returns
+    after its time with one warning and nothing moves (*assumed*), so that a driver may start before power-on.
+    Values outside the ranges below are brought into them, with one warning for each program; real clients send 0.3 s
+    and a gain of 2000.
 
     Args:
         q: joint target of this period.
@@ -43,7 +45,7 @@ def servoj(
 
     Raises:
         MotionError: the target is outside the joint limits.
-        ScriptStateError: the arm is not ready.
+        ScriptStateError: a stop of the safety system keeps the arm from moving.
     """
     profile = robot.profile
     t_s = _limited(robot, "t", profile.servoj_t_s if t is None else t, PERIOD_S, None, "s")

@@ -37,7 +37,8 @@ def speedj(
     `speedj`, `speedl`, `servoj` or stop command takes over, and the end of the program brakes; a move to a target
     needs a stop first. The speed percentage lowers the speeds that are reached, which then counts as reaching `qd`
     (*assumed*). In front of the end of a joint's range the arm brakes, and the program ends with a protective stop
-    (R140); a call that would go further is refused (*assumed*).
+    (R140); a call that would go further is refused (*assumed*). While the arm has no power or its brakes are engaged,
+    a call returns after `t` (without `t`, after a control period) with one warning and nothing moves (*assumed*).
 
     Args:
         qd: target speeds of the joints.
@@ -47,7 +48,7 @@ def speedj(
 
     Raises:
         MotionError: a joint stands at the end of its range and would go further.
-        ScriptStateError: the arm is not ready.
+        ScriptStateError: a stop of the safety system keeps the arm from moving.
     """
     robot.move(SpeedJ(qd, a, t))
 
@@ -65,7 +66,7 @@ def speedl(
     It may begin while the arm moves or brakes; no speed jumps. What ends it and what the speed percentage does is as
     in `speedj`. Where a joint would have to turn faster than it can, the TCP goes slower; in front of the
     end of a joint's range or a singularity the arm brakes, and the program ends with a protective stop (R140;
-    *assumed*).
+    *assumed*). Without power it returns as `speedj` does.
 
     Args:
         xd: linear velocity, then angular velocity vector, both in the base frame.
@@ -77,6 +78,6 @@ def speedl(
     Raises:
         MotionError: a joint stands at the end of its range and would go further, or the arm is too near to a
             singularity.
-        ScriptStateError: the arm is not ready.
+        ScriptStateError: a stop of the safety system keeps the arm from moving.
     """
     robot.move(SpeedL(xd, a, a if aRot is None else aRot, t))

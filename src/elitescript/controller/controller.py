@@ -619,7 +619,7 @@ class Controller:
 
     def _task_changed(self, before: TaskState, after: TaskState) -> None:
         ending = self._ending if after is TaskState.STOPPED else ""
-        self.emit(TaskStateChanged(self._tick, after, self.task.name, ending))
+        self.emit(TaskStateChanged(self._tick, after, self.task.name, ending, self.task.successor))
         if after is TaskState.PAUSED:
             self.arm_state.pause(self._tick)
         elif before is TaskState.PAUSED:

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from math import isfinite
 from typing import Final
 
-from elitescript.errors import ScriptStateError, UsageError
+from elitescript.errors import ArmNotReadyError, ScriptStateError, UsageError
 from elitescript.messages.enums import RobotMode
 from elitescript.messages.timing import ticks_for
 from elitescript.records import record
@@ -106,11 +106,11 @@ class Power:
         """Check that the arm can move.
 
         Raises:
-            ScriptStateError: the arm is off, goes off, or its brakes are engaged.
+            ArmNotReadyError: the arm is off, goes off, or its brakes are engaged.
         """
         why = WHY_NOT_READY.get(OFF if self.is_going_off else self.mode)
         if why is not None:
-            raise ScriptStateError(f"the arm cannot move: {why}", code="R115", hint=SWITCH_ON)
+            raise ArmNotReadyError(f"the arm cannot move: {why}", code="R115", hint=SWITCH_ON)
 
     def go_up(self, goal: RobotMode, tick: int) -> None:
         """Power on, and for the goal `RUNNING` release the brakes, where necessary.

@@ -92,9 +92,10 @@ class Task:
         name: of the program that runs or ran last.
         program: host of its threads.
         state: of the task.
+        successor: what replaces the program while it is stopped for that, in words; empty otherwise.
     """
 
-    __slots__ = ("_is_held", "_on_change", "name", "program", "state")
+    __slots__ = ("_is_held", "_on_change", "name", "program", "state", "successor")
 
     def __init__(self, on_change: Callable[[TaskState, TaskState], None]) -> None:
         self._on_change = on_change
@@ -102,6 +103,7 @@ class Task:
         self.program: ProgramPort = NoProgram()
         self.state = TaskState.STOPPED
         self.name = ""
+        self.successor = ""
 
     @property
     def is_running(self) -> bool:

@@ -10,6 +10,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
+from elitescript.conversation.limits import (
+    PLACES_MAX,
+    THREADS_MAX,
+    VARIABLES_BYTES_MAX,
+    VARIABLES_MAX,
+    EventBudget,
+    bounded,
+    cut,
+    cut_name,
+)
 from elitescript.conversation.messages import PROTOCOL, RunOptions, options_data
 from elitescript.json_records.events import record_of
 from elitescript.json_records.jsonlines import plain
@@ -67,7 +77,7 @@ def hello(
 
 def refused(text: str, ask: int | None = None, conflict: Mapping[str, str] | None = None) -> Message:
     """Return the answer to what cannot be done, with the reason for people."""
-    found: Message = {"type": "refused", "text": text}
+    found: Message = {"type": "refused", "text": cut(text)[0]}
     if ask is not None:
         found["ask"] = ask
     if conflict is not None:
@@ -82,27 +92,29 @@ def recorded(ask: int, content: str) -> Message:
 
 def notice(severity: str, text: str) -> Message:
     """Return a message for people: `information`, `warning` or `error`."""
-    return {"type": "notice", "severity": severity, "text": text}
+    return {"type": "notice", "severity": severity, "text": cut(text)[0]}
 
 
 # ---------------------------------------------------------------- the text
 
 
-def problems(version: int, found: Iterable[Diagnostic], *, compiles: bool) -> Message:
+def problems(version: int, found: Iterable[Diagnostic], *, compiles: bool, start: Moment | None = None) -> Message:
     """Return the findings of a text, and how many rules were checked.
 
     Args:
         version: of the text.
         found: what `check` finds, in the order of the text.
         compiles: whether the program starts.
+        start: of a text that holds nothing yet, of which no run comes: the robot before it.
     """
-    return {
+    made: Message = {
         "type": "problems",
         "version": version,
         "list": [problem(item) for item in found],
         "compiles": compiles,
         "rules": len(all_rules()),
     }
+    return made if start is None else made | {"start": moment(start)}
 
 
 def problem(found: Diagnostic) -> Message:
@@ -141,10 +153,21 @@ def progress(run: int, t: float) -> Message:
     return {"type": "progress", "run": run, "t": t}
 
 
-def events(run: int, happened: Iterable[Event]) -> Message:
-    """Return events as `run --json` has them."""
-    records = [found for event in happened if (found := record_of(event)) is not None]
-    return {"type": "events", "run": run, "list": [plain(found) for found in records]}
+def events(run: int, happened: Iterable[Event], budget: EventBudget) -> Message:
+    """Return events as `run --json` has them, as far as the page is given them."""
+    records = (plain(found) for event in happened if (found := record_of(event)) is not None)
+    return {"type": "events", "run": run, "list": budget.take(records)}
+
+
+def left_out(run: int, budget: EventBudget) -> Message:
+    """Return how much of the events of a run is left out, and from when on whole ones are, s."""
+    return {
+        "type": "left_out",
+        "run": run,
+        "events": budget.events,
+        "bytes": budget.bytes,
+        "from_s": budget.from_s,
+    }
 
 
 def lines(run: int, thread: str, stretches: Sequence[tuple[float, int]]) -> Message:
@@ -152,7 +175,7 @@ def lines(run: int, thread: str, stretches: Sequence[tuple[float, int]]) -> Mess
     return {
         "type": "lines",
         "run": run,
-        "thread": thread,
+        "thread": cut_name(thread),
         "t": [t for t, _ in stretches],
         "line": [line for _, line in stretches],
     }
@@ -226,23 +249,45 @@ class Moment:
 
 
 def moment(found: Moment) -> Message:
-    """Return a moment as messages hold it."""
+    """Return a moment as messages hold it; `left_out` is how many globals and threads are too many, if any are."""
+    shown = _shown_variables(found.globals)
+    left_out = len(found.globals) - len(shown) + max(0, len(found.threads) - THREADS_MAX)
     made: Message = {
         "t": found.t,
         "line": found.line,
         "joints": list(found.joints),
         "tcp_pose": list(found.tcp_pose),
-        "globals": [{"name": v.name, "value": v.value, "type": v.type, "changed": v.changed} for v in found.globals],
+        "globals": [
+            {"name": cut_name(v.name), "value": v.value, "type": cut_name(v.type), "changed": v.changed} for v in shown
+        ],
         "signals": plain(dict(found.signals)),
         "threads": [
-            {"name": t.name, "line": t.line, "waits_for": t.waits_for, "function": t.function} for t in found.threads
+            {
+                "name": cut_name(t.name),
+                "line": t.line,
+                "waits_for": cut_name(t.waits_for),
+                "function": cut_name(t.function),
+            }
+            for t in found.threads[:THREADS_MAX]
         ],
     }
+    if left_out:
+        made["left_out"] = left_out
     if found.position:
         made["position"] = found.position
     if found.tcp_force is not None:
         made["tcp_force"] = list(found.tcp_force)
     return made
+
+
+def _shown_variables(found: Sequence[Variable]) -> Sequence[Variable]:
+    """Return the first variables that a page is given."""
+    size = 0
+    for number, variable in enumerate(found[:VARIABLES_MAX]):
+        size += len(variable.name) + len(variable.value)
+        if size > VARIABLES_BYTES_MAX:
+            return found[:number]
+    return found[:VARIABLES_MAX]
 
 
 def with_changes(found: Moment, before: Moment | None) -> Moment:
@@ -284,7 +329,7 @@ def run_ended(
     if killed:
         found["killed"] = killed
     if refused_connections:
-        found["refused_connections"] = list(refused_connections)
+        found["refused_connections"] = [cut_name(place) for place in refused_connections[:PLACES_MAX]]
     return found
 
 
@@ -310,7 +355,7 @@ def alarm_report(found: Alarm, asked: MotionRequest | None = None) -> Message:
     }
     if (limit := limit_in_words(details)) != "":
         made["limit"] = limit
-    return made | (_asked(asked) or _asked_of_command(details))
+    return bounded(made | (_asked(asked) or _asked_of_command(details)))
 
 
 _PROTECTIVE_STOP: Final = "R140"

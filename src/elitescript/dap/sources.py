@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from elitescript.dap.messages import Arguments, Body
+from elitescript.paths import real_path
 
 
 class Sources:
@@ -49,6 +50,6 @@ class Sources:
 
 def _key(path: str) -> str:
     try:
-        return os.path.normcase(Path(path).resolve()) if path else ""
+        return os.path.normcase(real_path(path)) if path else ""
     except (OSError, ValueError, RuntimeError):
         return path

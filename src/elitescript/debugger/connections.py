@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
+from elitescript.devices.outside import OutsideChannels
 from elitescript.messages.inputs import ChannelEvent
 from elitescript.messages.line import LineSettings
-from elitescript.runtime.environment import Channels
 
 
 class KeptNetwork:
@@ -19,14 +19,16 @@ class KeptNetwork:
         live: the network.
         arrived: events by the tick in which they were taken in.
         opened: the channel that each request to connect got.
+        refused: what was not let through, in words, if that was asked for.
         requests: how many requests the network has had.
         until: last tick up to which events are kept.
     """
 
-    __slots__ = ("arrived", "live", "opened", "requests", "until")
+    __slots__ = ("arrived", "live", "opened", "refused", "requests", "until")
 
-    def __init__(self, channels: Channels) -> None:
+    def __init__(self, channels: OutsideChannels) -> None:
         self.live = channels
+        self.refused = ""
         self.arrived: list[tuple[int, tuple[ChannelEvent, ...]]] = []
         self.opened: list[int] = []
         self.requests = 0
@@ -119,3 +121,8 @@ class KeptChannels:
 
     def give_up(self, ignoring: Collection[int] = ()) -> tuple[str, ...]:
         return self._network.live.give_up(ignoring) if self._is_live else ()
+
+    def take_refused(self) -> str:
+        """Return what was not let through, the same for each execution: it is asked of the network once."""
+        self._network.refused = self._network.live.take_refused() or self._network.refused
+        return self._network.refused

@@ -14,6 +14,7 @@ from typing import Any, Final, Protocol
 
 from elitescript.controller.controller import Controller
 from elitescript.debugger.connections import KeptChannels, KeptNetwork
+from elitescript.devices.outside import OutsideChannels
 from elitescript.devices.surroundings import Surroundings
 from elitescript.environment.program_file import source_of
 from elitescript.errors import ProgramError, ScriptError
@@ -30,7 +31,6 @@ from elitescript.messages.events import Event
 from elitescript.messages.signals import Value
 from elitescript.paths import real_path
 from elitescript.robot import VirtualRobot
-from elitescript.runtime.environment import Channels
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.probe import Probe
 
@@ -198,7 +198,7 @@ class ProgramSource:
         probe.compiled(self._unit)
         return ProgramExecution(robot, self._unit, self._presets, self._until_s, after_tick)
 
-    def _kept(self, channels: Channels) -> Channels:
+    def _kept(self, channels: OutsideChannels) -> OutsideChannels:
         if self._network is None:
             self._network = KeptNetwork(channels)
         return KeptChannels(self._network)

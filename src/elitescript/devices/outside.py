@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from elitescript.devices.surroundings import Surroundings
 from elitescript.environment.allowance import TASK_DIR_BYTES, Allowance
-from elitescript.environment.local_channels import NETWORK_DEFAULT, NONE, LocalChannels
+from elitescript.environment.local_channels import NETWORK_DEFAULT, LocalChannels
 from elitescript.errors import UsageError
 from elitescript.messages.line import bind_hint
 from elitescript.messages.machine import DisturbInput
@@ -29,6 +29,13 @@ class Place(NamedTuple):
     """Whether it ends beside the robot, in its world."""
     words: str = "beside the robot"
     """Where it ends, or why it is not let through and the option that would allow it."""
+
+
+class OutsideChannels(Channels, Protocol):
+    """The network of this computer, or what stands before it."""
+
+    def take_refused(self) -> str:
+        """Return in words how many connections were not let through since the last call; empty if there were none."""
 
 
 class Outside:
@@ -53,6 +60,7 @@ class Outside:
     __slots__ = (
         "_allowance",
         "_contents",
+        "_counted",
         "_files",
         "_is_in_memory",
         "_local",
@@ -81,10 +89,12 @@ class Outside:
         self.surroundings: Surroundings | None = None
         self.channels: Channels
         self._local: LocalChannels | None = None
+        self._counted: OutsideChannels | None = None
+        """What has been put before it."""
         if isinstance(world, Surroundings):
             self.surroundings = world
             self.channels = world.channels
-            self._local = LocalChannels(lines, NONE if world.is_closed else network)
+            self._local = LocalChannels(lines, network, is_closed=world.is_closed)
             world.lead_outside(self._local)
         elif world is None:
             self.channels = self._local = LocalChannels(lines, network)
@@ -121,11 +131,11 @@ class Outside:
 
         return LocalEnvironment(folder, self.channels, self._allowance)
 
-    def wrap_local(self, wrap: Callable[[Channels], Channels]) -> None:
+    def wrap_local(self, wrap: Callable[[OutsideChannels], OutsideChannels]) -> None:
         """Put something before the network of this computer; for a debugger."""
         if self._local is None:
             return
-        wrapped = wrap(self._local)
+        self._counted = wrapped = wrap(self._local)
         if self.surroundings is not None:
             self.surroundings.lead_outside(wrapped)
         else:
@@ -155,7 +165,7 @@ class Outside:
         if is_beside or self._local is None:
             return Place(name, port, is_reached=True, is_beside=True)
         decision = self._local.decide(name, port)
-        words = decision.why_not or ("it is looked up" if decision.is_name else "let through")
+        words = decision.reason or ("it is looked up" if decision.is_name else "let through")
         return Place(name, port, is_reached=not decision.why_not, words=words)
 
     @property
@@ -165,7 +175,8 @@ class Outside:
 
     def take_refused(self) -> str:
         """Return in words how many connections were not let through since the last call; empty if there were none."""
-        return "" if self._local is None else self._local.take_refused()
+        counted = self._counted or self._local
+        return "" if counted is None else counted.take_refused()
 
     def fault(self, tick: int, kind: str, on: int | str, settings: Mapping[str, Any]) -> DisturbInput | None:
         """Let something go wrong on channels, from a tick on or later; see `devices.channels.faults.Fault`.

@@ -1,15 +1,56 @@
-"""How much the programs of a robot may put into its task folder."""
+"""What the programs of a robot may put into its task folder, and how much."""
 
 from __future__ import annotations
 
 from errno import ENOSPC
+from pathlib import PurePosixPath
 from typing import Final
+
+from elitescript.errors import ScriptPermissionError
 
 TASK_DIR_BYTES: Final = 100_000_000
 """Default limit, *assumed*: the manual names none, and a flash card of a controller has a few gigabytes."""
 ENTRIES_MAX: Final = 10_000
 """Files and folders that programs may make."""
 OPTION: Final = "--task-dir-limit"
+
+_STARTED_NAMES: Final = frozenset(
+    (
+        *("makefile", "gnumakefile", "cmakelists.txt", "package.json", "dockerfile", "jenkinsfile", "justfile"),
+        *("pyproject.toml", "setup.cfg", "tox.ini", "pytest.ini", "noxfile", "rakefile", "autorun.inf", "desktop.ini"),
+    )
+)
+_STARTED_SUFFIXES: Final = frozenset(
+    (
+        *(".py", ".pyc", ".pyw", ".pyd", ".pyi", ".pth", ".so", ".dylib", ".dll", ".exe", ".com", ".scr", ".msi"),
+        *(".sh", ".bash", ".zsh", ".fish", ".bat", ".cmd", ".ps1", ".psm1", ".vbs", ".js", ".mjs", ".cjs", ".lnk"),
+        *(".desktop", ".app", ".command", ".service", ".mk", ".cmake", ".code-workspace"),
+    )
+)
+"""Files that an interpreter, a shell, an editor or a build tool runs, or reads what to run from."""
+
+
+def check_writable(name: str) -> None:
+    """Let a program write, make or remove a file or folder that starts no program elsewhere.
+
+    Its folder often is that of a project: a `conftest.py`, a hook of git or the device of a world file that it wrote
+    there would later run with all rights of the user.
+
+    Args:
+        name: relative to the task folder, after links were followed.
+
+    Raises:
+        ScriptPermissionError: it is such a file, or inside a hidden folder.
+    """
+    for part in PurePosixPath(name.replace("\\", "/").casefold()).parts:
+        # Windows leaves out dots and blanks at the end of a name, and reads what follows a colon as a stream of it.
+        part = part.partition(":")[0].rstrip(". ") or part
+        if part == "..":
+            continue
+        path = PurePosixPath(part)
+        if part.startswith(".") or part in _STARTED_NAMES or path.suffix in _STARTED_SUFFIXES:
+            kind = "hidden files" if part.startswith(".") else "files that other programs run"
+            raise ScriptPermissionError(f"cannot write {name!r}: programs of robots write no {kind}", value=name)
 
 
 class Allowance:

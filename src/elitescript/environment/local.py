@@ -7,10 +7,10 @@ from io import FileIO
 from pathlib import Path
 from typing import IO, Any
 
-from elitescript.environment.allowance import Allowance
+from elitescript.environment.allowance import Allowance, check_writable
 from elitescript.environment.local_channels import LocalChannels
 from elitescript.errors import ScriptPermissionError, UsageError
-from elitescript.runtime.environment import Channels, opened
+from elitescript.runtime.environment import Channels, WholeReads, opened
 
 
 class LocalEnvironment:
@@ -50,6 +50,8 @@ class LocalFiles:
 
     def open(self, name: str, mode: str, encoding: str | None, newline: str | None) -> IO[Any]:
         path = self._path(name)
+        if mode.strip("bt") != "r":
+            self._check_writable(path, name)
         try:
             size = path.stat().st_size if path.is_file() else None
             if size is None and "r" not in mode and not path.is_dir():
@@ -83,6 +85,7 @@ class LocalFiles:
 
     def remove(self, name: str) -> None:
         path = self._path(name)
+        self._check_writable(path, name)
         try:
             size = path.stat().st_size
             path.unlink()
@@ -92,12 +95,28 @@ class LocalFiles:
 
     def make_folder(self, name: str) -> None:
         path = self._path(name)
+        self._check_writable(path, name)
         self._allowance.check_entry(name)
         try:
             path.mkdir()
         except OSError as error:
             raise _renamed(error, name) from None
         self._allowance.add(0, 1)
+
+    def _check_writable(self, path: Path, name: str) -> None:
+        """Let a file be changed that starts no program, and has no other name, perhaps outside the folder.
+
+        Raises:
+            ScriptPermissionError: it is such a file.
+        """
+        check_writable(name)
+        check_writable(path.relative_to(self._root).as_posix())
+        try:
+            is_linked = path.is_file() and path.stat().st_nlink > 1
+        except OSError as error:
+            raise _renamed(error, name) from None
+        if is_linked:
+            raise ScriptPermissionError(f"cannot write {name!r}: it has another name too (a hard link)", value=name)
 
     def _path(self, name: str) -> Path:
         """Return where a name leads once every link on the way is followed.
@@ -119,7 +138,7 @@ class LocalFiles:
         return path
 
 
-class _RealFile(FileIO):
+class _RealFile(WholeReads, FileIO):
     """An open file whose growth is counted."""
 
     def __init__(self, path: Path, mode: str, name: str, allowance: Allowance) -> None:

@@ -57,6 +57,7 @@ class LocalChannels:
     Args:
         lines: what is on the robot's serial ports; see `line_bindings`. They are reached whatever `network` is.
         network: what programs reach; see `reach`.
+        is_closed: whether nothing is reached, whatever the option of the robot is.
         say: takes a line for people before the first byte goes to a peer.
 
     Attributes:
@@ -70,6 +71,7 @@ class LocalChannels:
         "_first_tick",
         "_fixes",
         "_hope_tick",
+        "_is_closed",
         "_last",
         "_leaving",
         "_lines",
@@ -91,10 +93,13 @@ class LocalChannels:
         self,
         lines: Mapping[str, str] | None = None,
         network: str = NETWORK_DEFAULT,
+        *,
+        is_closed: bool = False,
         say: Callable[[str], None] = print_error,
     ) -> None:
         self._last = 0
-        self._network = network
+        self._is_closed = is_closed
+        self._network = NONE if is_closed else network
         self._reach: Reach | None = None
         self._say = say
         self._said: set[str] = set()
@@ -148,7 +153,7 @@ class LocalChannels:
             # Most programs open no connection, and the network takes its time to load.
             from elitescript.environment.reach import Reach
 
-            self._reach = Reach(self._network)
+            self._reach = Reach(self._network, is_closed=self._is_closed)
         return self._reach.decide(address, port)
 
     def target(self, device: str) -> str | None:
@@ -188,9 +193,10 @@ class LocalChannels:
             return ""
         count = sum(self.refused.values())
         peers = ", ".join(f"{place} ({times} times)" if times > 1 else place for place, times in self.refused.items())
-        text = f"--network {self._reach.text} has refused {count} connection{'s' * (count > 1)}: {peers}"
+        who = "this closed run" if self._is_closed else f"--network {self._reach.text}"
+        text = f"{who} has refused {count} connection{'s' * (count > 1)}: {peers}"
         if self._fixes:
-            text += f"; `{self._reach.allowing(self._fixes)}` allows them"
+            text += f"; `{self._reach.allowing(self._fixes)}` allows {'it' if len(self._fixes) == 1 else 'them'}"
         self.refused, self._fixes = {}, {}
         return text
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from io import RawIOBase, UnsupportedOperation
+from io import UnsupportedOperation
 from pathlib import Path
 from typing import IO, Any, Final
 
-from elitescript.environment.allowance import Allowance
-from elitescript.runtime.environment import Channels, NoChannels, opened
+from elitescript.environment.allowance import Allowance, check_writable
+from elitescript.runtime.environment import Channels, NoChannels, WholeReads, opened
 from elitescript.untrusted.files import TASK_FILE, UnreadableError, read_bytes
 
 FILES_MAX: Final = 200
@@ -102,6 +102,8 @@ class MemoryFiles:
 
     def open(self, name: str, mode: str, encoding: str | None, newline: str | None) -> IO[Any]:
         self._check_openable(name)
+        if mode.strip("bt") != "r":
+            check_writable(name)
         node = self._nodes.get(name)
         if "r" in mode and node is None:
             raise FileNotFoundError(2, "No such file or directory", name)
@@ -137,6 +139,7 @@ class MemoryFiles:
 
     def remove(self, name: str) -> None:
         node = self._node(name)
+        check_writable(name)
         del self._nodes[name]
         node.is_removed = True
         self._allowance.add(0 if node.handles else -len(node.data), -1)
@@ -146,6 +149,7 @@ class MemoryFiles:
             raise FileExistsError(17, "File exists", name)
         if name.rpartition("/")[0] not in self._folders:
             raise FileNotFoundError(2, "No such file or directory", name)
+        check_writable(name)
         self._allowance.check_entry(name)
         self._folders.add(name)
         self._allowance.add(0, 1)
@@ -156,7 +160,7 @@ class MemoryFiles:
         return self._nodes[name]
 
 
-class _MemoryFile(RawIOBase):
+class _MemoryFile(WholeReads):
     """One handle of a file: a position in the bytes that all handles share."""
 
     def __init__(self, allowance: Allowance, node: _Content, name: str, mode: str) -> None:

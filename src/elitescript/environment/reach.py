@@ -49,12 +49,14 @@ class Decision(NamedTuple):
         is_name: whether a name server may be asked for it.
         why_not: why it may not connect, with the option that would allow it; empty if it may.
         fix: part of the option's value that would allow it; empty if none is of use.
+        reason: `why_not` without the address.
     """
 
     rows: Rows
     is_name: bool = False
     why_not: str = ""
     fix: str = ""
+    reason: str = ""
 
 
 class Reach:
@@ -62,14 +64,16 @@ class Reach:
 
     Args:
         text: value of the option.
+        is_closed: whether the option changes nothing: the world, or who runs the program, lets nothing else through.
 
     Raises:
         UsageError: it makes no sense.
     """
 
-    __slots__ = ("_has_all", "_has_none", "_kept", "_rules", "text")
+    __slots__ = ("_has_all", "_has_none", "_is_closed", "_kept", "_rules", "text")
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, *, is_closed: bool = False) -> None:
+        self._is_closed = is_closed
         words, self._rules, parts = parse_values([text], OPTION)
         self._has_all = ALL in words
         self._has_none = NONE in words
@@ -86,7 +90,8 @@ class Reach:
             return self.among(rows, name, port)
         if self._has_all or any(rule.names(name, port) for rule in self._rules):
             return Decision([], is_name=True)
-        return self._refused(name, port, f"it is a name, which {OPTION} {self.text} does not look up", name)
+        who = "a closed run" if self._is_closed else f"{OPTION} {self.text}"
+        return self._refused(name, port, f"it is a name, which {who} does not look up", name)
 
     def among(self, rows: Rows, name: str, port: int) -> Decision:
         """Decide on what a name, or another way to write an address, stands for."""
@@ -98,15 +103,17 @@ class Reach:
         address = unmapped(address_of(first))
         kind = special_kind(embedded(address))
         if not kind:
-            kind = "not beside the robot" if self._has_none else "neither beside the robot nor a loopback address"
+            nothing = "not beside the robot" + ", and this run is closed" * self._is_closed
+            kind = nothing if self._has_none else "neither beside the robot nor a loopback address"
         what = "it is" if plain_name(name) == first.lower() else f"it is {first},"
         return self._refused(name, port, f"{what} {kind}", str(address))
 
     def _refused(self, name: str, port: int, why: str, host: str) -> Decision:
         shown = name if len(name) <= _SHOWN else f"{name[:_SHOWN]}..."
-        fix = place_of(host, port) if host else ""
+        fix = place_of(host, port) if host and not self._is_closed else ""
         hint = f"; `{self.allowing([fix])}` allows it" if fix else ""
-        return Decision([], why_not=f"not connected to {place_of(shown, port)}: {why}{hint}", fix=fix)
+        reason = why + hint
+        return Decision([], why_not=f"not connected to {place_of(shown, port)}: {reason}", fix=fix, reason=reason)
 
     def allowing(self, fixes: Iterable[str]) -> str:
         """Return the option with a value that allows what it does, and more."""

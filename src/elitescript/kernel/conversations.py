@@ -21,6 +21,7 @@ from elitescript.messages.outcomes import (
     StatementNumber,
 )
 from elitescript.protocol.interpreter import QUEUE_LIMIT, reply_text
+from elitescript.runtime.alarms import text_of
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.queries import QUEUE_MAX
 
@@ -72,7 +73,7 @@ class Conversations:
     def query(self, item: Query) -> None:
         """Take a query; the answer comes in this tick or a later one."""
         if not self._queries.put(item, len(item.text)):
-            self._reply(item.origin, QueryFailed(is_compiled=True))
+            self._fail(item, f"{QUEUE_MAX} requests wait already")
 
     @property
     def is_waiting(self) -> bool:
@@ -126,15 +127,19 @@ class Conversations:
             self._logs.received.add(f"{origin.partition('/')[0]}  {text}")
 
     def _ask(self, item: Query) -> None:
-        def answer(value: str | None) -> None:
-            self._reply(item.origin, QueryFailed(is_compiled=True) if value is None else ShownValue(value))
+        def answer(value: str | None, why: str) -> None:
+            if value is None:
+                self._fail(item, why)
+            else:
+                self._reply(item.origin, ShownValue(value))
 
         try:
             self._host.query(item.text, answer)
-        except ProgramError:
-            self._reply(item.origin, QueryFailed(is_compiled=False))
-        except ScriptError:
-            answer(None)
+        except (ProgramError, ScriptError) as error:
+            self._fail(item, text_of(error), is_compiled=not isinstance(error, ProgramError))
+
+    def _fail(self, item: Query, why: str, *, is_compiled: bool = True) -> None:
+        self._reply(item.origin, QueryFailed(is_compiled=is_compiled, why=why))
 
 
 Item = TypeVar("Item")

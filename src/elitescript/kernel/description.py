@@ -24,7 +24,8 @@ def describe(options: RobotOptions, model: RobotModel, profile: Profile) -> Robo
         type_id=model.type_id,
         serial_number=options.serial_number,
         robot_id=options.robot_id,
-        firmware=profile.version,
+        firmware=profile.release,
+        version=profile.version,
         q_min=_six([low for low, _ in ranges]),
         q_max=_six([high for _, high in ranges]),
         qd_max=_six([joint.qd_max for joint in model.joints]),
@@ -38,6 +39,7 @@ def describe(options: RobotOptions, model: RobotModel, profile: Profile) -> Robo
         dh_d=d,
         dh_alpha=alpha,
         safety_checksum=crc32(repr((model.name, options.safety)).encode()),
+        query_form=options.query_form,
         operational_mode=OPERATIONAL_MODES[(options.safety or SafetyLimits()).operational_mode],
     )
 

@@ -157,7 +157,7 @@ class InputHandlers:
 
     def _take(self, inputs: Sequence[Input]) -> None:
         self.conversations.go_on()
-        self.programs.go_on()
+        self.programs.go_on(self._do)
         if self._faulty is not None:
             for event in self._faulty.arrivals(self._controller.tick):
                 self.channel_event(event)
@@ -171,6 +171,11 @@ class InputHandlers:
 
     # ---------------------------------------------------------------- the machine
 
+    def _take_request(self, item: Do) -> None:
+        """Do what is asked, unless its client has sent a line or a program before it that has not run."""
+        if item.is_answered or not self.programs.has_queued(item):
+            self._do(item)
+
     def _do(self, item: Do) -> None:
         why_not = self._attempt(item.request, cause_of(item.origin))
         if why_not:
@@ -182,6 +187,7 @@ class InputHandlers:
         """Do what is asked; return why it cannot be done, empty if it is."""
         if isinstance(request, StopTask):
             self.tasks.stop()
+            self.programs.drop("the task was stopped")
             if self._controller.task_state is TaskState.STOPPED:
                 return ""
         try:
@@ -207,6 +213,7 @@ class InputHandlers:
         self._controller.request(AskSafety("restart_safety", "the controller was started anew"))
         close_lines(self._host.background.lines, self._host.connections)
         self._popup.close()
+        self.programs.drop("the controller was started anew")
         self.tasks.forget()
         self._host.background.close()
 
@@ -297,8 +304,8 @@ def _check_point(request: object) -> None:
 
 
 HANDLERS: Final[dict[type, Callable[[InputHandlers, Any], None]]] = {
-    Do: InputHandlers._do,
-    RunUnit: lambda handlers, item: handlers.programs.run(item),
+    Do: InputHandlers._take_request,
+    RunUnit: lambda handlers, item: handlers.programs.take(item),
     **dict.fromkeys((LoadTask, LoadConfiguration, PlayTask, SetVariable, GetVariable), InputHandlers._task_input),
     Interpret: lambda handlers, item: handlers.conversations.interpret(item),
     InterpreterWord: lambda handlers, item: handlers.conversations.word(item),

@@ -131,7 +131,7 @@ class Kernel:
         self.probe = debugging or (default_probe() if probe is None else probe)
         self._debugging = debugging
         self.model = model_of(options) if model is None else model
-        self.profile = profile(options.firmware)
+        self.profile = profile(options.firmware, options.controller_version)
         self.popup = PopupWindow(options.confirms_popups)
         self._witness = witness(self.probe)
         self._on_event = self._record if on_event is None else on_event

@@ -16,6 +16,9 @@ class RobotKeywords(TypedDict, total=False):
 
     firmware: str
     """controller firmware (default: '2.14')"""
+    controller_version: str
+    """version that clients and programs are told; what the robot can do is that of the firmware (default: 2.10.0.0 of
+    firmware 2.10, 2.15.0.0 of firmware 2.14)"""
     seed: int
     """seed of random() (default: 0)"""
     epoch_s: float
@@ -32,6 +35,9 @@ class RobotKeywords(TypedDict, total=False):
     """name of the robot that clients are shown (default: 'elitescript')"""
     serial_number: str
     """serial number that clients are shown (default: 'ES0000000001')"""
+    query_form: str
+    """form of the replies of the query port: `[ID] [success] : [VALUE]` without exponents, or `ID success : VALUE`
+    (default: 'bracketed')"""
     configuration: str
     """path of the configuration that is loaded at the start (default: 'default.configuration')"""
     safety: SafetyLimits | None

@@ -19,7 +19,15 @@ from typing import TYPE_CHECKING, Any, Final
 from elitescript.controller.modes import AT_ONCE, REALISTIC, PowerTimes
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.messages.motion import Six
-from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
+from elitescript.messages.profile import (
+    BRACKETED,
+    DEFAULT_FIRMWARE,
+    PROFILES,
+    PUBLISHED,
+    QUERY_FORMS,
+    version_of,
+    version_text,
+)
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import RPC_TIMEOUT_S, WORK_PER_TICK
 from elitescript.records import NamedTuple, field, fields_of, record
@@ -150,6 +158,20 @@ class Network:
             raise UsageError(f"must be {self}, got {value!r}: {str(error).partition(': ')[2]}") from None
 
 
+class VersionText:
+    """Versions of the controller as text, or an empty text."""
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        return f"a version such as {version_text(PUBLISHED)}"
+
+    def accept(self, value: Any) -> str:
+        if not isinstance(value, str):
+            raise UsageError(f"must be {self}, got {value!r}")
+        return version_text(version_of(value)) if value else ""
+
+
 class Joints:
     """Six joint positions in rad, or None; their ranges are those of the model."""
 
@@ -206,7 +228,7 @@ class Option(NamedTuple):
 
     text: str
     """What it means, with the unit."""
-    kind: Number | Whole | Switch | Text | Network | Joints | Section | None = None
+    kind: Number | Whole | Switch | Text | Network | VersionText | Joints | Section | None = None
     """What values it takes; None for what only this package sets."""
     default_text: str = ""
     """The default in words, where the value says too little."""
@@ -246,6 +268,15 @@ class RobotOptions:
         Text(tuple(PROFILES)),
         flag="--firmware",
         commands=("run", "sweep", "plot", "check", "serve", "studio", "audit", "shadow"),
+    )
+    controller_version: str = option(
+        "",
+        "version that clients and programs are told; what the robot can do is that of the firmware",
+        VersionText(),
+        default_text=", ".join(f"{version_text(row.version)} of firmware {name}" for name, row in PROFILES.items()),
+        flag="--controller-version",
+        metavar="A.B.C.D",
+        commands=("run", "serve"),
     )
     seed: int = option(
         0,
@@ -295,6 +326,13 @@ class RobotOptions:
     )
     robot_id: str = option("elitescript", "name of the robot that clients are shown", Text())
     serial_number: str = option("ES0000000001", "serial number that clients are shown", Text())
+    query_form: str = option(
+        BRACKETED,
+        "form of the replies of the query port: `[ID] [success] : [VALUE]` without exponents, or `ID success : VALUE`",
+        Text(QUERY_FORMS),
+        flag="--query-form",
+        commands=("serve",),
+    )
     configuration: str = option(
         "default.configuration", "path of the configuration that is loaded at the start", Text()
     )

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import ast
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.controller.controller import Controller
 from elitescript.controller.views.warning_limit import MOST
 from elitescript.errors import ProgramError, ScriptError
-from elitescript.kernel.invalid_lines import InvalidLineLimiter
+from elitescript.kernel.unit_order import WAITING_MAX, UnitOrder
 from elitescript.language.compiler import CompiledUnit, compile_unit
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.options import LINE, SECONDARY, Options
@@ -19,8 +19,11 @@ from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import compile_checked
 from elitescript.lint.registry import all_rules
 from elitescript.messages.events import Alarm, Warned
-from elitescript.messages.inputs import RunUnit
+from elitescript.messages.inputs import Do, RunUnit
 from elitescript.messages.profile import Profile
+from elitescript.protocol.bursts import BurstLimiter
+from elitescript.protocol.lines import shown
+from elitescript.records import replace
 from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.host import SECONDARY_WARNING, ScriptHost
 from elitescript.runtime.names.bindings import is_known
@@ -28,6 +31,10 @@ from elitescript.runtime.probe import Probe, noted, probed
 
 PROBLEMS_MAX: Final = 20
 """Further problems of one text that go to the log."""
+LINES_SHOWN: Final = 10
+"""Of equal findings."""
+TOLD_MAX: Final = 100
+"""Texts that are remembered as told."""
 PRESETS_MAX: Final = 1000
 """Variables that may wait for the next program."""
 
@@ -51,14 +58,17 @@ class Programs:
 
     __slots__ = (
         "_arm",
+        "_begun",
         "_controller",
         "_count",
         "_environment",
         "_host",
         "_invalid_lines",
         "_is_strict",
+        "_order",
         "_probe",
         "_profile",
+        "_told",
         "presets",
         "reported",
     )
@@ -85,19 +95,62 @@ class Programs:
         self.reported: frozenset[tuple[str, int]] = frozenset()
         self._is_strict = is_strict
         self._probe = probe
-        self._invalid_lines = InvalidLineLimiter(self._warn)
+        self._invalid_lines = BurstLimiter(
+            self._warn, "line", "that are no script. Does that client speak another protocol?"
+        )
         self.presets: dict[str, object] = {}
+        self._order = UnitOrder()
+        self._told: set[int] = set()
+        """Hashes of texts whose findings the log has had."""
+        self._begun = ""
+        """What the program that runs or ran last is, in words."""
 
     @property
     def is_waiting(self) -> bool:
-        """Whether invalid lines are to be reported in one of the next ticks."""
-        return self._invalid_lines.is_counting
+        """Whether units wait, or invalid lines are to be reported in one of the next ticks."""
+        return self._invalid_lines.is_counting or self._order.is_waiting
 
-    def go_on(self) -> None:
-        """Begin a tick."""
-        self._invalid_lines.go_on(self._controller.tick)
+    def go_on(self, do: Callable[[Do], None]) -> None:
+        """Begin a tick: what waits comes before the inputs of the tick.
 
-    def run(self, unit: RunUnit) -> None:
+        Args:
+            do: carries out a request that has waited.
+        """
+        tick = self._controller.tick
+        self._invalid_lines.go_on(tick)
+        if self._order.is_waiting and (why := self._controller.safety.refusal("start_task")):
+            self.drop(why)
+        while (item := self._order.take(tick)) is not None:
+            if isinstance(item, RunUnit):
+                self._run(item)
+            else:
+                do(item)
+
+    def take(self, unit: RunUnit) -> None:
+        """Run a unit, now or once the one that has begun in this tick has had its share of it."""
+        if not self.has_queued(unit):
+            self._run(unit)
+
+    def has_queued(self, item: RunUnit | Do) -> bool:
+        """Let an input wait if it must; return whether it does. Without room for it, it is lost and a warning."""
+        if not self._order.must_wait(item, self._controller.tick):
+            return False
+        if not self._order.put(item):
+            what = _words(item.text, item.origin) if isinstance(item, RunUnit) else f"a command of {item.origin}"
+            self._warn(f"{what} is lost: {WAITING_MAX} programs, lines and commands wait already, or too much text")
+        return True
+
+    def drop(self, why: str) -> None:
+        """Drop the units that wait, and say which ones. What has begun in this tick and will not run is one of them."""
+        lost = [_words(unit.text, unit.origin) for unit in self._order.clear()]
+        if self._begun and self._host.is_running and not self._host.has_begun:
+            lost.insert(0, self._begun)
+        for words in lost[:PROBLEMS_MAX]:
+            self._warn(f"{words} did not run: {why}")
+        if more := len(lost[PROBLEMS_MAX:]):
+            self._warn(f"{more} more programs and lines did not run: {why}")
+
+    def _run(self, unit: RunUnit) -> None:
         """Run a unit: a program or a line replaces what runs, a secondary program runs beside it.
 
         What does not compile, and a line that calls what does not exist, is reported and leaves the running program
@@ -120,7 +173,8 @@ class Programs:
                 text = f"name {name!r} is not defined"
                 self._alarm("R100", "NameError", text, 1, 1, unit.origin, unit.text.split("\n", 1)[0])
             return
-        self.start(compiled, compiled.name)
+        self.start(compiled, compiled.name, _words(unit.text, unit.origin))
+        self._order.begins(unit, self._controller.tick)
 
     def _name_of(self, unit: RunUnit) -> str:
         """Return a name for a text, which no other one has that may run at the same time: places are found by it."""
@@ -144,13 +198,38 @@ class Programs:
         checked = compile_checked(source, self._profile, options, presets=self.presets, arm=self._arm)
         if checked.unit is None or checked.is_refused:
             raise ProgramError(checked.problems)
-        self._tell(checked.problems)
+        if self._is_new(text):
+            self._tell(checked.problems)
         self.reported = frozenset((problem.code, problem.line) for problem in checked.problems)
         return noted(self._probe, checked.unit)
 
-    def start(self, unit: CompiledUnit, name: str) -> None:
-        """Start a program in the place of the running one, in this tick."""
-        self._host.end_now(self._controller.tick)
+    def _is_new(self, text: str) -> bool:
+        """Note a text; return whether the log has not had what was found in it. Drivers send theirs again and again."""
+        key = hash(text)
+        if key in self._told:
+            return False
+        if len(self._told) >= TOLD_MAX:
+            self._told.clear()
+        self._told.add(key)
+        return True
+
+    def start(self, unit: CompiledUnit, name: str, words: str) -> None:
+        """Start a program in the place of the running one, in this tick.
+
+        Args:
+            unit: the program.
+            name: of the task.
+            words: what the program is and where it comes from, for what is said of the one that it replaces.
+        """
+        task = self._controller.task
+        if self._host.is_running and not self._host.has_begun:
+            self._warn(f"{self._begun} did not run: {words} came before its first statement")
+        task.successor = words
+        try:
+            self._host.end_now(self._controller.tick)
+        finally:
+            task.successor = ""
+        self._begun = words
         self._controller.task_started(name)
         self._host.start(unit, dict(self.presets), world=self._environment)
 
@@ -177,8 +256,10 @@ class Programs:
     def _tell(self, problems: Sequence[Diagnostic], kind: str | None = None) -> None:
         """Put findings into the log, in the words of `check`; errors of a secondary program as its first one.
 
-        At most `PROBLEMS_MAX` are shown, and of one kind of warning as many as a run shows.
+        At most `PROBLEMS_MAX` are shown, of one kind of warning as many as a run shows, and equal ones once, with the
+        lines of the others.
         """
+        problems = _merged(problems)
         counts: Counter[str] = Counter()
         shown = 0
         for problem in problems:
@@ -236,3 +317,25 @@ def _as_event(problem: Diagnostic, tick: int) -> Warned:
         column=problem.column,
         severity=str(problem.severity),
     )
+
+
+def _words(text: str, origin: str) -> str:
+    """Return what a unit is and whose, such as `def p64():` of primary#2."""
+    return f"`{shown(text.strip().partition(chr(10))[0].rstrip())}` of {origin}"
+
+
+def _merged(problems: Sequence[Diagnostic]) -> list[Diagnostic]:
+    """Return warnings of one code and text as the first of them, which names the lines of the others."""
+    alike: dict[object, list[Diagnostic]] = {}
+    for number, problem in enumerate(problems):
+        alike.setdefault(number if problem.is_error else (problem.code, problem.text), []).append(problem)
+    return [_with_lines(first, [other.line for other in others]) for first, *others in alike.values()]
+
+
+def _with_lines(problem: Diagnostic, lines: list[int]) -> Diagnostic:
+    """Return a finding that names the further lines of which it is true."""
+    if not lines:
+        return problem
+    found = ", ".join(map(str, lines[:LINES_SHOWN]))
+    more = f" and {len(lines) - LINES_SHOWN} more" if len(lines) > LINES_SHOWN else ""
+    return replace(problem, text=f"{problem.text} (also in line{'s' if len(lines) > 1 else ''} {found}{more})")

@@ -218,7 +218,9 @@ class Tasks:
     def _start(self, name: str, data: bytes) -> Outcome:
         unit = self._programs.compiled(name, SourceFile.from_bytes(name, data).text, None)
         self._programs.start(
-            unit, unit.name or relative_name(self._loaded).removesuffix(".task").removesuffix(".script")
+            unit,
+            unit.name or relative_name(self._loaded).removesuffix(".task").removesuffix(".script"),
+            f"the task {self._loaded}",
         )
         return Done()
 

@@ -1,4 +1,4 @@
-"""Detects texts in which nothing runs: they only define functions.
+"""Detects texts in which nothing runs: they hold no statement, or only define functions.
 
 A `def` that stands alone is the program. With a line beside it the whole text is the program and each `def` in it a
 function, which runs only if it is called.
@@ -14,13 +14,16 @@ from elitescript.language.diagnostics import Diagnostic, Edit, Fix, Severity, di
 from elitescript.language.kinds import is_text
 from elitescript.language.options import SCRIPT
 from elitescript.language.parser import Parsed, character_offset
+from elitescript.language.text.source import SourceFile
+
+NO_STATEMENT: Final = "nothing runs: the text holds no statement"
 
 _MOST_NAMES: Final = 4
 """Functions that the message lists."""
 
 
 def idle_problem(parsed: Parsed, has_effect: Callable[[ast.expr], bool]) -> Diagnostic | None:
-    """Return the finding about a text that only defines functions (W214); None for any other.
+    """Return the finding about a text that holds nothing or only defines functions (W214); None for any other.
 
     Args:
         parsed: the text.
@@ -29,6 +32,8 @@ def idle_problem(parsed: Parsed, has_effect: Callable[[ast.expr], bool]) -> Diag
     if parsed.kind != SCRIPT or parsed.translation.secondaries:
         return None
     statements = parsed.tree.body
+    if not statements:
+        return _finding(parsed, 1, 1, 2, NO_STATEMENT, "write `def job():` and below it what is to run", None)
     functions = [statement for statement in statements if isinstance(statement, ast.FunctionDef)]
     if not functions or not all(_does_nothing(statement, has_effect) for statement in statements):
         return None
@@ -46,16 +51,20 @@ def idle_problem(parsed: Parsed, has_effect: Callable[[ast.expr], bool]) -> Diag
     call = f"{first.name}()" if _runs_without_arguments(first) else f"{first.name}(...)"
     row = parsed.source.line(first.lineno)
     column = row.find(first.name, character_offset(row, first.col_offset) + len("def")) + 1
-    return diagnostic(
-        "W214",
-        first.lineno,
-        column,
-        text,
-        end_column=column + len(first.name),
-        hint=hint.format(call=call),
-        fix=_call_at_the_end(parsed, first) if is_certain else None,
-        severity=Severity.ERROR if parsed.options.strict else None,
-    )
+    fix = _call_at_the_end(parsed, first) if is_certain else None
+    return _finding(parsed, first.lineno, column, column + len(first.name), text, hint.format(call=call), fix)
+
+
+def holds_nothing(source: SourceFile) -> bool:
+    """Return whether a text has only blank lines and comments."""
+    return all(not row.strip() or row.lstrip().startswith("#") for row in source.lines)
+
+
+def _finding(
+    parsed: Parsed, line: int, column: int, end_column: int, text: str, hint: str, fix: Fix | None
+) -> Diagnostic:
+    severity = Severity.ERROR if parsed.options.strict else None
+    return diagnostic("W214", line, column, text, end_column=end_column, hint=hint, fix=fix, severity=severity)
 
 
 def calls_something(value: ast.expr) -> bool:

@@ -382,7 +382,11 @@ class _TextReader:
         if kind in (PROGRAM, SECONDARY):
             return kind, outer_definition(tree)
         for statement in tree.body:
-            if isinstance(statement, ast.FunctionDef) and statement.lineno in self.translation.secondaries:
+            if not isinstance(statement, ast.FunctionDef) or statement.lineno not in self.translation.secondaries:
+                continue
+            # One that has lost its indentation has no body, which is said already: what follows belongs to it.
+            flat = f"the body of the `sec` of line {statement.lineno} should be indented here"
+            if not any(problem.text == flat for problem in self.problems):
                 text, hint = "a secondary program cannot be part of a longer text", "send it by itself, or write `def`"
                 self.problems.append(diagnostic("E105", statement.lineno, 1, text, end_column=4, hint=hint))
         return kind, None

@@ -338,6 +338,7 @@ _TEXTS: Final[dict[str, str]] = {
         Access that scripts do not have: files outside the task folder, processes, Python's own machinery.
 
             open("/etc/passwd")        # R123: paths count from the task folder
+            open("conftest.py", "w")   # R123: programs write no files that other programs run, and no hidden ones
         """,
     "R130": """
         A deadlock: every thread waits for something that no other thread can do. The text lists what each waits for.

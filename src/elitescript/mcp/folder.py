@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from elitescript.errors import UsageError
+from elitescript.paths import real_path
 
 
 class Folder:
@@ -23,7 +24,7 @@ class Folder:
     __slots__ = ("path",)
 
     def __init__(self, path: str | Path) -> None:
-        self.path = Path(path).resolve()
+        self.path = real_path(path)
         if not self.path.is_dir():
             raise UsageError(f"{path} is no folder")
 

@@ -222,6 +222,8 @@ class TaskStateChanged:
     """Of the program."""
     ending: str = ""
     """How it ended: `finished`, `alarm` or `stopped`; empty while it runs."""
+    replaced_by: str = ""
+    """What began in its place: a program or a line and its client, in words."""
 
 
 @record

@@ -74,6 +74,8 @@ class QueryFailed:
 
     is_compiled: bool
     """False if it does not compile; True if it raised an exception, is not allowed or took too long."""
+    why: str = ""
+    """The reason, which the port does not send; empty if the robot was restarted or too many wait."""
 
 
 @record

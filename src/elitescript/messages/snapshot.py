@@ -10,6 +10,7 @@ from collections.abc import Mapping
 
 from elitescript.messages.enums import AnalogDomain
 from elitescript.messages.motion import Six
+from elitescript.messages.profile import BRACKETED
 from elitescript.messages.signals import Value
 from elitescript.messages.state import RobotState
 from elitescript.records import record
@@ -96,8 +97,10 @@ class RobotDescription:
     """Number of the model on the wire."""
     serial_number: str
     robot_id: str
-    firmware: tuple[int, int, int, int]
-    """Version of the controller: major, minor, bug fix, build."""
+    firmware: tuple[int, int]
+    """Release of the firmware whose ports the robot has."""
+    version: tuple[int, int, int, int]
+    """That clients are shown: major, minor, bug fix, build."""
     q_min: Six
     q_max: Six
     """rad"""
@@ -117,3 +120,5 @@ class RobotDescription:
     safety_checksum: int
     operational_mode: int = -1
     """0 manual, 1 automatic, -1 not reported."""
+    query_form: str = BRACKETED
+    """How the query port writes its replies, one of `QUERY_FORMS`."""

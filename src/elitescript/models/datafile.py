@@ -12,7 +12,7 @@ its numbers come from.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from importlib import import_module
 from math import isfinite, radians
 from pathlib import Path
@@ -240,6 +240,29 @@ class DataFile:
             self._entries[key] = Entry(file, raw, in_degrees, source, item.get("why", ""))
 
 
+NAME_MAX: Final = 255
+"""Bytes of the name of a model, and of each part of the path of a file, as most systems have it."""
+PATH_MAX: Final = 4096
+
+UNPUBLISHED: Final[Mapping[str, str]] = {
+    "CS68": "CS66",
+    "CS616-9": "CS616",
+    "CS618": "CS616",
+    "CS630": "CS625",
+    "CS66A": "CS66",
+    "CS66AZ": "CS66",
+    "CS610A": "CS612",
+    "CS612A": "CS612",
+    "CS612AZ": "CS612",
+    "CS56H": "CS66",
+    "CS520H": "CS620",
+    "CS525H": "CS625",
+    "CS530H": "CS625",
+}
+"""Arms that the vendor's simulator names and whose numbers nobody has published, each with the known arm whose payload
+is nearest, from which an own arm file may go on."""
+
+
 def known_names() -> tuple[str, ...]:
     """Return the names of the models that come with the package, small arms first."""
     stems = (path.stem.upper() for path in MODEL_FOLDER.glob("*.toml") if path.name != COMMON_FILE)
@@ -252,13 +275,45 @@ def packaged(name: str) -> tuple[str, dict[str, Any]]:
     Raises:
         UsageError: no such model.
     """
-    path = MODEL_FOLDER / f"{name.lower()}.toml"
-    if name.isalnum() and path.name != COMMON_FILE and path.is_file():
-        return path.name, written_out(path.name)
+    check_name(name)
     names = known_names()
+    if name.upper() in names:
+        file = f"{name.lower()}.toml"
+        return file, written_out(file)
+    if (arm := name.upper().replace("_", "-")) in UNPUBLISHED:
+        raise UsageError(
+            f"the arm {arm} exists, but its lengths and limits are not public, so there is no robot model {name!r}; "
+            f'with your own numbers write an arm file: base = "{UNPUBLISHED[arm]}" and what differs, such as '
+            "[arm] d6 = 0.095; then --robot my_arm.toml (`elitescript fit` finds lengths from taught points; models: "
+            f"{', '.join(names)})"
+        )
     raise UsageError(
         f"there is no robot model {name!r}{did_you_mean(name.upper(), names)} (models: {', '.join(names)})"
     )
+
+
+def check_name(name: str) -> None:
+    """Refuse what is neither the name of a model nor the path of a file, before anything is looked for.
+
+    Args:
+        name: as somebody gave it: on a command line, in a file, in a message.
+
+    Raises:
+        UsageError: it is too long, or has a character that no name has.
+    """
+    strange = next((character for character in name if not character.isprintable()), "")
+    if strange:
+        raise UsageError(f"the name of a robot is one line of text: {_begin(name)!r} has {strange!r}")
+    parts = name.replace("\\", "/").split("/")
+    if len(name) > PATH_MAX or any(len(part.encode()) > NAME_MAX for part in parts):
+        raise UsageError(
+            f"the name of a robot has at most {NAME_MAX} bytes, the path of its file {PATH_MAX} characters: "
+            f"{_begin(name)!r}... has {len(name)}"
+        )
+
+
+def _begin(name: str) -> str:
+    return name[:40]
 
 
 def written_out(file: str) -> dict[str, Any]:
@@ -276,6 +331,7 @@ def read_text(path: Path) -> str:
     Raises:
         UsageError: it cannot be read, is too large for a model file or is not UTF-8.
     """
+    check_name(str(path))
     return untrusted_files.read_text(path, untrusted_files.ARM, is_stream_allowed=True)
 
 

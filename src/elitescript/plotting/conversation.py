@@ -9,10 +9,10 @@ from elitescript import __version__
 from elitescript.controller.views.trace_rows import TraceRows
 from elitescript.conversation import describe
 from elitescript.conversation.describe import Message, Moment
+from elitescript.conversation.limits import EVENTS_MAX, EventBudget
 from elitescript.conversation.messages import RunOptions
 from elitescript.conversation.recording import RecordedRun, recording
 from elitescript.json_records.jsonlines import plain
-from elitescript.messages.events import Alarm
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import seconds, ticks_for
 from elitescript.plotting.events import timed_moves
@@ -22,9 +22,6 @@ from elitescript.solids.scene import scene
 
 ABILITIES: Final = ("seek", "step")
 """What a recorded run can do."""
-
-EVENTS_MAX: Final = 50_000
-"""Events of one run; of further ones only alarms."""
 
 RUN: Final = 1
 """Number of a recorded run."""
@@ -97,15 +94,13 @@ def _said(found: Recording, events_max: int) -> Iterator[Message]:
             entries = [(part.start_s, part.line) for part in known]
             yield describe.lines(RUN, name, [*entries, (known[-1].end_s, 0)])
     yield describe.moves(RUN, timed_moves(found.events, end_s))
-    happened = found.events[:events_max]
-    left_out = len(found.events) - len(happened)
-    happened = [*happened, *(event for event in found.events[events_max:] if isinstance(event, Alarm))]
-    message = describe.events(RUN, happened)
+    budget = EventBudget(events_max)
+    message = describe.events(RUN, found.events, budget)
+    message["list"] += budget.last()
     message["list"] += _changes(rows)
     yield message
-    if left_out:
-        first_s = seconds(found.events[events_max].tick)
-        yield describe.notice("warning", f"{left_out} events are left out, beginning at {first_s:.3f} s")
+    if budget.events or budget.bytes:
+        yield describe.left_out(RUN, budget)
     yield describe.cycle(RUN, line_times(rows))
     if found.contacts is not None:
         yield describe.contacts(RUN, found.contacts)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from elitescript.conversation import describe
+from elitescript.conversation.limits import cut_name
 from elitescript.debugger.values import shown, type_name
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.text.source import SourceFile
@@ -18,6 +19,8 @@ from elitescript.run import Run
 
 CHANGES_MAX: Final = 50_000
 """Changes of program globals that are kept; later ones are known at the end only."""
+TEXT_MAX: Final = 8 << 20
+"""Characters of their values, and of what threads wait for; what comes after them is left out likewise."""
 
 _FIXED: Final = frozenset((bool, int, float, str, type(None)))
 """Types of values that cannot change: the same object is the same value."""
@@ -31,7 +34,7 @@ class RunRecorder:
         sampling: rows of the page.
     """
 
-    __slots__ = ("_changes", "_first", "_globals", "_lines", "_scene", "_values", "_waits", "sampling")
+    __slots__ = ("_changes", "_first", "_globals", "_lines", "_scene", "_text", "_values", "_waits", "sampling")
 
     def __init__(self, robot: VirtualRobot, sampling: Sampling) -> None:
         self.sampling = sampling
@@ -41,6 +44,7 @@ class RunRecorder:
         self._globals: dict[str, list[tuple[float, str, str]]] = {}
         self._values: dict[str, Any] = {}
         self._changes = 0
+        self._text = 0
         self._waits: dict[str, list[tuple[float, str]]] = {}
 
     def watch(self, robot: VirtualRobot) -> None:
@@ -52,8 +56,11 @@ class RunRecorder:
         self._lines.record(t, [(thread.name, thread.line) for thread in threads[1:]])
         for thread in threads:
             waits = self._waits.setdefault(thread.name, [])
-            if not waits or waits[-1][1] != thread.waits_for:
-                waits.append((t, thread.waits_for))
+            if not waits or waits[-1][1] != cut_name(thread.waits_for):
+                reason = cut_name(thread.waits_for)
+                self._text += len(reason)
+                if self._text <= TEXT_MAX:
+                    waits.append((t, reason))
         self._watch_globals(t, robot.host.monitor())
 
     def _watch_globals(self, t: float, monitor: Mapping[str, Any]) -> None:
@@ -63,8 +70,9 @@ class RunRecorder:
             self._values[name] = value
             known = self._globals.setdefault(name, [])
             text = shown(value)
-            if (not known or known[-1][1] != text) and self._changes < CHANGES_MAX:
+            if (not known or known[-1][1] != text) and self._changes < CHANGES_MAX and self._text <= TEXT_MAX:
                 self._changes += 1
+                self._text += len(text)
                 known.append((t, text, type_name(value)))
 
     def recording(

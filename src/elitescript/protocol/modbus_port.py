@@ -75,7 +75,7 @@ class ModbusPort:
     __slots__ = ("_image", "_outcomes", "_output", "_version", "clients")
 
     def __init__(self, description: RobotDescription) -> None:
-        self._version = description.firmware
+        self._version = description.version
         self._image: PortImage | None = None
         self._output: Output | None = None
         self._outcomes: dict[str, Outcome] = {}

@@ -124,6 +124,6 @@ SERVICES: Final[tuple[Service, ...]] = (
 )
 
 
-def services_of(firmware: tuple[int, ...]) -> tuple[Service, ...]:
+def services_of(firmware: Release) -> tuple[Service, ...]:
     """Return the ports that a firmware has."""
-    return tuple(row for row in SERVICES if firmware[:2] >= row.since)
+    return tuple(row for row in SERVICES if firmware >= row.since)

@@ -1,22 +1,30 @@
 """The query port, 40011: one function call a line, its value in the reply.
 
-`req ID STATEMENT` is answered by `ID success : VALUE` or `ID failure : WHY`. The statement follows the rules of
-secondary programs; the robot evaluates it. When the robot is restarted, requests without a reply fail.
+`req ID STATEMENT` is answered by `[ID] [success] : [VALUE]` or `[ID] [failure] : [WHY]`, without exponents in numbers:
+the form that clients parse which worked against robots, and of which one reads the digits before an exponent alone. The
+form `plain` is that of the vendor's article: `ID success : VALUE`, `ID failure : WHY`, values as `repr` writes them.
 
-Evidence: the forms are *documented* (the vendor's article on the port); that the blank behind the id may be missing is
+The statement follows the rules of secondary programs; the robot evaluates it. When the robot is restarted, requests
+without a reply fail.
+
+Evidence: the bracketed form of a success is *observed*, of a failure *assumed*; the words `parse failed` and
+`execute failed` are *documented* (the vendor's article on the port); that the blank behind the id may be missing is
 *observed* in one of its samples. Line end and limits are *assumed*, and so is that a request too many fails to execute.
 """
 
 from __future__ import annotations
 
+import re
 from typing import Final
 
-from elitescript.messages.inputs import Input, Query
+from elitescript.messages.inputs import AddLog, Input, Query
 from elitescript.messages.outcomes import Outcome, QueryFailed, ShownValue
 from elitescript.messages.outputs import Output
+from elitescript.messages.profile import BRACKETED, PLAIN
 from elitescript.messages.snapshot import RobotDescription
+from elitescript.protocol.bursts import BurstLimiter
 from elitescript.protocol.connection import Connection, is_restarted
-from elitescript.protocol.lines import PacedLines, TextLine, one_line
+from elitescript.protocol.lines import PacedLines, TextLine, one_line, shown
 
 LINE_LIMIT: Final = 16384
 """Limit of a request in bytes."""
@@ -33,14 +41,40 @@ NOT_PARSED: Final = QueryFailed(is_compiled=False)
 NOT_EXECUTED: Final = QueryFailed(is_compiled=True)
 
 
-def reply_text(ident: str, outcome: Outcome) -> str:
-    """Return the reply to a request with that id."""
+_EXPONENT: Final = r"""(?x)
+    b?'(?:[^'\\]|\\.)*' | b?"(?:[^"\\]|\\.)*"   # a text or bytes, which stay
+    | (?<![\w.]) (\d+ (?:\.\d+)? e[-+]?\d+)
+"""
+
+
+def reply_text(ident: str, outcome: Outcome, form: str = BRACKETED) -> str:
+    """Return the reply to a request with that id, in a form of `QUERY_FORMS`."""
     match outcome:
         case ShownValue(text):
-            return f"{ident} success : {text}"
+            word, content = "success", text if form == PLAIN else without_exponents(text)
         case QueryFailed(is_compiled=False):
-            return f"{ident} failure : parse failed"
-    return f"{ident} failure : execute failed"
+            word, content = "failure", "parse failed"
+        case _:
+            word, content = "failure", "execute failed"
+    return f"{ident} {word} : {content}" if form == PLAIN else f"[{ident}] [{word}] : [{content}]"
+
+
+def without_exponents(text: str) -> str:
+    """Return a value as `repr` writes it with every float in digits alone; texts in it stay as they are.
+
+    The digits are those of the shortest form: 6.1e-17 is 0.000000000000000061.
+    """
+
+    def digits(found: re.Match[str]) -> str:
+        number: str | None = found[1]
+        if number is None:
+            return found[0]
+        from decimal import Decimal
+
+        plain = f"{Decimal(number):f}"
+        return plain if "." in plain else plain + ".0"
+
+    return re.sub(_EXPONENT, digits, text) if "e" in text else text
 
 
 class QueryConnection(Connection):
@@ -50,12 +84,14 @@ class QueryConnection(Connection):
     another request.
     """
 
-    __slots__ = ("_lines", "_waiting")
+    __slots__ = ("_failures", "_lines", "_waiting")
 
     def __init__(self, origin: str, description: RobotDescription) -> None:
         super().__init__(origin, description)
         self._lines = PacedLines(LINE_LIMIT, LINES_PER_TICK)
-        self._waiting: dict[str, str] = {}
+        self._waiting: dict[str, tuple[str, str]] = {}
+        """Id and statement of each request without a reply, by origin."""
+        self._failures = BurstLimiter(self._warn, "request", "that failed")
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
         self._lines.feed(data)
@@ -73,7 +109,7 @@ class QueryConnection(Connection):
                 self._send_reply(ident, NOT_EXECUTED)
             else:
                 origin = self.next_origin()
-                self._waiting[origin] = ident
+                self._waiting[origin] = ident, statement
                 inputs.append(Query(origin, statement))
         return inputs
 
@@ -87,16 +123,29 @@ class QueryConnection(Connection):
 
     def publish(self, output: Output) -> None:
         for reply in output.replies:
-            if (ident := self._waiting.pop(reply.origin, None)) is not None:
-                self._send_reply(ident, reply.outcome)
+            if (request := self._waiting.pop(reply.origin, None)) is not None:
+                self._send_reply(request[0], reply.outcome)
+                self._note_failure(request[1], reply.outcome, output.tick)
+        self._failures.go_on(output.tick)
         if self._waiting and is_restarted(output):
-            for ident in self._waiting.values():
+            for ident, _ in self._waiting.values():
                 self._send_reply(ident, NOT_EXECUTED)
             self._waiting.clear()
         self._due += self._inputs(self._lines.take(output.tick))
 
+    def next_tick(self, tick: int) -> int | None:
+        return tick + 1 if self._failures.is_counting else super().next_tick(tick)
+
+    def _note_failure(self, statement: str, outcome: Outcome, tick: int) -> None:
+        """Have the log say why a request failed, which the reply does not."""
+        if isinstance(outcome, QueryFailed) and outcome.why and self._failures.is_reported(self.origin, tick):
+            self._warn(f"{self.origin}: `{shown(statement)}` failed: {outcome.why}")
+
+    def _warn(self, text: str) -> None:
+        self._due.append(AddLog(self.origin, text, is_warning=True))
+
     def _send_reply(self, ident: str, outcome: Outcome) -> None:
-        self.send(one_line(reply_text(ident, outcome)).encode() + b"\n")
+        self.send(one_line(reply_text(ident, outcome, self.description.query_form)).encode() + b"\n")
 
 
 def read_request(line: TextLine) -> tuple[str, str]:

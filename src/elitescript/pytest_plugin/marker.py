@@ -10,6 +10,7 @@ import pytest
 
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.kernel.options import DEFAULTS, KEYWORDS, OPTIONS, SECTIONS, accept
+from elitescript.pytest_plugin.limits import SETTINGS as LIMITS
 
 MARKER: Final = "elitescript"
 
@@ -21,7 +22,7 @@ WORLD: Final = "world"
 NETWORK: Final = "network"
 """Keyword of what programs reach; of `serve`, `--allow-connect`."""
 
-SETTINGS: Final = (ROBOT, WORLD, *KEYWORDS)
+SETTINGS: Final = (ROBOT, WORLD, *KEYWORDS, *LIMITS)
 
 
 def settings_of(node: pytest.Item) -> dict[str, Any]:
@@ -64,7 +65,7 @@ def robot_arguments(settings: Mapping[str, Any], folder: Path) -> dict[str, Any]
     Raises:
         UsageError: a value that makes no sense.
     """
-    arguments = dict(settings)
+    arguments = {name: value for name, value in settings.items() if name not in LIMITS}
     if ROBOT in arguments:
         arguments["model"] = _model(arguments.pop(ROBOT), folder)
     world = arguments.get(WORLD)
@@ -88,7 +89,7 @@ def serve_arguments(settings: Mapping[str, Any], folder: Path) -> list[str]:
     """
     words = _reach(settings, folder)
     for name, value in settings.items():
-        if name == NETWORK:
+        if name == NETWORK or name in LIMITS:
             continue
         if name == WORLD and isinstance(value, str | Path):
             words += ["--world", str(folder / value)]

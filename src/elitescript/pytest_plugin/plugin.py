@@ -5,10 +5,14 @@ Every pytest run of an environment loads this module, so it imports nothing of t
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Generator, Iterator
+from contextlib import suppress
 from typing import TYPE_CHECKING, Final
 
 import pytest
+from _pytest._code.code import TerminalRepr
 
 from elitescript.observer import OBSERVATION
 from elitescript.pytest_plugin.file_names import SUFFIX, holds_tests, is_case
@@ -17,15 +21,23 @@ from elitescript.pytest_plugin.watching import RunWatcher
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from elitescript.pytest_plugin.limits import Guard, Limits
     from elitescript.pytest_plugin.served import ServedRobot
     from elitescript.robot import VirtualRobot
 
 MARKER_TEXT: Final = (
     "elitescript(robot=, firmware=, world=, plant=, safety=, ...): options of the fixtures `robot` and `served_robot`, "
-    "by the keywords of VirtualRobot; robot= is the arm, and paths are relative to the test file"
+    "by the keywords of VirtualRobot; robot= is the arm, and paths are relative to the test file; limit_s= and "
+    "wall_limit_s= are the limits of each run"
 )
+_INI: Final = {
+    "elitescript_limit_s": "robot time after which a run without until_s is ended and fails its test, s; 0 for none "
+    "(default: 600)",
+    "elitescript_wall_limit_s": "wall time after which a run is ended and fails its test, s; 0 for none (default: 60)",
+}
 
 _WATCHER: Final[pytest.StashKey[RunWatcher]] = pytest.StashKey()
+_STANDARD_ERROR: Final[pytest.StashKey[int]] = pytest.StashKey()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -64,14 +76,26 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="store_true",
         help="let a test fail if `check` or the run warns about one of its programs",
     )
+    for name, text in _INI.items():
+        parser.addini(name, text)
 
 
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", MARKER_TEXT)
+    # Here nothing is captured yet.
+    with suppress(OSError, ValueError):
+        config.stash[_STANDARD_ERROR] = os.dup(sys.__stderr__.fileno() if sys.__stderr__ else 2)
     if _measures(config):
         from elitescript.pytest_plugin.measuring import Measuring
 
         config.pluginmanager.register(Measuring(config), "elitescript-coverage")
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    descriptor = config.stash.get(_STANDARD_ERROR, None)
+    if descriptor is not None:
+        del config.stash[_STANDARD_ERROR]
+        os.close(descriptor)
 
 
 def _measures(config: pytest.Config) -> bool:
@@ -99,7 +123,8 @@ def served_robot(request: pytest.FixtureRequest) -> Iterator[ServedRobot]:
     from elitescript.pytest_plugin.marker import serve_arguments, settings_of
     from elitescript.pytest_plugin.served import ServedRobot
 
-    served = ServedRobot(serve_arguments(settings_of(request.node), request.path.parent))
+    settings = settings_of(request.node)
+    served = ServedRobot(serve_arguments(settings, request.path.parent), _limits_of(request.node).wall_s)
     try:
         yield served
     finally:
@@ -115,23 +140,41 @@ def served_robot(request: pytest.FixtureRequest) -> Iterator[ServedRobot]:
 def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, bool, bool]:
     """Have the runs of a test watched."""
     before = OBSERVATION.observer
-    watcher = RunWatcher(keeps_rows=item.config.option.script_record is not None)
+    watcher = RunWatcher(keeps_rows=item.config.option.script_record is not None, guard=lambda: _guard_of(item))
     OBSERVATION.observer = item.stash[_WATCHER] = watcher
     try:
         return (yield)
     finally:
         OBSERVATION.observer = before
+        watcher.close()
         del item.stash[_WATCHER]
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
-    """Let a test fail whose programs are warned about, if that is asked for."""
+    """Let a test fail whose runs were ended by a limit, or whose programs are warned about, if that is asked for."""
     yield
+    if exceeded := item.stash[_WATCHER].exceeded:
+        # Of another thread, or swallowed.
+        pytest.fail("\n".join(exceeded), pytrace=False)
     if item.config.option.script_strict and (runs := item.stash[_WATCHER].runs):
         from elitescript.pytest_plugin.strictness import warnings_of
 
         _refuse(warnings_of(runs))
+
+
+def _guard_of(item: pytest.Item) -> Guard:
+    from elitescript.pytest_plugin.limits import Guard
+
+    has_own = item.config.getini("faulthandler_timeout")
+    return Guard(_limits_of(item), None if has_own else item.config.stash.get(_STANDARD_ERROR, None))
+
+
+def _limits_of(item: pytest.Item) -> Limits:
+    from elitescript.pytest_plugin.limits import limits_of
+    from elitescript.pytest_plugin.marker import settings_of
+
+    return limits_of(item.config, settings_of(item))
 
 
 def _refuse(warnings: list[str]) -> None:
@@ -148,12 +191,22 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
 
         folder: str | None = item.config.option.script_record
         pages = [] if folder is None else write_pages(item.config.invocation_params.dir / folder, item.nodeid, runs)
-        report.sections.append(("elitescript", section(runs, pages)))
+        _add_section(report, "elitescript", section(runs, pages))
     if report.failed and (served := (getattr(item, "funcargs", None) or {}).get("served_robot")) is not None:
         from elitescript.pytest_plugin.failures import served_section
 
-        report.sections.append(("elitescript serve", served_section(served.log)))
+        _add_section(report, "elitescript serve", served_section(served.log))
     return report
+
+
+def _add_section(report: pytest.TestReport, name: str, content: str) -> None:
+    """Add a section to what a report says of the failure, which is also what JUnit XML carries."""
+    if isinstance(report.longrepr, TerminalRepr) and hasattr(report.longrepr, "addsection"):
+        report.longrepr.addsection(name, content)
+    elif isinstance(report.longrepr, str):
+        report.longrepr += f"\n{f' {name} ':-^80}\n{content}"
+    else:
+        report.sections.append((name, content))
 
 
 # ---------------------------------------------------------------- tests in the language

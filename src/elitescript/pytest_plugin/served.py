@@ -27,6 +27,7 @@ class ServedRobot:
 
     Args:
         arguments: of `serve`, besides those for ports, power and output.
+        limit_s: wall time that `ctl` may take, s; None for no limit.
 
     Attributes:
         host: address of the ports.
@@ -39,7 +40,8 @@ class ServedRobot:
         ElitescriptError: it does not open its ports in time.
     """
 
-    def __init__(self, arguments: Sequence[str] = ()) -> None:
+    def __init__(self, arguments: Sequence[str] = (), limit_s: float | None = None) -> None:
+        self._limit_s = limit_s
         self.log: list[dict[str, Any]] = []
         self._lines: Queue[str] = Queue()
         words = ["serve", "--json", "--power-on", "--port", "all=0", *arguments]
@@ -116,13 +118,26 @@ class ServedRobot:
 
         Raises:
             UsageError: the robot refuses, or there is no such verb.
+            TimeoutError: there is no answer within the limit of wall time of a run.
         """
         __tracebackhide__ = True
         words = ["ctl", "--json", "--socket", self._control, *(["--wait"] if wait else []), verb, *arguments]
         command = [*_PYTHON, "elitescript", *words]
-        done = subprocess.run(
-            command, capture_output=True, encoding="utf-8", errors="replace", stdin=subprocess.DEVNULL
-        )
+        try:
+            done = subprocess.run(
+                command,
+                capture_output=True,
+                encoding="utf-8",
+                errors="replace",
+                stdin=subprocess.DEVNULL,
+                timeout=self._limit_s,
+            )
+        except subprocess.TimeoutExpired:
+            raise TimeoutError(
+                f"ctl {' '.join(words[4:])}: no answer within {self._limit_s:g} s of wall time, the limit of a run in "
+                "pytest; another one, or 0 for none: @pytest.mark.elitescript(wall_limit_s=SECONDS), or "
+                "elitescript_wall_limit_s in the ini file"
+            ) from None
         try:
             answer = json.loads(done.stdout)
         except ValueError:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any, Final
 from weakref import ref
 
@@ -11,6 +12,7 @@ if TYPE_CHECKING:
     from elitescript.messages.profile import Profile
     from elitescript.models.model import RobotModel
     from elitescript.plotting.sampling import Sampling
+    from elitescript.pytest_plugin.limits import Guard
     from elitescript.robot import VirtualRobot
     from elitescript.run import Run
 
@@ -68,12 +70,18 @@ class RunWatcher:
 
     Args:
         keeps_rows: whether each run keeps the rows that its page is made of.
+        guard: makes what holds runs to their limits, when the first one begins.
+
+    Attributes:
+        runs: the last ones.
     """
 
-    __slots__ = ("_keeps_rows", "runs")
+    __slots__ = ("_guard", "_keeps_rows", "_make_guard", "runs")
 
-    def __init__(self, *, keeps_rows: bool) -> None:
+    def __init__(self, *, keeps_rows: bool, guard: Callable[[], Guard]) -> None:
         self._keeps_rows = keeps_rows
+        self._make_guard = guard
+        self._guard: Guard | None = None
         self.runs: deque[WatchedRun] = deque(maxlen=RUNS_MAX)
 
     def started(self, robot: Any, run: Any, presets: Mapping[str, object], trace: Any) -> Any:
@@ -87,6 +95,24 @@ class RunWatcher:
         if rows is None:
             return trace
         return rows if trace is None else _Traces(trace, rows)
+
+    def limits(
+        self, robot: VirtualRobot, run: Run, until_s: float | None, watch: Any
+    ) -> AbstractContextManager[tuple[float | None, Any]]:
+        """Hold a run to the limits of the test; see `RunObserver.limits`."""
+        if self._guard is None:
+            self._guard = self._make_guard()
+        return self._guard.limits(robot, run, until_s, watch)
+
+    @property
+    def exceeded(self) -> list[str]:
+        """Why runs were ended by their limits, in words."""
+        return [] if self._guard is None else self._guard.exceeded
+
+    def close(self) -> None:
+        """End what holds runs to their limits."""
+        if self._guard is not None:
+            self._guard.close()
 
 
 class _Traces:

@@ -131,6 +131,7 @@ class _Reading:
         self._rate_hz: float | None = None
         self._path = Path()
         self._is_first = True
+        self._is_cut_off = False
         self._schemas: dict[int, Any] = {}
         self._channels: dict[int, Any] = {}
         self._kinds: dict[int, Any] = {}
@@ -145,9 +146,11 @@ class _Reading:
 
         self._path = path
         self._schemas, self._channels, self._kinds = {}, {}, {}
+        self._is_cut_off = True
         with _opened(path) as file:
             for at, code, body in _records(file, path):
                 if code == _DATA_END:
+                    self._is_cut_off = False
                     break
                 try:
                     if code == _CHUNK:
@@ -342,6 +345,7 @@ class _Reading:
             messages,
             {**facts_of(messages), **self._facts},
             self._attachments,
+            self._is_cut_off,
         )
 
 

@@ -51,6 +51,7 @@ class Recording:
             model, if it was no file), `begin_ns` (UTC, ns since 1970), `clock_offset_s` (UTC less the time of the
             controller, at the first row).
         attachments: program, world and arm files that were given, by name.
+        is_cut_off: whether the last file has lost its end: its recorder was killed, or it was truncated.
     """
 
     t: array[float]
@@ -62,3 +63,4 @@ class Recording:
     messages: tuple[Message, ...] = ()
     facts: Mapping[str, Any] = field(default_factory=dict)
     attachments: Mapping[str, bytes] = field(default_factory=dict)
+    is_cut_off: bool = False

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from math import isfinite
 from pathlib import Path
 from typing import Any, Final
 
 from elitescript.client.rtsi_messages import OutputLayout
 from elitescript.errors import UsageError
+from elitescript.paths import MOVED, REMOVED
 from elitescript.protocol.binary import Number
 from elitescript.recorder import channels
 from elitescript.recorder.channels import CHANGES, DASHBOARD, EVENTS, PRIMARY, SLOW
@@ -21,6 +22,8 @@ from elitescript.recorder.writing import RecordingFile
 from elitescript.records import record
 
 _VIEW_NS: Final = round(1e9 / channels.VIEW_HZ)
+LOSSES_MAX: Final = 3
+"""Files that others may remove or truncate, one after the other, before the recording ends."""
 _STANDING: Final = frozenset({CONNECTED, CLOCK})
 """Types of events that hold on, and that a further file begins with."""
 _SEVERITIES: Final = ("info", "warning", "error", "fatal")
@@ -44,10 +47,12 @@ class McapSink:
         about: what holds for the whole recording, as texts: `host` and others.
         attachments: files of the user, by name.
         rotation: when the next file begins.
+        say: takes what people should know, a line each.
 
     Attributes:
         rows: that were written.
         files: number of files.
+        losses: what was lost of files that others have removed or truncated meanwhile, in words.
 
     Raises:
         UsageError: the extra is missing, a file of this recording exists already, or the folder does not.
@@ -59,6 +64,7 @@ class McapSink:
         about: Mapping[str, str],
         attachments: Mapping[str, bytes] | None = None,
         rotation: Rotation | None = None,
+        say: Callable[[str], None] = lambda text: None,
     ) -> None:
         check_mcap()
         if not path.name:
@@ -71,6 +77,12 @@ class McapSink:
         self.path = path
         self.rows = 0
         self.files = 0
+        self.losses: list[str] = []
+        self._say = say
+        self._moved: Path | None = None
+        """The file that was said to be moved."""
+        self._rows_before = 0
+        """Rows that were written when the file began."""
         self._sizes = 0
         self._about = dict(about)
         self._attachments = dict(attachments or {})
@@ -79,7 +91,8 @@ class McapSink:
         self._file_since_ns = 0
         self._layout: OutputLayout | None = None
         self._packed: RowLayout | None = None
-        self._is_over = False
+        self._over = ""
+        """Why nothing more is written; empty while all is well."""
         self._view: dict[str, Any] = {}
         self._next_view_ns = 0
         self._time_ns = 0
@@ -142,6 +155,9 @@ class McapSink:
             return
         try:
             file.flush()
+            if self._is_lost(file):
+                self._open(now_ns)
+                return
             rotation = self._rotation
             is_large = rotation.size is not None and file.size >= rotation.size
             is_old = rotation.age_s is not None and now_ns - self._file_since_ns >= rotation.age_s * 1e9
@@ -157,11 +173,39 @@ class McapSink:
         Raises:
             StorageError: there is no room for it; the file can be read without.
         """
-        if self._file is not None:
+        file = self._file
+        if file is not None:
             try:
-                self._finish(self._file)
+                file.flush()
+                if not self._is_lost(file):
+                    self._finish(file)
             except OSError as error:
                 self._give_up(error)
+
+    def _is_lost(self, file: RecordingFile) -> bool:
+        """Return whether others have removed or changed the file, which was flushed; then it is left as it is.
+
+        Raises:
+            StorageError: that has happened too often.
+        """
+        fate = file.fate()
+        if not fate:
+            return False
+        if fate == MOVED:
+            if self._moved != file.path:
+                self._moved = file.path
+                self._say(f"{file.path} {fate} while it was written; it goes on where it is")
+            return False
+        rows = self.rows - self._rows_before
+        rest = "" if fate == REMOVED else ", but for what can be read of it"
+        self.losses.append(f"{file.path} {fate}: its {rows:,} row{'s' if rows != 1 else ''} are lost{rest}")
+        file.abandon()
+        self._file = None
+        if len(self.losses) >= LOSSES_MAX:
+            self._over = f"{self.losses[-1]}; so it was {LOSSES_MAX} times, and nothing more is recorded"
+            raise StorageError(self._over)
+        self._say(f"{self.losses[-1]}; {rotated(self.path, self.files)} goes on")
+        return True
 
     # ---------------------------------------------------------------- files
 
@@ -169,13 +213,20 @@ class McapSink:
         """Return the file that is written to, a new one if there is none."""
         if self._file is not None:
             return self._file
-        if self._is_over:
-            raise StorageError(f"{self.path}: nothing more can be written")
+        if self._over:
+            raise StorageError(self._over)
         path = rotated(self.path, self.files) if self.files else self.path
         if not self.files:
             self._about["begin_ns"] = str(now_ns)
-        file = self._file = RecordingFile(path, {**self._about, "file": str(self.files)})
+        try:
+            file = self._file = RecordingFile(path, {**self._about, "file": str(self.files)})
+        except UsageError as error:
+            if not self.files:
+                raise
+            self._over = f"a further file cannot be begun: {error}"
+            raise StorageError(self._over) from error
         self.files += 1
+        self._rows_before = self.rows
         self._file_since_ns = now_ns
         for name, data in self._attachments.items():
             file.attach(name, data, now_ns)
@@ -191,7 +242,7 @@ class McapSink:
 
     def _finish(self, file: RecordingFile) -> None:
         file.close()
-        self._sizes += file.path.stat().st_size
+        self._sizes += file.size
         self._file = None
 
     def _give_up(self, error: OSError) -> None:
@@ -200,15 +251,13 @@ class McapSink:
         Raises:
             StorageError: always.
         """
-        self._is_over = True
         path = self.path
         if self._file is not None:
             path = self._file.path
             self._file.abandon()
             self._file = None
-        raise StorageError(
-            f"{path}: {error.strerror or error}; what was written before, up to the last second, can be read"
-        ) from error
+        self._over = f"{path}: {error.strerror or error}; what was written before, up to the last second, can be read"
+        raise StorageError(self._over) from error
 
     def _remember(self, channel: str, data: Mapping[str, Any]) -> None:
         if channel in (CHANGES, SLOW):

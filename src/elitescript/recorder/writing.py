@@ -6,13 +6,15 @@ A chunk is closed at 1 MB and at every `flush`, so what was flushed can be read 
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, BinaryIO, Final
+from typing import Any, BinaryIO, Final, cast
 
 from elitescript import __version__
 from elitescript.errors import UsageError
+from elitescript.paths import what_became_of
 from elitescript.protocol.binary import Number
 from elitescript.recorder.channels import LISTS, PACKAGE, ROW, ROWS, SCHEMAS, TALKING, columns_by_variable, encoded
 from elitescript.recorder.extra import check_mcap
@@ -46,9 +48,11 @@ class RecordingFile:
         from mcap.writer import CompressionType, Writer
 
         self.path = path
-        self._file = _created(path)
+        self._file = _Output(_created(path))
         # In one write for each chunk: what the system has is there, even if this process is killed.
-        self._writer: Any = Writer(self._file, chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD)
+        self._writer: Any = Writer(
+            cast("BinaryIO", self._file), chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD
+        )
         self._channels: dict[str, int] = {}
         self._layout: RowLayout | None = None
         self._rows = 0
@@ -59,6 +63,10 @@ class RecordingFile:
     def size(self) -> int:
         """Bytes written so far."""
         return self._file.tell()
+
+    def fate(self) -> str:
+        """Return what became of the file, as `what_became_of`; everything must have been flushed."""
+        return what_became_of(self.path, self._file.descriptor, self._file.tell())
 
     def attach(self, name: str, data: bytes, time_ns: int) -> None:
         """Add a file of the user: a program, a world, an arm."""
@@ -116,6 +124,37 @@ class RecordingFile:
             self._file.close()
 
 
+class _Output:
+    """Counts what is written to a file that only grows: with a size of its own, whatever others make of the file."""
+
+    __slots__ = ("_file", "_size")
+
+    def __init__(self, file: BinaryIO) -> None:
+        self._file = file
+        self._size = 0
+
+    @property
+    def descriptor(self) -> int:
+        return self._file.fileno()
+
+    def write(self, data: bytes) -> int:
+        """Write all of it."""
+        self._size += len(data)
+        return self._file.write(data)
+
+    def tell(self) -> int:
+        """Return how much was written."""
+        return self._size
+
+    def flush(self) -> None:
+        """Hand it to the system."""
+        self._file.flush()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+
 def write_recording(path: Path, recording: Recording) -> None:
     """Write a recording to one MCAP file; `read_recording` makes an equal one of it.
 
@@ -154,7 +193,9 @@ def write_recording(path: Path, recording: Recording) -> None:
 
 def _created(path: Path) -> BinaryIO:
     try:
-        return path.open("xb")
+        # Appending, so that what is written behind the cut of another process shows in the size.
+        flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+        return os.fdopen(os.open(path, flags | getattr(os, "O_CLOEXEC", 0), 0o666), "wb")
     except FileExistsError:
         raise UsageError(f"{path} exists already; a recording is never written over") from None
     except FileNotFoundError:

@@ -121,8 +121,10 @@ def abandoned(strand: Strand, tick: int) -> Alarm:
 
 
 def summary_of(error: BaseException) -> str:
-    """Return the class and text in one line, as `[SEC] Exception:` shows them."""
-    return f"{class_name_of(error)}: {text_of(error)}"
+    """Return the class and text in one line, as `[SEC] Exception:` shows them; functions have their own names."""
+    from elitescript.runtime.plain_words import without_locals
+
+    return f"{class_name_of(error)}: {without_locals(text_of(error))}"
 
 
 def class_name_of(error: BaseException) -> str:

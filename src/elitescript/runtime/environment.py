@@ -8,6 +8,7 @@ to that folder, with `/` between its parts and without `..`.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from errno import EFBIG
 from io import BufferedRandom, BufferedReader, BufferedWriter, RawIOBase, TextIOWrapper
 from typing import IO, TYPE_CHECKING, Any, Final, NoReturn, Protocol, cast
 
@@ -58,6 +59,31 @@ class Files(Protocol):
 
     def make_folder(self, name: str) -> None:
         """Make a folder in an existing one."""
+
+
+READ_MAX: Final = 24 << 20
+"""Bytes that `read()` without a size takes, and that a program of a served robot reads in one tick (*assumed*)."""
+_PIECE: Final = 1 << 18
+
+
+class WholeReads(RawIOBase):
+    """Reads the rest of a file in pieces, up to `READ_MAX`; base of the files of all environments."""
+
+    def readall(self) -> bytes:
+        """Read up to the end.
+
+        Raises:
+            OSError: that is too much.
+        """
+        pieces: list[bytes] = []
+        size = 0
+        while piece := self.read(_PIECE):
+            pieces.append(piece)
+            size += len(piece)
+            if size > READ_MAX:
+                text = f"read() of more than {READ_MAX} bytes at once; read the file line by line or in pieces"
+                raise OSError(EFBIG, text)
+        return b"".join(pieces)
 
 
 def opened(

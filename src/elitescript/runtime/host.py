@@ -22,7 +22,7 @@ from elitescript.runtime.interpreter import Interpreter
 from elitescript.runtime.move_waits import MoveWaits
 from elitescript.runtime.names.context import POPUP
 from elitescript.runtime.program import Program
-from elitescript.runtime.queries import Queries
+from elitescript.runtime.queries import Queries, QueryAnswer
 from elitescript.runtime.secondary import Secondaries
 from elitescript.runtime.threads.meter import Meter
 from elitescript.runtime.threads.scheduler import Scheduler
@@ -185,12 +185,12 @@ class ScriptHost:
             self._world = world
         self._secondaries.put(unit)
 
-    def query(self, text: str, answer: Callable[[str | None], None]) -> None:
+    def query(self, text: str, answer: QueryAnswer) -> None:
         """Evaluate an expression as a secondary program.
 
         Args:
             text: the expression.
-            answer: called once, in this tick or a later one, with the value as `repr` writes it; None if it has none.
+            answer: called once, in this tick or a later one.
 
         Raises:
             ProgramError: it is no expression.
@@ -272,6 +272,11 @@ class ScriptHost:
     def is_running(self) -> bool:
         """Whether a program runs; a paused one does."""
         return self._main is not None
+
+    @property
+    def has_begun(self) -> bool:
+        """Whether the program that runs has come to its first statement."""
+        return self._main is not None and self._main.activations > 0
 
     @property
     def is_paused(self) -> bool:

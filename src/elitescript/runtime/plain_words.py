@@ -107,9 +107,14 @@ def plain_words(class_name: str, text: str, scene: Scene) -> Words:
     return Words(without_insides(text))
 
 
+def without_locals(text: str) -> str:
+    """Return a message with functions by their own names: `main.<locals>.f()` is `f()`."""
+    return re.sub(r"(?:[^\W\d]\w*\.)+<locals>\.", "", text)
+
+
 def without_insides(text: str) -> str:
     """Return a message without `<locals>` and `NoneType`."""
-    text = re.sub(r"(?:[^\W\d]\w*\.)+<locals>\.", "", text)
+    text = without_locals(text)
     return text.replace("'NoneType' object", "None").replace("'NoneType'", "None").replace("NoneType", "None")
 
 

@@ -8,9 +8,9 @@ from typing import Final
 
 from elitescript.language.compiler import compile_expression
 from elitescript.language.text.source import SourceFile
-from elitescript.messages.timing import TICKS_PER_S
+from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.records import NamedTuple
-from elitescript.runtime.alarms import without_addresses
+from elitescript.runtime.alarms import summary_of, without_addresses
 from elitescript.runtime.program import Program
 from elitescript.runtime.secondary import Secondaries
 from elitescript.runtime.threads.scheduler import Scheduler
@@ -26,12 +26,15 @@ VALUE_MAX: Final = 65536
 """Characters of a value."""
 
 
+QueryAnswer = Callable[[str | None, str], None]
+"""Takes the value as `repr` writes it, None if there is none, and why there is none."""
+
+
 class WaitingQuery(NamedTuple):
     """A waiting expression."""
 
     code: CodeType
-    answer: Callable[[str | None], None]
-    """Called with the value as `repr` writes it; None if there is none."""
+    answer: QueryAnswer
 
 
 class Queries(Secondaries[WaitingQuery]):
@@ -57,7 +60,7 @@ class Queries(Secondaries[WaitingQuery]):
         self._namespace = namespace
         self._spawn = spawn
 
-    def ask(self, text: str, answer: Callable[[str | None], None]) -> None:
+    def ask(self, text: str, answer: QueryAnswer) -> None:
         """See `ScriptHost.query`."""
         self.put(WaitingQuery(compile_expression(SourceFile("<query>", text)), answer))
 
@@ -71,13 +74,18 @@ def _body_of(query: WaitingQuery, program: Program) -> Callable[[], None]:
 
     def body() -> None:
         value: str | None = None
+        why = f"it was stopped: it ended itself, or took more than {seconds(LIMIT_TICKS):g} s of robot time"
         try:
             shown = without_addresses(repr(program.value_of(query.code)))
-            value = shown if len(shown) <= VALUE_MAX else None
+            if len(shown) <= VALUE_MAX:
+                value, why = shown, ""
+            else:
+                why = f"the value has {len(shown)} characters, {VALUE_MAX} are allowed"
         except BaseException as error:
             if is_stop(error) or isinstance(error, KeyboardInterrupt):
                 raise
+            why = summary_of(error)
         finally:
-            query.answer(value)
+            query.answer(value, why)
 
     return body

@@ -96,13 +96,18 @@ class Secondaries(Generic[Item]):
             has_changed = True
         if self._strand is None and self._queue:
             self._strand, self._own_program = self._begin(self._queue.popleft())
-            self._deadline = self._scheduler.now + self._limit_ticks
+            self._set_deadline(self._scheduler.now + self._limit_ticks)
             has_changed = True
         return has_changed
 
     def prolong(self, ticks: int) -> None:
         """Let the one that runs take so much longer."""
-        self._deadline += ticks
+        self._set_deadline(self._deadline + ticks)
+
+    def _set_deadline(self, tick: int) -> None:
+        self._deadline = tick
+        if self._strand is not None:
+            self._strand.until_tick = tick
 
     def ended(self, strand: Strand) -> None:
         """Note the end of a strand; after the running one the next can begin."""

@@ -6,17 +6,9 @@ import asyncio
 import contextlib
 import gc
 from collections.abc import Mapping, Sequence
-from typing import Final
 
 from elitescript.services.control.channel import ControlChannel, address_of
 from elitescript.services.robot_server import RobotServer
-
-LOOPBACK: Final = frozenset({"127.0.0.1", "localhost", "::1", "ip6-localhost"})
-
-
-def is_loopback(host: str) -> bool:
-    """Return whether only this computer reaches a server at this address."""
-    return host in LOOPBACK or (host.startswith("127.") and host.count(".") == 3)
 
 
 class ServeSession:
@@ -24,18 +16,18 @@ class ServeSession:
 
     Args:
         servers: the robots.
-        host: address to serve at.
+        hosts: address that each robot is served at.
         numbers: of each robot, its port for each service; 0 takes a free one.
         instance: of the first robot; the control channel of each is found by its instance.
         spares: of each robot, what stands in for ports that this user may not have; nothing if there are none.
     """
 
-    __slots__ = ("_controls", "_host", "_instance", "_numbers", "_spares", "servers")
+    __slots__ = ("_controls", "_instance", "_numbers", "_spares", "hosts", "servers")
 
     def __init__(
         self,
         servers: Sequence[RobotServer],
-        host: str,
+        hosts: Sequence[str],
         numbers: Sequence[Mapping[str, int]],
         instance: int,
         spares: Sequence[Mapping[str, int]] = (),
@@ -43,7 +35,7 @@ class ServeSession:
         self.servers = tuple(servers)
         for server in self.servers:
             server.shares.robots = len(self.servers)
-        self._host = host
+        self.hosts = tuple(hosts)
         self._numbers = tuple(numbers)
         self._spares = tuple(spares) or ({},) * len(self._numbers)
         self._instance = instance
@@ -58,8 +50,9 @@ class ServeSession:
         try:
             for server in self.servers:
                 await server.boot()
-            for server, numbers, spares in zip(self.servers, self._numbers, self._spares, strict=True):
-                server.bind(self._host, numbers, spares)
+            places = zip(self.servers, self.hosts, self._numbers, self._spares, strict=True)
+            for server, host, numbers, spares in places:
+                server.bind(host, numbers, spares)
             for index, server in enumerate(self.servers):
                 control = ControlChannel(server, self._instance + index)
                 await control.open()

@@ -16,6 +16,7 @@ from datetime import UTC, datetime
 from hashlib import sha256
 from pathlib import Path
 from secrets import token_hex
+from time import time
 from typing import Any, Final
 
 from elitescript.errors import UsageError
@@ -28,6 +29,9 @@ DRAFTS_MAX: Final = 8
 
 DRAFT_BYTES_MAX: Final = 32 << 20
 """Largest draft that is read; a character of a text takes up to 12 bytes."""
+
+UNFINISHED_S: Final = 60.0
+"""Age from which on a file that was not put in its place never will be, s."""
 
 SETTINGS_BYTES_MAX: Final = 64 << 10
 """Size of the settings of the page as JSON; larger ones are not kept."""
@@ -92,6 +96,14 @@ class Memory:
         _write(self._file(program, owner), {"path": str(program), **Draft(text, seen, _now(), owner)._asdict()})
         for draft in self.drafts(program)[DRAFTS_MAX:]:
             self.drop(program, draft.owner)
+        self._sweep()
+
+    def _sweep(self) -> None:
+        """Remove what processes that were killed in the middle of a write have left."""
+        for path in (self._folder / "drafts").glob("*.json.*"):
+            with suppress(OSError):
+                if time() - path.stat().st_mtime > UNFINISHED_S:
+                    path.unlink()
 
     def drop(self, program: Path, *owners: str) -> None:
         """Remove the drafts of some conversations.

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from elitescript.errors import UsageError
+from elitescript.paths import real_path
 from elitescript.untrusted.files import MESH, read_bytes
 
 SUFFIXES: Final = frozenset((".stl", ".dae", ".png", ".jpg", ".jpeg"))
@@ -30,7 +31,7 @@ class Meshes:
     __slots__ = ("_folder", "_path", "name")
 
     def __init__(self, path: Path) -> None:
-        self._path = path.resolve()
+        self._path = real_path(path)
         self.name = self._path.name
         folders = self._path.parents
         self._folder = next((folder for folder in folders if (folder / _MANIFEST).is_file()), folders[0])

@@ -19,6 +19,7 @@ from elitescript.environment.program_file import SUFFIX
 from elitescript.errors import UsageError
 from elitescript.kernel.options import robot_options
 from elitescript.models.model import load_model
+from elitescript.paths import real_path
 from elitescript.studio.connected.controller import ConnectedController
 from elitescript.studio.connected.source import ConnectedSource
 from elitescript.studio.connected.target import Target
@@ -59,7 +60,7 @@ def workplace(path: str | None, given: Mapping[str, Any], world: str | None, urd
         programs,
         Memory(state_folder()),
         given,
-        None if world is None else Path(world).resolve(),
+        None if world is None else real_path(world),
         None if urdf is None else Meshes(Path(urdf)),
     )
 

@@ -16,6 +16,7 @@ from elitescript.conversation.describe import notice, refused
 from elitescript.conversation.fields import MessageError
 from elitescript.conversation.messages import Open, Program, Save, Service, Settings, ToSource, ask_of, read_message
 from elitescript.errors import UsageError
+from elitescript.models.datafile import check_name
 from elitescript.models.model import is_model_file
 from elitescript.records import NamedTuple, replace
 from elitescript.studio.files import Programs
@@ -169,6 +170,8 @@ class Session:
         world = self._inside(given.world) if given.world else None
         # An arm of the command line may be anywhere; it is used if the page leaves it out.
         robot = None if given.robot == self._place.given.get("model") else given.robot
+        if robot is not None:
+            check_name(robot)
         if robot is not None and is_model_file(robot):
             robot = str(self._inside(robot))
         self._opened.edited(message.text)

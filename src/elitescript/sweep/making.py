@@ -17,13 +17,15 @@ from elitescript.kernel.arm import named_model
 from elitescript.kernel.options import ROBOT_SECTION
 from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
-from elitescript.paths import real_path
+from elitescript.paths import real_path, why_no_file
 from elitescript.properties.parsing import function_place
+from elitescript.sweep.chaos.profile import is_profile_file, profile_named, profile_of
 from elitescript.sweep.failures.cases import is_case
 from elitescript.sweep.plans.plan import Plan, Variation
 from elitescript.sweep.plans.python_files import python_texts
 from elitescript.sweep.plans.variations import check_names, grid_size
 from elitescript.sweep.results.page import REPLAYS
+from elitescript.sweep.results.table_files import is_of_sweep
 from elitescript.sweep.results.tables import columns
 from elitescript.untrusted.files import PROFILE, TASK_FILE, read_bytes, read_text
 from elitescript.world_file import tables_of, world_text
@@ -169,9 +171,14 @@ def _with_files(expression: str, python: dict[str, str]) -> str:
 
 
 def _profile_text(chaos: str) -> str:
-    if not chaos.endswith(".toml"):
+    if not chaos or chaos.isidentifier():
         return chaos
-    return read_text(chaos, PROFILE)
+    if not is_profile_file(chaos) and not why_no_file(chaos):
+        profile_named(chaos)
+    text = read_text(chaos, PROFILE)
+    # What is wrong in it is said with the name of the file, which a plan does not have.
+    profile_of(text, chaos)
+    return text
 
 
 def _is_left_out(folder: str) -> bool:
@@ -198,6 +205,7 @@ def _task_files(folder: Path, left_out: Collection[Path]) -> dict[str, str]:
             if (
                 name.startswith(".")
                 or is_case(name)
+                or is_of_sweep(name)
                 or path.is_symlink()
                 or not path.is_file()
                 or real_path(path) in left_out

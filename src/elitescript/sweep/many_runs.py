@@ -23,8 +23,9 @@ from elitescript.sweep.engines.local import LocalEngine
 from elitescript.sweep.making import make_plan, runs_of
 from elitescript.sweep.plans.plan import Row, Variation
 from elitescript.sweep.plans.variations import checked, parse_variation
-from elitescript.sweep.results.journal import SUFFIX, Journal
+from elitescript.sweep.results.journal import Journal
 from elitescript.sweep.results.summary import Summary, summary_of
+from elitescript.sweep.results.table_files import TableFiles
 from elitescript.sweep.results.tables import check_table, columns, values
 from elitescript.sweep.results.totals import Totals
 from elitescript.sweep.single import Runner
@@ -85,7 +86,8 @@ def sweep(
         engine: what runs the runs instead, such as a `ClusterEngine`; it must have been entered.
         max_wall_s: wall time after which a run is given up, s; None for no limit.
         out: table of the rows: `.csv`, `.jsonl` or `.parquet`.
-        resume: go on with a sweep that was ended before its table.
+        resume: go on with a sweep that was ended before its table, or with more runs than a finished table has; one of
+            other settings is refused.
         on_progress: called with the number of runs that are done, and of those that failed.
         model: arm, as for `VirtualRobot`.
         **options: of the robot, as for `VirtualRobot`; not the sections of a world file.
@@ -110,9 +112,10 @@ def sweep(
     table = None if out is None else Path(out)
     if table is None and resume:
         raise UsageError("resume goes with out, beside which the rows so far are kept")
-    if table is not None:
-        check_table(table)
-    part = None if table is None else table.with_name(table.name + SUFFIX)
+    files = None if table is None else TableFiles(table)
+    if files is not None:
+        check_table(files.table)
+        files.check()
     plan = make_plan(
         program,
         world=world,
@@ -127,10 +130,15 @@ def sweep(
         chaos=chaos,
         step_s=step_s,
         has_margins=margins,
-        without_files=[path for path in (table, part) if path is not None],
+        without_files=[*(files or ())],
     )
     count = runs_of(plan.variations, runs)
     runner = Runner(plan, functions)
+    if functions and resume:
+        raise UsageError(
+            "resume: what functions compute cannot be compared with what is there; write them into a file: "
+            "'checks.py:is_stacked'"
+        )
     if functions and (engine is not None or jobs not in (None, 1)):
         raise UsageError(
             "functions are called in this process, so jobs must be 1 and there is no engine; "
@@ -141,9 +149,10 @@ def sweep(
     if max_wall_s is not None and not max_wall_s > 0.0:
         raise UsageError(f"max_wall_s must be > 0 s, got {max_wall_s:g}")
     result = Sweep(runner)
-    kept = result.journal
+    if files is not None and resume and (found := files.finished(plan)) is not None:
+        count = max(count, found.runs)
     totals = Totals(plan.variations, properties_of(plan), tuple(plan.measures))
-    with Journal(part or kept, plan, resumes=resume) as journal:
+    with files.journal(plan, resumes=resume) if files else Journal(result.journal, plan, resumes=False) as journal:
         sweeping = Sweeping(plan, count, journal)
         if functions:
             sweeping.go(HereEngine(runner), on_progress)
@@ -153,9 +162,10 @@ def sweep(
             with LocalEngine(jobs or cores(), max_wall_s=max_wall_s) as own:
                 sweeping.go(own, on_progress)
         sweeping.finish(table, totals.add)
-    if part is not None:
-        shutil.move(part, kept)
-        journal.path = kept
+    if files is not None:
+        files.finish(journal, sweeping.failed)
+        shutil.move(files.part, result.journal)
+        journal.path = result.journal
     result.sweeping, result.summary = sweeping, summary_of(totals, is_random=is_random(plan))
     return result
 

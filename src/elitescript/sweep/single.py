@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 from elitescript.controller.views.trace import Trace
 from elitescript.devices.scenario import python_files
 from elitescript.devices.surroundings import REAL, VIRTUAL
-from elitescript.environment.local_channels import NONE, LocalChannels
+from elitescript.environment.local_channels import LocalChannels
 from elitescript.environment.memory import MemoryEnvironment
 from elitescript.environment.start_values import check_presets, parse_settings
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
@@ -194,7 +194,7 @@ class Runner:
         file = self._world_file(choices)
         environment: Any = file.world
         if environment is None:
-            environment = MemoryEnvironment(self._files, LocalChannels(network=NONE))
+            environment = MemoryEnvironment(self._files, LocalChannels(is_closed=True))
         options = {**self._options, **self._options_from(file)}
         options["seed"] = choices.seed
         robot = VirtualRobot(

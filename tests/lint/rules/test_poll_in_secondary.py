@@ -14,6 +14,10 @@ from tests.lint.checking import found, problems
         "socket_read_ascii_float(3, 'a', 2)",
         "tool_serial_read(3, True, 1)",
         "serial_read(3)",
+        "tool_modbus_read_registers(1, 0, 1, 5)",
+        "tool_modbus_read_registers(1, 0, 1, time_out=5)",
+        "serial_modbus_read_registers(1, 0, 1, timeout=3)",
+        "serial_modbus_read_registers(*[1, 0, 1])",
     ],
 )
 def test_a_reading_with_a_time_out_is_found_in_sec_alone(call):
@@ -24,6 +28,11 @@ def test_a_reading_with_a_time_out_is_found_in_sec_alone(call):
 def test_a_helper_inside_the_secondary_program_counts():
     text = "sec ask():\n  def read():\n    return socket_read_string('a')\n  x = read()\nend\n"
     assert found(text) == ["W221 3:12"]
+
+
+@pytest.mark.parametrize("call", ["tool_modbus_read_registers(1, 0, 1)", "tool_modbus_write_single_bit(1, 0, 1)"])
+def test_a_request_to_a_slave_without_a_time_out_waits(call):
+    assert found(f"sec ask():\n  x = {call}\nend\n") == []
 
 
 def test_what_does_not_wait_is_left_alone():

@@ -146,8 +146,8 @@ class TestWhatIsShown:
                     + message(0, b"<b>hello</b>\0")
                     + message(7, bytes(8) + b"\x13PROGRAM_XXX_STARTEDpick\0")
                 )
-                await page.until(lambda: len(page.of("events")) >= 4)
-                events = [{**event, "t": 0} for message in page.of("events")[:4] for event in message["list"]]
+                await page.until(lambda: sum(len(message["list"]) for message in page.of("events")) >= 4)
+                events = [{**event, "t": 0} for message in page.of("events") for event in message["list"]][:4]
                 assert events == [
                     {
                         "type": "alarm",

@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 import os
 import signal
+import socket
 import subprocess
 import sys
+import threading
 from contextlib import suppress
 from pathlib import Path
 
@@ -15,6 +17,7 @@ import pytest
 from elitescript.conversation.messages import Detail, GoOn, Program, RunOptions, Seek, Step
 from elitescript.devices.world import World
 from elitescript.robot import VirtualRobot
+from elitescript.services.child.jail import landlock_version
 from elitescript.studio.live import engine as module
 from elitescript.studio.live import processes
 from elitescript.studio.live.engine import LiveEngine, Setting
@@ -26,6 +29,63 @@ WAIT_S = 30.0
 SHORT = "def job():\n  movej([0.1, -1.57, -1.57, -1.57, 1.57, 0])\n  textmsg(1)\nend\n"
 ENDLESS = "def job():\n  n = 0\n  while True:\n    n = n + 1\n    sync()\n  end\nend\n"
 HANGS = "def job():\n  movej([0.1, -1.57, -1.57, -1.57, 1.57, 0])\n  n = 0\n  n = sum(range(10**12))\nend\n"
+
+
+CONNECTS = """def job():
+  for name in ["127.0.0.1", "localhost"]:
+    is_open = socket_open(name, {port}, name)
+    socket_send_line("hello", socket_name=name)
+    textmsg(name, " ", is_open, " ", socket_read_string(name).strip())
+  end
+  socket_open("cell", 3000, "cell")
+  socket_send_line("?", socket_name="cell")
+  textmsg(socket_read_string("cell").strip())
+end
+"""
+"""Talks to a real server by address and by name, and to a device that tries to get out."""
+
+HOSTILE = """
+import ctypes, os, socket
+from elitescript.testing.world import TcpServer
+
+def listen():
+    socket.socket().listen()
+
+TRIED = {{
+    "write": lambda: open({escaped!r}, "w"),
+    "exec": lambda: os.execv("/bin/true", ["true"]),
+    "fork": os.fork,
+    "read": lambda: open("/etc/passwd"),
+    "trace": lambda: None,
+    "listen": listen,
+    "unix": lambda: socket.socket(socket.AF_UNIX),
+}}
+
+class Dev(TcpServer):
+    def line_received(self, connection, line):
+        said = []
+        for name, work in TRIED.items():
+            try:
+                said.append(f"{{name}} {{work()}}")
+            except OSError as error:
+                said.append(f"{{name}} {{type(error).__name__}}")
+            if name == "trace":
+                libc = ctypes.CDLL(None, use_errno=True)
+                said[-1] = f"trace {{libc.ptrace(16, os.getppid(), 0, 0)}} {{ctypes.get_errno()}}"
+        return ", ".join(said)
+"""
+
+
+def echo(server, count):
+    """Send back what so many clients send."""
+
+    def answer(connection):
+        with connection:
+            while data := connection.recv(1000):
+                connection.sendall(data)
+
+    for _ in range(count):
+        threading.Thread(target=answer, args=server.accept()[:1], daemon=True).start()
 
 
 class Page:
@@ -507,6 +567,45 @@ class TestSettings:
             assert page.until("notice")["text"].endswith("[world] network: 'real' is not allowed here")
         finally:
             page.engine.folder = None
+
+    @pytest.mark.skipif(sys.platform != "linux", reason="the jail needs Linux")
+    def test_a_run_that_may_connect_is_locked_in_but_for_the_network(self, tmp_path):
+        try:
+            landlock_version()
+        except OSError as error:
+            pytest.skip(str(error))
+        escaped = tmp_path / "escaped"
+        (tmp_path / "dev.py").write_text(HOSTILE.format(escaped=str(escaped)))
+        (tmp_path / "cell.toml").write_text('[[tcp]]\naddress = "cell"\nport = 3000\nclass = "dev.py:Dev"\n')
+        made = Page(Setting(world=tmp_path / "cell.toml"))
+        with socket.create_server(("127.0.0.1", 0)) as server:
+            port = server.getsockname()[1]
+            threading.Thread(target=echo, args=(server, 2), daemon=True).start()
+            try:
+                ended = made.ran(CONNECTS.format(port=port), may_connect=True)
+                texts = [
+                    event["text"]
+                    for message in made.messages
+                    if message["type"] == "events"
+                    for event in message["list"]
+                    if event["type"] == "log"
+                ]
+            finally:
+                made.close()
+        assert ended["state"] == "finished"
+        assert texts == [
+            "127.0.0.1 True hello",
+            "localhost True hello",
+            "write PermissionError, exec PermissionError, fork PermissionError, read PermissionError, trace -1 1, "
+            "listen PermissionError, unix PermissionError",
+        ]
+        assert not escaped.exists()
+
+    @pytest.mark.parametrize("name", ["C" * 300, "CS66\0", "\0.toml", "C" * 300 + ".toml"])
+    def test_a_name_that_no_robot_has_is_said_and_the_text_is_checked(self, page, name):
+        page.program(SHORT, robot=name)
+        assert "robot" in page.until("notice")["text"]
+        assert page.until("problems")["compiles"]
 
     def test_a_run_that_may_connect_is_not_repeated(self, page):
         ended = page.ran('def job():\n  textmsg(socket_open("127.0.0.1", 9))\nend\n', may_connect=True)

@@ -8,7 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from elitescript.conversation import describe
+from elitescript.codec.json_text import to_text
+from elitescript.conversation import describe, limits
+from elitescript.conversation.limits import EventBudget
 from elitescript.conversation.messages import SignalInput
 from elitescript.devices.world import World
 from elitescript.messages.timing import TICKS_PER_S
@@ -88,7 +90,7 @@ class TestReport:
         run = by_itself(TEXT)
         link = reported(TEXT)
         events = [event for message in link.of("events") for event in message["list"]]
-        assert events == describe.events(3, run.events)["list"]
+        assert events == describe.events(3, run.events, EventBudget())["list"]
         moves = [move for message in link.of("moves") for move in message["list"]]
         assert moves == describe.moves(3, timed_moves(run.events, run.time_s))["list"]
         assert len(moves) == 3
@@ -150,10 +152,10 @@ class TestTexts:
             link = ListLink()
             with suppress(EOFError):
                 run_program(link, request(text[:end], until_s=0.1), no_jail)
-            compiles = link.one("problems")["compiles"]
-            assert len(link.of("run_began")) == compiles
-            if not compiles:
-                assert link.one("problems")["list"]
+            problems = link.one("problems")
+            assert len(link.of("run_began")) == (problems["compiles"] and "start" not in problems)
+            if not problems["compiles"]:
+                assert problems["list"]
 
     def test_a_robot_that_does_not_exist_is_said_beside_the_findings(self):
         link = reported("def job():\n  movej(\nend\n", robot={"model": "CS67"})
@@ -163,6 +165,20 @@ class TestTexts:
 
     def test_lone_surrogates_are_a_finding(self):
         assert reported('def job():\n  textmsg("\ud800")\nend\n').of("problems")
+
+
+class TestBegin:
+    @pytest.mark.parametrize("text", ["", "\n", "  \n\t\n", "# only a comment", "\n  # one\n# two\n"])
+    def test_a_text_that_holds_nothing_is_a_beginning(self, text):
+        link = reported(text, robot={"joints": (0.1, -1.2, 1.3, -1.4, 1.5, 0.6)})
+        assert [message["type"] for message in link.messages] == ["scene", "problems"]
+        problems = link.one("problems")
+        assert (problems["list"], problems["compiles"]) == ([], True)
+        assert problems["start"]["joints"] == [0.1, -1.2, 1.3, -1.4, 1.5, 0.6]
+
+    @pytest.mark.parametrize("text", ["pass", "'text'", "x = 1", "def job():\n  sync()\nend", "end"])
+    def test_any_other_is_not(self, text):
+        assert "start" not in reported(text).one("problems")
 
 
 class TestLimits:
@@ -205,11 +221,43 @@ class TestLimits:
         assert joints_by_tick(link.rows)[250] == pytest.approx(rows[250].q, abs=2.5e-7)
 
     def test_events_beyond_the_limit_are_left_out_but_alarms(self, monkeypatch):
-        monkeypatch.setattr(running, "EVENTS_MAX", 5)
+        monkeypatch.setattr(running, "EventBudget", lambda: EventBudget(5))
+        monkeypatch.setattr(limits, "LAST_EVENTS", 3)
         link = reported("def job():\n  for n in range(20):\n    textmsg(n)\n  end\n  a = 1 / 0\nend\n")
-        kinds = [event["type"] for message in link.of("events") for event in message["list"]]
-        assert kinds == ["log"] * 5 + ["alarm"]
-        assert "further ones are not shown" in link.one("notice")["text"]
+        events = [event for message in link.of("events") for event in message["list"]]
+        assert [event["type"] for event in events] == ["log"] * 8 + ["alarm"]
+        assert [event["text"] for event in events[:-1]] == ["0", "1", "2", "3", "4", "17", "18", "19"]
+        left_out = link.of("left_out")[-1]
+        assert left_out["events"] == 12
+        assert left_out["bytes"] > 12 * 64
+
+    @pytest.mark.parametrize(
+        "call",
+        [
+            'print("y" * 100000)',
+            'textmsg("y" * 100000)',
+            'popup("y" * 100000, "t" * 99)',
+            'socket_open("x", 1, "y" * 9999)',
+        ],
+    )
+    def test_long_texts_are_cut_and_all_of_them_are_bounded(self, call, monkeypatch):
+        monkeypatch.setattr(limits, "BYTES_MAX", 100_000)
+        monkeypatch.setattr(limits, "LAST_BYTES", 10_000)
+        link = reported(f"def job():\n  for n in range(60):\n    {call}\n  end\nend\n")
+        sizes = [sum(len(event.get("text", "")) for event in message["list"]) for message in link.of("events")]
+        assert sum(sizes) <= limits.BYTES_MAX + limits.LAST_BYTES
+        assert max(len(to_text(message)) for message in link.messages) < 2 * limits.BYTES_MAX
+        assert len(to_text(link.one("run_ended"))) < 10_000
+        left_out = link.of("left_out")[-1]
+        if "100000" in call:
+            assert left_out["bytes"] + sum(sizes) == pytest.approx(60 * 100_000, rel=0.01)
+
+    def test_variables_of_a_moment_are_bounded(self):
+        names = [f"v{number}" for number in range(1500)]
+        text = f"def job():\n  global {', '.join(names)}\n  {' = '.join(names)} = 'z' * 3000\n  sleep(1)\nend\n"
+        moment = reported(text).one("run_ended")["moment"]
+        assert len(to_text(moment)) < 2 * limits.VARIABLES_BYTES_MAX
+        assert moment["left_out"] + len(moment["globals"]) == 1500
 
 
 class TestOutside:

@@ -1,6 +1,7 @@
 /** What the source or the page has to say: shown until it is dismissed. */
 
 import type { Studio } from "../model/studio.ts";
+import { said } from "../text/said.ts";
 import { localTime, text } from "../text/text.ts";
 import { Icon } from "./icons.tsx";
 
@@ -30,7 +31,7 @@ export function Notices({ studio }: { studio: Studio }) {
       {all.length > SHOWN_MAX && <p class="notice">{text("notices_more", { count: all.length - SHOWN_MAX })}</p>}
       {shown.map((notice) => (
         <p key={notice.id} class={`notice ${notice.severity}`} role={notice.severity === "error" ? "alert" : "status"}>
-          <Icon name={notice.severity} /> <span>{notice.text}</span>
+          <Icon name={notice.severity} /> <span>{said(notice.text)}</span>
           <button type="button" class="plain" aria-label={text("dismiss")} title={text("dismiss")} onClick={() => studio.dismiss(notice.id)}>
             <Icon name="close" />
           </button>

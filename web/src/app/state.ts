@@ -2,6 +2,7 @@
 
 import { countsOf, findingsOf } from "../model/findings.ts";
 import { LIMIT_S, type Studio } from "../model/studio.ts";
+import { said } from "../text/said.ts";
 import { text } from "../text/text.ts";
 
 export interface RunState {
@@ -24,6 +25,7 @@ export function runState(studio: Studio): RunState {
     const moment = studio.moment.value;
     return moment === null ? state("none", text("state_connecting")) : state("good", text("state_live", { t: short(moment.t) }));
   }
+  if (run === null && studio.isEmpty.value) return state("none", text("state_empty"));
   if (run === null) return problems?.compiles === false ? state("error", text("state_not_compiled")) : state("none", text("state_no_run"));
   if (isStale) return state("warning", text("state_stale", { line: studio.staleFrom.value }));
   const { ended } = run;
@@ -45,7 +47,7 @@ export function runState(studio: Studio): RunState {
     case "stuck":
       return state("error", text("state_stuck", { t, line: ended.moment.line }));
     case "killed":
-      return state("error", text("state_killed", { why: ended.killed ?? "" }));
+      return state("error", text("state_killed", { why: said(ended.killed ?? "") }));
   }
 }
 

@@ -79,6 +79,8 @@ export interface Entry {
   readonly thread: string;
   /** What happened, in the product's words. */
   readonly text: string;
+  /** Of which this is; moves and contacts have none. */
+  readonly event?: RunEvent;
 }
 
 export class Lanes {
@@ -308,7 +310,7 @@ function sortKey(lane: Lane): readonly (number | string)[] {
 // ---------------------------------------------------------------- entries of lists
 
 function entryOf(event: RunEvent): Entry {
-  return { t: event.t, kind: event.type, line: event.line ?? 0, thread: event.thread ?? "", text: eventText(event) };
+  return { t: event.t, kind: event.type, line: event.line ?? 0, thread: event.thread ?? "", text: eventText(event), event };
 }
 
 /** Returns what an event says, without its time and line. */

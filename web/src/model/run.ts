@@ -5,6 +5,7 @@ import type { AlarmReport, Contact, CycleRow, FromSource, Moment, Move, RunEvent
 import { TICK_S, type Rows } from "../source/rows.ts";
 import { SampleTable } from "./samples.ts";
 
+export type LeftOut = Extract<FromSource, { type: "left_out" }>;
 export type RunEnded = Extract<FromSource, { type: "run_ended" }>;
 
 /** Where a thread was: `line[i]` from `t[i]` until `t[i + 1]`, the last until the end of what is computed; line 0: no such thread. */
@@ -38,6 +39,8 @@ export class Run {
   readonly signals = new Map<string, { readonly t: number[]; readonly value: Value[]; readonly line: number[] }>();
   cycle: readonly CycleRow[] = [];
   contacts: readonly Contact[] = [];
+  /** What the source has not sent of the events; null: nothing. */
+  leftOut: LeftOut | null = null;
   /** The robot that ran; null: that of the page. */
   scene: Scene | null = null;
   /** Up to where it is computed, s. */
@@ -74,6 +77,9 @@ export class Run {
         break;
       case "events":
         for (const event of message.list) this.happen(event);
+        break;
+      case "left_out":
+        this.leftOut = message;
         break;
       case "lines":
         this.pass(message.thread, message.t, message.line);

@@ -8,6 +8,7 @@ import { TICK_S, type Rows } from "../source/rows.ts";
 import { fromBase64, readRecording } from "../source/recording.ts";
 import type { Results } from "../source/services.ts";
 import type { Link, Listener, Source } from "../source/source.ts";
+import { said } from "../text/said.ts";
 import { text as words } from "../text/text.ts";
 import { type Alignment, aligned, recordingIn, runOf } from "./compare.ts";
 import { firstChange } from "./difference.ts";
@@ -238,6 +239,9 @@ export class Studio implements Listener {
     const file = this.file.value;
     return file !== null && (file.is_new === true ? this.text.value !== "" || file.text !== "" : this.text.value !== file.text);
   });
+
+  /** Whether the text holds nothing yet, as far as the source has said. */
+  readonly isEmpty = computed(() => this.problems.value?.start !== undefined);
 
   /** First line of the text that the run on the screen is not of; 0 if it is of this text. */
   readonly staleFrom = computed(() => {
@@ -616,7 +620,9 @@ export class Studio implements Listener {
         this.takeChange(message);
         return;
       case "problems":
-        if (message.version === this.version.value) this.problems.value = message;
+        if (message.version !== this.version.value) return;
+        this.problems.value = message;
+        if (message.start !== undefined) this.beginAnew(message.start);
         return;
       case "run_began":
         this.begin(message);
@@ -649,6 +655,16 @@ export class Studio implements Listener {
     }
   }
 
+  /** The text holds nothing: what ran before is no run of it. */
+  private beginAnew(start: Moment): void {
+    this.pause();
+    this.parked ??= this.run.value;
+    this.run.value = this.before.value = null;
+    this.momentRun.value = 0;
+    this.moment.value = start;
+    this.cursor.value = this.wanted_s = 0;
+  }
+
   rows(rows: Rows): void {
     if (rows.run !== this.run.value?.number) return;
     this.run.value.takeRows(rows);
@@ -668,6 +684,8 @@ export class Studio implements Listener {
   // ---------------------------------------------------------------- inside
 
   private isStepping = false;
+  /** The run of the text before it was emptied: the next one may begin with its rows. */
+  private parked: Run | null = null;
   /** From a new greeting until the source has the file of the page open again. */
   private awaitsFile = false;
 
@@ -745,7 +763,7 @@ export class Studio implements Listener {
 
   /** Forgets the runs of another program. */
   private restart(): void {
-    this.run.value = null;
+    this.run.value = this.parked = null;
     this.before.value = null;
     this.comparing.value = null;
     this.problems.value = null;
@@ -779,7 +797,8 @@ export class Studio implements Listener {
   }
 
   private begin(message: Extract<FromSource, { type: "run_began" }>): void {
-    const last = this.run.value;
+    const last = this.run.value ?? this.parked;
+    this.parked = null;
     // By the time that it begins the text may be another one.
     const text = this.told.get(message.version) ?? (message.version === this.version.value ? this.text.value : (last?.text ?? ""));
     for (const version of this.told.keys()) if (version < message.version) this.told.delete(version);
@@ -867,5 +886,5 @@ export class Studio implements Listener {
 }
 
 function reason(error: unknown): string {
-  return error instanceof Error ? error.message : String(error);
+  return said(error instanceof Error ? error.message : String(error));
 }

@@ -89,3 +89,9 @@ export function withUnit(value: number, quantity: Quantity, display?: Display): 
 export function seconds(t: number): string {
   return `${format(t, "time")} s`;
 }
+
+/** Returns a number of bytes with its unit. */
+export function size(bytes: number): string {
+  for (const [unit, of] of [["GB", 1e9], ["MB", 1e6], ["kB", 1e3]] as const) if (bytes >= of) return `${(bytes / of).toPrecision(3)} ${unit}`;
+  return `${bytes} B`;
+}

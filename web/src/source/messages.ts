@@ -145,8 +145,11 @@ export interface Problem {
 
 export interface TextEdit { readonly line: number; readonly column: number; readonly end_line: number; readonly end_column: number; readonly text: string }
 
-/** An event as `run --json` has it: its type, time, and further fields of that type (docs/reference). */
-export interface RunEvent { readonly type: string; readonly t: number; readonly line?: number; readonly thread?: string; readonly [field: string]: Json | undefined }
+/**
+ * An event as `run --json` has it: its type, time, and further fields of that type (docs/reference). Long texts are cut;
+ * `cut` is how many characters are missing.
+ */
+export interface RunEvent { readonly type: string; readonly t: number; readonly line?: number; readonly thread?: string; readonly cut?: number; readonly [field: string]: Json | undefined }
 
 export interface Move { readonly start_s: number; readonly end_s: number; readonly kind: string; readonly line: number }
 
@@ -163,6 +166,8 @@ export interface Moment {
   readonly globals: readonly VariableState[];
   readonly signals: { readonly [name: string]: Value };
   readonly threads: readonly ThreadState[];
+  /** How many further globals and threads are left out, if any are. */
+  readonly left_out?: number;
   /** Where in the program this is, for `step`. */
   readonly position?: string;
   readonly tcp_force?: Six;
@@ -201,12 +206,14 @@ export type FromSource =
   /** The file has changed on disk (or is gone: no text). */
   | { readonly type: "file_changed"; readonly name: string; readonly text?: string; readonly digest: string }
   | { readonly type: "saved"; readonly ask: number; readonly digest: string }
-  /** `rules`: how many were checked. */
-  | { readonly type: "problems"; readonly version: number; readonly list: readonly Problem[]; readonly compiles: boolean; readonly rules?: number }
+  /** `rules`: how many were checked. `start`: the text holds nothing yet, and no run comes; the robot as a run would begin. */
+  | { readonly type: "problems"; readonly version: number; readonly list: readonly Problem[]; readonly compiles: boolean; readonly rules?: number; readonly start?: Moment }
   /** `same_until_s`: up to then it is the run before; those rows are not sent again, all else is. `options`: as they are in force. */
   | { readonly type: "run_began"; readonly run: number; readonly version: number; readonly same_until_s: number; readonly options: RunOptions }
   | { readonly type: "progress"; readonly run: number; readonly t: number }
   | { readonly type: "events"; readonly run: number; readonly list: readonly RunEvent[] }
+  /** Takes the place of the one before: events that are not sent, the first at `from_s`, and about how many bytes these and cut texts have. */
+  | { readonly type: "left_out"; readonly run: number; readonly events: number; readonly bytes: number; readonly from_s: number }
   /** Further begins of stretches of a thread in a line; line 0: there is no such thread. Each lasts until the next. */
   | { readonly type: "lines"; readonly run: number; readonly thread: string; readonly t: readonly number[]; readonly line: readonly number[] }
   | { readonly type: "moves"; readonly run: number; readonly list: readonly Move[] }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any, Final
 from urllib.parse import quote
@@ -123,7 +124,7 @@ class SarifReport(CheckReport):
             "ruleId": problem.code,
             "ruleIndex": self._codes.index(problem.code),
             "level": _LEVELS[problem.severity],
-            "message": {"text": text},
+            "message": {"text": _plain(text)},
             "locations": [{"physicalLocation": {"artifactLocation": artifact, "region": region}}],
         }
         if problem.fix is not None:
@@ -150,6 +151,7 @@ FORMATS: Final[dict[str, type[CheckReport]]] = {
 }
 """By the word of `--format`."""
 
+_LINK: Final = re.compile(r"\[([^\[\]]*)\]\(")
 _SCHEMA: Final = "https://json.schemastore.org/sarif-2.1.0.json"
 _LEVELS: Final = {Severity.ERROR: "error", Severity.WARNING: "warning"}
 
@@ -161,6 +163,11 @@ def _count(number: int, noun: str) -> str:
 def _message(text: str) -> str:
     """Return escaped data of a workflow command."""
     return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+
+
+def _plain(text: str) -> str:
+    """Return a text of a SARIF message in which nothing is a link (SARIF 2.1.0, 3.11.6)."""
+    return _LINK.sub(r"\\[\1\\](", text)
 
 
 def _property(text: str) -> str:

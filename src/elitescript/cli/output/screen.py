@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, Final, TextIO
 
@@ -132,10 +132,18 @@ class ScreenStream:
         target: the stream.
         palette: of reports.
         status: the line on the same terminal; None if there is none.
+        shown: makes of a text what is written.
     """
 
-    def __init__(self, target: TextIO, palette: Palette, status: StatusLine | None) -> None:
+    def __init__(
+        self,
+        target: TextIO,
+        palette: Palette,
+        status: StatusLine | None,
+        shown: Callable[[str], str] = str,
+    ) -> None:
         self._target = target
+        self._shown = shown
         self.palette = palette
         self.status = status
 
@@ -144,7 +152,8 @@ class ScreenStream:
         if self.status is not None and text:
             self.status.erase()
             self.status.is_at_line_start = text.endswith("\n")
-        return self._target.write(text)
+        self._target.write(self._shown(text))
+        return len(text)
 
     def flush(self) -> None:
         """Flush the stream."""
@@ -155,21 +164,32 @@ class ScreenStream:
 
 
 @contextmanager
-def on_screen(color: str) -> Iterator[None]:
-    """Wrap the standard streams as far as they are terminals, while the body runs.
+def on_screen(color: str, *, writes_commands: bool = False) -> Iterator[None]:
+    """Wrap the standard streams as far as they are terminals or logs of GitHub, while the body runs.
+
+    What a program prints does not drive the terminal, and is no workflow command.
 
     Args:
         color: of `COLORS`; `auto` means colours on a terminal that has them, unless `NO_COLOR` is set.
+        writes_commands: whether what is printed are workflow commands of GitHub.
     """
+    # Imported late: most output goes neither to a terminal nor to a log of GitHub.
+    from elitescript.untrusted.escaping import github_text, terminal_text
+
     out, err = sys.stdout, sys.stderr
     knows_escapes = understands_escapes(os.environ, os.name)
     palettes = [Palette(is_colored(color, stream, os.environ, os.name)) for stream in (out, err)]
     status = StatusLine(err, palettes[1]) if knows_escapes and err.isatty() else None
-    if status is None and not any(palette.is_colored for palette in palettes):
+    log = github_text if os.environ.get("GITHUB_ACTIONS") == "true" and not writes_commands else str
+    shown = [terminal_text if stream.isatty() else log for stream in (out, err)]
+    if status is None and not any(palette.is_colored for palette in palettes) and shown == [str, str]:
         yield
         return
     # A line printed into a file or a pipe does not touch the terminal.
-    wrapped = ScreenStream(out, palettes[0], status if out.isatty() else None), ScreenStream(err, palettes[1], status)
+    wrapped = (
+        ScreenStream(out, palettes[0], status if out.isatty() else None, shown[0]),
+        ScreenStream(err, palettes[1], status, shown[1]),
+    )
     sys.stdout, sys.stderr = wrapped
     try:
         yield

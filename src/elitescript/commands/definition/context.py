@@ -218,14 +218,22 @@ class SerialLineAccess(Protocol):
         """Drop received bytes that are not read."""
 
     def read_slave(
-        self, device: str, slave: int, function: int, address: int, count: int, timeout_s: float
+        self, device: str, slave: int, function: int, address: int, count: int, timeout_s: float, *, is_polled: bool
     ) -> tuple[int, ...] | None:
-        """Read values of a slave with function 1 to 4; return None if that fails."""
+        """Read values of a slave with function 1 to 4; return None if that fails. `is_polled`: no wait in a `sec`."""
 
     def write_slave(
-        self, device: str, slave: int, function: int, address: int, values: tuple[int, ...], timeout_s: float
+        self,
+        device: str,
+        slave: int,
+        function: int,
+        address: int,
+        values: tuple[int, ...],
+        timeout_s: float,
+        *,
+        is_polled: bool,
     ) -> bool:
-        """Write values to a slave with function 5, 6, 15 or 16; return whether it accepted them."""
+        """Write values to a slave with function 5, 6, 15 or 16; return whether it accepted them; see `read_slave`."""
 
 
 class ModbusSignalAccess(Protocol):

@@ -357,6 +357,22 @@ ToolSpeed = Annotated[float, Number("m/s", 0.0, meaning="tool speed")]
 ToolDeceleration = Annotated[float, Number("m/s^2", 0.0, is_low_open=True, meaning="tool acceleration")]
 Seconds = Annotated[float, Number("s", 0.0)]
 TimeOut = Annotated[float, Number("s")]
+
+
+class UsualTimeOut(int):
+    """The default of a time-out: the call has none. No value of a program is one."""
+
+    __slots__ = ()
+
+
+class _RequestTimeOut(Number):
+    """The time-out of a request, which tells whether the call has one."""
+
+    def coerce(self, value: Any) -> float:
+        return value if type(value) is UsualTimeOut else super().coerce(value)
+
+
+RequestTimeOut = Annotated[float, _RequestTimeOut("s")]
 BlendRadius = Annotated[float, Number("m", -0.001, meaning="blend radius")]
 Radians = Annotated[float, Number("rad")]
 Real = Annotated[float, Number()]

@@ -1,7 +1,8 @@
 """A reading with a time-out in a secondary program, which does not wait.
 
 What `sec` starts has to be short, so its readings of sockets and serial ports look once: they return what has come
-already, and the time-out is without effect. A request to a MODBUS slave never gets its answer there.
+already, and the time-out is without effect. A request to a MODBUS slave waits for its answer as long as the secondary
+program may run, one second, if the call has no time-out; with one it looks once too (*assumed*).
 
     sec ask():
       global answer
@@ -11,6 +12,7 @@ already, and the time-out is without effect. A request to a MODBUS slave never g
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Iterator
 
 from elitescript.lint.program import AnalysedProgram
@@ -25,12 +27,24 @@ def poll_in_secondary(program: AnalysedProgram) -> Iterator[Finding]:
     for command, call, _ in program.command_calls:
         if not command.waits or not command.works_in_sec:
             continue
-        if any(param.name in _TIME_OUTS for param in command.params) and program.is_in_secondary(call):
+        times = [place for place, param in enumerate(command.params) if param.name in _TIME_OUTS]
+        if command.family == "modbus_rtu" and not any(_is_given(call, place) for place in times):
+            continue
+        if times and program.is_in_secondary(call):
             yield Finding(
                 call.func,
                 f"a secondary program (sec) does not wait: {command.name} looks once, whatever its time-out",
-                "read in the program and share the value as a global",
+                "without a time-out it waits for its answer, one second at most"
+                if command.family == "modbus_rtu"
+                else "read in the program and share the value as a global",
             )
+
+
+def _is_given(call: ast.Call, place: int) -> bool:
+    """Return whether a call has, or may have, an argument at a place."""
+    has_stars = any(isinstance(argument, ast.Starred) for argument in call.args)
+    is_named = any(word.arg is None or word.arg in _TIME_OUTS for word in call.keywords)
+    return has_stars or is_named or len(call.args) > place
 
 
 _TIME_OUTS = frozenset(("time_out", "timeout"))

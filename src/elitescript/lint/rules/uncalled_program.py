@@ -15,7 +15,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from elitescript.language.idle import idle_problem
-from elitescript.language.options import SCRIPT
 from elitescript.lint.effects import has_effect
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.lint.registry import Finding, rule
@@ -24,10 +23,6 @@ from elitescript.lint.registry import Finding, rule
 @rule(code="W214", since="0.1", needs_all_lines=True)
 def uncalled_program(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the function with which a text that does nothing was meant to begin."""
-    if program.parsed.kind == SCRIPT and not program.parsed.tree.body:
-        text = "nothing runs: the text holds no statement"
-        yield Finding(Span(1, 1, 1, 2), text, "write `def job():` and below it what is to run")
-        return
     found = idle_problem(program.parsed, lambda value: has_effect(value, program))
     if found is not None:
         place = Span(found.line, found.column, found.end_line, found.end_column)

@@ -1,8 +1,8 @@
 """A call of a function that exists nowhere: not in the program, not in the catalogue, not in Python.
 
 It is an alarm (`NameError`) when it is reached. Names of other robots' languages get the command that does
-the same here. A secondary program may call functions of the running program, so only names that are plainly
-a slip are reported there.
+the same here. A secondary program may call functions that the running program has declared `global`, so only names
+that are plainly a slip are reported there.
 
     def job():
       set_digital_out(1, True)   # E301: here it is set_standard_digital_out

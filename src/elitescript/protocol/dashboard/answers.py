@@ -33,6 +33,7 @@ from elitescript.messages.machine import (
     SetSpeedScale,
     StopTask,
 )
+from elitescript.messages.profile import version_text
 from elitescript.messages.snapshot import RobotDescription, Snapshot
 from elitescript.protocol.dashboard.guards import MAY_MOVE, safety_name
 from elitescript.protocol.lines import shown
@@ -214,13 +215,8 @@ def tell_running(asked: Asked) -> Answer:
     return Answer("Task is running" if is_running else "Task is not running")
 
 
-def version_text(description: RobotDescription) -> str:
-    """Return the version of the controller as `version` and the greeting show it."""
-    return ".".join(map(str, description.firmware))
-
-
 def tell_version(asked: Asked) -> Answer:
-    return Answer(version_text(asked.description))
+    return Answer(version_text(asked.description.version))
 
 
 def tell_model(asked: Asked) -> Answer:

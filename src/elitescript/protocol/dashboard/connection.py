@@ -15,10 +15,11 @@ from typing import Final
 
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
+from elitescript.messages.profile import version_text
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol.connection import Connection, ProtocolError
-from elitescript.protocol.dashboard.answers import Answer, Asked, version_text
+from elitescript.protocol.dashboard.answers import Answer, Asked
 from elitescript.protocol.dashboard.verbs import VERBS, DashboardCommand, unknown_text, usage_text
 from elitescript.protocol.lines import PacedLines, TextLine, one_line, shown
 from elitescript.protocol.outcomes import refusal_of, value_text
@@ -53,7 +54,7 @@ class DashboardConnection(Connection):
         self._settled_tick = 0
         self._own_origin = ""
         self._send_text(
-            f"EliRobot dashboard shell, version {version_text(description)}.\r\n"
+            f"EliRobot dashboard shell, version {version_text(description.version)}.\r\n"
             "Type help to see all commands.\r\n"
             "Type help NAME to read about the command NAME."
         )

@@ -38,8 +38,8 @@ from elitescript.records import NamedTuple
 SPACING_TICKS: Final = 7
 """Between two robot messages: with ten states they stay below 50 messages a second."""
 UNITS_PER_TICK: Final = 2
-"""Units of one client that begin in one tick, about 2 ms of work; further ones wait. *Assumed.*"""
-MAX_UNITS_AT_ONCE: Final = 100
+"""Units of one client that are read in one tick, about 2 ms of work; further ones wait. *Assumed.*"""
+MAX_UNITS_AT_ONCE: Final = 500
 """Limit of units that wait when a client closes; further ones are refused. *Assumed.*"""
 LINES_AT_ONCE: Final = 50
 BYTES_AT_ONCE: Final = 2048
@@ -150,6 +150,7 @@ class PrimaryConnection(Connection):
         "_burst",
         "_bytes_left",
         "_feed",
+        "_has_noted_unread",
         "_is_greeted",
         "_is_remote",
         "_line_bytes",
@@ -178,6 +179,7 @@ class PrimaryConnection(Connection):
         self._tick = 0
         self._is_remote = False
         self._is_greeted = False
+        self._has_noted_unread = False
         self._received_at: int | None = None
         self._units_in_tick = 0
         self._next_state_at = 0
@@ -185,13 +187,23 @@ class PrimaryConnection(Connection):
         self._waiting = RobotMessageQueue(self._feed.terminator)
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
-        if not self._feed.port.takes_programs or not data:
+        if not self._feed.port.takes_programs:
+            return self._note_unread(data)
+        if not data:
             return []
         self._begin_tick(output)
         self._raw += data
         if len(self._raw) > MAX_WAITING_BYTES:
             raise ProtocolError(f"more than {MAX_WAITING_BYTES} bytes wait; programs come faster than they can be read")
         return self._read()
+
+    def _note_unread(self, data: bytes) -> list[Input]:
+        """Say once that the lines of a client of a port that takes nothing are not read; the client is told nothing."""
+        if b"\n" not in data or self._has_noted_unread:
+            return []
+        self._has_noted_unread = True
+        text = f"this port only sends, and what comes in is not read; send programs to {PRIMARY.number}"
+        return [self._warning(f"{self.origin}: {text}")]
 
     @property
     def is_busy(self) -> bool:
@@ -265,8 +277,11 @@ class PrimaryConnection(Connection):
         inputs: list[Input] = []
         while self._units_in_tick < UNITS_PER_TICK:
             if self._ready:
-                self._units_in_tick += 1
-                inputs += self._inputs(self._ready.popleft())
+                found = self._inputs(self._ready.popleft())
+                # What replaces a program has this tick for itself, see `kernel.unit_order`.
+                is_alone = any(isinstance(item, RunUnit) and item.kind != "secondary" for item in found)
+                self._units_in_tick += UNITS_PER_TICK if is_alone else 1
+                inputs += found
             elif piece := self._piece():
                 self._ready += self._splitter.receive(piece)
             else:

@@ -281,7 +281,7 @@ def error_message(
 
 def version_message(tick: int, description: RobotDescription, terminator: bytes = TERMINATOR) -> RobotMessage:
     """Return the version of the controller."""
-    values = (len(_PROJECT), tuple(_PROJECT), *description.firmware)
+    values = (len(_PROJECT), tuple(_PROJECT), *description.version)
     return RobotMessage(VERSION.pack(tick, values, "", terminator=terminator), is_vital=False)
 
 

@@ -24,6 +24,7 @@ from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol.binary import UINT8, UINT16, UINT32, Field, FieldList, WireValue
 from elitescript.protocol.connection import Connection, ProtocolError
+from elitescript.protocol.rtsi import advice
 from elitescript.protocol.rtsi.inputs import INPUTS, Arrival, requests_of
 from elitescript.protocol.rtsi.recipes import FREQUENCY_MAX_HZ, FREQUENCY_MIN_HZ, InputRecipe, OutputRecipe, RtsiPort
 from elitescript.protocol.rtsi.variables import OUTPUTS
@@ -50,6 +51,8 @@ _LEVELS: Final = ("exception", "error", "warning", "info")
 
 _FRAME: Final = FieldList(Field("size", UINT16), Field("command", UINT8))
 _VERSION: Final = FieldList(*(Field(name, UINT32) for name in ("major", "minor", "bug fix", "build")))
+_SHORT: Final = frozenset(map(ord, "VvSP"))
+"""Commands of five bytes at most."""
 _FREQUENCY: Final = struct.Struct(">d")
 
 
@@ -99,6 +102,7 @@ class RtsiConnection(Connection):
         "_held_back_until",
         "_inputs",
         "_is_started",
+        "_noted_kinds",
         "_outputs",
         "_port",
         "_reported",
@@ -124,6 +128,8 @@ class RtsiConnection(Connection):
         self._held_back_until = 0
         self._reported: dict[str, int] = {}
         """Tick of the last text message by kind of problem."""
+        self._noted_kinds: set[str] = set()
+        """What the log has said of the client."""
 
     @property
     def is_streaming(self) -> bool:
@@ -156,6 +162,10 @@ class RtsiConnection(Connection):
                 size, command = struct.unpack_from(">HB", buffer, at)
                 if size < _FRAME.size:
                     raise ProtocolError(f"a message has at least {_FRAME.size} bytes, not {size}")
+                if command in _SHORT and size >= 256 and size % 256 == 0:
+                    # Otherwise such a client and this port would wait for each other for ever.
+                    text = f"message {chr(command)} has {size} bytes; RTSI is big-endian, and this client little-endian"
+                    raise ProtocolError(text)
                 if len(buffer) - at < size:
                     break
                 inputs += self._obey(command, bytes(buffer[at + _FRAME.size : at + size]), output)
@@ -267,6 +277,13 @@ class RtsiConnection(Connection):
     def _reply(self, letter: str, body: bytes) -> None:
         self.send(_FRAME.pack([_FRAME.size + len(body), ord(letter)]) + body)
 
+    def _noted(self, kind: str, text: str, output: Output) -> list[Input]:
+        """Return a warning for the log, once a client for each kind, and once a second for clients that reconnect."""
+        if kind in self._noted_kinds or not self._port.may_say(text, output.tick):
+            return []
+        self._noted_kinds.add(kind)
+        return [AddLog(self.origin, f"{self.origin}: {text}", is_warning=True)]
+
     def _report(self, kind: str, text: str, output: Output, level: int = ERROR) -> None:
         """Send a text message about a problem, unless one of its kind was sent within a second."""
         last = self._reported.get(kind)
@@ -286,7 +303,7 @@ class RtsiConnection(Connection):
         return []
 
     def _tell_version(self, _body: bytes, _output: Output) -> list[Input]:
-        self._reply("v", _VERSION.pack(self.description.firmware))
+        self._reply("v", _VERSION.pack(self.description.version))
         return []
 
     def _log(self, body: bytes, output: Output) -> list[Input]:
@@ -312,7 +329,9 @@ class RtsiConnection(Connection):
             problem = "the frequency of a recipe must be a number, not nan"
         if problem or NOT_FOUND in words:
             self._refuse("O", words, problem, output)
-            return []
+            if problem and NOT_FOUND not in words:
+                return []
+            return self._noted("output names", advice.unknown_names(names, is_input=False), output)
         frequency_hz = min(max(wanted_hz, FREQUENCY_MIN_HZ), FREQUENCY_MAX_HZ)
         recipe = OutputRecipe(len(self._outputs) + 1, names, frequency_hz)
         if recipe.size > MESSAGE_MAX:
@@ -338,7 +357,10 @@ class RtsiConnection(Connection):
         problem = self._problem(names, self._inputs)
         if problem or NOT_FOUND in words or IN_USE in words:
             self._refuse("I", words, problem, output)
-            return []
+            if NOT_FOUND in words:
+                return self._noted("input names", advice.unknown_names(names, is_input=True), output)
+            taken = [(name, claims.owner(name)) for name, word in zip(names, words, strict=True) if word == IN_USE]
+            return self._noted("claims", advice.claimed_names(taken), output) if taken else []
         recipe = InputRecipe(len(self._inputs) + 1, names)
         self._inputs.append(recipe)
         self._arrived.append(VariablesArrived(self.origin, recipe.names))
@@ -413,6 +435,10 @@ class RtsiConnection(Connection):
         if not self._is_started:
             self._first_tick = output.tick + 1
         inputs.append(self._arrived[ident - 1])
+        if not recipe.is_looked_at:
+            recipe.is_looked_at = True
+            for text in advice.without_effect(recipe.names, [other.names for other in self._inputs]):
+                inputs += self._noted(text, text, output)
         return inputs
 
 

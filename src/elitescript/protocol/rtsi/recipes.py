@@ -24,6 +24,9 @@ FREQUENCY_MAX_HZ: Final = 250.0
 HEAD: Final = struct.Struct(">HBB")
 """Size of the message, command, number of the recipe."""
 
+SAID_MAX: Final = 100
+"""Texts about clients that are remembered."""
+
 DATA_PACKAGE: Final = ord("U")
 
 
@@ -138,13 +141,15 @@ class InputRecipe:
         names: known names, in the order of the package; the last value of a repeated name counts.
     """
 
-    __slots__ = ("_fields", "effects", "ident", "names", "size")
+    __slots__ = ("_fields", "effects", "ident", "is_looked_at", "names", "size")
 
     def __init__(self, ident: int, names: tuple[str, ...]) -> None:
         self.ident = ident
         self.names = names
         self._fields = FieldList(*(Field(name, INPUTS[name]) for name in names))
         self.effects = effects_of(names)
+        self.is_looked_at = False
+        """Whether a package has come, and the log has said what of it has no effect."""
         self.size = HEAD.size + self._fields.size
         """Size of a package in bytes."""
 
@@ -168,6 +173,10 @@ class InputClaims:
     def is_free(self, origin: str, name: str) -> bool:
         """Return whether a client may claim an input: it has no owner, or this one."""
         return self._owners.get(name, origin) == origin
+
+    def owner(self, name: str) -> str:
+        """Return the client that has claimed an input; empty if none has."""
+        return self._owners.get(name, "")
 
     def claim(self, origin: str, names: Iterable[str]) -> None:
         """Give free inputs to a client."""
@@ -207,8 +216,20 @@ class PackageCache:
 class RtsiPort:
     """State that all clients of one robot's port share."""
 
-    __slots__ = ("claims", "packages")
+    __slots__ = ("_said", "claims", "packages")
 
     def __init__(self) -> None:
         self.claims = InputClaims()
         self.packages = PackageCache()
+        self._said: dict[str, int] = {}
+        """Tick at which the log has said a text."""
+
+    def may_say(self, text: str, tick: int) -> bool:
+        """Return whether the log may say a text about a client, and note it: not twice within a second."""
+        last = self._said.get(text)
+        if last is not None and 0 <= tick - last < TICKS_PER_S:
+            return False
+        if len(self._said) >= SAID_MAX:
+            self._said.clear()
+        self._said[text] = tick
+        return True

@@ -159,7 +159,14 @@ def _registers(side: str) -> tuple[OutputVariable, ...]:
 
 
 OUTPUT_ROWS: Final[tuple[OutputVariable, ...]] = (
-    _one("timestamp", DOUBLE, "s", "time since the controller started", lambda s: s.robot.time_s, TIME),
+    _one(
+        "timestamp",
+        DOUBLE,
+        "s",
+        "robot time since the controller started: 4 ms a tick; behind the wall clock by the ticks that were left out",
+        lambda s: s.robot.time_s,
+        TIME,
+    ),
     _one("payload_mass", DOUBLE, "kg", "payload", lambda s: s.robot.payload.mass_kg),
     _one("payload_cog", VECTOR3D, "m", "centre of gravity of the payload", lambda s: s.robot.payload.cog),
     _one(

@@ -257,7 +257,7 @@ class SerialLines:
     # ---------------------------------------------------------------- MODBUS
 
     def read_slave(
-        self, device: str, slave: int, function: int, address: int, count: int, timeout_s: float
+        self, device: str, slave: int, function: int, address: int, count: int, timeout_s: float, *, is_polled: bool
     ) -> tuple[int, ...] | None:
         """Read values of a slave; return None, with a warning, if that fails.
 
@@ -268,16 +268,26 @@ class SerialLines:
             address: first address.
             count: how many values.
             timeout_s: longest time to wait, for other threads and for the response; 0 and less wait for ever.
+            is_polled: whether a secondary program does not wait; else it waits as long as it may run.
 
         Raises:
             ScriptPermissionError: the port belongs to a daemon.
             Stopped: the thread was stopped.
         """
         last = f" to {address + count - 1}" if count > 1 else ""
-        return self._ask(device, slave, pdu.read(function, address, count), timeout_s, f"{address}{last}")
+        request = pdu.read(function, address, count)
+        return self._ask(device, slave, request, timeout_s, f"{address}{last}", is_polled=is_polled)
 
     def write_slave(
-        self, device: str, slave: int, function: int, address: int, values: tuple[int, ...], timeout_s: float
+        self,
+        device: str,
+        slave: int,
+        function: int,
+        address: int,
+        values: tuple[int, ...],
+        timeout_s: float,
+        *,
+        is_polled: bool,
     ) -> bool:
         """Write values to a slave, by function 5, 6, 15 or 16; see `read_slave`."""
         match function:
@@ -290,9 +300,17 @@ class SerialLines:
             case _:
                 request = pdu.write_registers(address, values)
         text = f"{address} = {values[0] if len(values) == 1 else list(values)}"
-        return self._ask(device, slave, request, timeout_s, text) is not None
+        return self._ask(device, slave, request, timeout_s, text, is_polled=is_polled) is not None
 
-    def _ask(self, device: str, slave: int, request: bytes, timeout_s: float, asked: str) -> tuple[int, ...] | None:
+    def _ask(
+        self, device: str, slave: int, request: bytes, timeout_s: float, asked: str, *, is_polled: bool
+    ) -> tuple[int, ...] | None:
+        caller = self._scheduler.caller
+        waits = not caller.is_secondary
+        if caller.is_secondary and not is_polled and caller.until_tick is not None:
+            # One tick is left in which the program goes on.
+            left_s = seconds(caller.until_tick - self._scheduler.now - 1)
+            waits, timeout_s = left_s > 0.0, min(timeout_s, left_s) if timeout_s > 0.0 else left_s
         deadline = Deadline(self._scheduler, timeout_s)
         reason = f"the answer of slave {slave} on {_called(device)}"
         found = self._usable(device, MODBUS)
@@ -300,19 +318,19 @@ class SerialLines:
             self._let_time_go_by(reason)
             return None
         line, wire = found
-        if not line.masters.take(reason, deadline.tick):
+        if not line.masters.take(reason, deadline.tick, waits=waits):
             self._say(device, slave, "another thread asks a slave")
             return None
         try:
             # During the wait the port may have been configured anew.
             if line.wire is not wire or not wire.is_open:
                 why = "the port was closed"
-            elif not self._wait_for_quiet(line, wire, reason, deadline):
+            elif not self._wait_for_quiet(line, wire, reason, deadline, waits=waits):
                 why = "the line is not silent"
             else:
                 wire.log.note("sent", cut(f"slave {slave}: {FUNCTIONS[request[0]]} {asked}"))
                 exchange = RtuExchange(slave, request)
-                values, why = self._exchange(line, wire, exchange, reason, deadline)
+                values, why = self._exchange(line, wire, exchange, reason, deadline, waits=waits)
                 if not why:
                     wire.log.note("received", cut(f"slave {slave}: {', '.join(map(str, values)) or 'done'}"))
                     return values
@@ -328,7 +346,9 @@ class SerialLines:
             self._clear(line, wire)
             line.masters.give()
 
-    def _wait_for_quiet(self, line: SerialLine, wire: LineConnection, reason: str, deadline: Deadline) -> bool:
+    def _wait_for_quiet(
+        self, line: SerialLine, wire: LineConnection, reason: str, deadline: Deadline, *, waits: bool
+    ) -> bool:
         """Drop bytes that come before a request until the line is silent; return whether it is so in time."""
         while True:
             if line.repeated and wire.received.startswith(line.repeated):
@@ -340,13 +360,20 @@ class SerialLines:
             if now >= line.quiet_tick:
                 line.repeated = b""
                 return True
-            if self._scheduler.caller.is_secondary or deadline.is_over or not wire.is_open:
+            if not waits or deadline.is_over or not wire.is_open:
                 return False
             until = deadline.tick
             wire.wait(reason, line.quiet_tick if until is None else min(until, line.quiet_tick))
 
     def _exchange(
-        self, line: SerialLine, wire: LineConnection, exchange: RtuExchange, reason: str, deadline: Deadline
+        self,
+        line: SerialLine,
+        wire: LineConnection,
+        exchange: RtuExchange,
+        reason: str,
+        deadline: Deadline,
+        *,
+        waits: bool,
     ) -> tuple[tuple[int, ...], str]:
         """Send a request and wait for its response; return its values, or the reason why there are none.
 
@@ -357,7 +384,7 @@ class SerialLines:
         gap = ticks_for(gap_s(line.settings.character_s))
         line.quiet_tick = self._scheduler.now + line.ticks_of(len(exchange.frame)) + gap
         may_echo = line.has_echo or not exchange.repeats
-        is_last = self._scheduler.caller.is_secondary
+        is_last = not waits
         while True:
             if may_echo and (end := exchange.echo_end(wire.received)):
                 line.has_echo, may_echo = True, False

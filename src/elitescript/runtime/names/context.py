@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Final, NoReturn, Protocol
 
 from elitescript.commands.definition.context import Machine
-from elitescript.errors import InvalidValueError, ScriptStateError
+from elitescript.errors import ArmNotReadyError, InvalidValueError, ScriptStateError
 from elitescript.messages.events import Popup, Printed, TextMessage, Warned
 from elitescript.messages.machine import MachineRequest, PauseTask, SetLineMark
 from elitescript.messages.motion import (
@@ -24,6 +24,7 @@ from elitescript.messages.motion import (
 )
 from elitescript.messages.path_offset import PathOffsetRequest
 from elitescript.messages.profile import Profile
+from elitescript.messages.timing import ticks_for
 from elitescript.messages.yielding import YieldRequest
 from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.environment import TASK_PATH, Files, ProgramEnvironment
@@ -260,7 +261,21 @@ class Context:
             reason = "its speed" if request.t_s is None else "the time of its speed"
         else:
             reason = MOVE_END
-        self._wait_for_move(request, reason)
+        try:
+            self._wait_for_move(request, reason)
+        except ArmNotReadyError as error:
+            if not isinstance(request, ServoJ | SpeedJ | SpeedL):
+                raise
+            self._pass_over(request, error)
+
+    def _pass_over(self, request: DriveRequest, error: ArmNotReadyError) -> None:
+        """Let the time of a streamed target go by while the arm is not ready; nothing moves.
+
+        *Assumed*: drivers send their control program before the arm has power, and it streams from then on.
+        """
+        text = f"{error}; servoj, speedj and speedl return after their time and move nothing until it is ready"
+        self.warn_once("arm not ready", text, hint=error.hint or "")
+        self.wait_ticks(max(1, ticks_for(request.t_s or 0.0)))
 
     def track(self, request: TrackRequest) -> None:
         """Begin to track a conveyor, or end that and wait for standstill."""

@@ -60,6 +60,7 @@ class Strand:
         body: runs in the thread; must not raise, except to reach the caller of `resume`.
         builtins: built-ins of its script code; a frame with others is not script code.
         is_secondary: whether it is a secondary program.
+        until_tick: when a secondary program is ended; None of others.
 
     Attributes:
         handle: positive number for scripts, unique for each strand.
@@ -110,6 +111,7 @@ class Strand:
         "suspend",
         "ticket",
         "until",
+        "until_tick",
         "waits_for",
         "was_woken",
         "work",
@@ -129,6 +131,7 @@ class Strand:
         self.handle = ((order + 1) * 2_654_435_761) & 0x7FFF_FFFF
         self.name = name
         self.is_secondary = is_secondary
+        self.until_tick: int | None = None
         self._body = body
         self._builtins = builtins
         self._greenlet: greenlet | None = None

@@ -20,12 +20,13 @@ class Turns:
         self._holder: Strand | None = None
         self._queue: list[Strand] = []
 
-    def take(self, reason: str, until: int | None) -> bool:
-        """Take the lock, waiting for it; return whether it was taken. A secondary program does not wait.
+    def take(self, reason: str, until: int | None, *, waits: bool | None = None) -> bool:
+        """Take the lock, waiting for it; return whether it was taken.
 
         Args:
             reason: of the wait.
             until: tick of the timeout.
+            waits: whether the caller waits; if None, all but secondary programs do.
 
         Raises:
             Stopped: the thread was stopped.
@@ -36,7 +37,7 @@ class Turns:
         if self._holder is None or self._holder.state is ENDED:
             self._holder = strand
             return True
-        if strand.is_secondary:
+        if not (not strand.is_secondary if waits is None else waits):
             return False
         self._queue.append(strand)
         try:

@@ -22,7 +22,7 @@ import ctypes
 import os
 import struct
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Final
 
 from elitescript.records import NamedTuple
@@ -32,7 +32,13 @@ MEMORY_MAX: Final = 1 << 30
 """Bytes of address space; a controller with a program takes a tenth."""
 OPEN_FILES_MAX: Final = 32
 OPEN_FILES_OF_COPIES_MAX: Final = 128
-"""Of a process that talks to copies of itself."""
+"""Of a process that talks to copies of itself, or to other computers."""
+
+_NAMES: Final = tuple(
+    f"/etc/{name}"
+    for name in ("hosts", "resolv.conf", "nsswitch.conf", "host.conf", "gai.conf", "services", "protocols")
+)
+"""What is read to look the name of a computer up."""
 
 _PR_SET_PDEATHSIG: Final = 1
 _PR_SET_DUMPABLE: Final = 4
@@ -50,6 +56,7 @@ _LANDLOCK_RESTRICT: Final = 446
 _LANDLOCK_FILE_RIGHTS: Final = {1: 0x1FFF, 2: 0x3FFF, 3: 0x7FFF, 4: 0x7FFF, 5: 0xFFFF}
 """All file rights by version; later versions have those of 5."""
 _LANDLOCK_TCP: Final = 0x3
+_LANDLOCK_BIND_TCP: Final = 0x1
 _LANDLOCK_SCOPES: Final = 0x3
 _READ_FILE: Final = 1 << 2
 _READ_FOLDER: Final = 1 << 3
@@ -65,25 +72,33 @@ class Layer(NamedTuple):
 
 
 def enter_jail(
-    readable: Iterable[str] | None = None, memory_max: int = MEMORY_MAX, *, may_copy: bool = False
+    readable: Iterable[str] | None = None,
+    memory_max: int = MEMORY_MAX,
+    *,
+    may_copy: bool = False,
+    may_connect: bool = False,
 ) -> tuple[Layer, ...]:
-    """Return lock this process in, for good.
+    """Lock this process in, for good.
 
     Args:
         readable: files and folders that may still be read; `own_modules()` if None.
         memory_max: bytes of address space.
         may_copy: whether it may leave copies of itself, which are locked in as well.
+        may_connect: whether it may open connections to other computers, and look their names up; instead of copies.
 
     Returns:
         Every layer: one that cannot be had is marked as missing, the others are there all the same.
     """
     paths = own_modules() if readable is None else list(readable)
+    if may_connect:
+        paths += [path for path in _NAMES if os.path.exists(path)]  # noqa: PTH110
+    calls = syscalls.allowed(may_copy=may_copy, may_connect=may_connect)
     return (
-        _tried("limits", lambda: _limit(memory_max, may_copy=may_copy)),
+        _tried("limits", lambda: _limit(memory_max, may_copy=may_copy, may_connect=may_connect)),
         _tried("capabilities", _drop_capabilities),
         _tried("privileges", _give_up_privileges),
-        _tried("files", lambda: _restrict_files(paths)),
-        _tried("system calls", lambda: _filter_calls(may_copy=may_copy)),
+        _tried("files", lambda: _restrict_files(paths, may_connect=may_connect)),
+        _tried("system calls", lambda: _filter_calls(calls)),
     )
 
 
@@ -135,12 +150,13 @@ def _prctl(option: int, argument: int, what: str, third: int = 0) -> None:
     _checked(prctl(ctypes.c_int(option), *values), what)
 
 
-def _limit(memory_max: int, *, may_copy: bool) -> str:
+def _limit(memory_max: int, *, may_copy: bool, may_connect: bool) -> str:
     import resource
 
-    open_files = OPEN_FILES_OF_COPIES_MAX if may_copy else OPEN_FILES_MAX
+    open_files = OPEN_FILES_OF_COPIES_MAX if may_copy or may_connect else OPEN_FILES_MAX
     wanted = {"AS": memory_max, "NOFILE": open_files, "FSIZE": 0, "CORE": 0, "MEMLOCK": 0, "MSGQUEUE": 0}
-    if not may_copy:
+    if not (may_copy or may_connect):
+        # It counts threads too.
         wanted["NPROC"] = 0
     for name, value in wanted.items():
         number = getattr(resource, f"RLIMIT_{name}", None)
@@ -180,12 +196,12 @@ def landlock_version() -> int:
     return _checked(_libc().syscall(_LANDLOCK_CREATE, None, ctypes.c_size_t(0), ctypes.c_uint(1)), "Landlock")
 
 
-def _restrict_files(readable: list[str]) -> str:
+def _restrict_files(readable: list[str], *, may_connect: bool) -> str:
     version = landlock_version()
     rights = _LANDLOCK_FILE_RIGHTS[min(version, 5)]
     attributes = struct.pack("=Q", rights)
     if version >= 4:
-        attributes += struct.pack("=Q", _LANDLOCK_TCP)
+        attributes += struct.pack("=Q", _LANDLOCK_BIND_TCP if may_connect else _LANDLOCK_TCP)
     if version >= 6:
         attributes += struct.pack("=Q", _LANDLOCK_SCOPES)
     libc = _libc()
@@ -198,6 +214,8 @@ def _restrict_files(readable: list[str]) -> str:
     finally:
         os.close(ruleset)
     network = "no TCP" if version >= 4 else "TCP not restricted by this version"
+    if may_connect:
+        network = "TCP to others"
     return f"Landlock {version}: {len(readable)} places can be read, none written; {network}"
 
 
@@ -217,11 +235,10 @@ class _Program(ctypes.Structure):
     _fields_ = (("length", ctypes.c_ushort), ("filter", ctypes.c_char_p))
 
 
-def _filter_calls(*, may_copy: bool) -> str:
+def _filter_calls(calls: Sequence[syscalls.Syscall]) -> str:
     machine = os.uname().machine
     if machine not in syscalls.AUDIT_ARCHES:
         raise OSError(f"no table of system calls for {machine}, only for {', '.join(syscalls.AUDIT_ARCHES)}")
-    calls = (*syscalls.CALLS, *syscalls.COPYING) if may_copy else syscalls.CALLS
     program = syscalls.filter_program(machine, calls)
     code = ctypes.create_string_buffer(syscalls.packed(program))
     wanted = _Program(len(program), ctypes.cast(code, ctypes.c_char_p))

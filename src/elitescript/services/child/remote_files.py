@@ -10,12 +10,13 @@ from __future__ import annotations
 from base64 import b64decode, b64encode
 from collections.abc import Callable
 from contextlib import suppress
-from io import BufferedRandom, BufferedReader, BufferedWriter, RawIOBase
+from errno import EFBIG
+from io import BufferedRandom, BufferedReader, BufferedWriter
 from typing import IO, Any, Final
 
 from elitescript.codec.values import CodecError, is_large
 from elitescript.errors import ScriptPermissionError
-from elitescript.runtime.environment import Files, opened
+from elitescript.runtime.environment import READ_MAX, Files, WholeReads, opened
 
 OPEN_MAX: Final = 300
 PIECE_MAX: Final = 1 << 18
@@ -36,12 +37,17 @@ class FileDesk:
         files: the task folder.
     """
 
-    __slots__ = ("_files", "_next", "_open")
+    __slots__ = ("_files", "_next", "_open", "_read_left")
 
     def __init__(self, files: Files) -> None:
         self._files = files
         self._open: dict[int, IO[Any]] = {}
         self._next = 1
+        self._read_left = READ_MAX
+
+    def new_tick(self) -> None:
+        """Let as much be read as one tick may read: a journal keeps the answers of a tick in one line."""
+        self._read_left = READ_MAX
 
     def answer(self, question: Any) -> Answer:
         """Return the answer to a question.
@@ -98,8 +104,13 @@ class FileDesk:
 
     def _read(self, handle: int, position: int, count: int) -> str:
         file = self._file(handle)
+        if self._read_left < 0:
+            text = f"more than {READ_MAX} bytes of files in one control period; put a sync() or sleep() into the loop"
+            raise OSError(EFBIG, text)
         file.seek(position)
-        return b64encode(file.read(min(max(count, 0), PIECE_MAX))).decode()
+        data = file.read(min(max(count, 0), PIECE_MAX))
+        self._read_left -= len(data)
+        return b64encode(data).decode()
 
     def _write(self, handle: int, position: int, text: str) -> list[int]:
         data = b64decode(text, validate=True)
@@ -201,7 +212,7 @@ def _value(answer: Answer) -> Any:
     raise OSError(number, text) if number else OSError(text)
 
 
-class _RemoteFile(RawIOBase):
+class _RemoteFile(WholeReads):
     """An open file; knows its own position."""
 
     def __init__(self, ask: Ask, handle: int, mode: str) -> None:

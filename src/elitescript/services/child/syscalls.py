@@ -22,7 +22,8 @@ class Check(NamedTuple):
 
     argument: int
     kind: str
-    """`none_of` its bits are set, `not_all_of` its bits are set, or it is `one_of` these values."""
+    """`none_of` its bits are set, `not_all_of` its bits are set, it is `one_of` these values, or `one_of_low`: its
+    lower half is, where the kernel ignores the upper one."""
     values: tuple[int, ...]
 
 
@@ -34,6 +35,8 @@ class Syscall(NamedTuple):
     aarch64: int | None
     checks: tuple[Check, ...] = ()
     """All of them hold, or the call is refused."""
+    is_missing: bool = False
+    """Whether it is answered as by a kernel that does not have it, for libraries that then call another one."""
 
 
 _WRITES: Final = 0o1 | 0o2 | 0o100 | 0o1000 | 0o20000000
@@ -128,6 +131,42 @@ COPYING: Final = (
 """What a process may do besides that leaves copies of itself and talks to them: through pairs of streams of this
 computer (AF_UNIX), which are connected to each other and to nothing else."""
 
+_STREAMS_AND_DATAGRAMS: Final = tuple(kind | flags for kind in (1, 2) for flags in (0, 0x800, 0x80000, 0x80800))
+"""SOCK_STREAM and SOCK_DGRAM, with SOCK_NONBLOCK and SOCK_CLOEXEC."""
+_THREAD_FLAGS: Final = (0x3D0F00, 0x7D0F00)
+"""Of a thread, as C libraries make them: it shares memory, files and signals, and is no process."""
+
+CONNECTING: Final = (
+    Syscall("socket", 41, 198, (Check(0, "one_of_low", (2, 10)), Check(1, "one_of_low", _STREAMS_AND_DATAGRAMS))),
+    Syscall("connect", 42, 203),
+    Syscall("sendto", 44, 206),
+    Syscall("recvfrom", 45, 207),
+    Syscall("sendmsg", 46, 211),
+    Syscall("sendmmsg", 307, 269),
+    Syscall("recvmsg", 47, 212),
+    Syscall("shutdown", 48, 210),
+    Syscall("getsockname", 51, 204),
+    Syscall("getpeername", 52, 205),
+    Syscall("setsockopt", 54, 208),
+    Syscall("getsockopt", 55, 209),
+    # Besides: TIOCOUTQ and FIONREAD, what waits in a connection, and FIONBIO, whether calls wait.
+    Syscall("ioctl", 16, 29, (Check(1, "one_of", (*_TERMINAL_QUESTION, 0x5411, 0x541B, 0x5421)),)),
+    # Names are looked up in a thread. Newer libraries ask for it in a way that no filter can look into.
+    Syscall("clone3", 435, 435, is_missing=True),
+    Syscall("clone", 56, 220, (Check(0, "one_of", _THREAD_FLAGS),)),
+)
+"""What a process may do besides that connects to other computers, in place of rows of `CALLS` with the same name:
+streams and datagrams of IPv4 and IPv6, which it begins itself. It can neither listen nor take a port of its choice,
+has no raw sockets, and no sockets of this computer (AF_UNIX)."""
+
+
+def allowed(*, may_copy: bool = False, may_connect: bool = False) -> tuple[Syscall, ...]:
+    """Return the table of a process; see `COPYING` and `CONNECTING`."""
+    more = CONNECTING if may_connect else COPYING if may_copy else ()
+    names = {call.name for call in more}
+    return (*(call for call in CALLS if call.name not in names), *more)
+
+
 AUDIT_ARCHES: Final = {"x86_64": 0xC000003E, "aarch64": 0xC00000B7}
 """Processors that the table knows, as the kernel numbers them."""
 
@@ -139,6 +178,7 @@ _JUMP_IF_BITS: Final = 0x45
 _RETURN: Final = 0x06
 _KILL_PROCESS: Final = 0x80000000
 _REFUSE: Final = 0x00050000 | errno.EPERM
+_MISSING: Final = 0x00050000 | errno.ENOSYS
 _ALLOW: Final = 0x7FFF0000
 _NUMBER_AT, _ARCH_AT, _ARGUMENTS_AT = 0, 4, 16
 _X32_BIT: Final = 0x40000000
@@ -169,7 +209,9 @@ def filter_program(machine: str, calls: Sequence[Syscall] = CALLS) -> list[Instr
     for call in calls:
         number = call.x86_64 if machine == "x86_64" else call.aarch64
         if number is not None:
-            block = [step for check in call.checks for step in _steps(check)] + [(_RETURN, 0, 0, _ALLOW)]
+            block = [step for check in call.checks for step in _steps(check)] + [
+                (_RETURN, 0, 0, _MISSING if call.is_missing else _ALLOW)
+            ]
             program += [(_JUMP_IF_EQUAL, 0, len(block), number), *block]
     return [*program, (_RETURN, 0, 0, _REFUSE)]
 
@@ -187,7 +229,7 @@ def _steps(check: Check) -> list[Instruction]:
         return [(_LOAD, 0, 0, low), (_AND, 0, 0, bits), (_JUMP_IF_EQUAL, 0, 1, bits), refuse]
     count = len(check.values)
     tests: list[Instruction] = [(_JUMP_IF_EQUAL, count - place, 0, value) for place, value in enumerate(check.values)]
-    return [*upper_is_zero, (_LOAD, 0, 0, low), *tests, refuse]
+    return [*([] if check.kind == "one_of_low" else upper_is_zero), (_LOAD, 0, 0, low), *tests, refuse]
 
 
 def packed(program: list[Instruction]) -> bytes:

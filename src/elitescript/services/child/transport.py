@@ -254,6 +254,7 @@ class ChildTransport:
             if self._reading_s > READING_MAX_S:
                 raise CodecError("it says so much that reading it takes the time of other clients")
         sent = self.unanswered.popleft()
+        self._desk.new_tick()
         if output.tick != sent.number:
             raise CodecError(f"the output of tick {output.tick} instead of {sent.number}")
         if isinstance(output, Output):

@@ -385,6 +385,8 @@ async def exchange(
             # What the program prints meanwhile comes in between.
             if "event" not in answer:
                 return answer
+            # Lines that have arrived come without a pause, also those of a flood.
+            await asyncio.sleep(0)
     finally:
         writer.close()
     raise UsageError("the controller has gone before it answered")

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Final
 
 from elitescript.errors import UsageError
+from elitescript.paths import CHANGED, REMOVED, what_became_of
 
 LAG_S: Final = 0.02
 """Lines that come within this time are written together."""
@@ -51,6 +52,7 @@ class JournalFile:
         "_is_file",
         "_lines",
         "_news",
+        "_path",
         "_synced_s",
         "_taken",
         "_thread",
@@ -59,6 +61,7 @@ class JournalFile:
     )
 
     def __init__(self, path: Path) -> None:
+        self._path = path
         self._descriptor = _opened(path)
         self._is_file = stat.S_ISREG(os.fstat(self._descriptor).st_mode)
         self._lines: deque[bytes] = deque()
@@ -100,6 +103,7 @@ class JournalFile:
                 if not self._is_closing:
                     time.sleep(LAG_S)
             self._write_all()
+            self._check()
             self._sync()
         except OSError as error:
             # A full disk ends the journal, not the session.
@@ -120,14 +124,11 @@ class JournalFile:
             self._sync()
 
     def _check(self) -> None:
-        found = os.fstat(self._descriptor)
-        if not self._is_file:
-            return
-        if found.st_nlink == 0:
-            raise OSError(errno.ENOENT, "the file was removed")
-        if found.st_size != self._written:
+        fate = what_became_of(self._path, self._descriptor, self._written)
+        if fate in (REMOVED, CHANGED):
+            # What another process has made of it stays as it is.
             self._is_file = False
-            raise OSError(errno.EIO, "another process has changed the file")
+            raise OSError(errno.EIO, f"the file {fate}")
 
     def _sync(self) -> None:
         if self._is_file:

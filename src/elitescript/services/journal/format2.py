@@ -12,12 +12,13 @@ from elitescript.devices.channels.machine_faults import machine_fault
 from elitescript.errors import UsageError
 from elitescript.kernel import RobotOptions
 from elitescript.messages.enums import ChannelError
-from elitescript.messages.events import Event
+from elitescript.messages.events import Event, TaskStateChanged, Warned
 from elitescript.messages.faults import ChannelFault
 from elitescript.messages.inputs import AddFault, EndFaults, Input, Query
 from elitescript.messages.machine import DisturbInput
 from elitescript.messages.outcomes import InterpreterOutcome, Refused, RegistersRead, ShownValue
 from elitescript.messages.outputs import NOT_CONNECTED, Output, Reply
+from elitescript.messages.profile import PLAIN
 from elitescript.protocol import interpreter, query
 from elitescript.records import fields_of, replace
 from elitescript.services.options_data import options_from_data
@@ -53,8 +54,12 @@ _CONFIG: Final = [
 """Options in the order of that format, which does not name them."""
 _FAULTS: Final = "faults"
 _EVENTS, _REPLIES = map(list(fields_of(Output)).index, ("events", "replies"))
-_WARNED: Final = 1 + len(("tick", "text", "thread", "line", "code", "hint", "column", "severity"))
-"""Items of a `Warned` with its name."""
+_ADDED: Final[dict[object, tuple[object, ...]]] = {"Warned": (False,), "TaskStateChanged": ("",)}
+"""Defaults of the fields at the end of an event that came after that format, by its name."""
+_ITEMS: Final[dict[object, int]] = {
+    kind.__name__: 1 + len(fields_of(kind)) - len(_ADDED[kind.__name__]) for kind in (Warned, TaskStateChanged)
+}
+"""Items of these events with their name, as that format has them."""
 
 _LATE: Final = ("no answer within", "connection timed out")
 _ERRORS: Final = {
@@ -119,22 +124,22 @@ class Format2:
             CodecError: it is none.
         """
         match data:
-            case ["Warned", *fields] if len(data) == _WARNED:
-                data = ["Warned", *fields, False]
+            case [str(name), *_] if len(data) == _ITEMS.get(name):
+                data = [*data, *_ADDED[name]]
         item: Event = shape_of(Event).decode(data)
         return item
 
     def output_text(self, output: Output) -> str:
         """Return an output as digests of that format cover it."""
         data = shape_of(Output).encode(without_points(replace(output, replies=())))
-        data[_EVENTS] = [event[:_WARNED] if event[0] == "Warned" else event for event in data[_EVENTS]]
+        data[_EVENTS] = [event[: _ITEMS.get(event[0])] for event in data[_EVENTS]]
         data[_REPLIES] = [[write_text(reply.origin), write_text(self._reply_text(reply))] for reply in output.replies]
         return to_text(data)
 
     def _reply_text(self, reply: Reply) -> str:
         ident = self._idents.get(reply.origin)
         if ident is not None:
-            return query.reply_text(ident, reply.outcome)
+            return query.reply_text(ident, reply.outcome, PLAIN)
         match reply.outcome:
             case Refused(reason):
                 return f"refused: {reason}"
@@ -158,5 +163,5 @@ def _fault(text: Any) -> ChannelFault | DisturbInput:
         if type(settings) is dict:
             return machine_fault(fault_from(settings))
     except (ValueError, TypeError, RecursionError, UsageError) as error:
-        raise CodecError(f"no fault: {error}") from None
+        raise CodecError(f"no fault: {str(error)[:200]}") from None
     raise CodecError("no fault: it must be an object")

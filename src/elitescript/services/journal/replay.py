@@ -49,6 +49,7 @@ class RecordedRobot(Kernel):
         self._snapshot = super().snapshot()
         self._journal.tick(result.tick, inputs, self._answers, result.with_snapshot(self._snapshot), self.cut)
         self._answers.clear()
+        self._desk.new_tick()
         return result
 
     def due_tick(self) -> int:

@@ -37,7 +37,7 @@ class SshConnection(Connection):
         stage: how far it has come on its way to log in; `ADMITTED` once it has.
     """
 
-    __slots__ = ("_has_made", "_is_lost", "_protocol", "_raw", "_size", "stage", "turns")
+    __slots__ = ("_has_made", "_is_lost", "_login", "_protocol", "_raw", "_size", "stage", "turns")
 
     ADMITTED: Final = 3
 
@@ -56,6 +56,8 @@ class SshConnection(Connection):
         self._size = 0
         """Bytes that came since the last tick."""
         self._is_lost = self._has_made = False
+        self._login: Any = None
+        """The task that works on a packet of a client that has not logged in; None if there is none."""
         self._protocol = make_protocol(self)
         self._protocol.create_task = self._measured(self._protocol.create_task)
         self._protocol.connection_made(self)
@@ -65,7 +67,10 @@ class SshConnection(Connection):
 
         def create_task(work: Coroutine[Any, Any, None], logger: Any = None) -> Any:
             self._has_made = True
-            return create(self.turns.measured(work), logger)
+            task = create(self.turns.measured(work), logger)
+            if not self.is_admitted:
+                self._login = task
+            return task
 
         return create_task
 
@@ -109,6 +114,11 @@ class SshConnection(Connection):
     def _hand_on(self) -> None:
         """Give the library what waits, as much as the share of this tick allows."""
         began_ns = time.thread_time_ns()
+        if self._login is not None and self._login.done():
+            self._login = None
+        # While a password is looked at, the library would keep whatever comes, and work on all of it afterwards.
+        if self._login is not None:
+            return
         while self._raw and not self.is_over and not self.is_behind and not self.turns.is_used_up:
             piece = bytes(self._raw[:PIECE])
             del self._raw[:PIECE]

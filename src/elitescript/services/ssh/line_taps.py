@@ -83,6 +83,10 @@ class _Tap:
     def drop(self) -> None:
         """Lose what waits."""
         self.pending.clear()
+        self.go_on()
+
+    def go_on(self) -> None:
+        """Have clients read again."""
         for client in self.clients:
             client.go_on()
 
@@ -126,11 +130,11 @@ class LineTaps:
             tap.drop()
 
     def send(self, device: str, data: bytes) -> bool:
-        """Send bytes at the next tick; whether there is room for more. Bytes for a line that stays closed are lost."""
+        """Send bytes at the next tick; return whether there is room for more. Bytes for a line that stays closed are lost."""
         tap = self._taps[device]
         if tap.is_lost:
             self._report(tap)
-            return True
+            return False
         tap.pending += data
         return len(tap.pending) < CHANNEL_WINDOW
 
@@ -164,6 +168,9 @@ class LineTaps:
                 more += self._asked(tap)
             elif tap.clients and not tap.is_lost:
                 self._wait(tap)
+            else:
+                # They are read once in a tick, however much they send for nothing.
+                tap.go_on()
         return (*requests, *more) if more else requests
 
     def _wait(self, tap: _Tap) -> None:

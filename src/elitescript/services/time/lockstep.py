@@ -10,7 +10,10 @@ does time pass.
   while one that gets packages is behind with reading them, so that no package is left out.
 - A client that time has waited for `timeout_s` is let go, with a line in the log: time goes on without it, and it takes
   part again from its next input package on. Without this bound a client that answers only now and then (the vendor's
-  `RtsiIOInterface` sends nothing unless a value was set) would stop time for ever.
+  `RtsiIOInterface` sends nothing unless a value was set since the last package) would stop time for ever.
+- Each time that a client is let go, it is waited for a quarter as long from then on, a control period at least; once it
+  has answered `TRUSTED_ANSWERS` packages one after the other, as long as at first. So a client that answers some of its
+  packages costs less than a second once, and time passes for it about as on the wall.
 - While no client takes part, time passes as on the wall: power can be switched and programs loaded.
 - Everything else (dashboard, primary port, sockets of programs) goes on, measured in robot time.
 
@@ -26,7 +29,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Final
 
-from elitescript.messages.timing import PERIOD_S
+from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
 from elitescript.protocol.rtsi.connection import RtsiConnection
 from elitescript.records import NamedTuple
 from elitescript.services.clients.direct import DirectReading
@@ -39,8 +42,12 @@ from elitescript.services.time.prompt import PromptFuture
 TIMEOUT_S: Final = 0.5
 """How long time waits for a client by default (*assumed*). The vendor's C++ client gives up its connection when it has
 got no package for 1 s."""
-UNANSWERING_S: Final = 0.02
-"""The same for a client that has sent inputs before and never answered a package by one (*assumed*)."""
+PATIENCE_FACTOR: Final = 0.25
+"""By which the time is shorter after each package that a client has not answered (*assumed*)."""
+PATIENCE_MIN_S: Final = PERIOD_S
+"""Shortest of these times."""
+TRUSTED_ANSWERS: Final = TICKS_PER_S
+"""Answers one after the other after which a client is waited for as at first."""
 STEP_MAX_S: Final = 5 * PERIOD_S
 """What counts of the time between two looks at the clients: while this process was stopped no client could answer."""
 REPORT_S: Final = 10.0
@@ -78,10 +85,10 @@ class Lockstep:
         "_let_go",
         "_note",
         "_passed",
+        "_patience_s",
         "_quiet_s",
         "_tick",
         "_timeout_s",
-        "_unanswering",
         "_waited_s",
     )
 
@@ -94,8 +101,8 @@ class Lockstep:
         self._tick = -1
         self._waited_s: dict[str, float] = {}
         """How long time has waited for a client at this tick."""
-        self._unanswering: set[str] = set()
-        """Clients that have never answered a package since they were let go."""
+        self._patience_s: dict[str, float] = {}
+        """How long time waits for clients that were let go."""
         self._passed: set[str] = set()
         """Clients behind with reading that time does not wait for any more."""
         self._quiet_s: dict[str, float] = {}
@@ -134,7 +141,8 @@ class Lockstep:
             self._tick = tick
             self._waited_s.clear()
             step_s = 0.0
-        self._unanswering &= self._clients.keys()
+        for origin in self._patience_s.keys() - self._clients.keys():
+            del self._patience_s[origin]
         self._passed = {origin for origin in self._passed if self._is_behind(origin)}
         is_let_go = False
         while not (found := self.gate()).is_open:
@@ -149,9 +157,9 @@ class Lockstep:
     def _timeout_of(self, origin: str) -> float:
         connection = self._clients[origin].connection
         assert isinstance(connection, RtsiConnection)
-        if connection.answers > 1:
-            self._unanswering.discard(origin)
-        return min(UNANSWERING_S, self._timeout_s) if origin in self._unanswering else self._timeout_s
+        if connection.answers > TRUSTED_ANSWERS:
+            self._patience_s.pop(origin, None)
+        return self._patience_s.get(origin, self._timeout_s)
 
     def _is_behind(self, origin: str) -> bool:
         client = self._clients.get(origin)
@@ -161,11 +169,13 @@ class Lockstep:
         client = self._clients[origin]
         connection = client.connection
         assert isinstance(connection, RtsiConnection)
+        waited_s, more = self._timeout_s, ""
         if connection.answers and client.owes_input:
-            if connection.answers == 1:
-                self._unanswering.add(origin)
+            waited_s = self._timeout_of(origin)
+            self._patience_s[origin] = max(PATIENCE_FACTOR * waited_s, min(PATIENCE_MIN_S, self._timeout_s))
             connection.forget_answers()
             what = "has not answered a package"
+            more = "; after that it is waited for a quarter as long"
         else:
             self._passed.add(origin)
             what = "has not read its packages"
@@ -173,7 +183,7 @@ class Lockstep:
             self._let_go[origin] = self._let_go.get(origin, 0) + 1
             return
         self._quiet_s[origin] = REPORT_S
-        text = f"{origin} {what} for {self._timeout_s:g} s: time goes on without it until its next input package"
+        text = f"{origin} {what} for {waited_s:g} s: time goes on without it until its next input package{more}"
         self._note(text, origin)
 
     def _tell(self, elapsed_s: float) -> None:

@@ -3,16 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final
 
-from elitescript.messages.timing import TICKS_PER_S
 from elitescript.services.log import ServerLog
 from elitescript.services.time.cycle import Cycle
-
-REPORT_TICKS: Final = 10 * TICKS_PER_S
-"""After so many ticks the log gets the number of those that were late."""
-LATE_MANY: Final = REPORT_TICKS // 100
-"""So many of them are a problem."""
+from elitescript.services.time.overload import Overload
 
 
 class PacedTime:
@@ -20,16 +14,16 @@ class PacedTime:
 
     Args:
         log: takes how many ticks were late.
-        on_left_out: called with the number of ticks that are left out.
+        on_left_out: called with the number of ticks that are left out, if no report has named any within a minute.
     """
 
-    __slots__ = ("_cycle", "_log", "_overruns_before", "_ticks")
+    __slots__ = ("_cycle", "_log", "_on_left_out", "_overload")
 
     def __init__(self, log: ServerLog, on_left_out: Callable[[int], None]) -> None:
         self._log = log
-        self._cycle = Cycle(on_left_out=on_left_out)
-        self._ticks = self._overruns_before = 0
-        """Since the last report, and before it."""
+        self._on_left_out = on_left_out
+        self._cycle = Cycle(on_left_out=self._note_left_out)
+        self._overload = Overload()
 
     @property
     def overruns(self) -> int:
@@ -63,11 +57,9 @@ class PacedTime:
             ticks_on: returns how many ticks on the next one is that is due; None if there is none.
             has_outlet: whether what ticks give leaves at `outlet`.
         """
-        if self._ticks >= REPORT_TICKS:
-            self._report(self._cycle.overruns - self._overruns_before)
-            self._ticks, self._overruns_before = 0, self._cycle.overruns
+        self._report()
         gone_on = await self._cycle.next(ticks_on(), has_outlet=has_outlet)
-        self._ticks += gone_on
+        self._overload.pass_on(gone_on)
         return gone_on
 
     async def outlet(self) -> None:
@@ -86,9 +78,23 @@ class PacedTime:
         """End: no tick comes after this."""
         self._cycle.close()
 
-    def _report(self, late: int) -> None:
-        """Write how many ticks began late of the last `REPORT_TICKS`."""
-        worst_ms, self._cycle.worst_ns = self._cycle.worst_ns / 1e6, 0
-        if late:
-            text = f"{late} of {self._ticks} ticks began late, by {worst_ms:.1f} ms at most: the computer is busy"
-            self._log.note("late", text, is_problem=late >= LATE_MANY, ticks=late, worst_ms=worst_ms)
+    def _note_left_out(self, ticks: int) -> None:
+        if self._overload.names_left_out():
+            self._on_left_out(ticks)
+
+    def _report(self) -> None:
+        """Write how many ticks began late or were left out, once in a while."""
+        cycle = self._cycle
+        report = self._overload.due(cycle.overruns, cycle.left_out, cycle.worst_ns / 1e6)
+        if report is None:
+            return
+        cycle.worst_ns = 0
+        self._log.note(
+            "late",
+            str(report),
+            is_problem=report.is_problem,
+            ticks=report.late,
+            left_out=report.left_out,
+            share=round(report.share, 4),
+            worst_ms=report.worst_ms,
+        )

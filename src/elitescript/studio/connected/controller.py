@@ -13,6 +13,8 @@ from elitescript.client.dashboard import DashboardClient, dashboard_client
 from elitescript.client.primary import PrimaryClient, primary_client
 from elitescript.client.primary_messages import RobotState, RobotText
 from elitescript.client.rtsi import rtsi_client
+from elitescript.conversation import describe
+from elitescript.conversation.limits import EventBudget, bounded, cut, cut_name
 from elitescript.errors import ElitescriptError, PeerError, UsageError
 from elitescript.messages.enums import RobotMode, TaskState
 from elitescript.messages.signals import Value
@@ -37,7 +39,13 @@ PROGRAM_S: Final = 3.0
 """Longest time for a program that was sent to be seen running."""
 STOP_S: Final = 1.0
 """Longest time for the dashboard to take a stop; then the primary port gets it."""
+CTL_S: Final = 10.0
+"""Longest time for an answer of `ctl`, s."""
 REPORTS_KEPT: Final = 500
+GLOBALS_MAX: Final = 200
+"""Variables that are asked for."""
+GLOBAL_MAX: Final = 2000
+"""Characters of the value of one."""
 GUIDING_SINCE: Final = (2, 14)
 """Firmware that brought `freedrive_mode`."""
 
@@ -65,6 +73,11 @@ class ConnectedController:
         self._tasks: list[asyncio.Task[None]] = []
         self._trail = Trail()
         self._reports: deque[Message] = deque(maxlen=REPORTS_KEPT)
+        self._fresh: list[Message] = []
+        """Reports that were not told yet."""
+        self._budget = EventBudget()
+        self._left_out = 0, 0
+        """Reports and bytes that pages know to be left out."""
         self._scene: Message | None = None
         self._scene_key: object = None
         self._configuration: dict[str, WireValue] | None = None
@@ -133,7 +146,11 @@ class ConnectedController:
             take(message)
         if self._reports:
             take(self._events(list(self._reports)))
+        if self._left_out != (0, 0):
+            take(describe.left_out(self._trail.run, self._budget))
         take(self._moment())
+        for text in self._said.values():
+            take(self._fault(text))
         self._pages.append(take)
 
     def leave(self, take: Take) -> None:
@@ -173,13 +190,15 @@ class ConnectedController:
             self._recovered("rtsi")
             try:
                 while True:
-                    for layout, payload in await client.packages():
-                        if not self._has_rtsi:
-                            self._has_rtsi = True
-                            self.picture.forget()
+                    found = await client.packages()
+                    if not self._has_rtsi:
+                        self._has_rtsi = True
+                        self.picture.forget()
+                    for layout, payload in found:
                         self.picture.take_package(layout.values(layout.flat(payload)))
-                        if layout is pictures:
-                            self._publish()
+                    # Of pictures that have waited the newest is now.
+                    if any(layout is pictures for layout, _ in found):
+                        self._publish()
             finally:
                 self._has_rtsi = False
                 self._rtsi_ended_s = asyncio.get_running_loop().time()
@@ -196,6 +215,7 @@ class ConnectedController:
                             self._take_state(message)
                         else:
                             self._take_report(message)
+                    self._tell_reports()
             finally:
                 self._primary = None
 
@@ -221,13 +241,25 @@ class ConnectedController:
             values, texts = message.values, message.texts
             level = "error" if values.get("is error") else "warning" if values.get("is warning") else "info"
             title, text = texts.get("title", ""), texts.get("text", "")
-            self.picture.popup = {"title": title, "text": text, "level": level, "id": self._popups}
+            self.picture.popup = bounded({"title": title, "text": text, "level": level, "id": self._popups})
         if message.kind == KEY.name and message.texts.get("text") != commands.SENT_NAME:
             self.picture.line_offset = 0
         report = report_of(message, self.picture.time_s, self.picture.line_offset)
         if report is not None:
-            self._reports.append(report)
-            self._tell(self._events([report]))
+            self._reports.append(bounded(report))
+            self._fresh += self._budget.take([report])
+
+    def _tell_reports(self) -> None:
+        """Tell the pages new reports, and how many they do not get."""
+        if self._fresh:
+            self._tell(self._events(self._fresh))
+            self._fresh = []
+        known = self._budget.events, self._budget.bytes
+        if known != self._left_out:
+            self._left_out = known
+            self._tell(describe.left_out(self._trail.run, self._budget))
+        if self._budget.events:
+            self._trail.renew()
 
     async def _watch_dashboard(self) -> None:
         target, picture = self.target, self.picture
@@ -235,11 +267,11 @@ class ConnectedController:
             self._recovered("dashboard")
             self._dashboard = client
             try:
-                picture.model = await client.ask("robot -t")
-                picture.serial = await client.ask("robot -s")
-                picture.firmware = picture.firmware or await client.ask("version")
+                picture.model = cut_name(await client.ask("robot -t"))
+                picture.serial = cut_name(await client.ask("robot -s"))
+                picture.firmware = picture.firmware or cut_name(await client.ask("version"))
                 while True:
-                    picture.program = (await client.ask("task")).partition("Relative path:")[2].strip()
+                    picture.program = cut_name((await client.ask("task")).partition("Relative path:")[2].strip())
                     # A controller without this command answers with an error: then it is not known to be local.
                     picture.is_remote = not (await client.ask("remoteControl -s")).strip().lower().endswith("off")
                     await self._ask_globals(client)
@@ -252,12 +284,12 @@ class ConnectedController:
         for name in self._globals:
             found, colon, value = (await client.ask(f"variable -get {name}")).partition(":")
             if colon and found.strip() == name:
-                values[name] = value.strip()
+                values[cut_name(name)] = cut(value.strip(), GLOBAL_MAX)[0]
         self.picture.globals = values
 
     def know(self, text: str) -> None:
         """Take the text of a page's editor: the variables that it declares global are asked for."""
-        self._globals = commands.globals_of(text)
+        self._globals = commands.globals_of(text)[:GLOBALS_MAX]
 
     async def _watch_ctl(self) -> None:
         while True:
@@ -279,8 +311,10 @@ class ConnectedController:
         run = self._trail.run
         for message in self._trail.take(picture):
             self._tell(message)
-        if self._trail.run > run > 0 and self._reports:
-            self._tell(self._events(list(self._reports)))
+        if self._trail.run > run > 0:
+            self._budget, self._left_out, self._fresh = EventBudget(), (0, 0), []
+            if self._reports:
+                self._tell(self._events(self._budget.take(self._reports)))
         if picture.task_state is TaskState.STOPPED and self.target.control_socket is None:
             # Nothing says that a window was closed; without a program none is left.
             picture.popup = None
@@ -302,12 +336,15 @@ class ConnectedController:
         def lost(text: str) -> None:
             if self._said.get(name) != text:
                 self._said[name] = text
-                self._tell({"type": "notice", "severity": "error", "text": f"{self.title}: {text}"})
+                self._tell(self._fault(text))
             if not self._has_rtsi and self._primary is None:
                 self.picture.link = "lost" if self.picture.link != "connecting" else "connecting"
                 self._tell(self._moment())
 
         return lost
+
+    def _fault(self, text: str) -> Message:
+        return describe.notice("error", f"{self.title}: {text}")
 
     def _recovered(self, name: str) -> None:
         if self._said.pop(name, None) is not None:
@@ -400,9 +437,15 @@ class ConnectedController:
     async def _ctl(self, verb: str, words: Sequence[str] = (), values: dict[str, Value] | None = None) -> Message:
         assert self.target.control_socket is not None
         try:
-            return await exchange(self.target.control_socket, verb, words, values)
-        except (UsageError, OSError, ValueError) as error:
+            async with asyncio.timeout(CTL_S):
+                answer = await exchange(self.target.control_socket, verb, words, values)
+        except TimeoutError:
+            raise LinkError(f"ctl: no answer to {verb} within {CTL_S:g} s") from None
+        except (UsageError, OSError, ValueError, RecursionError) as error:
             raise LinkError(f"ctl: {error}") from None
+        if not isinstance(answer, dict):
+            raise LinkError("ctl: the answer is no record")
+        return answer
 
     async def set_speed(self, fraction: float) -> str:
         """Move the speed slider.

@@ -10,8 +10,8 @@ from typing import Final
 from elitescript.errors import UsageError
 from elitescript.records import field, record
 from elitescript.services.control.channel import address_of, exchange
+from elitescript.services.hosts import is_loopback
 from elitescript.services.port_numbers import port_numbers
-from elitescript.services.server import is_loopback
 
 JOG_REGISTER: Final = 40
 """First of two integer and six float input registers that jogging writes; free, *assumed*."""

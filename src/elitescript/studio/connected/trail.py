@@ -13,6 +13,8 @@ from elitescript.studio.connected.picture import PICTURE_HZ, Picture
 KEPT_S: Final = 60.0
 RUN_S: Final = 600.0
 """After which a run begins that has the last minute only, so that pages do not keep all that they ever saw."""
+RENEW_S: Final = 10.0
+"""Shortest run that ends because pages have got too much of it."""
 ROWS_A_FRAME: Final = 5
 """Rows that are sent together."""
 
@@ -26,13 +28,18 @@ class Trail:
         run: number of the present run; 0 as long as nothing came.
     """
 
-    __slots__ = ("_began_tick", "_rows", "_waiting", "run")
+    __slots__ = ("_began_tick", "_is_full", "_rows", "_waiting", "run")
 
     def __init__(self) -> None:
         self.run = 0
         self._began_tick = 0
+        self._is_full = False
         self._rows: deque[Row] = deque(maxlen=round(KEPT_S * PICTURE_HZ))
         self._waiting: list[Row] = []
+
+    def renew(self) -> None:
+        """Begin a new run with the next picture, if this one is `RENEW_S` old by then: pages have enough of it."""
+        self._is_full = True
 
     def take(self, picture: Picture) -> list[dict[str, Any] | bytes]:
         """Take a picture; return what pages get because of it."""
@@ -45,8 +52,9 @@ class Trail:
             picture.begin()
             self._began_tick = 0
             found.append(self._began())
-        elif picture.tick - self._began_tick > RUN_S * TICKS_PER_S:
+        elif picture.tick - self._began_tick > (RENEW_S if self._is_full else RUN_S) * TICKS_PER_S:
             self.run += 1
+            self._is_full = False
             self._began_tick = picture.tick
             self._waiting.clear()
             found += self.all()

@@ -32,6 +32,8 @@ from elitescript.conversation.messages import (
 from elitescript.errors import UsageError
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import seconds
+from elitescript.models.datafile import check_name
+from elitescript.models.model import is_model_file
 from elitescript.records import field, record, replace
 from elitescript.studio.live.jobs import Job, job_data
 from elitescript.studio.live.link import ROWS
@@ -259,7 +261,9 @@ class LiveEngine:
         robot = dict(setting.robot)
         given = {"model": options.robot, "firmware": options.firmware, "joints": options.joints, "seed": options.seed}
         robot |= {name: value for name, value in given.items() if value is not None}
-        if options.robot is not None and options.robot.endswith(".toml"):
+        if options.robot is not None:
+            check_name(options.robot)
+        if options.robot is not None and is_model_file(options.robot):
             robot["model"] = str(self._inside("robot", options.robot))
         world, is_trusted = setting.world, True
         if options.world is not None and options.world != self._world_name:
@@ -656,7 +660,7 @@ class LiveEngine:
                 worker.kill()
 
 
-_REPEATED: Final = frozenset(("run_began", "lines", "contacts", "moves", "events", "cycle", "run_ended"))
+_REPEATED: Final = frozenset(("run_began", "lines", "contacts", "moves", "events", "left_out", "cycle", "run_ended"))
 """Messages that are sent again for a text with the same code."""
 
 

@@ -16,14 +16,16 @@ from elitescript.controller.controller import Controller
 from elitescript.controller.views.trace import TraceSpan
 from elitescript.conversation import describe
 from elitescript.conversation.describe import Moment
+from elitescript.conversation.limits import PLACES_MAX, EventBudget
 from elitescript.conversation.messages import RunOptions
 from elitescript.conversation.rows import RowWriter
 from elitescript.errors import ElitescriptError
 from elitescript.language.compiler import CompiledUnit
+from elitescript.language.idle import holds_nothing
 from elitescript.language.options import Options
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import compile_checked
-from elitescript.messages.events import Alarm, ChannelActivity, Event, MotionEnded, MotionStarted
+from elitescript.messages.events import ChannelActivity, Event, MotionEnded, MotionStarted
 from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
 from elitescript.messages.timing import seconds, ticks_for
 from elitescript.plotting.events import timed_moves
@@ -44,10 +46,6 @@ FLUSH_S: Final = 0.05
 FIRST_FLUSH_S: Final = 0.02
 WALL_S: Final = 10.0
 """Most wall time of a run before it waits for `go_on`."""
-EVENTS_MAX: Final = 50_000
-"""Events that a page is sent."""
-
-TOO_MANY_EVENTS: Final = f"this run has more than {EVENTS_MAX} events: further ones are not shown, but alarms"
 WALL_IS_UP: Final = "the run is held after {wall:g} s of computing, at {t:.3f} s of robot time; it can go on"
 NO_CONNECTIONS: Final = "live runs do not connect: let this run connect, or declare the other side in a world file"
 
@@ -78,6 +76,10 @@ def run_program(link: Link, request: Mapping[str, Any], jail: Callable[[], None]
         return
     jail()
     link.send(scene_of(robot))
+    if holds_nothing(source):
+        # The begin of a text: nothing is wrong with it, and nothing runs.
+        link.send(describe.problems(version, (), compiles=True, start=moment_now(robot)))
+        return
     checked = compile_checked(
         source, robot.profile, Options(strict=robot.options.strict), presets=job.presets, arm=robot.model
     )
@@ -170,9 +172,12 @@ class RunReport:
         self._rows = CoarseRows(self._writer, link.board)
         self._lines = ThreadLines()
         self._seen = 0
-        self._sent = 0
+        self._budget = EventBudget()
+        self._left_out = 0, 0
+        """Events and bytes that the page knows to be left out."""
         self._open: MotionStarted | None = None
         self._refused: dict[str, None] = {}
+        """Places to which the program has tried to connect in vain."""
         now_s = perf_counter()
         self._wall_end_s = now_s + self._wall_s
         self._flush_at_s = now_s + FIRST_FLUSH_S
@@ -234,15 +239,16 @@ class RunReport:
             link.send_rows(frame)
         for name, entries in self._lines.news().items():
             link.send(describe.lines(number, name, entries))
-        happened = run.events[max(0, self._seen - run.events_dropped) :]
-        self._seen += len(happened)
+        events = run.events
+        self._budget.miss(max(0, run.events_dropped - self._seen))
+        happened = events[max(0, self._seen - run.events_dropped) :]
+        self._seen = run.events_dropped + len(events)
         if (moves := list(self._moves(happened))) != []:
             link.send(describe.moves(number, moves))
         for event in happened:
-            if isinstance(event, ChannelActivity) and event.what == "refused":
+            if isinstance(event, ChannelActivity) and event.what == "refused" and len(self._refused) < PLACES_MAX:
                 self._refused[f"{event.channel}: {event.data}" if event.data else event.channel] = None
-        if happened:
-            self._send_events(happened)
+        self._send_events(describe.events(number, happened, self._budget))
         link.send({"type": "at", "moment": describe.moment(moment_now(self._robot))})
         link.send(describe.progress(number, self._robot.time_s))
 
@@ -255,20 +261,17 @@ class RunReport:
         # The last one, if it is under way, ends later than at 0 s, so it is left out.
         return timed_moves(motions, 0.0)
 
-    def _send_events(self, happened: list[Event]) -> None:
-        """Send events up to the limit, and alarms beyond it."""
-        if self._sent >= EVENTS_MAX:
-            happened = [event for event in happened if isinstance(event, Alarm)]
-        message = describe.events(self._number, happened)
-        records, left = message["list"], max(0, EVENTS_MAX - self._sent)
-        message["list"] = records[:left] + [record for record in records[left:] if record["type"] == "alarm"]
+    def _send_events(self, message: describe.Message) -> None:
+        """Send events, and what is left out of them."""
         if message["list"]:
             self._link.send(message)
-        if self._sent <= EVENTS_MAX < self._sent + len(records):
-            self._link.send(describe.notice("warning", TOO_MANY_EVENTS))
-        self._sent += len(records)
+        known = self._budget.events, self._budget.bytes
+        if known != self._left_out:
+            self._left_out = known
+            self._link.send(describe.left_out(self._number, self._budget))
 
     def _end(self, run: Run, state: str, last: Moment) -> None:
+        self._send_events({"type": "events", "run": self._number, "list": self._budget.last()})
         if self._open is not None and state != "time_limit":
             self._link.send(describe.moves(self._number, timed_moves([self._open], last.t)))
         if (found := contacts_of(run)) is not None:

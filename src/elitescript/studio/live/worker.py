@@ -1,7 +1,8 @@
 """A worker process: carries out one request, and reports on its link; it may be killed at any time.
 
 It is a copy of the keeper (`keeper`), or, where processes cannot be copied, one that was started ahead with its link as
-standard input and output. Nothing but the simulation can be reached from it, unless the request lets it connect.
+standard input and output. Nothing but the simulation can be reached from it, and the network if the request lets it
+connect.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import os
 import sys
 from typing import Any, Final
 
-from elitescript.environment.process import end_with_parent, limit_memory
+from elitescript.environment.process import end_with_parent
 from elitescript.services.child.jail import enter_jail, own_modules
 from elitescript.studio.live.detail import sample
 from elitescript.studio.live.jobs import files_of, job_of
@@ -37,7 +38,7 @@ def serve(link: Link) -> None:
 def _lock_in(request: dict[str, Any]) -> None:
     job = request["job"]
     if job["may_connect"]:
-        limit_memory(MEMORY_BYTES)
+        enter_jail(memory_max=MEMORY_BYTES, may_connect=True)
     elif request["do"] == "look":
         # It makes robots again and again, and copies of itself.
         folders = [str(path.parent) for path in files_of(job_of(job))]

@@ -302,6 +302,12 @@ class Cluster:
         self._pace.threads = threads
         self._counted_at = monotonic()
 
+    @property
+    def threads(self) -> int:
+        """Threads of all workers, at least one."""
+        self._count_threads()
+        return max(1, self._pace.threads)
+
     def _lost(self) -> UsageError:
         return UsageError(
             f"--dask {self._address}: the scheduler has gone, or has dropped the work; what had come is kept, "
@@ -382,6 +388,11 @@ class ClusterEngine:
     ) -> None:
         self._cluster = Cluster(address, is_mixed=is_mixed, note=note)
         self._limits = max_wall_s, memory_bytes
+
+    @property
+    def workers(self) -> int:
+        """Threads of all workers; see `Engine`."""
+        return self._cluster.threads
 
     def __enter__(self) -> ClusterEngine:
         self._cluster.__enter__()

@@ -21,6 +21,10 @@ class Engine(Protocol):
     Used as a context manager: leaving it ends what it has started.
     """
 
+    @property
+    def workers(self) -> int:
+        """How many runs are made at the same time, at least one."""
+
     def __enter__(self) -> Engine:
         """Begin to start workers."""
 

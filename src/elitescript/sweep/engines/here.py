@@ -15,6 +15,8 @@ class HereEngine:
         runner: of the plan.
     """
 
+    workers = 1
+
     def __init__(self, runner: Runner) -> None:
         self._runner = runner
 

@@ -27,6 +27,11 @@ class LocalEngine:
         self._plan: Plan | None = None
         self._executor: Executor | None = None
 
+    @property
+    def workers(self) -> int:
+        """Number of processes; see `Engine`."""
+        return self._jobs
+
     def __enter__(self) -> LocalEngine:
         return self
 

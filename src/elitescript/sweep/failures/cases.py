@@ -41,6 +41,7 @@ from elitescript.environment.start_values import parse_settings
 from elitescript.errors import UsageError
 from elitescript.kernel.options import OPTIONS
 from elitescript.messages.signals import Value
+from elitescript.paths import real_path
 from elitescript.records import field, record
 from elitescript.sweep.chaos.applying import check, disturbance_of, in_order, settings_of
 from elitescript.sweep.chaos.kinds import KINDS, is_fault
@@ -291,7 +292,7 @@ def relative_to(path: str | Path, folder: Path) -> str:
     try:
         return Path(os.path.relpath(path, folder)).as_posix()
     except ValueError:
-        return Path(path).resolve().as_posix()
+        return real_path(path).as_posix()
 
 
 def toml_value(value: Any) -> str:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
 from elitescript.errors import UsageError
 from elitescript.models.model import is_model_file
+from elitescript.paths import real_path
 from elitescript.records import field, record
 from elitescript.sweep.chaos.ground import Ears
 from elitescript.sweep.engines.engine import Engine
@@ -21,7 +22,7 @@ from elitescript.sweep.failures.cases import (
     relative_to,
     write_case,
 )
-from elitescript.sweep.failures.shrinking import BUDGET, Shrunk, is_same, shrink
+from elitescript.sweep.failures.shrinking import BUDGET, Shrinking, Shrunk, is_same
 from elitescript.sweep.failures.story import Story, tell
 from elitescript.sweep.plans.plan import LOST, Choices, Failure, Plan, Row
 from elitescript.sweep.plans.variations import plain_value
@@ -64,6 +65,8 @@ class Finding:
         tried: runs that it took to find it.
         story: what happened in it; None of a run that did not come back.
         case: file that plays it again.
+        is_complete: whether nothing smaller was left to try; else the budget was used up, or it was interrupted.
+        is_written: whether the case was written for it; else it was there, or is that of another failure.
     """
 
     first: Row
@@ -72,6 +75,8 @@ class Finding:
     tried: int
     story: Story | None
     case: Path
+    is_complete: bool = True
+    is_written: bool = True
 
 
 @record
@@ -90,49 +95,128 @@ class Remembered:
 
 
 def find(
-    first: Row,
+    firsts: Sequence[Row],
     runner: Runner,
     engine: Engine,
     places: Places,
     known: Iterable[Remembered] = (),
-    found: Iterable[Finding] = (),
-) -> Finding:
-    """Shrink a run that failed, tell its story, and write its case.
+    *,
+    budget: int = BUDGET,
+    note: Callable[[Shrinkings], None] = lambda shrinkings: None,
+) -> list[Finding]:
+    """Shrink runs that failed, all at the same time, tell their stories, and write their cases.
+
+    Ctrl-C ends the shrinking; what is smallest by then is told and written.
 
     Args:
-        first: its row.
+        firsts: their rows.
         runner: of the plan.
         engine: runs the candidates.
         places: of the files.
         known: cases that were played before; one that failed in the same way is not written again.
-        found: what was found before: a smallest run that is the same again is not written again.
+        budget: runs that each may take.
+        note: called after each round of candidates, and after Ctrl-C.
 
     Raises:
-        UsageError: the case cannot be written.
+        UsageError: a case cannot be written.
     """
-    assert first.failure is not None
-    choices, failure, tried, story = first.choices, first.failure, 0, None
-    # Of those there is nothing to compare, or each candidate takes --max-wall.
-    if first.state not in LOST:
-        shrunk = _shrunk(choices, failure, runner.plan, engine)
-        choices, tried = shrunk.choices, shrunk.runs
-        story, failure = _told(runner, choices, failure)
-    path = next((row.path for row in known if is_same(row.row.failure, failure)), None)
-    if path is None and story is not None:
-        # Other faults may have led to the same mistake.
-        path = next((row.case for row in found if _is_same_run(row, choices, failure)), None)
-    if path is None:
-        path = _free_name(places.folder)
-        lines = [failure.text] if story is None else story.lines
-        write_case(path, case_of_run(runner, choices, failure, places), lines)
-    return Finding(first, failure, choices, tried, story, path)
+    shrinkings = Shrinkings(firsts, runner.plan, budget)
+    try:
+        shrinkings.go(engine, note)
+    except KeyboardInterrupt:
+        shrinkings.is_interrupted = True
+        note(shrinkings)
+    found: list[Finding] = []
+    for first, shrunk in zip(firsts, shrinkings.results, strict=True):
+        assert first.failure is not None
+        choices, failure, tried, story = first.choices, first.failure, 0, None
+        if shrunk is not None:
+            choices, tried = shrunk.choices, shrunk.runs
+            story, failure = _told(runner, choices, failure)
+        path = next((row.path for row in known if is_same(row.row.failure, failure)), None)
+        if path is None and story is not None:
+            # Other faults may have led to the same mistake.
+            path = next((row.case for row in found if _is_same_run(row, choices, failure)), None)
+        is_written = path is None
+        if path is None:
+            path = _free_name(places.folder)
+            lines = [failure.text] if story is None else story.lines
+            write_case(path, case_of_run(runner, choices, failure, places), lines)
+        is_complete = shrunk is None or shrunk.is_complete
+        found.append(Finding(first, failure, choices, tried, story, path, is_complete, is_written))
+    return found
 
 
-def _shrunk(choices: Choices, failure: Failure, plan: Plan, engine: Engine) -> Shrunk:
-    def still_fails(candidate: Choices) -> bool:
-        return is_same(engine.row(plan, candidate).failure, failure)
+class Shrinkings:
+    """Failures that are made smaller at the same time.
 
-    return shrink(choices, still_fails, plain=plain_values(plan), budget=BUDGET)
+    Each takes as many candidates of a round as there are workers for it, so few failures use all of them too.
+
+    Args:
+        firsts: rows of the runs.
+        plan: of the sweep.
+        budget: runs that each may take.
+
+    Attributes:
+        is_interrupted: whether they were ended before.
+    """
+
+    __slots__ = ("_failures", "_plan", "_shrinkings", "is_interrupted")
+
+    def __init__(self, firsts: Sequence[Row], plan: Plan, budget: int) -> None:
+        self._plan = plan
+        self._failures: list[Failure] = []
+        # Of runs that were lost there is nothing to compare, or each candidate takes --max-wall.
+        self._shrinkings: list[Shrinking | None] = []
+        self.is_interrupted = False
+        for first in firsts:
+            assert first.failure is not None
+            self._failures.append(first.failure)
+            is_lost = first.state in LOST
+            shrinking = None if is_lost else Shrinking(first.choices, plain=plain_values(plan), budget=budget)
+            self._shrinkings.append(shrinking)
+
+    @property
+    def tried(self) -> int:
+        """Runs so far."""
+        return sum(result.runs for result in self.results if result is not None)
+
+    @property
+    def waiting(self) -> int:
+        """How many are not as small as can be."""
+        return len(self._asking())
+
+    @property
+    def results(self) -> list[Shrunk | None]:
+        """The smallest choices so far; None of runs that were lost."""
+        return [None if one is None else one.result for one in self._shrinkings]
+
+    def go(self, engine: Engine, note: Callable[[Shrinkings], None]) -> None:
+        """Run candidates until all are as small as can be, or the budget is used up."""
+        while asking := self._asking():
+            width = max(1, engine.workers // len(asking))
+            asked = [(one, failure, at) for one, failure in asking for at in range(min(width, len(one.asked)))]
+            fails = self._fails(engine, [(one.asked[at], failure) for one, failure, at in asked])
+            answers: dict[Shrinking, dict[int, bool]] = {one: {} for one, _ in asking}
+            for (one, _, at), is_failing in zip(asked, fails, strict=True):
+                answers[one][at] = is_failing
+            for one, its in answers.items():
+                one.answer(its)
+            note(self)
+
+    def _asking(self) -> list[tuple[Shrinking, Failure]]:
+        pairs = zip(self._shrinkings, self._failures, strict=True)
+        return [(one, failure) for one, failure in pairs if one is not None and one.asked]
+
+    def _fails(self, engine: Engine, candidates: Sequence[tuple[Choices, Failure]]) -> list[bool]:
+        """Return whether candidates fail as the failures do that they are made of; what makes no sense does not."""
+        try:
+            rows = engine.rows_of(self._plan, [choices for choices, _ in candidates])
+        except UsageError:
+            if len(candidates) == 1:
+                return [False]
+            return [fails for candidate in candidates for fails in self._fails(engine, [candidate])]
+        return [is_same(row.failure, failure) for row, (_, failure) in zip(rows, candidates, strict=True)]
 
 
 def _is_same_run(finding: Finding, choices: Choices, failure: Failure) -> bool:
@@ -200,7 +284,7 @@ def remembered(runner: Runner, engine: Engine, places: Places, note: Callable[[s
     """
     plan = runner.plan
     names = {row.name for row in plan.variations}
-    found = []
+    cases: list[tuple[Path, Case]] = []
     files = sorted(path for path in places.folder.iterdir() if path.is_file() and is_case(path.name))
     for path in files[:CASES_MAX]:
         try:
@@ -208,11 +292,12 @@ def remembered(runner: Runner, engine: Engine, places: Places, note: Callable[[s
         except UsageError as error:
             note(f"{error}; this case is not played")
             continue
-        program = (path.parent / case.program).resolve()
-        world = (path.parent / case.world).resolve() if case.world else None
-        is_ours = program == Path(places.program).resolve() and set(case.values) == names
-        if not is_ours or world != (Path(places.world).resolve() if places.world else None):
+        program = real_path(path.parent / case.program)
+        world = real_path(path.parent / case.world) if case.world else None
+        is_ours = program == real_path(places.program) and set(case.values) == names
+        if not is_ours or world != (real_path(places.world) if places.world else None):
             continue
-        row = engine.row(plan, case.choices)
-        found.append(Remembered(path, row, is_same(row.failure, case.failure)))
-    return found
+        cases.append((path, case))
+    rows = engine.rows_of(plan, [case.choices for _, case in cases])
+    pairs = zip(cases, rows, strict=True)
+    return [Remembered(path, row, is_same(row.failure, case.failure)) for (path, case), row in pairs]

@@ -7,7 +7,8 @@ the run and on `still_fails` alone.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from contextlib import suppress
 from math import ceil, floor
 from typing import Any, Final, TypeVar
 
@@ -20,8 +21,14 @@ from elitescript.sweep.plans.plan import Choices, Disturbance, Failure
 
 Item = TypeVar("Item")
 
+Answers = Mapping[int, bool]
+"""Whether candidates fail, by their places in what was asked: those that were run, the first one at least."""
+
+Asking = Generator[Sequence[Choices], Answers, None]
+"""Asks for candidates in the order in which they are wanted, and is sent answers."""
+
 BUDGET: Final = 200
-"""Runs that shrinking may take."""
+"""Runs that making one failure smaller may take, unless it is said (*assumed*)."""
 
 _HALVINGS: Final = 6
 _ROUNDS: Final = 3
@@ -106,16 +113,30 @@ def fewest(items: Sequence[Item], fails: Callable[[Sequence[Item]], bool]) -> Se
         items: that fail together.
         fails: returns whether some of them still fail.
     """
-    if not items or fails(()):
+    search = _ddmin(items)
+    found: Sequence[Item] | None = None
+    try:
+        asked = next(search)
+        while True:
+            found = next((some for some in asked if fails(some)), None)
+            asked = search.send(found)
+    except StopIteration as end:
+        fewer: Sequence[Item] = end.value
+        return fewer
+
+
+def _ddmin(items: Sequence[Item]) -> Generator[list[Sequence[Item]], Sequence[Item] | None, Sequence[Item]]:
+    """Yield alternatives, and be sent the first of them that still fails, or None; return the fewest items."""
+    if not items or (yield [()]) is not None:
         return ()
     parts = 2
     while len(items) > 1:
         step = -(-len(items) // parts)
         chunks = [items[at : at + step] for at in range(0, len(items), step)]
         rests = [[item for other in chunks if other is not chunk for item in other] for chunk in chunks]
-        if smaller := next((chunk for chunk in chunks if fails(chunk)), None):
+        if (smaller := (yield list(chunks))) is not None:
             items, parts = smaller, 2
-        elif len(chunks) > 2 and (smaller := next((rest for rest in rests if fails(rest)), None)):
+        elif len(chunks) > 2 and (smaller := (yield list(rests))) is not None:
             items, parts = smaller, max(parts - 1, 2)
         elif step == 1:
             break
@@ -140,49 +161,124 @@ def shrink(
         plain: for each varied value the plain one: the middle, the default or the first choice.
         budget: runs that may be tried.
     """
-    search = _Search(choices, still_fails, budget)
-    try:
-        for _ in range(_ROUNDS):
-            before = search.best
-            search.fewer()
-            search.simpler()
-            search.smaller()
-            search.plainer(plain or {})
-            if search.best == before:
-                break
-    except _OutOfBudget:
-        return Shrunk(search.best, search.runs, False)
-    return Shrunk(search.best, search.runs, True)
+
+    def answered(asked: Sequence[Choices]) -> bool:
+        try:
+            return still_fails(asked[0])
+        except UsageError:
+            return False
+
+    search = Shrinking(choices, plain=plain, budget=budget)
+    while search.asked:
+        search.answer({0: answered(search.asked)})
+    return search.result
+
+
+class Shrinking:
+    """Makes one failing run smaller, question by question; whoever asks it runs the candidates.
+
+    What comes out depends on the answers alone, not on how many candidates are run at the same time: those that are
+    run beside the first one count as tried when they are wanted, and not otherwise.
+
+    Args:
+        choices: of a run that fails.
+        plain: see `shrink`.
+        budget: see there.
+
+    Attributes:
+        asked: candidates in the order in which they may be wanted, the first one for certain; empty at the end.
+    """
+
+    __slots__ = ("_asking", "_is_complete", "_search", "asked")
+
+    def __init__(
+        self, choices: Choices, *, plain: Mapping[str, Value | str] | None = None, budget: int = BUDGET
+    ) -> None:
+        self._search = _Search(choices, budget)
+        self._asking = self._search.everything(plain or {})
+        self._is_complete = False
+        self.asked: Sequence[Choices] = ()
+        self._go_on(None)
+
+    def answer(self, answers: Answers) -> None:
+        """Take whether candidates of `asked` fail, the first one at least."""
+        self._go_on(answers)
+
+    @property
+    def result(self) -> Shrunk:
+        """The smallest choices so far."""
+        return Shrunk(self._search.best, self._search.runs, self._is_complete)
+
+    def _go_on(self, answers: Answers | None) -> None:
+        try:
+            # A generator that has just begun takes nothing but None.
+            self.asked = next(self._asking) if answers is None else self._asking.send(answers)
+        except StopIteration:
+            self.asked, self._is_complete = (), True
+        except _OutOfBudget:
+            self.asked = ()
 
 
 class _Search:
     """Holds the smallest choices so far, and what was tried."""
 
-    __slots__ = ("_budget", "_still_fails", "_tried", "best", "runs")
+    __slots__ = ("_budget", "_known", "_tried", "best", "runs")
 
-    def __init__(self, choices: Choices, still_fails: Callable[[Choices], bool], budget: int) -> None:
+    def __init__(self, choices: Choices, budget: int) -> None:
         self.best = choices
         self.runs = 0
         self._budget = budget
-        self._still_fails = still_fails
         self._tried: dict[str, bool] = {_key(choices): True}
+        self._known: dict[str, bool] = {}
+        """Of candidates that were run beside others."""
 
-    def fails(self, choices: Choices) -> bool:
-        """Return whether choices still fail; then they are the best ones."""
-        key = _key(choices)
-        if key not in self._tried:
-            try:
-                for disturbance in choices.disturbances:
-                    check(disturbance)
+    def everything(self, plain: Mapping[str, Value | str]) -> Asking:
+        """Make the run smaller in every way, again and again."""
+        for _ in range(_ROUNDS):
+            before = self.best
+            yield from self.fewer()
+            yield from self.simpler()
+            yield from self.smaller()
+            yield from self.plainer(plain)
+            if self.best == before:
+                break
+
+    def first(
+        self, candidates: Sequence[Choices], perhaps: Sequence[Choices] = ()
+    ) -> Generator[Sequence[Choices], Answers, Choices | None]:
+        """Return the first candidate that still fails, which is the best then; None if all hold.
+
+        Args:
+            candidates: in their order.
+            perhaps: what may be wanted next.
+        """
+        for place, candidate in enumerate(candidates):
+            key = _key(candidate)
+            if key not in self._tried:
+                if not _makes_sense(candidate):
+                    self._tried[key] = False
+                    continue
                 if self.runs >= self._budget:
                     raise _OutOfBudget
+                if key not in self._known:
+                    asked = self._unknown(candidate, (*candidates[place + 1 :], *perhaps))
+                    answers = yield asked
+                    self._known |= {_key(asked[at]): fails for at, fails in answers.items()}
                 self.runs += 1
-                self._tried[key] = self._still_fails(choices)
-            except UsageError:
-                self._tried[key] = False
-        if self._tried[key]:
-            self.best = choices
-        return self._tried[key]
+                self._tried[key] = self._known[key]
+            if self._tried[key]:
+                self.best = candidate
+                return candidate
+        return None
+
+    def _unknown(self, candidate: Choices, others: Sequence[Choices]) -> list[Choices]:
+        """Return a candidate, and those of others that would have to be run."""
+        found = {_key(candidate): candidate}
+        for other in others:
+            key = _key(other)
+            if key not in self._tried and key not in self._known and _makes_sense(other):
+                found.setdefault(key, other)
+        return list(found.values())
 
     def _with(self, disturbances: Sequence[Disturbance]) -> Choices:
         return replace(self.best, disturbances=tuple(disturbances))
@@ -194,30 +290,30 @@ class _Search:
 
     # ---------------------------------------------------------------- fewer disturbances
 
-    def fewer(self) -> None:
+    def fewer(self) -> Asking:
         """Leave out what is not needed (ddmin)."""
-        # What fails becomes the best of the search, so the result is there already.
-        fewest(self.best.disturbances, lambda items: self.fails(self._with(items)))
+        search = _ddmin(self.best.disturbances)
+        with suppress(StopIteration):
+            asked = next(search)
+            while True:
+                found = yield from self.first([self._with(some) for some in asked])
+                asked = search.send(None if found is None else found.disturbances)
 
     # ---------------------------------------------------------------- simpler kinds
 
-    def simpler(self) -> None:
+    def simpler(self) -> Asking:
         """Replace kinds and settings by simpler ones."""
         for index in range(len(self.best.disturbances)):
-            for candidate in _simpler_kinds(self.best.disturbances[index]):
-                if self.fails(self._with_one(index, candidate)):
-                    break
-            for candidate in _one_message(self.best.disturbances[index]):
-                if self.fails(self._with_one(index, candidate)):
-                    break
+            for simpler in (_simpler_kinds, _one_message):
+                yield from self.first([self._with_one(index, one) for one in simpler(self.best.disturbances[index])])
             for change in (_to_robot, _to_device, _later, _plain_reply):
                 changed = change(self.best.disturbances[index])
                 if changed is not None:
-                    self.fails(self._with_one(index, changed))
+                    yield from self.first([self._with_one(index, changed)])
 
     # ---------------------------------------------------------------- smaller numbers
 
-    def smaller(self) -> None:
+    def smaller(self) -> Asking:
         """Bring each number towards its target."""
         for index in range(len(self.best.disturbances)):
             for name, target in _TARGETS.items():
@@ -227,25 +323,66 @@ class _Search:
                 if name == "for_s":
                     target = min(value, target)
 
-                def tried(number: float, index: int = index, name: str = name) -> bool:
-                    return self.fails(self._with_one(index, _with_number(self.best.disturbances[index], name, number)))
+                def made(number: float, index: int = index, name: str = name) -> Choices:
+                    return self._with_one(index, _with_number(self.best.disturbances[index], name, number))
 
-                _search_number(value, target, tried, is_time=name.endswith("_s") and name != "per_s")
+                yield from self._number(value, target, made, is_time=name.endswith("_s") and name != "per_s")
 
     # ---------------------------------------------------------------- plainer values
 
-    def plainer(self, plain: Mapping[str, Value | str]) -> None:
+    def plainer(self, plain: Mapping[str, Value | str]) -> Asking:
         """Bring each varied value towards the plain one."""
         for name, target in plain.items():
             value = self.best.values.get(name, target)
 
-            def tried(changed: Any, name: str = name) -> bool:
-                return self.fails(replace(self.best, values={**self.best.values, name: changed}))
+            def made(changed: Any, name: str = name) -> Choices:
+                return replace(self.best, values={**self.best.values, name: changed})
 
             if _is_number(value) and _is_number(target):
-                _search_number(value, target, tried)  # type: ignore[arg-type]
+                yield from self._number(value, target, made)  # type: ignore[arg-type]
             elif value != target:
-                tried(target)
+                yield from self.first([made(target)])
+
+    def _number(self, value: float, target: float, made: Callable[[Any], Choices], *, is_time: bool = False) -> Asking:
+        """Bring a number towards its target: there, then half way again and again, then to the fewest digits."""
+        is_whole = isinstance(value, int) and isinstance(target, int)
+
+        def between(good: float, bad: float) -> float:
+            return _rounded((good + bad) / 2, is_whole=is_whole, is_time=is_time)
+
+        if value == target or (yield from self.first([made(target)], [made(between(value, target))])):
+            return
+        good, bad = value, target
+        for _ in range(_HALVINGS):
+            middle = between(good, bad)
+            if middle in (good, bad):
+                break
+            # One of both is wanted next, unless this was the last one.
+            perhaps = [made(between(middle, bad)), made(between(good, middle))]
+            if (yield from self.first([made(middle)], perhaps)):
+                good = middle
+            else:
+                bad = middle
+        if is_whole:
+            return
+        wanted: list[float] = []
+        for step in (1.0, 0.1) if is_time else _steps(good):
+            candidates = (floor(good / step) * step, ceil(good / step) * step)
+            # The one that is nearer to the target first; none is beyond the number that there was.
+            for candidate in sorted((round(at, 9) for at in candidates), key=lambda at: abs(at - target)):
+                if min(value, target) <= candidate <= max(value, target):
+                    wanted.append(candidate)
+        yield from self.first([made(candidate) for candidate in wanted])
+
+
+def _makes_sense(choices: Choices) -> bool:
+    """Return whether every disturbance has settings that it may have."""
+    try:
+        for disturbance in choices.disturbances:
+            check(disturbance)
+    except UsageError:
+        return False
+    return True
 
 
 def _key(choices: Choices) -> str:
@@ -336,30 +473,6 @@ def _with_number(disturbance: Disturbance, name: str, value: float) -> Disturban
     if name == "for_s":
         return replace(disturbance, for_s=value)
     return replace(disturbance, settings={**disturbance.settings, name: value})
-
-
-def _search_number(value: float, target: float, fails: Callable[[Any], bool], *, is_time: bool = False) -> None:
-    """Bring a number towards its target: there, then half way again and again, then to the fewest digits."""
-    if value == target or fails(target):
-        return
-    is_whole = isinstance(value, int) and isinstance(target, int)
-    good, bad = value, target
-    for _ in range(_HALVINGS):
-        middle = _rounded((good + bad) / 2, is_whole=is_whole, is_time=is_time)
-        if middle in (good, bad):
-            break
-        if fails(middle):
-            good = middle
-        else:
-            bad = middle
-    if is_whole:
-        return
-    for step in (1.0, 0.1) if is_time else _steps(good):
-        candidates = (floor(good / step) * step, ceil(good / step) * step)
-        # The one that is nearer to the target first; none is beyond the number that there was.
-        for candidate in sorted((round(at, 9) for at in candidates), key=lambda at: abs(at - target)):
-            if min(value, target) <= candidate <= max(value, target) and (candidate == good or fails(candidate)):
-                return
 
 
 def _steps(value: float) -> Iterator[float]:

@@ -8,7 +8,7 @@ and dropped with all that follows it.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any, Final
@@ -21,8 +21,8 @@ from elitescript.sweep.plans.plan import Plan, Row
 from elitescript.sweep.plans.plan_json import data_digest, plan_data, row_data, row_of
 from elitescript.untrusted.json_text import json_value
 
-SUFFIX: Final = ".part"
-"""Behind the name of the table."""
+LINE_MAX: Final = 1 << 28
+"""Bytes of a line at most: those of 10,000 rows are some MB."""
 
 _FORMAT: Final = 1
 
@@ -34,6 +34,7 @@ class Journal:
         path: of the file.
         plan: of the sweep.
         resumes: whether a file that is there is continued; if not, it is written anew.
+        seed: writes the journal of a finished sweep into a file, where there is none to continue.
 
     Attributes:
         path: see above.
@@ -43,14 +44,20 @@ class Journal:
             first difference.
     """
 
-    def __init__(self, path: Path, plan: Plan, *, resumes: bool) -> None:
+    def __init__(
+        self, path: Path, plan: Plan, *, resumes: bool, seed: Callable[[IO[bytes]], None] | None = None
+    ) -> None:
         self.path = path
         self._places: dict[int, tuple[int, int]] = {}
         """Where the rows of a range begin, by its first number: offset in the file, and the number behind the last."""
         parts = plan_parts(plan)
         self._lock = _locked(path)
         try:
-            end = self._read(parts) if resumes and path.exists() else 0
+            end = self._read(parts) if resumes else 0
+            if not end and seed is not None:
+                with path.open("wb") as file:
+                    seed(file)
+                end = self._read(parts)
             self._file: IO[bytes] = path.open("r+b" if end else "w+b")
         except BaseException:
             self._lock.close()
@@ -114,7 +121,7 @@ class Journal:
                 if first >= runs:
                     break
                 file.seek(offset)
-                for data in _content(file.readline())["rows"]:
+                for data in content_of(file.readline())["rows"]:
                     row = row_of(data)
                     if row.choices.run < runs:
                         yield row
@@ -130,57 +137,98 @@ class Journal:
             offset, stop = self._places[first]
             with self.path.open("rb") as file:
                 file.seek(offset)
-                rows = _content(file.readline())["rows"]
+                rows = content_of(file.readline())["rows"]
             yield from map(row_of, rows[: runs - first])
             first = stop
 
     def _write(self, content: Any) -> None:
-        text = json.dumps(content, separators=(",", ":"), check_circular=False).encode("ascii")
         try:
-            self._file.write(b"%b %08x\n" % (text, crc32(text)))
+            self._file.write(line_of(content))
             self._file.flush()
         except OSError as error:
             raise UsageError(f"{self.path}: {error.strerror or error}; --resume goes on with what is there") from error
 
     def _read(self, parts: Mapping[str, Any]) -> int:
-        """Take in what is in the file; return where its last complete line ends."""
+        """Take in what is in the file; return where its last complete line ends.
+
+        Raises:
+            UsageError: it is no journal, of another plan, or has a complete line that no sweep has written.
+        """
         with self.path.open("rb") as file:
-            line = file.readline()
-            if not line.endswith(b"\n"):
+            line = file.readline(LINE_MAX)
+            if not line.endswith(b"\n") and len(line) < LINE_MAX:
                 # Torn before anything else was written.
                 return 0
-            head = _content(line)
-            if not isinstance(head, dict) or head.get("journal") != _FORMAT:
+            known = parts_of_head(line)
+            if known is None:
                 raise UsageError(f"--resume: {self.path} is no journal of a sweep of this version; delete it")
-            if head["digest"] != data_digest(parts):
-                raise UsageError(
-                    f"--resume: {self.path} was begun with other settings: {difference(head['plan'], parts)}"
-                )
+            if why := difference(known, parts):
+                raise UsageError(f"--resume: {self.path} was begun with other settings: {why}")
+            head = line
             end = file.tell()
-            while (content := _content(file.readline())) is not None:
-                first = content["first"]
-                self._places[first] = (end, first + len(content["rows"]))
+            number = 1
+            while (content := content_of(line := file.readline(LINE_MAX))) is not None:
+                number += 1
+                # The same first line again changes nothing.
+                if line != head:
+                    self._take(content, end, number)
                 end = file.tell()
+        last = 0
+        for first, (_, stop) in sorted(self._places.items()):
+            if first < last:
+                raise UsageError(f"{self.path}: run {first} is in it twice; delete the file")
+            last = stop
         return end
 
+    def _take(self, content: Any, offset: int, number: int) -> None:
+        """Note where rows are, after a look at them.
 
-def _content(line: bytes) -> Any:
+        Raises:
+            UsageError: they are no rows, or are there already.
+        """
+        try:
+            rows = [row_of(data) for data in content["rows"]]
+            runs = [row.choices.run for row in rows]
+            first = content["first"]
+            is_range = type(first) is int and first >= 0 and runs == list(range(first, first + len(rows)))
+            if not rows or not is_range or first in self._places:
+                raise ValueError
+        except (UsageError, KeyError, TypeError, ValueError):
+            raise UsageError(f"{self.path}: line {number} holds no rows that are new; delete the file") from None
+        self._places[first] = (offset, first + len(rows))
+
+
+def line_of(content: Any) -> bytes:
+    """Return the line of what JSON can hold, with its checksum."""
+    text = json.dumps(content, separators=(",", ":"), check_circular=False).encode("ascii")
+    return b"%b %08x\n" % (text, crc32(text))
+
+
+def content_of(line: bytes) -> Any:
     """Return what a line holds; None if it is torn, or there is none."""
     text, _, checksum = line.rpartition(b" ")
     if not line.endswith(b"\n") or checksum != b"%08x\n" % crc32(text):
         return None
     try:
         return json_value(text, depth_max=None)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
+
+
+def parts_of_head(line: bytes) -> Mapping[str, Any] | None:
+    """Return the parts of the plan in the first line of a journal; None if it is none."""
+    head = content_of(line)
+    if not isinstance(head, dict) or head.get("journal") != _FORMAT:
+        return None
+    plan = head.get("plan")
+    return plan if isinstance(plan, dict) else None
 
 
 def _locked(path: Path) -> IO[bytes]:
     """Return what keeps a file for this process until it is closed; it is made if there is none.
 
     Raises:
-        UsageError: another process has it.
-        OSError: it cannot be opened.
+        UsageError: another process has it, or it cannot be opened.
     """
     if why := why_no_file(path):
         raise UsageError(f"{path} {why}")
@@ -190,12 +238,16 @@ def _locked(path: Path) -> IO[bytes]:
         raise UsageError(f"{path}: another sweep writes it; wait for it, or give --out another name") from None
     except OSError:
         # Some file systems of clusters have no locks.
-        return path.open("ab")
+        try:
+            return path.open("ab")
+        except OSError as error:
+            raise UsageError(f"{path}: {error.strerror or error}") from error
 
 
 # ---------------------------------------------------------------- plans compared
 
 _SHOWN: Final = 60
+_DIFFERENCES_MAX: Final = 5
 
 
 def plan_parts(plan: Plan) -> dict[str, Any]:
@@ -226,19 +278,27 @@ _CALLED: Final = {
 
 
 def difference(old: Mapping[str, Any], new: Mapping[str, Any]) -> str:
-    """Return the first difference between the parts of two plans, in words."""
-    for name in (*new, *old):
-        if name not in old:
-            return f"{name} {_shown(new[name])}, was not there"
-        if name not in new:
-            return f"{name} is not given, was {_shown(old[name])}"
-        if old[name] != new[name]:
-            if name.startswith("--"):
-                return f"{name} {_shown(new[name])}, was {_shown(old[name])}"
-            if name.startswith("the version"):
-                return f"{name} is {new[name]}, was {old[name]}"
-            return f"{name} is another one"
-    return "nothing that is known"
+    """Return the differences between the parts of two plans, in words; empty if there is none."""
+    found = [_differs(name, old, new) for name in dict.fromkeys((*new, *old)) if _part(old, name) != _part(new, name)]
+    more = len(found) - _DIFFERENCES_MAX
+    return "; ".join(found[:_DIFFERENCES_MAX]) + (f"; and {more} more" if more > 0 else "")
+
+
+def _part(parts: Mapping[str, Any], name: str) -> str | None:
+    """Return a part as JSON has it: 1 and True are two things, a tuple and a list are not."""
+    return json.dumps(parts[name], sort_keys=True) if name in parts else None
+
+
+def _differs(name: str, old: Mapping[str, Any], new: Mapping[str, Any]) -> str:
+    if name not in old:
+        return f"{name} {_shown(new[name])}, was not there"
+    if name not in new:
+        return f"{name} is not given, was {_shown(old[name])}"
+    if name.startswith("--"):
+        return f"{name} {_shown(new[name])}, was {_shown(old[name])}"
+    if name.startswith("the version"):
+        return f"{name} is {new[name]}, was {old[name]}"
+    return f"{name} is another one"
 
 
 def _shown(value: Any) -> str:
@@ -246,5 +306,5 @@ def _shown(value: Any) -> str:
         value = " ".join(map(str, value)) or "nothing"
     if isinstance(value, dict):
         value = " ".join(f"{key}={item}" for key, item in value.items()) or "nothing"
-    text = str(value)
+    text = str(value) or "nothing"
     return text if len(text) <= _SHOWN else text[:_SHOWN] + "..."

@@ -12,6 +12,7 @@ from typing import IO, Any, Final, Protocol
 
 from elitescript.codec.json_text import to_text
 from elitescript.errors import UsageError
+from elitescript.paths import why_no_file
 from elitescript.sweep.chaos.properties import properties_of
 from elitescript.sweep.plans.plan import Plan, Row
 
@@ -43,13 +44,13 @@ def check_table(path: Path) -> None:
     """Refuse a table that could not be written, before the first run.
 
     Raises:
-        UsageError: no such format or folder, or the library for the format is missing.
+        UsageError: no such format or folder, no file, or the library for the format is missing.
     """
     format_of(path)
     if not path.parent.is_dir():
         raise UsageError(f"--out {path}: there is no folder {path.parent}")
-    if path.is_dir():
-        raise UsageError(f"--out {path}: it is a folder")
+    if why := why_no_file(path):
+        raise UsageError(f"--out {path}: it {why}")
 
 
 def columns(plan: Plan) -> tuple[str, ...]:
@@ -95,14 +96,14 @@ def write_table(path: Path, plan: Plan, rows: Iterable[Row]) -> None:
     """
     write = _WRITERS[format_of(path)]
     try:
-        with _complete(path) as file:
+        with complete(path) as file:
             write(file, plan, rows)
     except OSError as error:
         raise UsageError(f"--out {path}: {error.strerror or error}") from error
 
 
 @contextmanager
-def _complete(path: Path) -> Iterator[IO[bytes]]:
+def complete(path: Path) -> Iterator[IO[bytes]]:
     """Open a file that takes the place of another one when the body has written it."""
     with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as file:
         temporary = Path(file.name)

@@ -2,9 +2,9 @@
 
 import { useSignal } from "@preact/signals";
 import { Rows } from "../../app/rows.tsx";
-import { lastAtOrBefore } from "../../model/run.ts";
+import { lastAtOrBefore, type LeftOut } from "../../model/run.ts";
 import type { Studio } from "../../model/studio.ts";
-import { seconds } from "../../model/units.ts";
+import { seconds, size } from "../../model/units.ts";
 import type { RunEvent } from "../../source/messages.ts";
 import type { Texts } from "../../text/en.ts";
 import { shortened, text } from "../../text/text.ts";
@@ -49,6 +49,7 @@ export function Messages({ studio }: { studio: Studio }) {
         })}
         row={(index) => <Message studio={studio} event={shown[index]!} />}
       />
+      {run?.leftOut != null && <p class="left-out">{inWords(run.leftOut)}</p>}
     </div>
   );
 }
@@ -69,10 +70,17 @@ function Message({ studio, event }: { studio: Studio; event: RunEvent }) {
   );
 }
 
+/** What is missing in the list. */
+function inWords({ events, bytes, from_s }: LeftOut): string {
+  if (events === 0) return text("messages_cut", { size: size(bytes) });
+  return text("messages_left_out", { count: events.toLocaleString("en-US"), size: size(bytes), t: seconds(from_s) });
+}
+
 /** What an event says, as one text. */
 function words(event: RunEvent): string {
   const parts = [event["device"], event["title"], event["mode"], event["code"], event["text"]].filter((part) => typeof part === "string" && part !== "");
-  return shortened(parts.join(": "));
+  const said = shortened(parts.join(": "));
+  return event.cut === undefined ? said : text("message_cut", { said, count: event.cut.toLocaleString("en-US") });
 }
 
 function level(event: RunEvent): string {

@@ -7,6 +7,7 @@ import type { Studio } from "../../model/studio.ts";
 import { seconds, withUnit } from "../../model/units.ts";
 import type { AlarmReport, Contact, Problem } from "../../source/messages.ts";
 import type { Texts } from "../../text/en.ts";
+import { said } from "../../text/said.ts";
 import { shortened, text } from "../../text/text.ts";
 
 /** Rows in the document; more problems than that are counted. */
@@ -21,6 +22,7 @@ export function Problems({ studio }: { studio: Studio }) {
   const version = studio.problems.value?.version ?? 0;
   const found = findingsOf(studio);
   const rows = [...runProblems(studio, found, version), ...found.list.map((problem, index) => <Finding key={`check ${index}`} studio={studio} problem={problem} version={version} />)];
+  if (studio.isEmpty.value) return <p class="empty">{text("problems_empty")}</p>;
   if (rows.length === 0) {
     const rules = studio.problems.value?.rules;
     return (
@@ -46,7 +48,7 @@ function runProblems(studio: Studio, { alarm, cause, contacts, refused_connectio
       <li key="refused" class="problem information">
         <Icon name="information" />
         <div>
-          <p>{text("refused_connections", { where: refused.join(", ") })}</p>
+          <p>{text("refused_connections", { where: refused.map(said).join(", ") })}</p>
           <p class="faint">{text("refused_hint")}</p>
         </div>
       </li>,

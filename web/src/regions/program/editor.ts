@@ -13,6 +13,8 @@ import { untracked } from "@preact/signals-core";
 import type { Run } from "../../model/run.ts";
 import type { Place, Studio } from "../../model/studio.ts";
 import type { Problem, TextEdit } from "../../source/messages.ts";
+import { language } from "../../text/language.ts";
+import { PHRASES } from "../../text/phrases.ts";
 import { text as shown } from "../../text/text.ts";
 import { applyEdits, assistance } from "./assistance.ts";
 import { inlayHints, setHints } from "./hints.ts";
@@ -34,6 +36,7 @@ export class ProgramEditor {
   private readonly versions = new Versions();
   private readonly editable = new Compartment();
   private readonly undoable = new Compartment();
+  private readonly phrases = new Compartment();
   private options = { times: false, hints: true };
   private timer: ReturnType<typeof setTimeout> | undefined;
   private hovered = 0;
@@ -67,6 +70,7 @@ export class ProgramEditor {
           overtyping(),
           closeBrackets(),
           indentOnInput(),
+          this.phrases.of([]),
           search({ top: true }),
           EditorState.languageData.of(() => [{ closeBrackets: { brackets: ["(", "[", "{", "'", '"'] }, indentOnInput: /^\s*(end|else|elif|except|finally)$/, commentTokens: { line: "#" } }]),
           eliteScript(),
@@ -125,8 +129,8 @@ export class ProgramEditor {
   /** Names the parts in the language of the page. */
   name(): void {
     this.view.scrollDOM.setAttribute("aria-label", shown("editor_scroller"));
-    // Attributes of the text are asked for again.
-    this.view.dispatch({});
+    // Attributes of the text are asked for again; an open panel keeps its language.
+    this.view.dispatch({ effects: this.phrases.reconfigure(EditorState.phrases.of(language.peek() === "zh" ? PHRASES : {})) });
   }
 
   show(options: { readonly times: boolean; readonly hints: boolean }): void {

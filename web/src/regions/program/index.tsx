@@ -5,6 +5,7 @@ import { useEffect, useRef } from "preact/hooks";
 import type { Studio } from "../../model/studio.ts";
 import type { Results } from "../../source/services.ts";
 import { language } from "../../text/language.ts";
+import { said } from "../../text/said.ts";
 import { text } from "../../text/text.ts";
 import { ProgramEditor } from "./editor.ts";
 import "./program.css";
@@ -52,12 +53,17 @@ export function Program({ studio }: { studio: Studio }) {
         )}
       </div>
       <div class="program-editor" ref={place} />
-      {studio.text.value === "" && <Empty studio={studio} />}
+      {(studio.text.value === "" || studio.isEmpty.value) && <Empty studio={studio} />}
     </div>
   );
 }
 
-/** What stands in an editor without a program. */
+/** The first lines of a program that somebody begins to write. */
+const BEGIN = 'def program():\n  textmsg("hello")\nend\n';
+/** Programs of the folder that can be chosen; the field with the name of the file has all of them. */
+const PROGRAMS_MAX = 200;
+
+/** What stands in an editor without a program: three ways to begin. */
 function Empty({ studio }: { studio: Studio }) {
   const examples = useSignal<Results["examples"]>([]);
   const canAsk = studio.can("services");
@@ -65,14 +71,30 @@ function Empty({ studio }: { studio: Studio }) {
     if (canAsk) void studio.ask("examples").then((found) => (examples.value = found ?? []), () => {});
   }, [canAsk]);
   if (!studio.can("edit")) return <p class="program-empty">{text(studio.hello.value?.mode === "connected" ? "editor_on_controller" : "editor_no_text")}</p>;
+  const begin = (program: string) => {
+    // Comments that stand there already stay.
+    const known = studio.text.value.trimEnd();
+    studio.editor?.replace(known === "" ? program : `${known}\n\n${program}`);
+    studio.editor?.focus();
+  };
+  const others = (studio.hello.value?.programs ?? []).filter((name) => name !== studio.file.value?.name);
   return (
-    <div class="program-empty">
+    <div class="program-empty" role="group" aria-label={text("editor_empty")}>
       <p>{text("editor_empty")}</p>
       <ul>
+        <li><button type="button" onClick={() => begin(BEGIN)}>{text("editor_write")}</button></li>
+        <li>
+          {others.length === 0 ? text("editor_open_folder") : (
+            <select aria-label={text("editor_open")} value="" onChange={({ currentTarget }) => void studio.open(currentTarget.value)}>
+              <option value="">{text("editor_open")}</option>
+              {others.slice(0, PROGRAMS_MAX).map((name) => <option key={name} value={name}>{name}</option>)}
+            </select>
+          )}
+        </li>
         {examples.value.map((example) => (
           <li key={example.name}>
-            <button type="button" onClick={() => studio.editor?.replace(example.text)}>
-              {example.title}
+            <button type="button" onClick={() => begin(example.text)}>
+              {text("editor_example", { title: said(example.title) })}
             </button>
           </li>
         ))}

@@ -54,24 +54,47 @@ function table(parent: HTMLElement, rows: readonly string[]): void {
   });
 }
 
-/** Code, bold, italics; of links the text alone. */
 function inline(parent: HTMLElement, source: string): void {
-  const pattern = /`([^`]+)`|\*\*([^*]+)\*\*|(?<![\w*])[*_]([^*_]+)[*_](?![\w*])|\[([^\]]+)\]\([^)]*\)/g;
+  for (const part of inlineParts(source)) parent.append(part.kind === "text" ? part.text : text(part.kind, part.text));
+}
+
+/** A stretch of a line, as it is shown. */
+export interface Part {
+  readonly kind: "text" | "code" | "strong" | "em";
+  readonly text: string;
+}
+
+const MARKS = "[\\\\`*_{}[\\]()#+\\-.!|<>~&@:=]";
+const INLINE = new RegExp(
+  `((?:\\\\${MARKS})+)|(\`+)(?!\`)(.+?)(?<!\`)\\2(?!\`)|\\*\\*([^*]+)\\*\\*|(?<![\\w*])[*_]([^*_]+)[*_](?![\\w*])|\\[([^\\]]+)\\]\\([^)]*\\)`,
+  "g",
+);
+
+/** Returns a line in code, bold, italics and text; of links the text alone. What stands behind a backslash is no mark. */
+export function inlineParts(source: string): Part[] {
+  const parts: Part[] = [];
+  const add = (kind: Part["kind"], text: string) => {
+    const last = parts.at(-1);
+    if (kind === "text" && last?.kind === "text") parts[parts.length - 1] = { kind, text: last.text + text };
+    else if (text !== "") parts.push({ kind, text });
+  };
   let from = 0;
-  for (const found of source.matchAll(pattern)) {
-    parent.append(unescaped(source.slice(from, found.index)));
-    const [, code, bold, italic, link] = found;
-    if (code !== undefined) parent.append(text("code", code));
-    else if (bold !== undefined) parent.append(text("strong", unescaped(bold)));
-    else if (italic !== undefined) parent.append(text("em", unescaped(italic)));
-    else inline(parent, link!);
+  for (const found of source.matchAll(INLINE)) {
+    add("text", source.slice(from, found.index));
+    const [, escapes, ticks, code, bold, italic, link] = found;
+    if (escapes !== undefined) add("text", unescaped(escapes));
+    else if (ticks !== undefined) add("code", code!.replace(/^ (`.*|.*`) $/, "$1"));
+    else if (bold !== undefined) add("strong", unescaped(bold));
+    else if (italic !== undefined) add("em", unescaped(italic));
+    else for (const part of inlineParts(link!)) add(part.kind, part.text);
     from = found.index + found[0].length;
   }
-  parent.append(unescaped(source.slice(from)));
+  add("text", source.slice(from));
+  return parts;
 }
 
 function unescaped(source: string): string {
-  return source.replace(/\\([\\`*_{}[\]()#+\-.!|<>])/g, "$1");
+  return source.replace(new RegExp(`\\\\(${MARKS})`, "g"), "$1");
 }
 
 function element(parent: Node, name: string): HTMLElement {

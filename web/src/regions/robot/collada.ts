@@ -6,6 +6,7 @@
  */
 
 import { apply, compose, fromRotationVector, IDENTITY, type Point, type Transform } from "../../model/kinematics.ts";
+import { MeshBudget } from "./mesh_limits.ts";
 import { child, children, type Element, readXml } from "./xml.ts";
 
 export interface Surface {
@@ -21,10 +22,10 @@ export interface Surface {
 type Affine = Transform;
 
 /** Returns the surfaces of a file. Throws an Error that says what is not understood. */
-export function readCollada(text: string): Surface[] {
+export function readCollada(text: string, budget: MeshBudget = new MeshBudget()): Surface[] {
   const root = readXml(text);
   if (root.name !== "COLLADA") throw new Error(`line ${root.line}: the outermost element is <${root.name}>, not <COLLADA>`);
-  const file = new File(root);
+  const file = new File(root, budget);
   const metres = Number(child(child(root, "asset"), "unit")?.attributes["meter"] ?? 1);
   const scale: Affine = [metres, 0, 0, 0, metres, 0, 0, 0, metres, 0, 0, 0];
   const scene = file.named(child(child(root, "scene"), "instance_visual_scene")?.attributes["url"]);
@@ -39,12 +40,15 @@ class File {
   private readonly byId = new Map<string, Element>();
   private readonly arrays = new Map<Element, Float64Array>();
 
-  constructor(root: Element) {
+  private readonly budget: MeshBudget;
+
+  constructor(root: Element, budget: MeshBudget) {
+    this.budget = budget;
     const all = [root];
     for (let element = all.pop(); element !== undefined; element = all.pop()) {
       const id = element.attributes["id"];
       if (id !== undefined) this.byId.set(id, element);
-      all.push(...element.children);
+      for (const inner of element.children) all.push(inner);
     }
   }
 
@@ -54,6 +58,7 @@ class File {
   }
 
   node(node: Element, parent: Affine, depth: number): Surface[] {
+    this.budget.takeNode();
     if (depth > DEPTH_MAX) throw new Error(`line ${node.line}: more than ${DEPTH_MAX} nodes inside of each other`);
     const place = node.children.reduce((sum, step) => compose(sum, stepOf(step)), parent);
     return node.children.flatMap((element) => {
@@ -90,11 +95,13 @@ class File {
       if (vertex === undefined || points === null) throw new Error(`line ${faces.line}: a surface without points`);
       const normal = offset("NORMAL");
       const directions = this.values(normal?.attributes["source"]);
-      const corners = triangulated(faces, integers(child(faces, "p")), width);
+      const corners = triangulated(faces, integers(child(faces, "p")), width, this.budget);
       const positions: number[] = [];
       const normals: number[] = [];
       for (const corner of corners) {
-        positions.push(...apply(place, three(points, corner[Number(vertex.attributes["offset"] ?? 0)]!, faces)));
+        const point = apply(place, three(points, corner[Number(vertex.attributes["offset"] ?? 0)]!, faces));
+        if (!point.every(Number.isFinite)) throw new Error(`line ${faces.line}: a corner that is no place`);
+        positions.push(...point);
         if (directions !== null) normals.push(...turned(place, three(directions, corner[Number(normal!.attributes["offset"] ?? 0)]!, faces)));
       }
       return { positions, normals: directions === null ? null : normals, color: colours.get(faces.attributes["material"] ?? "") ?? "" };
@@ -116,12 +123,14 @@ function integers(element: Element | undefined): readonly number[] {
 }
 
 /** Returns the indices of each corner of triangles; polygons are cut into fans. */
-function triangulated(faces: Element, indices: readonly number[], width: number): (readonly number[])[] {
+function triangulated(faces: Element, indices: readonly number[], width: number, budget: MeshBudget): (readonly number[])[] {
   const corner = (number: number) => indices.slice(number * width, (number + 1) * width);
   const counts = faces.name === "polylist" ? integers(child(faces, "vcount")) : new Array<number>(Math.floor(indices.length / width / 3)).fill(3);
+  budget.takeTriangles(counts.reduce((sum, count) => sum + Math.max(0, count - 2), 0));
   const corners: (readonly number[])[] = [];
   let first = 0;
   for (const count of counts) {
+    if (!(count >= 0 && (first + count) * width <= indices.length)) throw new Error(`line ${faces.line}: a polygon of ${count} corners, which are not there`);
     for (let k = 1; k + 1 < count; k++) corners.push(corner(first), corner(first + k), corner(first + k + 1));
     first += count;
   }

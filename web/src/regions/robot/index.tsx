@@ -8,6 +8,7 @@ import type { Studio } from "../../model/studio.ts";
 import { format, seconds, unitOf, withUnit } from "../../model/units.ts";
 import type { Contact } from "../../source/messages.ts";
 import { isDark } from "../../style/palette.ts";
+import { said } from "../../text/said.ts";
 import { text } from "../../text/text.ts";
 import { Drawing } from "./drawing.ts";
 import { Flat } from "./flat.ts";
@@ -63,7 +64,7 @@ export function Robot({ studio }: { studio: Studio }) {
           </p>
         )}
         {scene === null && <p class="none">{text("robot_none")}</p>}
-        {drawing.meshFault.value !== "" && <p class="fault">{text("robot_mesh_fault", { why: drawing.meshFault.value })}</p>}
+        {drawing.meshFault.value !== "" && <p class="fault">{text("robot_mesh_fault", { why: said(drawing.meshFault.value) })}</p>}
       </div>
       {scene !== null && <Readout drawing={drawing} />}
     </div>
@@ -171,6 +172,7 @@ function show(drawing: Drawing, canvas: HTMLCanvasElement, labels: HTMLElement, 
       if (region !== null) {
         region.dataset["joints"] = joints.join();
         region.dataset["time"] = String(t);
+        if (made instanceof Stage) region.dataset["camera"] = made.eye.join();
       }
     }
   };

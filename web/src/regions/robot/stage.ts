@@ -280,6 +280,11 @@ export class Stage {
 
   // ---------------------------------------------------------------- camera
 
+  /** Where the eye is in the world, m. */
+  get eye(): readonly number[] {
+    return this.camera.position.toArray();
+  }
+
   /** Looks from a side, or fits what is there into the picture, in the next frame: what is drawn then counts. */
   want(view: View | "fit"): void {
     this.wanted = view;

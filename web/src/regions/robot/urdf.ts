@@ -7,6 +7,7 @@
 
 import { compose, fromRollPitchYaw, IDENTITY, linkFrames, type Point, type Transform } from "../../model/kinematics.ts";
 import type { Part, Scene, Six } from "../../source/messages.ts";
+import { LINKS_MAX, SHAPES_MAX } from "./mesh_limits.ts";
 import { child, children, type Element, readXml } from "./xml.ts";
 
 /** A shape in the frame of a link of the arm, as `Part.link` counts. */
@@ -42,11 +43,19 @@ export function readUrdf(text: string, scene: Pick<Scene, "robot" | "dh">): Shap
   if (/<xacro:|xmlns:xacro/.test(text)) throw new Error("it is a xacro: expand it first (xacro FILE > FILE.urdf)");
   const robot = readXml(text);
   if (robot.name !== "robot") throw new Error(`line ${robot.line}: the outermost element is <${robot.name}>, not <robot>`);
+  const [linkCount, jointCount] = [children(robot, "link").length, children(robot, "joint").length];
+  if (Math.max(linkCount, jointCount) > LINKS_MAX) throw new Error(`it has ${linkCount} links and ${jointCount} joints; at most ${LINKS_MAX} are read`);
   const colours = new Map(children(robot, "material").map((material) => [material.attributes["name"] ?? "", colourOf(material)]));
   const links = new Map(children(robot, "link").map((link) => [named(link), visualsOf(link, colours)]));
   const joints = children(robot, "joint").map(readJoint);
   for (const { name, parent, child: other } of joints) {
     for (const link of [parent, other]) if (!links.has(link)) throw new Error(`joint ${name} names a link ${link} that there is not`);
+  }
+  const hangs = new Set<string>();
+  for (const { child: link } of joints) {
+    // Else there would be more ways through the tree than can be counted.
+    if (hangs.has(link)) throw new Error(`link ${link} hangs on two joints, or on itself`);
+    hangs.add(link);
   }
   const places = placed(links, joints);
   const frames = linkFrames(scene.dh, [0, 0, 0, 0, 0, 0] as unknown as Six);
@@ -61,6 +70,7 @@ export function readUrdf(text: string, scene: Pick<Scene, "robot" | "dh">): Shap
       shapes.push({ link: place.moved, pose, color, form });
     }
   }
+  if (shapes.length > SHAPES_MAX) throw new Error(`it has ${shapes.length} shapes; at most ${SHAPES_MAX} are drawn`);
   if (shapes.length === 0) throw new Error("none of its links has a <visual>");
   return shapes;
 }

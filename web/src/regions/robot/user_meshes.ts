@@ -1,12 +1,13 @@
 /** The user's own description of the arm: its URDF and meshes, which the source reads from disk. No address is ever loaded. */
 
 import { BufferGeometry, Float32BufferAttribute } from "three";
-import { STLLoader } from "three/addons/loaders/STLLoader.js";
 import type { Scene } from "../../source/messages.ts";
 import { matrixOf, type Piece } from "./arm.ts";
 import { readCollada } from "./collada.ts";
 import type { Drawing } from "./drawing.ts";
+import { FILES_MAX, MeshBudget } from "./mesh_limits.ts";
 import { addPart, noTriangles } from "./shapes.ts";
+import { readStl } from "./stl.ts";
 import { readUrdf, type Shape } from "./urdf.ts";
 
 /** Reads a file that the URDF names. */
@@ -38,13 +39,34 @@ export async function userPieces(drawing: Drawing): Promise<void> {
 /** Returns the shapes of a URDF in the links of the arm. Throws an Error that says what is not understood. */
 export async function loadPieces(urdf: string, scene: Pick<Scene, "robot" | "dh">, read: ReadFile): Promise<Piece[]> {
   const shapes = readUrdf(urdf, scene);
-  const files = new Map<string, Promise<ArrayBuffer>>();
-  for (const { form } of shapes) if (form.kind === "mesh" && !files.has(form.file)) files.set(form.file, read(form.file));
-  const pieces = await Promise.all(shapes.map(async (shape) => piecesOfShape(shape, shape.form.kind === "mesh" ? await files.get(shape.form.file)! : null)));
-  return pieces.flat();
+  const budget = new MeshBudget();
+  const meshes = new Map<string, readonly Loaded[]>();
+  // One after the other: all of them at once are more than a link takes.
+  for (const { form } of shapes) {
+    if (form.kind !== "mesh" || meshes.has(form.file)) continue;
+    if (meshes.size === FILES_MAX) throw new Error(`it names more than ${FILES_MAX} files`);
+    meshes.set(form.file, meshOf(form.file, await read(form.file), budget));
+  }
+  // What is drawn more than once counts more than once.
+  return shapes.flatMap((shape) => piecesOfShape(shape, shape.form.kind === "mesh" ? meshes.get(shape.form.file)! : null, budget));
 }
 
-function piecesOfShape(shape: Shape, bytes: ArrayBuffer | null): Piece[] {
+/** Reads a file. Throws an Error that names it. */
+function meshOf(file: string, bytes: ArrayBuffer, budget: MeshBudget): readonly Loaded[] {
+  const read = READERS[file.slice(file.lastIndexOf(".") + 1).toLowerCase()];
+  if (read === undefined) throw new Error(`mesh ${file} is neither STL nor Collada (.dae)`);
+  let found: readonly Loaded[];
+  try {
+    budget.takeBytes(bytes.byteLength);
+    found = read(bytes, budget);
+  } catch (error) {
+    throw new Error(`mesh ${file} is not understood: ${error instanceof Error ? error.message : String(error)}`);
+  }
+  if (found.every(({ geometry }) => geometry.getAttribute("position")?.count === 0)) throw new Error(`mesh ${file} has no triangles`);
+  return found;
+}
+
+function piecesOfShape(shape: Shape, mesh: readonly Loaded[] | null, budget: MeshBudget): Piece[] {
   const place = matrixOf(shape.pose);
   const piece = (geometry: BufferGeometry, color = ""): Piece => ({ link: shape.link, role: "housing", color: shape.color || color, geometry: geometry.applyMatrix4(place) });
   const { form } = shape;
@@ -57,16 +79,10 @@ function piecesOfShape(shape: Shape, bytes: ArrayBuffer | null): Piece[] {
     geometry.setIndex(triangles.indices);
     return [piece(geometry)];
   }
-  const read = READERS[form.file.slice(form.file.lastIndexOf(".") + 1).toLowerCase()];
-  if (read === undefined) throw new Error(`mesh ${form.file} is neither STL nor Collada (.dae)`);
-  let found: readonly Loaded[];
-  try {
-    found = read(bytes!);
-  } catch (error) {
-    throw new Error(`mesh ${form.file} is not understood: ${error instanceof Error ? error.message : String(error)}`);
-  }
-  if (found.every(({ geometry }) => geometry.getAttribute("position")?.count === 0)) throw new Error(`mesh ${form.file} has no triangles`);
-  return found.map(({ geometry, color }) => piece(geometry.scale(...form.scale), color));
+  return mesh!.map(({ geometry, color }) => {
+    budget.takeTriangles(geometry.getAttribute("position").count / 3);
+    return piece(geometry.clone().scale(...form.scale), color);
+  });
 }
 
 interface Loaded {
@@ -74,14 +90,17 @@ interface Loaded {
   readonly color: string;
 }
 
-const READERS: { readonly [ending: string]: (bytes: ArrayBuffer) => readonly Loaded[] } = { stl: readStl, dae: readDae };
+const READERS: { readonly [ending: string]: (bytes: ArrayBuffer, budget: MeshBudget) => readonly Loaded[] } = { stl: ofStl, dae: ofCollada };
 
-function readStl(bytes: ArrayBuffer): readonly Loaded[] {
-  return [{ geometry: new STLLoader().parse(bytes), color: "" }];
+function ofStl(bytes: ArrayBuffer, budget: MeshBudget): readonly Loaded[] {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new Float32BufferAttribute(readStl(bytes, budget), 3));
+  geometry.computeVertexNormals();
+  return [{ geometry, color: "" }];
 }
 
-function readDae(bytes: ArrayBuffer): readonly Loaded[] {
-  return readCollada(new TextDecoder().decode(bytes)).map(({ positions, normals, color }) => {
+function ofCollada(bytes: ArrayBuffer, budget: MeshBudget): readonly Loaded[] {
+  return readCollada(new TextDecoder().decode(bytes), budget).map(({ positions, normals, color }) => {
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new Float32BufferAttribute(positions, 3));
     if (normals === null) geometry.computeVertexNormals();

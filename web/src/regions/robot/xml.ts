@@ -10,7 +10,8 @@ export interface Element {
   readonly line: number;
 }
 
-const TOKEN = /<!--[\s\S]*?-->|<\?[\s\S]*?\?>|<!\[CDATA\[[\s\S]*?\]\]>|<![^>]*>|<(\/?)([\w:.-]+)((?:\s+[\w:.-]+\s*=\s*(?:"[^"]*"|'[^']*'))*)\s*(\/?)>|</g;
+const TOKEN = /<(?:!--|\?|!\[CDATA\[|!)|<(\/?)([\w:.-]+)((?:\s+[\w:.-]+\s*=\s*(?:"[^"]*"|'[^']*'))*)\s*(\/?)>|</g;
+const DEPTH_MAX = 256;
 const ATTRIBUTE = /([\w:.-]+)\s*=\s*(?:"([^"]*)"|'([^']*)')/g;
 const ENTITIES: { readonly [name: string]: string } = { lt: "<", gt: ">", amp: "&", quot: '"', apos: "'" };
 
@@ -25,8 +26,12 @@ export function readXml(text: string): Element {
     const last = open.at(-1);
     if (last !== undefined && last.children.length === 0) last.text += text.slice(last.end, until);
   };
-  for (const token of text.matchAll(TOKEN)) {
-    const [whole, slash, name, attributes, isEmpty] = token;
+  const tokens = new RegExp(TOKEN);
+  for (let token = tokens.exec(text); token !== null; token = tokens.exec(text)) {
+    const [first, slash, name, attributes, isEmpty] = token;
+    const end = ENDS[first];
+    const whole = end === undefined ? first : text.slice(token.index, endOf(text, tokens.lastIndex, end, () => line));
+    tokens.lastIndex = token.index + whole.length;
     for (; at < token.index; at++) if (text[at] === "\n") line++;
     if (whole === "<") throw new Error(`line ${line}: this is not XML`);
     keep(token.index);
@@ -42,10 +47,20 @@ export function readXml(text: string): Element {
     else if (root === null) root = element;
     else throw new Error(`line ${line}: a second outermost element <${name}>`);
     if (isEmpty !== "/") open.push(element);
+    if (open.length > DEPTH_MAX) throw new Error(`line ${line}: more than ${DEPTH_MAX} elements inside of each other`);
   }
   if (open.length > 0) throw new Error(`<${open.at(-1)!.name}> of line ${open.at(-1)!.line} is never closed`);
   if (root === null) throw new Error("there is no element in it");
   return root;
+}
+
+/** Ends of what is passed over. */
+const ENDS: { readonly [begin: string]: string } = { "<!--": "-->", "<?": "?>", "<![CDATA[": "]]>", "<!": ">" };
+
+function endOf(text: string, from: number, end: string, line: () => number): number {
+  const found = text.indexOf(end, from);
+  if (found < 0) throw new Error(`${end} is missing after line ${line()}`);
+  return found + end.length;
 }
 
 function attributesOf(text: string): { [name: string]: string } {

@@ -3,6 +3,7 @@
 import type { Studio } from "../../model/studio.ts";
 import type { ThreadState } from "../../source/messages.ts";
 import { TICK_S } from "../../source/rows.ts";
+import { said } from "../../text/said.ts";
 import { text } from "../../text/text.ts";
 
 const MAIN: ThreadState = { name: "main", line: 0, waits_for: "", function: "" };
@@ -37,7 +38,7 @@ function Row({ studio, thread }: { studio: Studio; thread: ThreadState }) {
       <td class="number">
         {line > 0 && <button type="button" class="place" onClick={() => studio.goToRun({ line, column: 1 })}>{line}</button>}
       </td>
-      <td>{thread.waits_for}</td>
+      <td title={said(thread.waits_for)}>{said(thread.waits_for)}</td>
       <td class="faint">{thread.function}</td>
     </tr>
   );

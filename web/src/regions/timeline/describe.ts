@@ -1,10 +1,11 @@
 /** The time line in words: values, what is under the pointer, what a canvas shows. */
 
-import { indexAt, eventText, markKind, marksNear, type Group, type Lane, type LevelLane } from "../../model/lanes.ts";
+import { type Entry, indexAt, eventText, markKind, marksNear, type Group, type Lane, type LevelLane } from "../../model/lanes.ts";
 import { familyOf } from "../../model/points.ts";
 import { format, seconds, unitOf, type Display } from "../../model/units.ts";
 import type { RunEvent } from "../../source/messages.ts";
 import type { SignalFamily } from "../../source/services.ts";
+import { said } from "../../text/said.ts";
 import { shortened, text } from "../../text/text.ts";
 import { laneValue, levelText } from "./draw.ts";
 import type { CurveSpec } from "./curves.ts";
@@ -49,6 +50,7 @@ export function rowName(row: Row, sourceLine: (line: number) => string): string 
     case "safety":
       return text("timeline_safety");
     default:
+      if (row.group === "channels") return channelName(row.name);
       return row.group === "threads" ? text("timeline_thread", { name: row.name }) : row.name === "fault" ? text("timeline_faults") : row.name;
   }
 }
@@ -80,8 +82,22 @@ function levelWords(lane: LevelLane, index: number, withLine: (line: number) => 
 
 function markLine(event: RunEvent): string {
   const place = event.line !== undefined && event.line > 0 ? `, ${text("timeline_line", { line: event.line })}` : "";
-  const words = event.type === "channel" ? String(event["data"]) : eventText(event);
+  const words = event.type === "channel" ? said(String(event["data"])) : eventText(event);
   return `${seconds(event.t)}  ${kindText(markKind(event))}${place}${words === "" ? "" : `: ${visible(words)}`}`;
+}
+
+/** Returns a channel by its kind, in the language of the page, and its name. */
+function channelName(name: string): string {
+  const [kind = "", ...rest] = name.split(" ");
+  return [said(kind), ...rest].join(" ");
+}
+
+/** Returns what an entry of the table says, in the language of the page. */
+export function entryText(entry: Entry): string {
+  if (entry.event?.type !== "channel") return visible(entry.text);
+  const { kind, channel, what, data } = entry.event;
+  const words = said(String(data ?? ""));
+  return visible(`${said(String(kind))} ${String(channel)} ${kindText(String(what))}${words === "" ? "" : `: ${words}`}`);
 }
 
 export function kindText(kind: string): string {

@@ -3,7 +3,7 @@
 import { useMemo, useState } from "preact/hooks";
 import { seconds } from "../../model/units.ts";
 import { text } from "../../text/text.ts";
-import { kindText, visible } from "./describe.ts";
+import { entryText, kindText } from "./describe.ts";
 import type { TimelineState } from "./state.ts";
 
 /** Rows in the document. */
@@ -59,7 +59,7 @@ function EventTable({ state, count }: { state: TimelineState; count: number }) {
               </td>
               <td>{kindText(entry.kind)}</td>
               <td class="number">{entry.line > 0 ? entry.line : ""}</td>
-              <td class="event-text">{visible(entry.text)}</td>
+              <td class="event-text">{entryText(entry)}</td>
             </tr>
           ))}
         </tbody>

@@ -7,7 +7,8 @@ import { text } from "../../text/text.ts";
 export function Variables({ studio }: { studio: Studio }) {
   const list = studio.moment.value?.globals ?? [];
   if (list.length === 0) return <p class="empty">{text(studio.moment.value === null ? "nothing_yet" : "variables_none")}</p>;
-  return (
+  const more = studio.moment.value?.left_out ?? 0;
+  const rows = (
     <Rows
       count={list.length} label={text("rows_of_variables")} keyOf={(index) => list[index]!.name}
       head={<tr><th scope="col">{text("name")}</th><th scope="col">{text("value")}</th><th scope="col">{text("type")}</th></tr>}
@@ -27,4 +28,5 @@ export function Variables({ studio }: { studio: Studio }) {
       }}
     />
   );
+  return more === 0 ? rows : <div class="variables-body">{rows}<p class="left-out">{text("left_out_here", { count: more.toLocaleString("en-US") })}</p></div>;
 }

@@ -1,4 +1,4 @@
-"""Lines of clients that are no script: the first of a burst are reported one by one, the others counted.
+"""What clients send that fails: the first of a burst are reported one by one, the others counted.
 
 That a line which does not compile is an exception is *documented*. How many exceptions a controller makes of a flood of
 them is not known; each delays what others get, so their number is limited (*assumed*).
@@ -14,22 +14,26 @@ from elitescript.messages.timing import TICKS_PER_S
 REPORTED_MAX: Final = 10
 """Of one client's burst."""
 BURST_TICKS: Final = TICKS_PER_S
-"""Without such a line, after which a burst is over."""
+"""Without one, after which a burst is over."""
 REPORT_TICKS: Final = TICKS_PER_S
 """Between two reports of a burst that goes on."""
 
 
-class InvalidLineLimiter:
-    """Counts such lines of all clients.
+class BurstLimiter:
+    """Counts what fails, for each client.
 
     Args:
         warn: takes a line for the log.
+        noun: what is counted, in the singular.
+        clause: says what is wrong with it, behind the noun.
     """
 
-    __slots__ = ("_bursts", "_warn")
+    __slots__ = ("_bursts", "_clause", "_noun", "_warn")
 
-    def __init__(self, warn: Callable[[str], None]) -> None:
+    def __init__(self, warn: Callable[[str], None], noun: str, clause: str) -> None:
         self._warn = warn
+        self._noun = noun
+        self._clause = clause
         self._bursts: dict[str, _Burst] = {}
 
     @property
@@ -38,7 +42,7 @@ class InvalidLineLimiter:
         return bool(self._bursts)
 
     def is_reported(self, origin: str, tick: int) -> bool:
-        """Count a line of a client; return whether it is to be reported by itself."""
+        """Count one of a client; return whether it is to be reported by itself."""
         burst = self._bursts.get(origin)
         if burst is None:
             burst = self._bursts[origin] = _Burst(tick)
@@ -54,15 +58,15 @@ class InvalidLineLimiter:
         for origin, burst in list(self._bursts.items()):
             is_over = tick - burst.last_tick >= BURST_TICKS
             if burst.left_out and (is_over or tick - burst.report_tick >= REPORT_TICKS):
-                lines = "1 more line" if burst.left_out == 1 else f"{burst.left_out} more lines"
-                self._warn(f"{origin} sent {lines} that are no script. Does that client speak another protocol?")
+                count = f"{burst.left_out} more {self._noun}{'' if burst.left_out == 1 else 's'}"
+                self._warn(f"{origin} sent {count} {self._clause}")
                 burst.left_out, burst.report_tick = 0, tick
             if is_over:
                 del self._bursts[origin]
 
 
 class _Burst:
-    """Lines that a client has sent without a pause."""
+    """What a client has sent without a pause."""
 
     __slots__ = ("last_tick", "left_out", "report_tick", "reported")
 

@@ -1,9 +1,9 @@
-"""Lines that are no script: told one by one as long as they are few."""
+"""What clients send that fails: told one by one as long as it is little."""
 
 from elitescript.kernel import Kernel, RobotOptions
-from elitescript.kernel.invalid_lines import BURST_TICKS, REPORT_TICKS, REPORTED_MAX
 from elitescript.messages.events import Alarm, Event, Warned
 from elitescript.messages.inputs import RunUnit
+from elitescript.protocol.bursts import BURST_TICKS, REPORT_TICKS, REPORTED_MAX
 
 
 def heard(kernel: Kernel, ticks: int, *lines: str, origin: str = "primary#1") -> list[Event]:
