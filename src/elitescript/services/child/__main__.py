@@ -30,6 +30,7 @@ from elitescript.services.child import frames
 from elitescript.services.child.jail import enter_jail
 from elitescript.services.child.output_changes import OutputWriter
 from elitescript.services.child.remote_files import RemoteFiles
+from elitescript.services.compiler.remote import RemoteWorkshop
 from elitescript.services.debugging import debugging
 from elitescript.services.options_data import options_from_data
 from elitescript.services.output_text import without_points
@@ -67,6 +68,7 @@ def serve(line: frames.BlockingLine) -> None:
         return answer
 
     kernel: Kernel | None = None
+    workshop = RemoteWorkshop(line)
     content: str | bytes
     while True:
         letter, text = line.receive()
@@ -89,6 +91,10 @@ def serve(line: frames.BlockingLine) -> None:
             if not is_whole:
                 due = min(due, max(whole_tick + frames.REFRESH_TICKS, tick + 1))
             line.send(letter, frames.answer_content(due, content, kernel.cut))
+            workshop.pump()
+            continue
+        if letter == frames.CODE:
+            workshop.code(text)
             continue
         data = from_text(text)
         if letter == frames.LOCK_IN:
@@ -99,7 +105,8 @@ def serve(line: frames.BlockingLine) -> None:
             _prepare(options_from_data(data), RequestEnvironment(RemoteFiles(ask)))
         elif letter == frames.BEGIN:
             environment = RequestEnvironment(RemoteFiles(ask))
-            kernel = Kernel(options_from_data(data), environment, debugging=debugging(), meter=meter)
+            made = options_from_data(data)
+            kernel = Kernel(made, environment, debugging=debugging(), workshop=workshop, meter=meter)
             # What is there now stays; the collector need not look at it in every round.
             gc.collect()
             gc.freeze()

@@ -23,6 +23,7 @@ READ_BYTES: Final = 1 << 16
 _LENGTH: Final = struct.Struct(">I")
 _HEAD: Final = struct.Struct(">IB")
 _TICK: Final = struct.Struct(">qB?")
+_NUMBER: Final = struct.Struct(">q")
 _ANSWERED: Final = struct.Struct(">qIII")
 NEVER: Final = (1 << 63) - 1
 """Number of a tick that does not come."""
@@ -44,6 +45,10 @@ nothing is read and the discrete state has not changed, with `RESULT`."""
 ANSWER: Final = "A"
 """Answer to a `QUESTION`."""
 
+CODE: Final = "M"
+"""Number of a text (i64), and a part of the program that was made of it: from its compiler through the parent to the
+child, unread on the way. From the compiler it comes without the number."""
+
 # Up. The answers to a tick begin with the number of the next one that is due (i64); the next one if that was not asked
 # for. Then comes how far programs came in the tick, a `Cut` (three times u32).
 LOCKED_IN: Final = "L"
@@ -58,6 +63,12 @@ RESULT: Final = "R"
 """`[line, result]`: what a tick gives without its snapshot, and the line of the program."""
 QUESTION: Final = "Q"
 """Something about files, in the middle of a tick."""
+TEXT: Final = "K"
+"""A part of a text to compile, see `services.compiler.jobs`: from the child through the parent to the compiler."""
+DROP_TEXT: Final = "X"
+"""Number of a text that needs no compiling any more (i64)."""
+COMPILED: Final = "E"
+"""From a compiler: all of the program was sent."""
 FAILED: Final = "F"
 """`[kind, text]`: why the child ends."""
 
@@ -70,6 +81,22 @@ def tick_content(number: int, parts: int, asks_due: bool, inputs: str) -> bytes:
 def read_tick(content: bytes) -> tuple[int, int, bool, bytes]:
     """Return what `tick_content` was given."""
     return *_TICK.unpack_from(content), content[_TICK.size :]
+
+
+def numbered(number: int, content: bytes) -> bytes:
+    """Return a content with the number of a text before it."""
+    return _NUMBER.pack(number) + content
+
+
+def split_number(content: bytes) -> tuple[int, bytes]:
+    """Return the number of a text, and the content behind it.
+
+    Raises:
+        CodecError: there is none.
+    """
+    if len(content) < _NUMBER.size:
+        raise CodecError("a message about a text without its number")
+    return _NUMBER.unpack_from(content)[0], content[_NUMBER.size :]
 
 
 def answer_content(due: int, content: str | bytes, cut: Cut = WHOLE) -> bytes:

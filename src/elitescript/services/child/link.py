@@ -45,6 +45,7 @@ from elitescript.services.child.supervision import (
 )
 from elitescript.services.child.transport import ChildTransport, SentTick
 from elitescript.services.child.urgent import BEGIN_S, COMPILES, is_stop, longest_s, stopped
+from elitescript.services.compiler.desk import CompilerDesk
 from elitescript.services.journal.writer import Journal
 from elitescript.services.time.cycle import CATCH_UP_TICKS
 from elitescript.services.time.prompt import PromptFuture
@@ -59,6 +60,7 @@ LAG_MAX: Final = CATCH_UP_TICKS
 """Ticks behind which time waits for a child that goes on answering: what is asked for is done half a second later."""
 LAG_S: Final = 0.1
 """How long it waits in each tick, and how long the child may have been silent before."""
+LOST_TEXT: Final = "the program that was being compiled does not begin: the controller was restarted"
 BOOT_S: Final = 20.0
 BEHIND_MAX: Final = 6000
 """Ticks that may wait for an answer; more than a text takes that is compiled for the longest time."""
@@ -96,6 +98,7 @@ class ChildLink:
         "_alarm",
         "_answered",
         "_changed",
+        "_compilers",
         "_description",
         "_desk",
         "_due",
@@ -144,6 +147,7 @@ class ChildLink:
         self._grace_s = grace_s
         self._grace_left_s = grace_s
         self._memory_max = memory_max
+        self._compilers = CompilerDesk(options, is_jailed=is_jailed)
         self._spares = spares
         self._is_hurried = False
         """Whether something urgent waits for the next tick."""
@@ -234,7 +238,7 @@ class ChildLink:
         transport = self._transport
         if transport is None or not transport.is_begun or transport.end_reason or transport.unanswered:
             return self._next
-        if self._journal is not None or len(self._pending) or not self._outputs.is_settled:
+        if self._journal is not None or self._compilers.is_active or len(self._pending) or not self._outputs.is_settled:
             return self._next
         return None if self._due == NEVER else max(self._due, self._next)
 
@@ -276,6 +280,7 @@ class ChildLink:
             if transport.is_ready:
                 if not transport.is_begun:
                     self._go_on(transport, tick)
+                self._pass_code(transport)
                 self._kept.append(KeptTick(tick, parts, asks_due))
                 self._send_kept(transport)
         if outlet is not None:
@@ -314,6 +319,7 @@ class ChildLink:
             process, self._transport = self._transport.process, None
             process.kill()
             await process.gone()
+        await self._compilers.close()
         if self._alarm is not None:
             self._alarm.cancel()
         self._desk.close()
@@ -324,7 +330,7 @@ class ChildLink:
 
     def _start_child(self) -> ChildTransport:
         transport = None if self._spares is None else self._spares.take()
-        receivers = (self._desk, self._take_output, self._take_question, self._wake)
+        receivers = (self._desk, self._take_output, self._take_question, self._wake, self._compilers)
         if transport is None:
             transport = ChildTransport(*receivers, is_jailed=self._is_jailed, memory_max=self._memory_max)
         else:
@@ -376,6 +382,13 @@ class ChildLink:
         if not transport.unanswered:
             self._supervision.watch_from_now()
         transport.send_tick(tick, inputs, parts, asks_due=asks_due)
+
+    def _pass_code(self, transport: ChildTransport) -> None:
+        """Give the robot what its compiler has made meanwhile: as much as it takes in a tick."""
+        code, inputs = self._compilers.step()
+        if code is not None:
+            transport.send_code(code)
+        self._pending.add(inputs)
 
     def _needs_snapshot(self, transport: ChildTransport, tick: int) -> bool:
         """Return whether a tick needs a whole snapshot that nothing reads in it.
@@ -466,6 +479,9 @@ class ChildLink:
         self._transport = None
         self._kept.clear()
         self._desk.close()
+        if self._compilers.is_active:
+            self._compilers.cancel()
+            self._outputs.add_own(Warned(tick, LOST_TEXT))
         # The oldest of the ticks is what it died of; it has not seen the others.
         unanswered = list(transport.unanswered)
         self._lost = unanswered[0].inputs if unanswered else ()

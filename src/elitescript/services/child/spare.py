@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 from typing import Final
 
+from elitescript.codec.values import CodecError
 from elitescript.errors import UsageError
 from elitescript.kernel import RobotOptions
 from elitescript.records import replace
@@ -19,6 +20,18 @@ from elitescript.services.child.transport import ChildTransport
 
 DELAY_S: Final = 0.5
 """How long a program has run when it is started: most of its processor time is not in the way of the first ticks."""
+
+
+class _NoCompilers:
+    """Stands for the compilers of a child that has no robot yet."""
+
+    __slots__ = ()
+
+    def take_text(self, content: bytes) -> None:
+        raise CodecError("a text to compile, and there is no robot")
+
+    def drop(self, content: bytes) -> None:
+        raise CodecError("a text that is dropped, and there is no robot")
 
 
 class Spares:
@@ -68,6 +81,7 @@ class Spares:
                 lambda sent, output, due: None,
                 lambda sent: None,
                 self._look,
+                _NoCompilers(),
                 is_jailed=self._is_jailed,
                 memory_max=self._memory_max,
             )

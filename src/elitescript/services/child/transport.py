@@ -12,7 +12,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 from elitescript.codec.json_text import from_text, to_text
 from elitescript.codec.messages import field_shapes, shape_of
@@ -21,7 +21,7 @@ from elitescript.errors import UsageError
 from elitescript.kernel import RobotOptions
 from elitescript.messages.cut import WHOLE, Cut
 from elitescript.messages.enums import TaskState
-from elitescript.messages.inputs import Debug, Input, Interpret, LoadTask, PlayTask, Query, RunUnit
+from elitescript.messages.inputs import Compiled, Debug, Input, Interpret, LoadTask, PlayTask, Query, RunUnit
 from elitescript.messages.outputs import Output, TickResult
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.snapshot_parts import TIME
@@ -42,7 +42,7 @@ READ_FREELY: Final = 4000
 """Bytes of an output that take so little time that it is not measured."""
 RUNNING_TICKS: Final = 60 * TICKS_PER_S
 """How long secondary programs and queries may run that wait for each other, each for a second."""
-_BEGINNING: Final = (RunUnit, Interpret, LoadTask, PlayTask, Query, Debug)
+_BEGINNING: Final = (RunUnit, Compiled, Interpret, LoadTask, PlayTask, Query, Debug)
 """Inputs with which something may begin to run."""
 FAILURE_MAX: Final = 8000
 """Characters of the reason that a child gives for its end."""
@@ -68,6 +68,24 @@ class SentTick:
     """How far programs came in it."""
 
 
+class Compilers(Protocol):
+    """Has the texts of a child compiled, see `services.compiler.desk`."""
+
+    def take_text(self, content: bytes) -> None:
+        """Take a part of a text.
+
+        Raises:
+            CodecError: it is not what is expected.
+        """
+
+    def drop(self, content: bytes) -> None:
+        """End what works on a text that is not wanted any more.
+
+        Raises:
+            CodecError: its number is missing.
+        """
+
+
 class ChildTransport:
     """The way to one child process, from its start to its end.
 
@@ -77,6 +95,7 @@ class ChildTransport:
         on_question: called when a question about files was answered, with the tick that it was asked in; None if that
             was before the first one.
         on_change: called after each message, and when the child has ended.
+        compilers: has texts compiled.
         is_jailed: lock the child in.
         memory_max: bytes of address space of the child.
 
@@ -95,6 +114,7 @@ class ChildTransport:
     """
 
     __slots__ = (
+        "_compilers",
         "_desk",
         "_input_shape",
         "_is_running",
@@ -122,6 +142,7 @@ class ChildTransport:
         on_output: Callable[[SentTick, Output | TickResult, int], None],
         on_question: Callable[[SentTick | None], None],
         on_change: Callable[[], None],
+        compilers: Compilers,
         *,
         is_jailed: bool,
         memory_max: int,
@@ -130,6 +151,7 @@ class ChildTransport:
         self._on_output = on_output
         self._on_question = on_question
         self._on_change = on_change
+        self._compilers = compilers
         self._input_shape = shape_of(Input)
         self._line_shape = field_shapes(RobotState)["line"]
         self._result_shape = shape_of(TickResult)
@@ -171,9 +193,11 @@ class ChildTransport:
         on_output: Callable[[SentTick, Output | TickResult, int], None],
         on_question: Callable[[SentTick | None], None],
         on_change: Callable[[], None],
+        compilers: Compilers,
     ) -> None:
-        """Belong to somebody else from now on: a child that has waited as a spare one."""
+        """Belong to another robot from now on: a child that has waited as a spare one."""
         self._desk, self._on_output, self._on_question, self._on_change = desk, on_output, on_question, on_change
+        self._compilers = compilers
 
     @property
     def is_running(self) -> bool:
@@ -197,6 +221,10 @@ class ChildTransport:
             text = ""
             self.unanswered.append(SentTick(number, inputs, parts, NO_INPUTS))
         self.process.send(frames.TICK, frames.tick_content(number, parts, asks_due, text))
+
+    def send_code(self, content: bytes) -> None:
+        """Send a part of a program that was compiled."""
+        self.process.send(frames.CODE, content)
 
     # ---------------------------------------------------------------- up
 
@@ -226,6 +254,10 @@ class ChildTransport:
             self._take_output(letter, text)
         elif letter == frames.QUESTION:
             self._take_question(text)
+        elif letter == frames.TEXT:
+            self._compilers.take_text(text)
+        elif letter == frames.DROP_TEXT:
+            self._compilers.drop(text)
         elif letter == frames.LOCKED_IN and self.layers is None:
             output_changes.check_values(text)
             self.layers = tuple(Layer(str(name), active is True, str(why)) for name, active, why in from_text(text))

@@ -11,7 +11,7 @@ from typing import Final
 
 from elitescript.language.options import SECONDARY
 from elitescript.messages.enums import SafetyMode, TaskState
-from elitescript.messages.inputs import Do, Input, Interpret, LoadTask, PlayTask, Query, Reboot, RunUnit
+from elitescript.messages.inputs import Compiled, Do, Input, Interpret, LoadTask, PlayTask, Query, Reboot, RunUnit
 from elitescript.messages.machine import PowerDown, PowerOff, StopTask, WriteSignal
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.state import ZERO_SIX
@@ -25,7 +25,7 @@ BEGIN_S: Final = 0.1
 """The same in the tick in which a program begins: its text is compiled, and its first calls load what they need."""
 WORKED_SHARE: Final = 0.5
 """Share of that time that the child must have worked itself: on a busy computer it waits for a processor."""
-COMPILES: Final = (RunUnit, Interpret, Query, LoadTask, PlayTask)
+COMPILES: Final = (RunUnit, Compiled, Interpret, Query, LoadTask, PlayTask)
 """Inputs of which a child may have something to compile: no call of a program keeps it then."""
 _STOPPED_BY: Final = {
     "emergency_stop": SafetyMode.ROBOT_EMERGENCY_STOP,
