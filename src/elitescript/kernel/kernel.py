@@ -22,7 +22,6 @@ from elitescript.errors import UsageError, did_you_mean
 from elitescript.kernel.arm import model_of
 from elitescript.kernel.options import RobotOptions
 from elitescript.kernel.parts import PopupWindow, RobotParts
-from elitescript.messages.cut import WHOLE, Cut
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Change, DeviceNoted, Event, Popup, TaskStateChanged, Warned, event_of
 from elitescript.messages.machine import DisturbInput
@@ -44,6 +43,7 @@ if TYPE_CHECKING:
     from elitescript.kernel.compiling import Workshop
     from elitescript.kernel.debugging import Debugging
     from elitescript.kernel.handlers import InputHandlers
+    from elitescript.messages.cut import Cut
     from elitescript.messages.inputs import ChannelEvent, Input
     from elitescript.messages.machine import EndInputFaults, WriteSignal
     from elitescript.messages.outputs import Output, TickResult
@@ -411,6 +411,8 @@ class Kernel:
     @property
     def cut(self) -> Cut:
         """How far programs came in the last tick; `WHOLE` without a meter."""
+        from elitescript.messages.cut import WHOLE
+
         meter = self.host.scheduler.meter
         return WHOLE if meter is None else meter.cut
 

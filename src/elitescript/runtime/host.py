@@ -24,7 +24,6 @@ from elitescript.runtime.names.context import POPUP
 from elitescript.runtime.program import Program
 from elitescript.runtime.queries import Queries, QueryAnswer
 from elitescript.runtime.secondary import Secondaries
-from elitescript.runtime.threads.meter import Meter
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import STOP, Strand, ThreadState, state_of
 from elitescript.runtime.watchdogs import Watchdogs
@@ -33,6 +32,7 @@ if TYPE_CHECKING:
     from elitescript.messages.inputs import ChannelEvent
     from elitescript.runtime.connections.connection import Receiver
     from elitescript.runtime.probe import Probe
+    from elitescript.runtime.threads.meter import Meter
 
 FINISHED: Final = "finished"
 ALARM: Final = "alarm"

@@ -29,7 +29,6 @@ from elitescript.messages.yielding import YieldRequest
 from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.environment import TASK_PATH, Files, ProgramEnvironment
 from elitescript.runtime.files import content_of
-from elitescript.runtime.threads.said import TEXT_MAX
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Stopped, Strand
 
@@ -391,6 +390,9 @@ class Context:
         Raises:
             InvalidValueError: it is too long.
         """
+        # The first text loads it: many programs say nothing.
+        from elitescript.runtime.threads.said import TEXT_MAX, SaidText
+
         if size > TEXT_MAX:
             raise InvalidValueError(
                 f"a text of {size} characters; at most {TEXT_MAX} are said at once",
@@ -402,6 +404,8 @@ class Context:
         if is_whole:
             scheduler = self.scheduler
             said = scheduler.said
+            if said is None:
+                said = scheduler.said = SaidText()
             while (ticks := said.wait_ticks(scheduler.now)) and not self.strand.is_dying:
                 scheduler.wait(ROOM_FOR_TEXT, scheduler.now + ticks)
             said.add(size, scheduler.now)

@@ -3,7 +3,7 @@
 Work is counted in checkpoints, and a call of a command, or one that is refused, may take as long as thousands of them.
 A served robot has to keep up with the wall clock all the same. So its scheduler looks at a meter before it lets a
 thread go on, at each call of a command or a facade, and at checkpoints, at first at each, then at every second, fourth
-and so on up to every `PORTION_MAX`. Where the looks are depends on the program alone: their number in the tick says
+and so on up to every 64th. Where the looks are depends on the program alone: their number in the tick says
 exactly how far the threads came, and a robot that is given this number (`RepeatingMeter`) stops at the same place.
 
 The share of a tick is time of the processor that the thread of the robot has had, so that a busy computer cuts nothing.
@@ -28,8 +28,6 @@ CLEANUP_NS: Final = 4_000_000
 """Time in a tick for the `finally` blocks of stopped threads."""
 LATE_NS: Final = 10_000_000
 """A call that takes so much more than its share makes streams late; a program is warned of it once."""
-PORTION_MAX: Final = 64
-"""Most checkpoints between two looks."""
 
 
 class Meter:

@@ -16,13 +16,15 @@ from __future__ import annotations
 import sys
 from collections import deque
 from collections.abc import Callable, Iterable
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.messages.timing import WORK_PER_TICK
-from elitescript.runtime.threads.meter import PORTION_MAX, Meter
-from elitescript.runtime.threads.said import SaidText
 from elitescript.runtime.threads.strand import ENDED, READY, WAITING, Stopped, Strand
 from elitescript.runtime.threads.timers import Timers
+
+if TYPE_CHECKING:
+    from elitescript.runtime.threads.meter import Meter
+    from elitescript.runtime.threads.said import SaidText
 
 WORK_PER_ACTIVATION: Final = 20
 """Cost of a wake-up in checkpoints, so that threads which only wake each other use up the tick too."""
@@ -42,6 +44,9 @@ PORTION: Final = 500
 
 DEBUGGER: Final = "the debugger"
 """What a thread waits for that is held before a statement."""
+
+PORTION_MAX: Final = 64
+"""Most checkpoints between two looks at a meter."""
 
 _ORPHAN_WORK: Final = 1000
 """Checkpoints for script code that no thread runs: `finally` blocks of generators that are collected."""
@@ -66,7 +71,7 @@ class Scheduler:
         needs_attention: keeps `run_ready` from going on; set by `call_attention`.
         is_paused: whether only secondary programs run.
         lag_ticks: delay of robot time behind the wall clock, see `Deadline`.
-        said: what programs have said and clients have not got yet.
+        said: what programs have said and clients have not got yet; None before the first text.
         timers: timeouts of waits.
         watchers: called with the running strand and the number of its next statement; see `watch`.
         passes: numbers of statements at which no watcher is called, as keys.
@@ -130,7 +135,7 @@ class Scheduler:
         """With a meter and a watcher: the checkpoints that would be in the fuel: no look at the meter in them."""
         self._ready: deque[Strand] = deque()
         self._next: list[Strand] = []
-        self.said = SaidText()
+        self.said: SaidText | None = None
         self.timers = Timers()
         self.watchers: list[Callable[[Strand, int], None]] = []
         self.passes = _Passes(self)
