@@ -13,13 +13,13 @@ from elitescript.errors import UsageError
 BY_HAND = {
     "run": {
         *("--robot", "--firmware", "--strict", "--seed", "--joints", "--speed", "--epoch", "--rpc-timeout"),
-        "--network",
+        *("--network", "--controller-version"),
     },
     "plot": {"--robot", "--firmware", "--seed", "--joints", "--speed", "--network"},
     "check": {"--robot", "--firmware", "--strict", "--network"},
     "serve": {
         *("--robot", "--firmware", "--strict", "--seed", "--joints", "--speed", "--rpc-timeout"),
-        *("--power-on", "--local"),
+        *("--power-on", "--local", "--query-form", "--controller-version"),
     },
 }
 
