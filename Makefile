@@ -7,7 +7,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: chaos help demo test lint types coverage flips invariants real-arm peers bench quoted steady figures picture studio-pictures reference docs golden studio studio-test vscode vscode-test dap-test dist lock clean
+.PHONY: chaos help demo test lint types coverage flips invariants real-arm peers bench quoted steady figures picture stops studio-pictures reference docs golden studio studio-test vscode vscode-test dap-test dist lock clean
 
 help:
 	@echo "make demo        install, then run an example program"
@@ -19,6 +19,7 @@ help:
 	@echo "make flips       change random constants of tables; prints the changes that no test notices (an hour)"
 	@echo "make invariants  the long random sweeps; writes their result into docs/explanation/motion.md"
 	@echo "make chaos       random sessions for SECONDS=600, from SEED on: programs, devices, faults, people and clients"
+	@echo "make stops       endless programs on a served robot, and how soon a stop acts: SHARD=1/8, an hour in all"
 	@echo "make real-arm    record and fit 200 arms with hidden parameters; writes the tables of docs/explanation/real-arm.md"
 	@echo "make peers       install other people's packages and compare with them; writes the result there too"
 	@echo "make dap-test    the debug adapter with the test kit of VS Code's makers (needs Node)"
@@ -154,6 +155,12 @@ invariants: $(READY)
 SECONDS ?= 600
 chaos: $(READY)
 	$(BIN)/python -m tests.chaos --seconds $(SECONDS) $(if $(SEED),--seed $(SEED))
+
+# Each command and each function of a module in a loop without end; one serve for all of a shard.
+SHARD ?= 1/1
+stops: $(READY)
+	$(BIN)/python -m tests.stops --shard $(SHARD)
+
 # Served arms run by the wall clock, so few at once; the rest is recorded in memory.
 real-arm: $(READY)
 	$(BIN)/python -m tools.real_arm

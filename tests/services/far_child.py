@@ -70,9 +70,9 @@ class FarChild:
     def _message(self, tick: int, parts: int) -> bytes:
         if not parts:
             data = to_text([0, shape_of(TickResult).encode(TickResult(tick, (), (), ()))])
-            return frames.frame(frames.RESULT, frames.numbered(tick + 1, data))
+            return frames.frame(frames.RESULT, frames.answer_content(tick + 1, data))
         data = to_text(shape_of(Output).encode(output(tick)))
-        return frames.frame(frames.OUTPUT, frames.numbered(tick + 1, data))
+        return frames.frame(frames.OUTPUT, frames.answer_content(tick + 1, data))
 
     def kill(self) -> None:
         if not self.is_killed:

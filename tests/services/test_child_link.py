@@ -18,15 +18,15 @@ from elitescript.codec.messages import shape_of
 from elitescript.environment.memory import MemoryFiles
 from elitescript.errors import ElitescriptError
 from elitescript.kernel import Kernel, RobotOptions
-from elitescript.messages.enums import TaskState
+from elitescript.messages.enums import SafetyMode, TaskState
 from elitescript.messages.events import Alarm, Event, TaskStateChanged, TextMessage, Warned
-from elitescript.messages.inputs import ChannelCredit, ChannelData, Do, LoadTask, RunUnit
+from elitescript.messages.inputs import ChannelCredit, ChannelData, Do, Input, LoadTask, RunUnit
 from elitescript.messages.line import LineSettings
-from elitescript.messages.machine import SetTcp, WriteSignal
+from elitescript.messages.machine import PauseTask, PowerOff, SetTcp, StopTask, WriteSignal
 from elitescript.messages.outputs import CloseChannel, OpenChannel, OpenLine, Output, TickResult
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.snapshot_parts import ALL_PARTS, TIME
-from elitescript.services.child import buffers, frames, supervision, transport
+from elitescript.services.child import buffers, frames, supervision, transport, urgent
 from elitescript.services.child import link as child_link
 from elitescript.services.child.frames import REFRESH_TICKS
 from elitescript.services.child.jail import is_complete
@@ -106,13 +106,13 @@ class FakeChild:
         assert self.tick is not None
         whole = output(self.tick, task_state=TaskState.PLAYING, **changes)
         self.tick += 1
-        self.say(frames.OUTPUT, frames.numbered(self.due, to_text(shape_of(Output).encode(whole))))
+        self.say(frames.OUTPUT, frames.answer_content(self.due, to_text(shape_of(Output).encode(whole))))
 
     def answer_without_snapshot(self) -> None:
         assert self.tick is not None
         result = TickResult(self.tick, (), (), ())
         self.tick += 1
-        self.say(frames.RESULT, frames.numbered(self.due, to_text([31, shape_of(TickResult).encode(result)])))
+        self.say(frames.RESULT, frames.answer_content(self.due, to_text([31, shape_of(TickResult).encode(result)])))
 
     def worked_s(self) -> float | None:
         return self.processor_s
@@ -200,9 +200,9 @@ class TestLink:
             for tick in range(1, 4):
                 await link.tick((), 0)
                 assert link.due_tick == tick + 1
-            children[0].is_mute = False
             for _ in range(3):
                 children[0].answer()
+            children[0].is_mute = False
             # Three outputs wait for the ticks to come.
             assert link.due_tick == 4
             while link.due_tick is not None:
@@ -561,8 +561,130 @@ class TestLink:
 
         with_link(body)
 
+    def test_at_most_two_ticks_are_under_way_and_what_comes_in_joins_the_next_one(self, children):
+        """A stop does not wait behind ticks that were asked for before it came."""
+
+        async def body(link):
+            await link.tick(())
+            child = children[0]
+            child.is_mute = True
+            for _ in range(10):
+                await link.tick(())
+            await link.tick((Do("dashboard#1", StopTask()),))
+            assert child.numbers == [0, 1, 2]
+            child.answer()
+            assert child.numbers == [0, 1, 2, 3]
+            assert [text for letter, text in child.told if letter == frames.TICK][-1]
+            for _ in range(3):
+                child.answer()
+            assert child.numbers == [*range(7)]
+            assert [text for letter, text in child.told if letter == frames.TICK][-3:] == [[], [], []]
+            assert link.due_tick == 12
+
+        with_link(body)
+
+    def test_a_child_that_takes_the_place_of_another_one_gets_no_tick_of_before(self, children):
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            for _ in range(5):
+                await link.tick(())
+            children[0].end("gone")
+            await link.tick(())
+            await link.tick(())
+            assert children[1].numbers == [7]
+
+        with_link(body)
+
+    @pytest.mark.parametrize(
+        ("item", "limit_s"),
+        [
+            (Do("dashboard#1", StopTask()), urgent.STOP_S),
+            (Do("ctl#1", WriteSignal("emergency_stop", 0, True)), urgent.STOP_S),
+            (Do("ctl#1", PowerOff()), urgent.STOP_S),
+            (RunUnit("primary#2", "program", "def other():\n  pass\nend\n"), urgent.REPLACE_S),
+        ],
+        ids=["stop", "emergency stop", "power off", "program"],
+    )
+    def test_a_child_that_does_not_answer_a_stop_is_ended_for_it(self, children, clock, item, limit_s):
+        async def body(link):
+            await link.tick(())
+            child = children[0]
+            child.is_mute, child.processor_s = True, 1.0
+            await link.tick(())
+            clock[0] += 0.3
+            await link.tick((item,))
+            clock[0] += 1.01 * limit_s
+            # On a busy computer it has not worked: it is waited for.
+            await link.tick(())
+            assert not child.is_killed
+            assert child.is_asked
+            child.processor_s += 1.01 * limit_s * urgent.WORKED_SHARE
+            found = await link.tick(())
+            assert child.is_killed
+            stopped, alarm = (event for event in found.events if isinstance(event, TaskStateChanged | Alarm))
+            assert (stopped.state, stopped.ending) == (TaskState.STOPPED, "stopped")
+            assert (alarm.code, alarm.line) == ("R132", 12)
+            shown = found.rows[-1].snapshot.robot
+            assert (shown.tick, shown.task_state) == (found.tick, TaskState.STOPPED)
+            is_emergency = isinstance(item, Do) and isinstance(item.request, WriteSignal)
+            assert (shown.safety_mode is SafetyMode.ROBOT_EMERGENCY_STOP) == is_emergency
+            assert found.rows[-1].snapshot.signals["emergency_stop"] == (is_emergency,)
+            # The next child gets it, whatever the last one has done.
+            await link.tick(())
+            assert len(children) == 2
+            assert to_text(shape_of(Input).encode(item)) in to_text([text for _, text in children[1].told])
+
+        with_link(body)
+
+    @pytest.mark.parametrize("item", [Do("dashboard#1", PauseTask()), Do("ctl#1", SetTcp(TCP))], ids=["pause", "tcp"])
+    def test_no_child_is_ended_for_anything_else(self, children, clock, item):
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            await link.tick(())
+            await link.tick((item,))
+            clock[0] += 0.5
+            await link.tick(())
+            assert not children[0].is_killed
+
+        with_link(body)
+
+    def test_a_stop_waits_for_a_text_that_is_compiled_but_not_for_a_call_of_the_program(self, children, clock):
+        async def body(link):
+            await link.tick(())
+            child = children[0]
+            child.is_mute = child.is_compiling = True
+            await link.tick((RunUnit("primary#1", "program", "def p():\n  pass\nend\n"),))
+            await link.tick((Do("dashboard#1", StopTask()),))
+            clock[0] += 0.3
+            await link.tick(())
+            assert not child.is_killed
+            child.is_compiling = False
+            await link.tick(())
+            assert child.is_killed
+
+        with_link(body)
+
+    def test_something_urgent_ends_the_wait_for_a_late_output(self, children):
+        """The tick that has it is not sent behind a wait of a tenth of a second."""
+
+        async def body(link):
+            await link.tick(())
+            children[0].is_mute = True
+            waiting = asyncio.get_running_loop().create_task(link.tick(()))
+            await asyncio.sleep(0)
+            assert not waiting.done()
+            link.hurry((Do("ctl#1", SetTcp(TCP)),))
+            await asyncio.sleep(0)
+            assert not waiting.done()
+            link.hurry((Do("dashboard#1", StopTask()),))
+            await waiting
+
+        with_link(body, grace_s=PATIENT_S)
+
     def test_a_caller_that_does_not_pace_itself_waits_for_room(self, children, monkeypatch):
-        monkeypatch.setattr(child_link, "UNANSWERED_MAX", 4)
+        monkeypatch.setattr(child_link, "BEHIND_MAX", 4)
 
         async def body(link):
             await link.tick(())
@@ -594,7 +716,7 @@ class TestLink:
                 assert not waiting.done()
                 children[0].answer()
                 await waiting
-                assert len(link._transport.unanswered) == 4
+                assert link._behind(link._transport) == 4
 
         with_link(body)
 
@@ -608,7 +730,7 @@ class TestLink:
             clock[0] += 2 * child_link.LAG_S
             for _ in range(10):
                 await link.tick(())
-            assert len(link._transport.unanswered) == 11
+            assert link._behind(link._transport) == 11
 
         with_link(body)
 

@@ -44,6 +44,7 @@ from elitescript.services.control.channel import (
     runtime_folder,
 )
 from elitescript.services.control.verbs import VERBS, VerbAction, VerbRequest, outcome_text
+from elitescript.services.robot_link import InProcessLink
 from tests.protocol.snapshots import description, output
 from tests.services.fake_robot import FakeRobot
 from tests.services.served import Scene, run, serving
@@ -240,8 +241,26 @@ def test_a_robot_that_never_answers_is_told(monkeypatch: pytest.MonkeyPatch) -> 
     async def test() -> None:
         async with controlled() as (_, channel):
             answer = await order(channel, "speed", "0.5")
-            text = "the robot has not answered for 0.012 s of its time; it may do it later"
+            text = "speed 0.5: asked for, and not answered yet; the robot may do it later"
             assert answer == {"ok": False, "error": text}
+
+    run(test())
+
+
+@pytest.mark.parametrize("by_the_clock", [False, True])
+def test_an_answer_that_is_late_is_told_in_one_way_and_names_the_line(
+    monkeypatch: pytest.MonkeyPatch, by_the_clock: bool
+) -> None:
+    """Whether the robot's time goes on or not."""
+    monkeypatch.setattr(control, "ANSWER_TIMEOUT_S" if by_the_clock else "REPLY_TICKS", 0.001 if by_the_clock else 3)
+    monkeypatch.setattr(FakeRobot, "tick", _deaf(FakeRobot.tick))
+    monkeypatch.setattr(InProcessLink, "busy_line", 12)
+
+    async def test() -> None:
+        async with controlled() as (_, channel):
+            answer = await order(channel, "stop")
+            text = "no task or program is running: asked for, and not answered yet: the program keeps it in line 12"
+            assert answer == {"ok": False, "error": f"{text}; the robot may do it later"}
 
     run(test())
 

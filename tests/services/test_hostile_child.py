@@ -195,7 +195,7 @@ class TestLink:
                 if letter == frames.OUTPUT_CHANGES:
                     text = chance.randbytes(chance.randint(0, 60)) + text[: chance.randint(0, len(text))]
                 if letter != frames.QUESTION:
-                    text = frames.numbered(chance.choice((0, 5, -1, frames.NEVER)), text)
+                    text = frames.answer_content(chance.choice((0, 5, -1, frames.NEVER)), text)
                 child.say(letter, text)
                 children[-1].is_mute = False
                 await link.tick(())
@@ -210,7 +210,7 @@ class TestLink:
             child.is_mute = True
             await link.tick((), parts=0)
             number = link._transport.unanswered[0].number
-            child.say(frames.RESULT, frames.numbered(0, to_text([line, [number, [], [], []]])))
+            child.say(frames.RESULT, frames.answer_content(0, to_text([line, [number, [], [], []]])))
             await link.tick(())
             assert child.is_killed
 

@@ -183,7 +183,7 @@ class TestJournalReader:
         path = tmp_path / "a.journal"
         path.write_text('{"journal":1,"version":"0.1.2","config":[]}\n')
         with pytest.raises(
-            UsageError, match=r"line 1: a journal of format 1, written by elitescript 0\.1\.2; 2 and 3 are known"
+            UsageError, match=r"line 1: a journal of format 1, written by elitescript 0\.1\.2; 2 to 4 are known"
         ):
             JournalReader(path)
 

@@ -37,9 +37,11 @@ from elitescript.messages.timing import seconds
 from elitescript.paths import real_path
 from elitescript.protocol.ports import SERVICES, services_of
 from elitescript.records import replace
+from elitescript.runtime.threads.meter import SHARE_NS, ClockMeter
 from elitescript.services.capacity import Capacity, own_capacity
 from elitescript.services.channels.connect_policy import ConnectPolicy, policy_values
 from elitescript.services.child.jail import is_complete
+from elitescript.services.child.spare import Spares
 from elitescript.services.clients.direct import watchable_loop
 from elitescript.services.hosts import hosts_of, is_loopback, range_of
 from elitescript.services.log import DEVICE, LogLine
@@ -58,6 +60,10 @@ if TYPE_CHECKING:
     from elitescript.devices.world import World
 
 ROBOTS_MAX: Final = 32
+OVERTAKING: Final = frozenset({"stopped", "alarm", "paused"})
+"""States that are printed before messages that still wait; a program that finishes has said all before."""
+SHARE_MIN_NS: Final = 100_000
+"""Least time of the programs of a robot in a tick, however many robots share the process."""
 _TASK_WORDS: Final = {TaskState.PLAYING: "started", TaskState.PAUSED: "paused", TaskState.STOPPED: "stopped"}
 
 ALL: Final = "all"
@@ -131,10 +137,11 @@ async def _serve(
     policy = ConnectPolicy(policy_values(options.allow_connect, _network(options.world)))
     stop = asyncio.Event()
     on_signals(stop)
+    children = Spares(is_jailed=not options.no_jail)
     servers = [
         served_robot(
             config.robot_id,
-            make_link(options, config, index),
+            make_link(options, config, index, children),
             log.take,
             is_lockstep=options.lockstep is not None,
             lockstep_timeout_s=_lockstep_timeout_s(options),
@@ -164,8 +171,16 @@ async def _serve(
     log.end()
 
 
-def make_link(options: argparse.Namespace, config: RobotOptions, index: int) -> RobotLink:
+def make_link(
+    options: argparse.Namespace, config: RobotOptions, index: int, children: Spares | None = None
+) -> RobotLink:
     """Return the link to a robot."""
+    meter = None
+    if is_in_process(options) and options.lockstep is None:
+        # One thread for all robots: each has its part of the share. In lockstep no wall clock rules.
+        count = max(len(options.models or ()), 1) * options.robots
+        share_ns = max(SHARE_NS // count, SHARE_MIN_NS)
+        meter = ClockMeter(time.monotonic_ns, time.thread_time_ns, share_ns=share_ns)
     return robot_link(
         config,
         task_dir=None if options.task_dir is None else Path(options.task_dir),
@@ -173,6 +188,8 @@ def make_link(options: argparse.Namespace, config: RobotOptions, index: int) -> 
         in_process=is_in_process(options),
         is_jailed=not options.no_jail,
         journal=None if options.journal is None else numbered_path(Path(options.journal), index),
+        spares=children,
+        meter=meter,
     )
 
 
@@ -528,7 +545,13 @@ class ServeLog:
         successor = event.replaced_by if isinstance(event, TaskStateChanged) else ""
         if self._is_json:
             record = {"type": "task", "robot": robot, "t": seconds(event.tick), "state": what, "name": event.name}
-            self._record({**record, "replaced_by": successor} if successor else record)
+            line = jsonlines.line({**record, "replaced_by": successor} if successor else record) + "\n"
+            if isinstance(self._out, QueuedStream):
+                # A stop shows when it acts, also where much of what the program has said before is still to be read.
+                self._out.write_state(line, overtakes=what in OVERTAKING)
+            else:
+                self._out.write(line)
+            self._out.flush()
             return
         tag = f"{robot}: " if self._are_several else ""
         words = "ended by an alarm" if what == "alarm" else what

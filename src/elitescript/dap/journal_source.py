@@ -15,11 +15,13 @@ from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.options import Options
 from elitescript.language.probes import STEPS_PROBES
 from elitescript.language.text.source import SourceFile
+from elitescript.messages.cut import WHOLE
 from elitescript.messages.events import Event
 from elitescript.messages.inputs import Debug, Input
 from elitescript.records import replace
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.probe import Probe
+from elitescript.runtime.threads.meter import RepeatingMeter
 from elitescript.services.child.remote_files import RemoteFiles
 from elitescript.services.journal.writer import JournalReader
 
@@ -122,7 +124,8 @@ class JournalExecution:
         self._next_stop = next_stop
         self._answers: list[Any] = []
         environment = RequestEnvironment(RemoteFiles(self._answer))
-        self._kernel = Kernel(reader.options, environment, on_event=on_event, probe=probe)
+        self._meter = RepeatingMeter() if reader.is_metered else None
+        self._kernel = Kernel(reader.options, environment, on_event=on_event, probe=probe, meter=self._meter)
         self.controller: Controller = self._kernel.controller
         self.host: ScriptHost = self._kernel.host
 
@@ -132,6 +135,8 @@ class JournalExecution:
             if "tick" in record:
                 self._advance(record["tick"] - 1)
                 self._answers = list(record.get("asked", ()))
+                if self._meter is not None:
+                    self._meter.expect(record.get("cut", WHOLE))
                 self._advance(record["tick"], record["in"])
             elif "digest" in record:
                 self._advance(record["digest"])

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from elitescript.kernel.compiling import Workshop
     from elitescript.kernel.debugging import Debugging
     from elitescript.kernel.handlers import InputHandlers
+    from elitescript.messages.cut import Cut
     from elitescript.messages.inputs import ChannelEvent, Input
     from elitescript.messages.machine import EndInputFaults, WriteSignal
     from elitescript.messages.outputs import Output, TickResult
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
     from elitescript.protocol.connection import Connection
     from elitescript.protocol.ports import Connect
     from elitescript.runtime.probe import Probe
+    from elitescript.runtime.threads.meter import Meter
 
 
 class Kernel:
@@ -66,6 +68,7 @@ class Kernel:
         on_end: called with `finished`, `alarm` or `stopped` when a program is over.
         probe: counts the statements of its programs.
         debugging: lets a debugger attach to its programs; then it is their probe.
+        meter: ends the program phase of ticks, where a wall clock rules; work alone counts without.
         workshop: where long texts of clients are compiled, with the option `compiles_elsewhere`; here if None.
 
     Attributes:
@@ -125,6 +128,7 @@ class Kernel:
         on_end: Callable[[str], None] | None = None,
         probe: Probe | None = None,
         debugging: Debugging | None = None,
+        meter: Meter | None = None,
         workshop: Workshop | None = None,
     ) -> None:
         self.options = options
@@ -184,6 +188,7 @@ class Kernel:
             rpc_timeout_s=options.rpc_timeout_s,
             is_rtsi_input=_is_rtsi_input,
             probe=self.probe,
+            meter=meter,
         )
         self.controller.attach(self.host)
         if not has_network:
@@ -402,6 +407,14 @@ class Kernel:
 
             self._snapshots = SnapshotBuilder(self.controller)
         return self._snapshots
+
+    @property
+    def cut(self) -> Cut:
+        """How far programs came in the last tick; `WHOLE` without a meter."""
+        from elitescript.messages.cut import WHOLE
+
+        meter = self.host.scheduler.meter
+        return WHOLE if meter is None else meter.cut
 
     @property
     def line(self) -> int:

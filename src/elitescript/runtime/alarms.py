@@ -26,6 +26,8 @@ from elitescript.runtime.threads.strand import INNER_TEXTS, Strand
 
 UNCAUGHT: Final = "R100"
 _MISCALLED: Final = ("R101", "R102", "R103")
+TEXT_SHOWN: Final = 10_000
+"""Characters of the text of an exception that an alarm repeats."""
 OUT_OF_MEMORY: Final = "R150"
 MEMORY_HINT: Final = (
     "make shorter lists and texts, or keep fewer of them; `run --memory-limit` sets what a run may have"
@@ -145,9 +147,14 @@ def text_of(error: BaseException) -> str:
     try:
         if isinstance(error, ProgramError):
             return "; ".join(str(getattr(problem, "text", problem)) for problem in error.problems)
-        return without_addresses(str(error.msg if isinstance(error, SyntaxError) else error))
+        return without_addresses(_shortened(str(error.msg if isinstance(error, SyntaxError) else error)))
     except Exception:
         return f"<text of {type(error).__name__} not available>"
+
+
+def _shortened(text: str) -> str:
+    """Return a text, or its begin if no client could take it."""
+    return text if len(text) <= TEXT_SHOWN else f"{text[:TEXT_SHOWN]}... ({len(text)} characters)"
 
 
 def details_of(error: ScriptError) -> dict[str, Any]:
@@ -159,7 +166,9 @@ def details_of(error: ScriptError) -> dict[str, Any]:
 
 def _plain(value: Any) -> Any:
     """Return a number or text as it is, another value as its text."""
-    if value is None or type(value) in (bool, int, float, str):
+    if type(value) is str:
+        return _shortened(value)
+    if value is None or type(value) in (bool, int, float):
         return value
     return without_addresses(shown(value))
 

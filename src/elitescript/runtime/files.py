@@ -26,13 +26,23 @@ _NAMES_SHOWN: Final = 3
 """Most file names in the hint for a missing file."""
 
 
+def _nothing() -> None:
+    """Do nothing."""
+
+
 class OpenFiles:
-    """The files that one program has open."""
+    """The files that one program has open.
 
-    __slots__ = ("_files", "_world")
+    Args:
+        world: has the task folder.
+        note_call: called before each use of a file.
+    """
 
-    def __init__(self, world: ProgramEnvironment) -> None:
+    __slots__ = ("_files", "_note_call", "_world")
+
+    def __init__(self, world: ProgramEnvironment, note_call: Callable[[], None] = _nothing) -> None:
         self._world = world
+        self._note_call = note_call
         self._files: list[ref[IO[Any]]] = []
 
     def open(
@@ -63,7 +73,7 @@ class OpenFiles:
         if not is_binary:
             file = _text(file, mode, encoding, newline, errors)
         self._files.append(ref(file))
-        return file_over(file, mode, name)
+        return file_over(file, mode, name, self._note_call)
 
     def close(self) -> None:
         """Close the files that the program has left open.
@@ -161,7 +171,7 @@ def _text(file: IO[bytes], mode: str, encoding: str, newline: str | None, errors
 class ScriptFile(metaclass=Sealed):
     """An open file of the task folder; the usual methods of Python's files."""
 
-    __slots__ = ("_inner", "mode", "name")
+    __slots__ = ("_inner", "_note_call", "mode", "name")
     __module__ = "io"
     __reduce_ex__ = no_copy
 
@@ -171,28 +181,28 @@ class ScriptFile(metaclass=Sealed):
 
     def read(self, size: Any = -1) -> Any:
         """Read the rest, or up to `size` characters or bytes."""
-        return _file(self).read(size)
+        return _used(self).read(size)
 
     def readline(self, size: Any = -1) -> Any:
         """Read one line with its line end; empty at the end of the file."""
-        return _file(self).readline(size)
+        return _used(self).readline(size)
 
     def readlines(self, hint: Any = -1) -> list[Any]:
         """Read all lines."""
-        return _file(self).readlines(hint)
+        return _used(self).readlines(hint)
 
     def write(self, data: Any) -> int:
         """Write text, or bytes to a binary file; return how many."""
-        return _file(self).write(data)
+        return _used(self).write(data)
 
     def writelines(self, lines: Iterable[Any]) -> None:
         """Write one after the other, adding no line ends."""
         for line in lines:
-            _file(self).write(line)
+            _used(self).write(line)
 
     def seek(self, offset: Any, whence: Any = 0) -> int:
         """Go to a place in the file."""
-        return _file(self).seek(offset, whence)
+        return _used(self).seek(offset, whence)
 
     def tell(self) -> int:
         """Return the place in the file."""
@@ -200,15 +210,15 @@ class ScriptFile(metaclass=Sealed):
 
     def truncate(self, size: Any = None) -> int:
         """Cut the file off."""
-        return _file(self).truncate(size)
+        return _used(self).truncate(size)
 
     def flush(self) -> None:
         """Write out what is buffered."""
-        _file(self).flush()
+        _used(self).flush()
 
     def close(self) -> None:
         """Close the file."""
-        _file(self).close()
+        _used(self).close()
 
     def readable(self) -> bool:
         """Return whether it was opened for reading."""
@@ -252,7 +262,7 @@ class ScriptFile(metaclass=Sealed):
         return self
 
     def __next__(self) -> Any:
-        line = _file(self).readline()
+        line = _used(self).readline()
         if not line:
             raise StopIteration
         return line
@@ -268,12 +278,21 @@ class ScriptFile(metaclass=Sealed):
 
 _inner = hidden_slot(ScriptFile, "_inner")
 _file: Callable[[ScriptFile], IO[Any]] = _inner.__get__
+_note_call = hidden_slot(ScriptFile, "_note_call")
+_note_call_of: Callable[[ScriptFile], Callable[[], None]] = _note_call.__get__
 
 
-def file_over(inner: IO[Any], mode: str, name: str) -> ScriptFile:
+def _used(file: ScriptFile) -> IO[Any]:
+    """Return the file behind it, for a call that may take long."""
+    _note_call_of(file)()
+    return _file(file)
+
+
+def file_over(inner: IO[Any], mode: str, name: str, note_call: Callable[[], None] = _nothing) -> ScriptFile:
     """Return what a script holds of an open file."""
     file = ScriptFile(mode, name)
     _inner.__set__(file, inner)
+    _note_call.__set__(file, note_call)
     return file
 
 

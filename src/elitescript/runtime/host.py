@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from elitescript.messages.inputs import ChannelEvent
     from elitescript.runtime.connections.connection import Receiver
     from elitescript.runtime.probe import Probe
+    from elitescript.runtime.threads.meter import Meter
 
 FINISHED: Final = "finished"
 ALARM: Final = "alarm"
@@ -40,6 +41,8 @@ STOPPED: Final = "stopped"
 _FRAMES_OF_A_CHANGE: Final = 8
 """Frames of a plain write from `caller_line` up to the function that the script has called. No change of a signal that
 a script causes has fewer, so that the walk to its line passes them in one step."""
+
+LATE_HINT: Final = "do less in one call, or do it before the arm moves"
 
 SECONDARY_WARNING: Final = "[SEC] Exception: "
 
@@ -58,6 +61,7 @@ class ScriptHost:
         rpc_timeout_s: how long a remote procedure call waits for its answer; 0 and less wait for ever.
         is_rtsi_input: whether clients can send an input of that name.
         probe: counts the statements of its programs.
+        meter: ends the program phase of ticks, where a wall clock rules.
 
     Attributes:
         result: end of the last program; empty while one runs and before the first.
@@ -109,6 +113,7 @@ class ScriptHost:
         rpc_timeout_s: float = RPC_TIMEOUT_S,
         is_rtsi_input: Callable[[str], bool] = lambda name: True,
         probe: Probe | None = None,
+        meter: Meter | None = None,
     ) -> None:
         self._machine = machine
         self._profile = profile
@@ -118,7 +123,11 @@ class ScriptHost:
         self._probe = probe
         self._confirms_popups = confirms_popups
         self._scheduler = Scheduler(
-            work_per_tick=work_per_tick, on_end=self._strand_ended, on_abandoned=self._strand_abandoned
+            work_per_tick=work_per_tick,
+            meter=meter,
+            on_end=self._strand_ended,
+            on_abandoned=self._strand_abandoned,
+            on_late=self._warn_late,
         )
         self.spend_event = self._scheduler.spend_event
         self._program: Program | None = None
@@ -156,6 +165,8 @@ class ScriptHost:
             self._world = world
         self._program = program = self._new_program(presets or {})
         self.result, self.alarm, self._ending = "", None, ""
+        if (meter := self._scheduler.meter) is not None:
+            meter.begin_program()
         self._main = self._spawn(program, "main", program.body_of(unit))
         program.main = self._main
         self.interpreter.begin_program(self._main, program.globals, program.execute)
@@ -420,6 +431,11 @@ class ScriptHost:
         else:
             self._secondaries.ended(strand)
             self._queries.ended(strand)
+
+    def _warn_late(self, strand: Strand, late_ms: int) -> None:
+        """Warn of a call that has held up the robot; the line is where the thread has come to behind it."""
+        text = f"a call took {late_ms} ms too long: no stop acts and no stream goes on while it runs"
+        self._machine.emit(Warned(self._machine.tick, text, strand.name, strand.line, "", LATE_HINT))
 
     def _strand_abandoned(self, strand: Strand) -> None:
         self._machine.emit(abandoned(strand, self._machine.tick))

@@ -98,13 +98,13 @@ class Program:
         self._profile = profile
         self._generator = _LazyGenerator(seed)
         self.context = Context(machine, scheduler, profile, self._generator, world, port)
-        self._files = OpenFiles(world)
+        self._files = OpenFiles(world, scheduler.note_call)
         self._identities = Identities()
         self._sources: dict[str, SourceFile] = {}
         self._main: Strand | None = None
         self.units: list[CompiledUnit] = []
         self._processes: ProcessTable | None = None
-        self.shelf = ModuleShelf(self)
+        self.shelf = ModuleShelf(self, scheduler)
         self.bindings = Bindings(
             self.context,
             shelf=self.shelf,
@@ -210,6 +210,7 @@ class Program:
             Raises:
                 SyntaxError: no expression, or a forbidden name.
             """
+            self.scheduler.note_call()
             if type(expression) is not str:
                 raise TypeError(f"eval() takes a str, not {type(expression).__name__}")
             try:
@@ -234,6 +235,7 @@ class Program:
             Raises:
                 SyntaxError: no program, or a forbidden name.
             """
+            self.scheduler.note_call()
             if type(text) is not str:
                 raise TypeError(f"exec() takes a str, not {type(text).__name__}")
             try:

@@ -49,6 +49,13 @@ class RobotLink(Protocol):
     def watch(self, on_due: Callable[[], object]) -> None:
         """Have a call made when a tick becomes due that `due_tick` has not announced."""
 
+    def hurry(self, inputs: Sequence[Input]) -> None:
+        """Take note of what the next tick will be given: the present one is not waited for if it is urgent."""
+
+    @property
+    def busy_line(self) -> int:
+        """Line of the program that keeps the robot from answering; 0 if none does."""
+
     async def tick(
         self,
         inputs: Sequence[Input],
@@ -109,6 +116,13 @@ class InProcessLink:
 
     def watch(self, on_due: Callable[[], object]) -> None:
         """Do nothing: a robot in this process does nothing by itself but what `due_tick` announces."""
+
+    def hurry(self, inputs: Sequence[Input]) -> None:
+        """Do nothing: a tick in this process is over when anything else happens."""
+
+    @property
+    def busy_line(self) -> int:
+        return 0
 
     async def tick(
         self,

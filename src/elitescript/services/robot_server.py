@@ -156,6 +156,7 @@ class RobotServer:
     def post(self, inputs: list[Input]) -> int:
         """Take inputs for the next tick that begins; return its number."""
         self._inputs.post(inputs)
+        self.link.hurry(inputs)
         return self._from_tick + self.make_due() + self._is_under_way
 
     def _post_from_lines(self, inputs: list[Input]) -> None:
@@ -386,9 +387,9 @@ class RobotServer:
 
     def _note_left_out(self, ticks: int) -> None:
         is_playing = self.output.snapshot.robot.task_state is TaskState.PLAYING
-        text = (
-            f"the computer was away or too slow for {ticks * PERIOD_S:.3f} s: {ticks} ticks of the robot are left out"
-        )
+        line = self.link.busy_line
+        why = f"the program in line {line} kept the robot" if line else "the computer was away or too slow"
+        text = f"{why} for {ticks * PERIOD_S:.3f} s: {ticks} ticks of the robot are left out"
         self.note("left_out", text, is_problem=True, ticks=ticks, is_playing=is_playing)
 
     def _relieve(self, waits_for: str) -> None:

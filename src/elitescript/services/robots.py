@@ -17,9 +17,11 @@ from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.records import replace
 from elitescript.runtime.environment import Files
+from elitescript.runtime.threads.meter import Meter
 from elitescript.services.channels.connect_policy import ConnectPolicy
 from elitescript.services.child.jail import Layer
 from elitescript.services.child.link import ChildLink
+from elitescript.services.child.spare import Spares
 from elitescript.services.debugging import debugging
 from elitescript.services.journal.replay import RecordedRobot
 from elitescript.services.journal.writer import Journal
@@ -43,6 +45,8 @@ def robot_link(
     in_process: bool,
     is_jailed: bool,
     journal: Path | None,
+    spares: Spares | None = None,
+    meter: Meter | None = None,
 ) -> RobotLink:
     """Return the way to one robot.
 
@@ -53,6 +57,8 @@ def robot_link(
         in_process: keep it in this process.
         is_jailed: lock its process in.
         journal: file to write the session to.
+        spares: keeps a child ready for the robots of this process; none if None.
+        meter: ends ticks of a robot in this process; work alone counts if None. A child has its own.
 
     Raises:
         UsageError: the journal cannot be written.
@@ -61,12 +67,12 @@ def robot_link(
     files: Files = MemoryFiles({}, allowance) if task_dir is None else LocalFiles(task_dir.resolve(), allowance)
     if not in_process:
         options = replace(options, compiles_elsewhere=True)
-    record = None if journal is None else Journal(journal, options)
+    record = None if journal is None else Journal(journal, options, is_metered=not in_process or meter is not None)
     if not in_process:
-        return ChildLink(options, files=files, is_jailed=is_jailed, journal=record)
+        return ChildLink(options, files=files, is_jailed=is_jailed, journal=record, spares=spares)
     if record is None:
-        return InProcessLink(Kernel(options, RequestEnvironment(files), debugging=debugging()))
-    return _RecordedLink(RecordedRobot(options, files, record), record)
+        return InProcessLink(Kernel(options, RequestEnvironment(files), debugging=debugging(), meter=meter))
+    return _RecordedLink(RecordedRobot(options, files, record, meter), record)
 
 
 def served_robot(

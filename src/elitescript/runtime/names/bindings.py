@@ -36,7 +36,7 @@ from elitescript.runtime.names.guards import (
 )
 from elitescript.runtime.names.modules import Facade, ModuleShelf
 from elitescript.runtime.stdlib.iteration import Step, iter_until
-from elitescript.runtime.threads.scheduler import Scheduler
+from elitescript.runtime.threads.scheduler import Scheduler, noting_calls
 from elitescript.runtime.threads.strand import UNCATCHABLE
 
 _REAL_NAMES: Final = (
@@ -110,7 +110,7 @@ class Bindings:
         scheduler = context.scheduler
         self.names: dict[str, Any] = {
             **_REAL,
-            "__import__": _import(shelf),
+            "__import__": noting_calls(scheduler, _import(shelf)),
             "__build_class__": class_builder(identities),
             TICK: scheduler.fuel.pop,
             CHECKPOINT: scheduler.checkpoint,
@@ -141,7 +141,8 @@ class Bindings:
         if command is not None:
             self.names[name] = command_function(command, name, self.context, self.refused)
         elif make is not None:
-            self.names[name] = make(self)
+            made = make(self)
+            self.names[name] = noting_calls(self.context.scheduler, made) if name in _LONG else made
 
     def known(self) -> Iterable[str]:
         """Return all predefined names."""
@@ -176,7 +177,20 @@ def command_function(
                 refused(name, error)
             raise
 
-    function = call if refused is None else watched
+    note_call = scheduler.note_call
+
+    def metered(*args: Any, **kwargs: Any) -> Any:
+        if scheduler.is_ending or scheduler.current is None:
+            scheduler.refuse_if_stopped()
+        note_call()
+        try:
+            return run(context, args, kwargs)
+        except ScriptError as error:
+            if refused is not None:
+                refused(name, error)
+            raise
+
+    function = metered if scheduler.meter is not None else call if refused is None else watched
     function.__name__ = function.__qualname__ = name
     return function
 
@@ -332,6 +346,9 @@ def _line(context: Context) -> Callable[..., None]:
 
     return mark
 
+
+_LONG: Final = frozenset({"open", "print"})
+"""Names of functions that are no commands, and whose calls may take long."""
 
 _MADE: Final[dict[str, Callable[[Bindings], Any]]] = {
     **{name: partial(_refusal, name) for name in REFUSED_BUILTINS},

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Final, NoReturn, Protocol
 
 from elitescript.commands.definition.context import Machine
-from elitescript.errors import ArmNotReadyError, ScriptStateError
+from elitescript.errors import ArmNotReadyError, InvalidValueError, ScriptStateError
 from elitescript.messages.events import Popup, Printed, TextMessage, Warned
 from elitescript.messages.machine import MachineRequest, PauseTask, SetLineMark
 from elitescript.messages.motion import (
@@ -53,8 +53,14 @@ POPUP: Final = "somebody to confirm a popup"
 TIME_TO_GO_BY: Final = "time to go by"
 """Reason of the wait in `sleep` and similar commands."""
 
+ROOM_FOR_TEXT: Final = "its texts to leave"
+"""Reason of the wait of a thread that says more than clients take."""
+
 MOVE_END: Final = "the end of its move"
 """Reason of the wait in `movej` and similar commands."""
+
+LABEL_MAX: Final = 1000
+"""Characters of the label of a node that are kept."""
 
 KINDS_MAX: Final = 200
 """Most poses and joint positions of commands that are remembered, to detect their mix-up."""
@@ -301,7 +307,7 @@ class Context:
 
     def mark(self, number: int, label: str) -> None:
         """Note the node of the program tree that was reached."""
-        self.machine.request(SetLineMark(number, label))
+        self.machine.request(SetLineMark(number, label[:LABEL_MAX]))
 
     # ---------------------------------------------------------------- time and threads
 
@@ -359,18 +365,50 @@ class Context:
 
     def message(self, text: str) -> None:
         """Write an entry to the robot's log."""
+        self._say(len(text))
         strand = self.strand
         self.machine.emit(TextMessage(self.machine.tick, without_addresses(text), strand.name, strand.line))
 
     def write(self, text: str) -> None:
         """Write to the standard output; one event for each `print`, or for each line."""
         text = self._partial_line + text
+        self._say(len(text), is_whole=text.endswith("\n"))
         if not text.endswith("\n"):
             self._partial_line = text
             return
         self._partial_line = ""
         strand = self.strand
         self.machine.emit(Printed(self.machine.tick, without_addresses(text[:-1]), strand.name, strand.line))
+
+    def _say(self, size: int, *, is_whole: bool = True) -> None:
+        """Let the calling thread wait until there is room for a text, and count it.
+
+        Args:
+            size: of the text.
+            is_whole: whether it leaves now.
+
+        Raises:
+            InvalidValueError: it is too long.
+        """
+        # The first text loads it: many programs say nothing.
+        from elitescript.runtime.threads.said import TEXT_MAX, SaidText
+
+        if size > TEXT_MAX:
+            raise InvalidValueError(
+                f"a text of {size} characters; at most {TEXT_MAX} are said at once",
+                value=size,
+                limit=f"<= {TEXT_MAX}",
+                unit="characters",
+                hint="say it in parts, or write it to a file",
+            )
+        if is_whole:
+            scheduler = self.scheduler
+            said = scheduler.said
+            if said is None:
+                said = scheduler.said = SaidText()
+            while (ticks := said.wait_ticks(scheduler.now)) and not self.strand.is_dying:
+                scheduler.wait(ROOM_FOR_TEXT, scheduler.now + ticks)
+            said.add(size, scheduler.now)
 
     def flush(self) -> None:
         """Emit a last line without its end: the program is over."""
@@ -383,6 +421,7 @@ class Context:
 
         A secondary program never waits, and neither does a thread where popups are confirmed at once.
         """
+        self._say(len(text) + len(title))
         strand = self.strand
         is_blocking = is_blocking and not strand.is_secondary
         is_confirmed = is_blocking and self._port.wait_for_confirmation()

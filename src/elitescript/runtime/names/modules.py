@@ -15,9 +15,10 @@ from collections.abc import Callable
 from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any, Final, NoReturn, Protocol
 
-from elitescript.language.modules import AVAILABLE, COPIED_NAMES, NETWORK, SHARED_NAMES
+from elitescript.language.modules import AVAILABLE, COPIED_NAMES, NETWORK, SHARED, SHARED_NAMES
 from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.runtime.stdlib.loader import ABSENT, CopyLoader, forwarded, real
+from elitescript.runtime.threads.scheduler import Scheduler, noting_calls
 
 
 class Facade(metaclass=Sealed):
@@ -75,12 +76,18 @@ class ModulePort(Protocol):
 
 
 class ModuleShelf:
-    """The modules of one program, made when they are first imported."""
+    """The modules of one program, made when they are first imported.
 
-    __slots__ = ("_facades", "_is_loading_threads", "_loader", "_port")
+    Args:
+        port: the program.
+        scheduler: runs its threads.
+    """
 
-    def __init__(self, port: ModulePort) -> None:
+    __slots__ = ("_facades", "_is_loading_threads", "_loader", "_port", "_scheduler")
+
+    def __init__(self, port: ModulePort, scheduler: Scheduler) -> None:
         self._port = port
+        self._scheduler = scheduler
         self._facades: dict[str, Facade] = {}
         self._loader: CopyLoader | None = None
         self._is_loading_threads = False
@@ -119,7 +126,10 @@ class ModuleShelf:
         if found is None:
             if name not in AVAILABLE:
                 raise ImportError(_refusal(name))
+            # Making one takes milliseconds, once in a program.
+            end = _nothing if (meter := self._scheduler.meter) is None else meter.pardon()
             found = self._facades[name] = self._make(name)
+            end()
         return found
 
     def _make(self, name: str) -> Facade:
@@ -137,6 +147,12 @@ class ModuleShelf:
                 names["abc"] = self.facade("collections.abc")
         else:
             names = self._port.module_names(name)
+        if name in _LONG:
+            scheduler = self._scheduler
+            names = {
+                key: noting_calls(scheduler, item) if type(item) is FunctionType else item
+                for key, item in names.items()
+            }
         return Facade(name, names)
 
     def copy(self, name: str) -> ModuleType:
@@ -200,6 +216,14 @@ def _own_user_string(names: dict[str, Any]) -> None:
     """Remove the methods of `UserString` that could read any attribute."""
     for method in ("format", "format_map"):
         delattr(names["UserString"], method)
+
+
+_LONG: Final = SHARED | {"os", "random", "re", "subprocess", "time"}
+"""Modules with functions whose calls may take long; those of copies stay as they are: some look at their caller."""
+
+
+def _nothing() -> None:
+    """Do nothing."""
 
 
 _FIXES: Final[dict[str, Callable[[dict[str, Any]], None]]] = {

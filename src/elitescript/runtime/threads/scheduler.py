@@ -3,7 +3,8 @@
 In each tick the threads that are due run in the order of their start, each until it waits or has used up its work for
 this tick. Threads that others wake in the same tick run after those, in the order in which they were woken. Work is
 counted in checkpoints (loop passes, calls), never in time, so an endless loop takes one tick for every `work_per_tick`
-checkpoints and blocks nothing. The speed of the real controller is not known: the number is *assumed*.
+checkpoints and blocks nothing. The speed of the real controller is not known: the number is *assumed*. Where a wall
+clock rules, a meter may end the program phase of a tick before that, for all threads at once; see `meter`.
 
 Compiled scripts evaluate `tick() or checkpoint()`, where `tick` pops from the list `fuel`. The list holds True for
 every checkpoint that is passed at once, above False values that lead to `checkpoint`. It is filled in portions; work is
@@ -15,11 +16,15 @@ from __future__ import annotations
 import sys
 from collections import deque
 from collections.abc import Callable, Iterable
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.messages.timing import WORK_PER_TICK
 from elitescript.runtime.threads.strand import ENDED, READY, WAITING, Stopped, Strand
 from elitescript.runtime.threads.timers import Timers
+
+if TYPE_CHECKING:
+    from elitescript.runtime.threads.meter import Meter
+    from elitescript.runtime.threads.said import SaidText
 
 WORK_PER_ACTIVATION: Final = 20
 """Cost of a wake-up in checkpoints, so that threads which only wake each other use up the tick too."""
@@ -40,6 +45,9 @@ PORTION: Final = 500
 DEBUGGER: Final = "the debugger"
 """What a thread waits for that is held before a statement."""
 
+PORTION_MAX: Final = 64
+"""Most checkpoints between two looks at a meter."""
+
 _ORPHAN_WORK: Final = 1000
 """Checkpoints for script code that no thread runs: `finally` blocks of generators that are collected."""
 
@@ -53,6 +61,7 @@ class Scheduler:
     Args:
         work_per_tick: checkpoints that a thread may pass in one tick.
         portion: checkpoints paid out at a time; affects speed only.
+        meter: ends ticks; see there. None where work alone counts.
 
     Attributes:
         now: the tick that runs, or ran last.
@@ -62,6 +71,7 @@ class Scheduler:
         needs_attention: keeps `run_ready` from going on; set by `call_attention`.
         is_paused: whether only secondary programs run.
         lag_ticks: delay of robot time behind the wall clock, see `Deadline`.
+        said: what programs have said and clients have not got yet; None before the first text.
         timers: timeouts of waits.
         watchers: called with the running strand and the number of its next statement; see `watch`.
         passes: numbers of statements at which no watcher is called, as keys.
@@ -76,20 +86,24 @@ class Scheduler:
         "_next",
         "_on_abandoned",
         "_on_end",
+        "_on_late",
         "_orphan_work",
         "_portion",
         "_ready",
         "_started",
         "_starts_max",
+        "_unpaid",
         "_work_per_tick",
         "current",
         "fuel",
         "is_ending",
         "is_paused",
         "lag_ticks",
+        "meter",
         "needs_attention",
         "now",
         "passes",
+        "said",
         "strands",
         "timers",
         "watchers",
@@ -100,8 +114,10 @@ class Scheduler:
         *,
         work_per_tick: int = WORK_PER_TICK,
         portion: int = PORTION,
+        meter: Meter | None = None,
         on_end: Callable[[Strand], None] = lambda strand: None,
         on_abandoned: Callable[[Strand], None] = lambda strand: None,
+        on_late: Callable[[Strand, int], None] = lambda strand, late_ms: None,
     ) -> None:
         self.now = 0
         self.current: Strand | None = None
@@ -111,11 +127,15 @@ class Scheduler:
         self.needs_attention = False
         self.is_paused = False
         self.lag_ticks = 0
+        self.meter = meter
         self._work_per_tick = max(work_per_tick, WORK_PER_ACTIVATION + 1)
         self._portion = [True] * portion
         self._loaded = 0
+        self._unpaid = 0
+        """With a meter and a watcher: the checkpoints that would be in the fuel: no look at the meter in them."""
         self._ready: deque[Strand] = deque()
         self._next: list[Strand] = []
+        self.said: SaidText | None = None
         self.timers = Timers()
         self.watchers: list[Callable[[Strand, int], None]] = []
         self.passes = _Passes(self)
@@ -127,6 +147,7 @@ class Scheduler:
         self._orphan_work = _ORPHAN_WORK
         self._on_end = on_end
         self._on_abandoned = on_abandoned
+        self._on_late = on_late
 
     # ---------------------------------------------------------------- strands
 
@@ -168,6 +189,9 @@ class Scheduler:
         if self._is_resuming:
             self._is_resuming = False
             self.timers.release(tick)
+        meter = self.meter
+        if meter is not None:
+            meter.begin_tick(tick)
         due = self._next
         self._next = []
         for strand in self.timers.due(tick):
@@ -175,13 +199,14 @@ class Scheduler:
             strand.state = READY
             due.append(strand)
         if len(due) > 1:
-            due.sort(key=_order)
+            # After a tick that was cut, those that did not run in it come first.
+            due.sort(key=_last_run if meter is not None and meter.was_spent else _order)
         self._ready.extend(due)
 
     def run_ready(self) -> None:
         """Run strands until none is ready in this tick, or something needs attention."""
         ready = self._ready
-        now = self.now
+        now, meter = self.now, self.meter
         while ready and not self.needs_attention and not self._is_interrupted:
             strand = ready.popleft()
             if strand.state is not READY:
@@ -189,6 +214,7 @@ class Scheduler:
             if not strand.is_dying and (
                 (self.is_paused and not strand.is_secondary)
                 or (strand.work_tick == now and strand.work >= self._work_per_tick)
+                or (meter is not None and meter.look())
             ):
                 self._next.append(strand)
                 continue
@@ -198,6 +224,8 @@ class Scheduler:
         """Leave the tick; an interruption is over with it."""
         self._is_in_tick = False
         self._is_interrupted = False
+        if self.meter is not None:
+            self.meter.end_tick()
 
     def next_tick(self, tick: int) -> int | None:
         """Return the earliest tick after `tick` at which a strand is due; None while all wait for something else."""
@@ -263,7 +291,13 @@ class Scheduler:
         self.watchers[:] = () if look is None else (look,)
         self.passes.clear()
         self.passes.update(dict.fromkeys(passes))
+        left = max(0, len(self.fuel) - FLOOR) + self._unpaid
         self._drain()
+        if self.meter is not None and look is not None:
+            self._unpaid = left
+        elif left and self.meter is not None:
+            self.fuel.extend(self._portion[:left])
+            self._loaded += left
 
     def at_statement(self, number: int) -> None:
         """Let the watcher look at the next statement of the running strand."""
@@ -319,9 +353,26 @@ class Scheduler:
         if strand is None or not strand.is_running:
             raise Stopped
         if strand.is_dying:
-            strand.spend_cleanup()
+            self._spend_cleanup(strand)
 
     # ---------------------------------------------------------------- calls of strands
+
+    def note_call(self) -> None:
+        """Look at the meter before a call of the running strand; suspend it until a tick that has time for the call.
+
+        Raises:
+            Stopped: the strand was stopped meanwhile.
+        """
+        strand, meter = self.current, self.meter
+        if meter is None or strand is None or strand.is_dying or not strand.is_running:
+            return
+        while meter.look():
+            if meter.late_ms:
+                self._on_late(strand, meter.late_ms)
+            self._next.append(strand)
+            strand.suspend()
+            self._go_on(strand)
+        strand.ran_tick = self.now
 
     def checkpoint(self) -> bool:
         """Refill the fuel, or suspend the strand; return True when it may go on. Called by compiled scripts.
@@ -341,16 +392,24 @@ class Scheduler:
         strand.work += self._loaded + taken
         self._loaded = 0
         if strand.is_dying:
-            strand.spend_cleanup()
+            self._spend_cleanup(strand)
             return True
         if self._is_interrupted or self.needs_attention:
             self._ready.appendleft(strand)
             strand.suspend()
             self._go_on(strand)
-        while strand.work >= self._work_per_tick:
+        if self._unpaid:
+            # Without a watcher this one would have been passed at once.
+            self._unpaid -= 1
+            return True
+        meter = self.meter
+        while strand.work >= self._work_per_tick or (meter is not None and meter.look()):
+            if meter is not None and meter.late_ms:
+                self._on_late(strand, meter.late_ms)
             self._next.append(strand)
             strand.suspend()
             self._go_on(strand)
+        strand.ran_tick = self.now
         # Another strand may have left fuel, which this strand has used since it was resumed.
         if self._loaded == 0:
             self._load(strand)
@@ -365,14 +424,16 @@ class Scheduler:
         return True
 
     def spend_event(self) -> None:
-        """Charge the running strand for an event, as far as it has fuel."""
-        if self.current is not None:
+        """Charge the running strand for an event: from its fuel, and as work what that does not hold."""
+        strand = self.current
+        if strand is not None:
             fuel = self.fuel
             left = len(fuel) - WORK_PER_EVENT
-            if left > FLOOR or not self.watchers:
-                del fuel[left if left > FLOOR else FLOOR :]
-            else:
-                self.current.work += WORK_PER_EVENT
+            if left < FLOOR:
+                strand.work += FLOOR - max(left, FLOOR - WORK_PER_EVENT)
+                left = FLOOR
+            del fuel[left:]
+            self._unpaid = max(self._unpaid - WORK_PER_EVENT, 0)
 
     def wait(self, reason: str, until: int | None = None) -> bool:
         """Suspend the running strand until it is woken, or until a tick; return whether it was woken.
@@ -460,6 +521,7 @@ class Scheduler:
         if strand.work_tick != self.now:
             strand.work_tick = self.now
             strand.work = 0
+            strand.portion = 1
         strand.work += WORK_PER_ACTIVATION
         strand.activations += 1
         outer, outer_ending = self.current, self.is_ending
@@ -467,6 +529,9 @@ class Scheduler:
         self.is_ending = strand.is_dying
         fuel = self.fuel
         allowed = 0 if strand.is_dying else max(0, self._work_per_tick - strand.work - 1)
+        if self.meter is not None:
+            allowed = min(allowed, strand.portion)
+            self._unpaid = min(self._unpaid, allowed)
         if len(fuel) - FLOOR > allowed:
             del fuel[FLOOR + allowed :]
         self._loaded = len(fuel) - FLOOR
@@ -492,16 +557,27 @@ class Scheduler:
         if strand.is_dying:
             raise Stopped
 
+    def _spend_cleanup(self, strand: Strand) -> None:
+        if self.meter is not None and self.meter.look_at_cleanup():
+            strand.give_up()
+        strand.spend_cleanup()
+
     def _load(self, strand: Strand) -> None:
+        count = min(len(self._portion), self._work_per_tick - strand.work - 1)
+        if self.meter is not None:
+            count = min(count, strand.portion)
+            strand.portion = min(2 * strand.portion, PORTION_MAX)
+            if self.watchers:
+                self._unpaid = max(count, 0)
         if self.watchers:
             return
-        count = min(len(self._portion), self._work_per_tick - strand.work - 1)
         if count > 0:
             self.fuel.extend(self._portion if count == len(self._portion) else self._portion[:count])
             self._loaded = count
 
     def _drain(self) -> None:
         self._loaded -= max(0, len(self.fuel) - FLOOR)
+        self._unpaid = 0
         self.fuel[:] = _FLOOR
 
     def _retire(self, strand: Strand) -> None:
@@ -520,6 +596,20 @@ class Scheduler:
         return True
 
 
+def noting_calls(scheduler: Scheduler, function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function that looks at the meter of the scheduler first; the function itself where there is none."""
+    if scheduler.meter is None:
+        return function
+    note_call = scheduler.note_call
+
+    def call(*args: Any, **kwargs: Any) -> Any:
+        note_call()
+        return function(*args, **kwargs)
+
+    call.__name__, call.__qualname__, call.__doc__ = function.__name__, function.__qualname__, function.__doc__
+    return call
+
+
 class _Passes(dict[int, None]):
     """Numbers of statements. What is looked up and is none of them is looked at; the others cost a call in C."""
 
@@ -534,3 +624,7 @@ class _Passes(dict[int, None]):
 
 def _order(strand: Strand) -> int:
     return strand.order
+
+
+def _last_run(strand: Strand) -> tuple[int, int]:
+    return strand.ran_tick, strand.order

@@ -76,6 +76,8 @@ class Strand:
         is_abandoned: whether it could not be stopped and never runs again.
         cancel: cancels what it waits for when it is stopped (brakes a move).
         started_line: line of the call that started it; 0 for a program.
+        portion: checkpoints that it is paid out at a time where a meter looks in between.
+        ran_tick: the last in which it came past a checkpoint, or a call where a meter looks.
         owed: locks that it has pretended to take while dying, and how often.
         at_end: called once when it has ended.
         recursion_limit: the interpreter's limit while it runs; 0 before it has begun.
@@ -99,6 +101,8 @@ class Strand:
         "name",
         "order",
         "owed",
+        "portion",
+        "ran_tick",
         "recursion_limit",
         "refusals",
         "resume",
@@ -135,6 +139,8 @@ class Strand:
         self.suspend: Callable[[], Any] = _not_begun
         self.state = READY
         self.work = 0
+        self.portion = 1
+        self.ran_tick = -1
         self.work_tick = -1
         self.waits_for = ""
         self.until: int | None = None
@@ -204,9 +210,13 @@ class Strand:
             return
         self.refusals += 1
         if self.refusals > REFUSALS_MAX:
-            self.abandon()
-            self.suspend()
+            self.give_up()
         raise Stopped
+
+    def give_up(self) -> None:
+        """Leave it where it stands, called inside it; never returns."""
+        self.abandon()
+        self.suspend()
 
     # ---------------------------------------------------------------- place
 

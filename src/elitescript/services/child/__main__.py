@@ -11,19 +11,21 @@ import gc
 import os
 import signal
 import sys
+import time
 import traceback
-from typing import Any
+from typing import Any, Final
 
 from elitescript.codec.json_text import from_text, to_text
 from elitescript.codec.messages import shape_of
 from elitescript.environment import stop_signals
 from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.errors import ElitescriptError, UsageError
-from elitescript.kernel import Kernel
-from elitescript.messages.inputs import Input
+from elitescript.kernel import Kernel, RobotOptions
+from elitescript.messages.inputs import Input, RunUnit
 from elitescript.messages.outputs import TickResult
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.snapshot_parts import ALL_PARTS
+from elitescript.runtime.threads.meter import ClockMeter
 from elitescript.services.child import frames
 from elitescript.services.child.jail import enter_jail
 from elitescript.services.child.output_changes import OutputWriter
@@ -32,6 +34,20 @@ from elitescript.services.compiler.remote import RemoteWorkshop
 from elitescript.services.debugging import debugging
 from elitescript.services.options_data import options_from_data
 from elitescript.services.output_text import without_points
+
+SMALL_PROGRAM: Final = """def spare():
+  textmsg("ready")
+  q = get_actual_joint_positions()
+  p = get_actual_tcp_pose()
+  get_inverse_kin(p, q)
+  set_standard_digital_out(0, get_standard_digital_in(0))
+  movej(q)
+  movel(p)
+  sync()
+end
+"""
+"""What a spare child runs: commands that most programs have."""
+SMALL_PROGRAM_TICKS: Final = 4
 
 
 def serve(line: frames.BlockingLine) -> None:
@@ -42,9 +58,14 @@ def serve(line: frames.BlockingLine) -> None:
     whole_tick, is_whole = 0, False
     """Tick of the last one with all parts, and whether the arm has rested since."""
 
+    meter = ClockMeter(time.monotonic_ns, time.thread_time_ns)
+
     def ask(question: list[Any]) -> list[Any]:
+        began_ns = time.monotonic_ns()
         line.send(frames.QUESTION, to_text(question))
-        return list(from_text(line.receive_answer(frames.ANSWER)))
+        answer = list(from_text(line.receive_answer(frames.ANSWER)))
+        meter.spend(time.monotonic_ns() - began_ns)
+        return answer
 
     kernel: Kernel | None = None
     workshop = RemoteWorkshop(line)
@@ -69,7 +90,7 @@ def serve(line: frames.BlockingLine) -> None:
                 due = frames.NEVER
             if not is_whole:
                 due = min(due, max(whole_tick + frames.REFRESH_TICKS, tick + 1))
-            line.send(letter, frames.numbered(due, content))
+            line.send(letter, frames.answer_content(due, content, kernel.cut))
             workshop.pump()
             continue
         if letter == frames.CODE:
@@ -80,15 +101,29 @@ def serve(line: frames.BlockingLine) -> None:
             is_jailed, memory_max = data
             layers = enter_jail(memory_max=memory_max) if is_jailed else ()
             line.send(frames.LOCKED_IN, to_text([list(layer) for layer in layers]))
+        elif letter == frames.PREPARE:
+            _prepare(options_from_data(data), RequestEnvironment(RemoteFiles(ask)))
         elif letter == frames.BEGIN:
             environment = RequestEnvironment(RemoteFiles(ask))
-            kernel = Kernel(options_from_data(data), environment, debugging=debugging(), workshop=workshop)
+            made = options_from_data(data)
+            kernel = Kernel(made, environment, debugging=debugging(), workshop=workshop, meter=meter)
             # What is there now stays; the collector need not look at it in every round.
             gc.collect()
             gc.freeze()
             line.send(frames.DESCRIBED, to_text(shape_of(RobotDescription).encode(kernel.description)))
         else:
             raise UsageError(f"no message {letter!r} is expected here")
+
+
+def _prepare(options: RobotOptions, environment: RequestEnvironment) -> None:
+    """Load what a robot and its programs need."""
+    kernel = Kernel(options, environment, debugging=debugging())
+    kernel.tick([RunUnit("spare", "program", SMALL_PROGRAM)])
+    for _ in range(SMALL_PROGRAM_TICKS):
+        kernel.tick()
+        OutputWriter().message(kernel.tick_and_snapshot())
+    _ = kernel.description
+    kernel.host.forget_threads()
 
 
 def main(descriptor: int, coverage: int | None = None) -> None:

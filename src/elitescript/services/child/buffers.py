@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
 from typing import Final
 
@@ -63,6 +63,14 @@ class PendingInputs:
 
     def __len__(self) -> int:
         return len(self._inputs)
+
+    def __iter__(self) -> Iterator[Input]:
+        return iter(self._inputs)
+
+    @property
+    def is_full(self) -> bool:
+        """Whether more waits than goes down in a tick."""
+        return bool(self._inputs) and price_ns(self._inputs) >= PORTION_NS
 
     def add(self, inputs: Sequence[Input]) -> None:
         """Take inputs; what comes of connections that the child does not have is left out."""
@@ -176,6 +184,10 @@ class OutputBuffer:
         """Note that the output of the tick that is to leave is waited for from now on, if it was not before."""
         if self._lacking_since_s is None:
             self._lacking_since_s = time.monotonic()
+
+    def stand_for(self, snapshot: Snapshot) -> None:
+        """Let a snapshot of ours leave as the output of its tick: no child is there to give one."""
+        self.add(Output(snapshot.robot.tick, (), (), (), snapshot))
 
     def flush(self) -> None:
         """Let everything that waits leave with the next tick."""

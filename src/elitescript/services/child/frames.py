@@ -12,17 +12,19 @@ from collections.abc import Iterator
 from typing import Final
 
 from elitescript.codec.values import CodecError
+from elitescript.messages.cut import LATE_MAX_MS, LOOKS_MAX, WHOLE, Cut
 from elitescript.messages.timing import TICKS_PER_S
 
 DOWN_MAX: Final = 32 * 1024 * 1024
-UP_MAX: Final = 8 * 1024 * 1024
-"""Less, because reading it takes the time of all clients."""
+UP_MAX: Final = 16 * 1024 * 1024
+"""Less, because reading it takes the time of all clients; the longest text of a program fits, however it is escaped."""
 READ_BYTES: Final = 1 << 16
 """Taken from a socket at once: more would be memory that the system has to find anew for every message."""
 _LENGTH: Final = struct.Struct(">I")
 _HEAD: Final = struct.Struct(">IB")
 _TICK: Final = struct.Struct(">qB?")
 _NUMBER: Final = struct.Struct(">q")
+_ANSWERED: Final = struct.Struct(">qIII")
 NEVER: Final = (1 << 63) - 1
 """Number of a tick that does not come."""
 REFRESH_TICKS: Final = TICKS_PER_S // 10
@@ -32,6 +34,8 @@ child names a tick that is due within this time (*assumed*: as often as the prim
 # Down.
 LOCK_IN: Final = "L"
 """`[is_jailed, memory_max]`: the child locks itself in and answers `LOCKED_IN`."""
+PREPARE: Final = "P"
+"""Options: the child makes a robot like this, has it run a program, and forgets it, so that everything is loaded."""
 BEGIN: Final = "B"
 """Options: the child makes its robot and answers `DESCRIBED`."""
 TICK: Final = "T"
@@ -45,7 +49,8 @@ CODE: Final = "M"
 """Number of a text (i64), and a part of the program that was made of it: from its compiler through the parent to the
 child, unread on the way. From the compiler it comes without the number."""
 
-# Up. The answers to a tick begin with the number of the next one that is due; the next one if that was not asked for.
+# Up. The answers to a tick begin with the number of the next one that is due (i64); the next one if that was not asked
+# for. Then comes how far programs came in the tick, a `Cut` (three times u32).
 LOCKED_IN: Final = "L"
 """The layers of the jail."""
 DESCRIBED: Final = "D"
@@ -78,20 +83,39 @@ def read_tick(content: bytes) -> tuple[int, int, bool, bytes]:
     return *_TICK.unpack_from(content), content[_TICK.size :]
 
 
-def numbered(number: int, content: str | bytes) -> bytes:
-    """Return a content with the number of a tick before it."""
-    return _NUMBER.pack(number) + (content.encode() if isinstance(content, str) else content)
+def numbered(number: int, content: bytes) -> bytes:
+    """Return a content with the number of a text before it."""
+    return _NUMBER.pack(number) + content
 
 
 def split_number(content: bytes) -> tuple[int, bytes]:
-    """Return the number of a tick, and the content behind it.
+    """Return the number of a text, and the content behind it.
 
     Raises:
         CodecError: there is none.
     """
     if len(content) < _NUMBER.size:
-        raise CodecError("a message about a tick without its number")
+        raise CodecError("a message about a text without its number")
     return _NUMBER.unpack_from(content)[0], content[_NUMBER.size :]
+
+
+def answer_content(due: int, content: str | bytes, cut: Cut = WHOLE) -> bytes:
+    """Return the content of an answer to a tick: the next one that is due, how far programs came, what it gives."""
+    return _ANSWERED.pack(due, *cut) + (content.encode() if isinstance(content, str) else content)
+
+
+def read_answer(content: bytes) -> tuple[int, Cut, bytes]:
+    """Return what `answer_content` was given.
+
+    Raises:
+        CodecError: it is too short, or no tick has as many looks.
+    """
+    if len(content) < _ANSWERED.size:
+        raise CodecError("an answer to a tick without its head")
+    due, looks, cleanups, late_ms = _ANSWERED.unpack_from(content)
+    if max(looks, cleanups) > LOOKS_MAX or late_ms > LATE_MAX_MS:
+        raise CodecError(f"a tick that was cut at {looks}, {cleanups}, {late_ms}; none can be")
+    return due, Cut(looks, cleanups, late_ms), content[_ANSWERED.size :]
 
 
 def frame(letter: str, content: str | bytes, limit: int = DOWN_MAX) -> bytes:

@@ -1,17 +1,20 @@
 """A robot in a child process: no program that runs there can hold up the server.
 
 A tick is sent to the child, and its output taken, within the period. A child that is a little late is waited for; if it
-takes longer, the last snapshot stands for the robot meanwhile, the ticks queue up, and the child makes up for them.
-Then their outputs leave together: as rows, each tick once (`Output.rows`). While the child cannot make up for them,
-ticks leave late. One that does not answer, ends or sends what is no message is replaced (see `supervision`); a fresh
-child goes on from the last snapshot.
+takes longer, the last snapshot stands for the robot meanwhile, and the child makes up for the ticks. At most
+`UNDER_WAY_MAX` of them are sent ahead, the others are kept here: so what comes in goes into the next tick that is sent,
+and no stop waits behind ticks that were sent before it. Outputs of late ticks leave together: as rows, each tick once
+(`Output.rows`). While the child cannot make up for them, ticks leave late. One that does not answer, that a stop cannot
+wait for (`urgent`), that ends or sends what is no message is replaced (see `supervision`); a fresh child goes on from
+the last snapshot.
 """
 
 from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Awaitable, Callable, Sequence
+from collections import deque
+from collections.abc import Awaitable, Callable, Iterator, Sequence
 from typing import Final
 
 from elitescript.errors import ElitescriptError, UsageError
@@ -23,12 +26,13 @@ from elitescript.messages.outputs import Output, TickResult
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.messages.timing import TICKS_PER_S
-from elitescript.records import replace
+from elitescript.records import NamedTuple, replace
 from elitescript.runtime.environment import Files, FilesRefused
 from elitescript.services.child.buffers import BEHIND_TICKS, WAITING_MAX, OutputBuffer, PendingInputs, room_for
 from elitescript.services.child.frames import NEVER, REFRESH_TICKS
 from elitescript.services.child.jail import MEMORY_MAX, Layer
 from elitescript.services.child.remote_files import FileDesk
+from elitescript.services.child.spare import Spares
 from elitescript.services.child.supervision import (
     BOOTS_FROM_SNAPSHOT,
     BOOTS_MAX,
@@ -36,9 +40,11 @@ from elitescript.services.child.supervision import (
     HANG_LIMIT_S,
     Failure,
     Supervision,
+    compile_s,
     termination_events,
 )
 from elitescript.services.child.transport import ChildTransport, SentTick
+from elitescript.services.child.urgent import BEGIN_S, COMPILES, is_stop, longest_s, stopped
 from elitescript.services.compiler.desk import CompilerDesk
 from elitescript.services.journal.writer import Journal
 from elitescript.services.time.cycle import CATCH_UP_TICKS
@@ -56,8 +62,19 @@ LAG_S: Final = 0.1
 """How long it waits in each tick, and how long the child may have been silent before."""
 LOST_TEXT: Final = "the program that was being compiled does not begin: the controller was restarted"
 BOOT_S: Final = 20.0
-UNANSWERED_MAX: Final = 6000
+BEHIND_MAX: Final = 6000
 """Ticks that may wait for an answer; more than a text takes that is compiled for the longest time."""
+UNDER_WAY_MAX: Final = 2
+"""Ticks that the child has at a time: the one that it runs, and the next one, so that it does not wait for us."""
+
+
+class KeptTick(NamedTuple):
+    """A tick that is not sent yet."""
+
+    number: int
+    parts: int
+    """Of its snapshot that are read, as bits."""
+    asks_due: bool
 
 
 class ChildLink:
@@ -71,6 +88,7 @@ class ChildLink:
         hang_limit_s: processor time of the child without an answer after which it is replaced.
         grace_s: how long late outputs are waited for; infinite in a test that compares outputs.
         memory_max: bytes of address space of the child.
+        spares: keeps a child ready that may take the place of this one; each is started when it is needed if None.
 
     Attributes:
         layers: of the jail, once the link is open; empty without one.
@@ -87,9 +105,11 @@ class ChildLink:
         "_grace_left_s",
         "_grace_s",
         "_is_catching_up",
+        "_is_hurried",
         "_is_jailed",
         "_is_over",
         "_journal",
+        "_kept",
         "_lost",
         "_memory_max",
         "_next",
@@ -98,9 +118,12 @@ class ChildLink:
         "_outputs",
         "_pending",
         "_snapshot_tick",
+        "_spares",
         "_supervision",
         "_transport",
         "_until_s",
+        "_urgent_since_s",
+        "_urgent_worked_s",
         "_watched_until",
         "layers",
     )
@@ -115,6 +138,7 @@ class ChildLink:
         hang_limit_s: float = HANG_LIMIT_S,
         grace_s: float = GRACE_S,
         memory_max: int = MEMORY_MAX,
+        spares: Spares | None = None,
     ) -> None:
         self._options = options
         self._is_jailed = is_jailed
@@ -124,6 +148,13 @@ class ChildLink:
         self._grace_left_s = grace_s
         self._memory_max = memory_max
         self._compilers = CompilerDesk(options, is_jailed=is_jailed)
+        self._spares = spares
+        self._is_hurried = False
+        """Whether something urgent waits for the next tick."""
+        self._urgent_since_s: float | None = None
+        """When it came that is urgent and not answered yet; None without."""
+        self._urgent_worked_s: float | None = None
+        """Processor time of the child then; None if that is not known."""
         self._desk = FileDesk(FilesRefused() if files is None else files)
         self._next = self._due = options.first_tick
         self._answered = options.first_tick - 1
@@ -133,6 +164,8 @@ class ChildLink:
         self._description: RobotDescription | None = None
         self._outputs = OutputBuffer()
         self._pending = PendingInputs()
+        self._kept: deque[KeptTick] = deque()
+        """Ticks that follow those that are under way."""
         self._changed: PromptFuture | None = None
         """What is waited for now."""
         self._is_over: Callable[[], bool] = lambda: True
@@ -158,7 +191,7 @@ class ChildLink:
     def room(self) -> float | None:
         """Share of a tick's work for clients that the child can do: less, the more it is behind; None without one."""
         transport = self._transport
-        if transport is None or not transport.is_begun or transport.end_reason or len(self._pending):
+        if transport is None or not transport.is_begun or transport.end_reason or self._pending.is_full:
             return None
         return room_for(self._next - transport.unanswered[0].number if transport.unanswered else 0)
 
@@ -231,13 +264,16 @@ class ChildLink:
         self._grace_left_s += (tick - self._next) * GRACE_PER_TICK_S
         self._next = tick + 1
         self._pending.add(inputs)
+        self._is_hurried = False
+        if self._urgent_since_s is None and inputs and longest_s(inputs) is not None:
+            self._note_urgent()
         if self._transport is None and self._supervision.may_start(tick):
             self._start_again(tick)
         if (transport := self._transport) is not None:
             # Where every tick runs, nearly all answers have come when outputs leave: the loop need not wake for them.
             is_prompt = not transport.unanswered and tick >= self._watched_until
             transport.process.watch(outlet is None or asks_due or not is_prompt)
-            if len(transport.unanswered) >= LAG_MAX:
+            if self._behind(transport) >= LAG_MAX:
                 await self._let_catch_up(transport)
             else:
                 self._is_catching_up = False
@@ -245,7 +281,8 @@ class ChildLink:
                 if not transport.is_begun:
                     self._go_on(transport, tick)
                 self._pass_code(transport)
-                self._send_tick(transport, tick, parts, asks_due=asks_due)
+                self._kept.append(KeptTick(tick, parts, asks_due))
+                self._send_kept(transport)
         if outlet is not None:
             await outlet()
             if transport is not None:
@@ -260,8 +297,24 @@ class ChildLink:
             raise ElitescriptError(f"the robot's process did not come up: {why}")
         return self._outputs.take(tick)
 
+    def hurry(self, inputs: Sequence[Input]) -> None:
+        """See `RobotLink.hurry`."""
+        if longest_s(inputs) is not None:
+            self._is_hurried = True
+            if self._urgent_since_s is None:
+                self._note_urgent()
+            self._wake()
+
+    @property
+    def busy_line(self) -> int:
+        """See `RobotLink.busy_line`."""
+        transport = self._transport
+        return transport.line if transport is not None and transport.is_running and transport.unanswered else 0
+
     async def close(self) -> None:
         """End the child."""
+        if self._spares is not None:
+            self._spares.close()
         if self._transport is not None:
             process, self._transport = self._transport.process, None
             process.kill()
@@ -276,17 +329,23 @@ class ChildLink:
     # ---------------------------------------------------------------- down
 
     def _start_child(self) -> ChildTransport:
-        self._transport = transport = ChildTransport(
-            self._desk,
-            self._take_output,
-            self._take_question,
-            self._wake,
-            self._compilers,
-            is_jailed=self._is_jailed,
-            memory_max=self._memory_max,
-        )
+        transport = None if self._spares is None else self._spares.take()
+        receivers = (self._desk, self._take_output, self._take_question, self._wake, self._compilers)
+        if transport is None:
+            transport = ChildTransport(*receivers, is_jailed=self._is_jailed, memory_max=self._memory_max)
+        else:
+            transport.serve_for(*receivers)
+            assert self._spares is not None
+            self._spares.want(self._options)
+        self._transport = transport
         self._supervision.note_start()
         return transport
+
+    def _note_urgent(self) -> None:
+        """Begin to wait for the end of the program that runs."""
+        transport = self._transport
+        if transport is not None and (transport.is_running or self._begins(transport)):
+            self._urgent_since_s, self._urgent_worked_s = time.monotonic(), transport.process.worked_s()
 
     def _go_on(self, transport: ChildTransport, tick: int) -> None:
         """Have a fresh child go on at this tick from the last snapshot; as at first, if others could not."""
@@ -300,6 +359,16 @@ class ChildLink:
         self._pending.put_first(restored_inputs(last))
         if self._journal is not None:
             self._journal.restart(tick, self._supervision.reason, last, self._lost)
+
+    def _behind(self, transport: ChildTransport) -> int:
+        """Return how many ticks the child has not answered yet, with those that are kept for it."""
+        return len(transport.unanswered) + len(self._kept)
+
+    def _send_kept(self, transport: ChildTransport) -> None:
+        """Send ticks, as many as may be under way; all that waits for the robot goes into the first of them."""
+        while self._kept and len(transport.unanswered) < UNDER_WAY_MAX and not transport.end_reason:
+            tick, parts, asks_due = self._kept.popleft()
+            self._send_tick(transport, tick, parts, asks_due=asks_due)
 
     def _send_tick(self, transport: ChildTransport, tick: int, parts: int, *, asks_due: bool) -> None:
         inputs = self._pending.portion()
@@ -329,7 +398,7 @@ class ChildLink:
         """
         if self._journal is not None or not self._supervision.answered:
             return True
-        if transport.unanswered or not self._outputs.is_empty:
+        if transport.unanswered or self._kept or not self._outputs.is_empty:
             return True
         return tick - self._snapshot_tick >= REFRESH_TICKS
 
@@ -341,14 +410,19 @@ class ChildLink:
         assert transport is not None
         self._supervision.note_answer(sent.number - self._answered)
         self._answered, self._due = sent.number, due
-        if sent.size and len(transport.unanswered) >= LAG_MAX:
+        if self._urgent_since_s is not None and not self._is_hurried and longest_s(self._waiting_inputs()) is None:
+            self._urgent_since_s = None
+        if transport.is_running and self._spares is not None:
+            self._spares.want(self._options)
+        if sent.size and self._behind(transport) >= LAG_MAX:
             # What queued up while it compiled is soon made up for; clients need not wait for that.
             self._is_catching_up = True
         self._outputs.add(output)
         self._pending.note(output.requests)
         if self._journal is not None:
-            self._journal.tick(sent.number, sent.text, sent.answers, transport.output_text())
+            self._journal.tick(sent.number, sent.text, sent.answers, transport.output_text(), sent.cut)
             self._outputs.add_own(*self._journal.take_warning(sent.number))
+        self._send_kept(transport)
 
     def _take_question(self, sent: SentTick | None) -> None:
         """Count a question about files as an answer, unless they take too long altogether."""
@@ -359,7 +433,7 @@ class ChildLink:
         """Look again at what is waited for."""
         if self._transport is not None and self._transport.end_reason:
             self._on_due()
-        if self._changed is not None and not self._changed.done() and self._is_over():
+        if self._changed is not None and not self._changed.done() and (self._is_hurried or self._is_over()):
             self._changed.set_result(None)
 
     # ---------------------------------------------------------------- watching
@@ -367,14 +441,43 @@ class ChildLink:
     def _watch(self, tick: int) -> None:
         """Replace a child that has ended, or that does not answer."""
         if self._transport is not None:
-            failure = self._supervision.failure_of(self._transport, tick)
+            failure = self._supervision.failure_of(self._transport, tick) or self._stop_failure(self._transport)
             if failure is not None:
                 self._replace(self._transport, tick, failure)
+
+    def _waiting_inputs(self) -> Iterator[Input]:
+        """Return what the child has not answered yet, in order."""
+        if self._transport is not None:
+            for sent in self._transport.unanswered:
+                yield from sent.inputs
+        yield from self._pending
+
+    def _stop_failure(self, transport: ChildTransport) -> Failure | None:
+        """Return why the child is to be ended for what is urgent; None if it is not."""
+        if self._urgent_since_s is None or not transport.unanswered:
+            return None
+        begins = self._begins(transport)
+        # What is compiled just now does not wait for itself.
+        held = transport.unanswered[0].inputs if begins else ()
+        limit_s = longest_s(item for item in self._waiting_inputs() if item not in held or is_stop(item))
+        if limit_s is None or not (begins or transport.is_running):
+            return None
+        if begins:
+            limit_s = BEGIN_S + compile_s(transport.unanswered[0].size)
+        failure = self._supervision.stop_failure(transport, self._urgent_since_s, limit_s, self._urgent_worked_s)
+        # Nothing of the program is on the stack while its text is compiled.
+        return None if begins and failure is not None and failure.where is None else failure
+
+    @staticmethod
+    def _begins(transport: ChildTransport) -> bool:
+        """Return whether a text may be compiled in the tick that is under way."""
+        return bool(transport.unanswered) and any(isinstance(item, COMPILES) for item in transport.unanswered[0].inputs)
 
     def _replace(self, transport: ChildTransport, tick: int, failure: Failure) -> None:
         """Kill the child, report it, and start a fresh one now or later."""
         transport.process.kill()
         self._transport = None
+        self._kept.clear()
         self._desk.close()
         if self._compilers.is_active:
             self._compilers.cancel()
@@ -382,13 +485,23 @@ class ChildLink:
         # The oldest of the ticks is what it died of; it has not seen the others.
         unanswered = list(transport.unanswered)
         self._lost = unanswered[0].inputs if unanswered else ()
-        shown = failure._replace(reason=self._supervision.note_failure(tick, failure.reason))
+        if failure.is_stop:
+            # It was asked for: the next one need not wait.
+            self._supervision.note_ended(failure.reason)
+            shown = failure
+        else:
+            shown = failure._replace(reason=self._supervision.note_failure(tick, failure.reason))
         events = termination_events(tick, shown, self._outputs.newest, self._lost, transport.line)
+        if failure.is_stop and (last := self._outputs.newest) is not None:
+            waiting = [item for sent in unanswered for item in sent.inputs] + list(self._pending)
+            self._outputs.stand_for(stopped(last, tick, waiting))
+        self._urgent_since_s = None
         if self._journal is not None:
             self._journal.told(tick, events)
         self._outputs.add_own(*events, requests=self._pending.end_connections())
         self._outputs.flush()
-        self._pending.put_first(item for sent in unanswered[1:] for item in sent.inputs)
+        kept = [item for item in self._lost if is_stop(item)]
+        self._pending.put_first([*kept, *(item for sent in unanswered[1:] for item in sent.inputs)])
         if self._supervision.may_start(tick):
             self._start_again(tick)
 
@@ -410,14 +523,18 @@ class ChildLink:
 
     async def _let_catch_up(self, transport: ChildTransport) -> None:
         """Wait for a child whose ticks last longer than a period; the cycle counts the late ticks."""
-        unanswered, supervision = transport.unanswered, self._supervision
-        if not self._is_catching_up and supervision.silent_s() < LAG_S:
-            await self._wait_until(lambda: len(unanswered) < LAG_MAX or bool(transport.end_reason), LAG_S)
-        if len(unanswered) >= UNANSWERED_MAX:
+        supervision = self._supervision
+
+        async def wait_for_room(behind_max: int, longest_s: float) -> None:
+            await self._wait_until(
+                lambda: self._behind(transport) < behind_max or bool(transport.end_reason), longest_s
+            )
+
+        if not self._is_catching_up and supervision.silent_s() < LAG_S and self._urgent_since_s is None:
+            await wait_for_room(LAG_MAX, LAG_S)
+        if self._behind(transport) >= BEHIND_MAX:
             # Only where ticks are not paced.
-            room = UNANSWERED_MAX // 2
-            longest_s = supervision.hang_limit_s
-            await self._wait_until(lambda: len(unanswered) < room or bool(transport.end_reason), longest_s)
+            await wait_for_room(BEHIND_MAX // 2, supervision.hang_limit_s)
 
     async def _wait_for_output(self, tick: int, *, had_turn: bool) -> None:
         """Wait for the output of a tick, for as long as it may be late.
@@ -445,8 +562,8 @@ class ChildLink:
         self._grace_left_s = min(max(self._grace_left_s, 0.0) + GRACE_PER_TICK_S, self._grace_s)
         if self._grace_s >= self._supervision.hang_limit_s:
             return self._supervision.hang_limit_s
-        # A fresh child has its robot to make.
-        if self._supervision.boots or self._transport is None:
+        # A fresh child has its robot to make; and nothing is waited for while a stop is.
+        if self._supervision.boots or self._transport is None or self._urgent_since_s is not None:
             return 0.0
         oldest = self._transport.unanswered[0] if self._transport.unanswered else None
         is_behind = oldest is not None and (tick - oldest.number >= BEHIND_TICKS or oldest.size >= LONG_TEXT)

@@ -23,6 +23,7 @@ from elitescript.messages.timing import TICKS_PER_S
 from elitescript.records import NamedTuple
 from elitescript.services.child.process import ChildProcess
 from elitescript.services.child.transport import ChildTransport, SentTick
+from elitescript.services.child.urgent import WORKED_SHARE
 
 HANG_LIMIT_S: Final = 0.7
 """Processor time without an answer after which a child is killed; wall time where processor time is not known."""
@@ -38,6 +39,8 @@ FILES_MAX_S: Final = 10.0
 """How long questions about files in one tick count as answers."""
 HANG_LIMIT_TICKS: Final = 20
 """Ticks that have gone by as well: while this process itself was stopped, no child could answer."""
+ASK_SHARE: Final = 0.4
+"""Share of the time for a stop after which a child is asked where its program is."""
 TRACE_S: Final = 0.05
 """How long a child that is to be killed may take to write where it is."""
 BOOTS_FROM_SNAPSHOT: Final = 3
@@ -63,6 +66,8 @@ class Failure(NamedTuple):
     """Text and line of the program that it was in; None if that is not known."""
     hint: str = ""
     """What to do about it, if it did not answer."""
+    is_stop: bool = False
+    """Whether that was done to stop its program."""
 
 
 def compile_s(size: int) -> float:
@@ -110,7 +115,7 @@ class Supervision:
     # ---------------------------------------------------------------- events
 
     def note_start(self) -> None:
-        """Count a child that was started."""
+        """Count a child that was started, or that takes the place of another one."""
         self.boots += 1
         self.answered = 0
         self._asked_where_s = 0.0
@@ -140,6 +145,11 @@ class Supervision:
         if pause:
             return f"{reason}; after {self._failures} times in a row it starts {pause / TICKS_PER_S:g} s later"
         return reason
+
+    def note_ended(self, reason: str) -> None:
+        """Count a child that was ended for a stop."""
+        self.restarts += 1
+        self.reason = reason
 
     def note_no_process(self, tick: int, reason: str) -> None:
         """Note that no process can be started just now: try again after the longest pause."""
@@ -186,6 +196,29 @@ class Supervision:
         if where is None and time.monotonic() - self._asked_where_s <= TRACE_S:
             return None
         return self._hang(sent, where, is_compiling=process.is_compiling)
+
+    def stop_failure(
+        self, transport: ChildTransport, since_s: float, limit_s: float, worked_s: float | None
+    ) -> Failure | None:
+        """Return why the child is to be replaced so that a stop acts; None if it is not, or not yet.
+
+        Args:
+            transport: to it.
+            since_s: when it was asked for, by the monotonic clock.
+            limit_s: how long that may take.
+            worked_s: processor time of the child then; None if that is not known.
+        """
+        process, passed_s = transport.process, time.monotonic() - since_s
+        if not self._asked_where_s and passed_s >= ASK_SHARE * limit_s:
+            self._asked_where_s = time.monotonic()
+            process.ask_where()
+        if passed_s < limit_s:
+            return None
+        now_s = process.worked_s()
+        if now_s is not None and worked_s is not None and now_s - worked_s < WORKED_SHARE * limit_s:
+            return None
+        reason = f"a call of the program had not come back {passed_s * 1000.0:.0f} ms after it was to be stopped"
+        return Failure(reason, process.where(), HINT, is_stop=True)
 
     def _is_hanging(self, ticks: int, process: ChildProcess, *, more_s: float) -> bool:
         """Return whether the child takes too long to answer.
@@ -250,7 +283,9 @@ def termination_events(
     text = f"the controller was restarted: {failure.reason}"
     events.append(Alarm(tick, "R132", "ControllerRestarted", text, line, 0, "", "", details))
     if is_running:
-        events.append(TaskStateChanged(tick, TaskState.STOPPED, running, "alarm"))
+        ended = TaskStateChanged(tick, TaskState.STOPPED, running, "stopped" if failure.is_stop else "alarm")
+        # A stop that was asked for acts before it is told what it has taken.
+        events.insert(len(events) - failure.is_stop, ended)
     return tuple(events)
 
 

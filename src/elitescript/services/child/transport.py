@@ -19,11 +19,14 @@ from elitescript.codec.messages import field_shapes, shape_of
 from elitescript.codec.values import CodecError, check_list
 from elitescript.errors import UsageError
 from elitescript.kernel import RobotOptions
-from elitescript.messages.inputs import Input, Interpret, LoadTask, PlayTask, Query, RunUnit
+from elitescript.messages.cut import WHOLE, Cut
+from elitescript.messages.enums import TaskState
+from elitescript.messages.inputs import Compiled, Debug, Input, Interpret, LoadTask, PlayTask, Query, RunUnit
 from elitescript.messages.outputs import Output, TickResult
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.messages.snapshot_parts import TIME
 from elitescript.messages.state import RobotState
+from elitescript.messages.timing import TICKS_PER_S
 from elitescript.services.child import frames, output_changes
 from elitescript.services.child.jail import Layer
 from elitescript.services.child.output_changes import OutputReader
@@ -37,6 +40,10 @@ READING_KEPT: Final = 0.99
 NO_INPUTS: Final = to_text([])
 READ_FREELY: Final = 4000
 """Bytes of an output that take so little time that it is not measured."""
+RUNNING_TICKS: Final = 60 * TICKS_PER_S
+"""How long secondary programs and queries may run that wait for each other, each for a second."""
+_BEGINNING: Final = (RunUnit, Compiled, Interpret, LoadTask, PlayTask, Query, Debug)
+"""Inputs with which something may begin to run."""
 FAILURE_MAX: Final = 8000
 """Characters of the reason that a child gives for its end."""
 
@@ -57,6 +64,8 @@ class SentTick:
     """To questions about files."""
     asking_since_s: float = 0.0
     """When the first question about files came in it."""
+    cut: Cut = WHOLE
+    """How far programs came in it."""
 
 
 class Compilers(Protocol):
@@ -108,7 +117,9 @@ class ChildTransport:
         "_compilers",
         "_desk",
         "_input_shape",
+        "_is_running",
         "_line_shape",
+        "_may_run_until",
         "_on_change",
         "_on_output",
         "_on_question",
@@ -146,6 +157,10 @@ class ChildTransport:
         self._result_shape = shape_of(TickResult)
         self._reader = OutputReader()
         self._reading_s = 0.0
+        self._is_running = False
+        """Whether a program ran at the end of the last tick whose snapshot is known."""
+        self._may_run_until = -1
+        """The last tick in which what was sent may run that is no program: queries, secondary programs."""
         self.description: RobotDescription | None = None
         self.end_reason = self.failure = ""
         self.is_begun = False
@@ -168,6 +183,27 @@ class ChildTransport:
 
     # ---------------------------------------------------------------- down
 
+    def prepare(self, options: RobotOptions) -> None:
+        """Have the child load what such a robot needs; it may be asked to make one at any time."""
+        self.process.send(frames.PREPARE, to_text(options_data(options)))
+
+    def serve_for(
+        self,
+        desk: FileDesk,
+        on_output: Callable[[SentTick, Output | TickResult, int], None],
+        on_question: Callable[[SentTick | None], None],
+        on_change: Callable[[], None],
+        compilers: Compilers,
+    ) -> None:
+        """Belong to another robot from now on: a child that has waited as a spare one."""
+        self._desk, self._on_output, self._on_question, self._on_change = desk, on_output, on_question, on_change
+        self._compilers = compilers
+
+    @property
+    def is_running(self) -> bool:
+        """Whether a program ran at the end of the last tick whose snapshot is known."""
+        return self._is_running
+
     def begin(self, options: RobotOptions) -> None:
         """Have the child make its robot."""
         self.is_begun = True
@@ -177,6 +213,8 @@ class ChildTransport:
         """Send a tick with its inputs, and ask for parts of its snapshot, and for the next tick that is due."""
         if inputs:
             text = to_text([self._input_shape.encode(item) for item in inputs])
+            if any(isinstance(item, _BEGINNING) for item in inputs):
+                self._may_run_until = number + RUNNING_TICKS
             size = sum(len(item.text) for item in inputs if isinstance(item, RunUnit | Interpret | Query))
             self.unanswered.append(SentTick(number, inputs, parts, text, size))
         else:
@@ -237,7 +275,7 @@ class ChildTransport:
     def _take_output(self, letter: str, text: bytes) -> None:
         if not self.unanswered:
             raise CodecError("an output that was not asked for")
-        due, text = frames.split_number(text)
+        due, cut, text = frames.read_answer(text)
         self._reading_s *= READING_KEPT
         if len(text) < READ_FREELY:
             output = self._read_output(letter, text)
@@ -255,7 +293,24 @@ class ChildTransport:
             self.line = output.snapshot.robot.line
         elif sent.parts:
             raise CodecError(f"the output of tick {output.tick} lacks the snapshot that was asked for")
+        if cut != WHOLE:
+            self._check_cut(sent)
+            sent.cut = cut
+        self._note_programs(output)
         self._on_output(sent, output, due)
+
+    def _note_programs(self, output: Output | TickResult) -> None:
+        if isinstance(output, Output):
+            self._is_running = output.snapshot.robot.task_state is not TaskState.STOPPED
+
+    def _check_cut(self, sent: SentTick) -> None:
+        """Let the cut of a tick pass in which programs may run.
+
+        Raises:
+            CodecError: none does.
+        """
+        if not self._is_running and sent.number > self._may_run_until:
+            raise CodecError(f"tick {sent.number} was cut, and no program runs")
 
     def _read_output(self, letter: str, text: bytes) -> Output | TickResult:
         if letter == frames.RESULT:

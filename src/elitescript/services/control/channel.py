@@ -28,7 +28,7 @@ from elitescript.messages.enums import TaskState
 from elitescript.messages.events import Alarm, TaskStateChanged
 from elitescript.messages.outcomes import Outcome
 from elitescript.messages.outputs import Output
-from elitescript.messages.timing import PERIOD_S, seconds
+from elitescript.messages.timing import seconds
 from elitescript.protocol.browsers import is_web_request
 from elitescript.services.clients.turns import Turns
 from elitescript.services.control.debug_events import DebugEvents, debug_result
@@ -243,8 +243,8 @@ class ControlChannel:
             await asyncio.wait_for(answers.finished, ANSWER_TIMEOUT_S)
             return {"ok": True, "text": outcome_text(order, answers.outcomes), **debug_result(answers.outcomes)}
         except TimeoutError:
-            waits = f": time waits for {server.waits_for}" if server.waits_for else ""
-            return {"ok": True, "text": f"{order.text} (asked for; the robot has not answered yet{waits})"}
+            text = f"{order.text}: asked for, and not answered yet{_why_late(server)}; the robot may do it later"
+            return {"ok": False, "error": text}
         finally:
             self._expected.discard(answers.finished)
 
@@ -281,8 +281,7 @@ class OutputCollector:
         if len(self._outcomes) == len(self._origins):
             self.finished.set_result(None)
         elif not self._ticks_left:
-            text = f"the robot has not answered for {REPLY_TICKS * PERIOD_S:g} s of its time; it may do it later"
-            self.finished.set_exception(UsageError(text))
+            self.finished.set_exception(TimeoutError())
         return not self.finished.done()
 
 
@@ -320,6 +319,14 @@ class Ending:
                 self.finished.set_result({"ok": False, "error": f"{text} {self._alarm}".strip(), "ending": "alarm"})
             else:
                 self.finished.set_result({"ok": True, "text": text, "ending": event.ending})
+
+
+def _why_late(server: RobotServer) -> str:
+    """Return what keeps a robot from answering; empty if that is not known."""
+    if server.waits_for:
+        return f": time waits for {server.waits_for}"
+    line = server.link.busy_line
+    return f": the program keeps it in line {line}" if line else ""
 
 
 def _refusal(why: str) -> dict[str, Any]:

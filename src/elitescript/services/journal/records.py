@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from elitescript.codec.messages import shape_of
 from elitescript.codec.values import CodecError, shown
+from elitescript.messages.cut import LOOKS_MAX, Cut
 from elitescript.messages.events import Event
 from elitescript.messages.inputs import Input
 from elitescript.messages.snapshot import Snapshot
@@ -24,7 +25,7 @@ FIELDS: Final[dict[str, dict[str, type]]] = {
     "restart": {"restart": int, "reason": str, "state": list, "lost": list},
     "end": {"end": int},
 }
-"""Every kind of line by its first key, with the type of each value; a `tick` may have `asked` besides."""
+"""Every kind of line by its first key, with the type of each value; a `tick` may have `asked` and `cut` besides."""
 
 _WORDS: Final = {int: "a whole number", str: "a text", list: "a list"}
 _CHECK_SUM_DIGITS: Final = 8
@@ -100,6 +101,8 @@ class RecordReader:
             record["events"] = [self._event(item) for item in record["events"]]
         if "state" in record:
             record["state"] = self._snapshot.decode(record["state"])
+        if "cut" in record:
+            record["cut"] = _cut(record["cut"])
         if type(record.get("asked", [])) is not list:
             raise CodecError(f"asked must be a list, not {shown(record['asked'])}")
         if len(record.get("ticks", "")) % _CHECK_SUM_DIGITS:
@@ -119,6 +122,14 @@ class RecordReader:
         self._next_tick = tick + (kind in ("tick", "digest"))
         if kind in ("digest", "restart"):
             self._unmarked_tick = self._next_tick
+
+
+def _cut(value: Any) -> Cut:
+    if type(value) is not list or [type(item) for item in value] != [int, int, int]:
+        raise CodecError(f"cut must be three whole numbers, not {shown(value)}")
+    if not all(0 <= item <= LOOKS_MAX for item in value):
+        raise CodecError(f"cut must have numbers from 0 to {LOOKS_MAX}, not {shown(value)}")
+    return Cut(*value)
 
 
 def _json(line: bytes) -> dict[str, Any]:

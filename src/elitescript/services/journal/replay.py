@@ -9,12 +9,14 @@ from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.errors import UsageError
 from elitescript.kernel import Kernel, RobotOptions
 from elitescript.kernel.restart import restored_options
+from elitescript.messages.cut import WHOLE
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output, TickResult
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.records import NamedTuple, replace
 from elitescript.runtime.environment import Files
+from elitescript.runtime.threads.meter import Meter, RepeatingMeter
 from elitescript.services.child.remote_files import FileDesk, RemoteFiles
 from elitescript.services.debugging import debugging
 from elitescript.services.journal.records import RecordError, check_answer
@@ -29,22 +31,23 @@ class RecordedRobot(Kernel):
         options: of the robot.
         files: its task folder; what was read from it goes into the journal too.
         journal: where to write.
+        meter: ends its ticks; work alone counts if None.
     """
 
     __slots__ = ("_answers", "_desk", "_journal", "_snapshot")
 
-    def __init__(self, options: RobotOptions, files: Files, journal: Journal) -> None:
+    def __init__(self, options: RobotOptions, files: Files, journal: Journal, meter: Meter | None = None) -> None:
         self._journal = journal
         self._desk = FileDesk(files)
         self._answers: list[Any] = []
         self._snapshot: Snapshot
-        super().__init__(options, RequestEnvironment(RemoteFiles(self._ask)), debugging=debugging())
+        super().__init__(options, RequestEnvironment(RemoteFiles(self._ask)), debugging=debugging(), meter=meter)
 
     def tick(self, inputs: Sequence[Input] = (), number: int | None = None) -> TickResult:
         """Run one tick; the digests of the journal cover every snapshot."""
         result = super().tick(inputs, number)
         self._snapshot = super().snapshot()
-        self._journal.tick(result.tick, inputs, self._answers, result.with_snapshot(self._snapshot))
+        self._journal.tick(result.tick, inputs, self._answers, result.with_snapshot(self._snapshot), self.cut)
         self._answers.clear()
         self._desk.new_tick()
         return result
@@ -88,6 +91,7 @@ class Replay:
         "_digest",
         "_kernel",
         "_last",
+        "_meter",
         "_reader",
         "_text",
         "_until",
@@ -102,6 +106,7 @@ class Replay:
         self._answers: list[Any] = []
         self._text = output_text if reader.old is None else reader.old.output_text
         self._digest = Digest()
+        self._meter: RepeatingMeter | None = None
         self._kernel = self._fresh(reader.options)
         self._last: Output | None = None
         self.difference: Difference | None = None
@@ -123,6 +128,8 @@ class Replay:
             if "tick" in record:
                 yield from self._run(record["tick"] - 1)
                 self._answers = list(record.get("asked", ()))
+                if self._meter is not None:
+                    self._meter.expect(record.get("cut", WHOLE))
                 yield from self._run(record["tick"], record["in"])
             elif "digest" in record:
                 yield from self._run(record["digest"])
@@ -146,8 +153,10 @@ class Replay:
                 return
 
     def _fresh(self, options: RobotOptions) -> Kernel:
+        self._meter = RepeatingMeter() if self._reader.is_metered else None
+        environment = RequestEnvironment(RemoteFiles(self._ask))
         try:
-            return Kernel(options, RequestEnvironment(RemoteFiles(self._ask)), debugging=debugging())
+            return Kernel(options, environment, debugging=debugging(), meter=self._meter)
         except UsageError as error:
             raise UsageError(f"{self._reader.place}: {error}") from None
 

@@ -2,8 +2,10 @@
 
 One JSON text a line:
 
-    {"journal": 3, "version": ..., "python": ..., "hash_seed": ..., "options": {...}}
-    {"tick": 812, "in": [...], "asked": [...]}     inputs, answers about files; ticks without any have no line
+    {"journal": 4, "version": ..., "python": ..., "hash_seed": ..., "metered": true, "options": {...}}
+    {"tick": 812, "in": [...], "asked": [...], "cut": [29, 0, 0]}   inputs, answers about files, how far programs came
+                                                   before the share of the tick was used up (`messages.cut`); ticks
+                                                   without any have no line
     {"digest": 999, "hash": "...", "ticks": "..."} digest of the outputs up to tick 999; a check sum for each tick since
                                                    the last such line, 8 digits each
     {"told": 1190, "events": [...]}                what clients got at that tick while there was no robot
@@ -30,6 +32,7 @@ from elitescript.codec.messages import shape_of
 from elitescript.codec.values import CodecError
 from elitescript.errors import UsageError
 from elitescript.kernel import RobotOptions
+from elitescript.messages.cut import WHOLE, Cut
 from elitescript.messages.events import Event, Warned
 from elitescript.messages.inputs import Input
 from elitescript.messages.outputs import Output
@@ -43,8 +46,11 @@ from elitescript.services.output_text import output_text
 from elitescript.untrusted.files import lines_of, opened
 from elitescript.untrusted.json_text import json_value
 
-FORMAT: Final = 3
-"""To be raised with every change of a record or of a message that is in one; options may come and go."""
+FORMAT: Final = 4
+UNCUT_FORMAT: Final = 3
+"""The format before: no tick was cut."""
+FORMATS: Final = (format2.FORMAT, UNCUT_FORMAT, FORMAT)
+"""Known ones. `FORMAT` is to be raised with every change of a record or of a message in one; options come and go."""
 LINE_MAX: Final = 64 * 1024 * 1024
 _NOTHING: Final = to_text([])
 
@@ -75,6 +81,7 @@ class Journal:
     Args:
         path: the file; one that is there is replaced.
         options: of the robot.
+        is_metered: whether the ticks of the robot may be cut.
 
     Raises:
         UsageError: the file exists, or cannot be written.
@@ -82,7 +89,7 @@ class Journal:
 
     __slots__ = ("_digest", "_file", "_inputs", "_is_over", "_is_told", "_last_tick")
 
-    def __init__(self, path: Path, options: RobotOptions) -> None:
+    def __init__(self, path: Path, options: RobotOptions, *, is_metered: bool = False) -> None:
         self._inputs = shape_of(Input)
         self._digest = Digest()
         self._last_tick = options.first_tick - 1
@@ -95,6 +102,7 @@ class Journal:
                 "version": __version__,
                 "python": platform.python_version(),
                 "hash_seed": os.environ.get("PYTHONHASHSEED", "random"),
+                "metered": is_metered,
                 "options": options_data(options),
             }
         )
@@ -104,7 +112,14 @@ class Journal:
         """Why nothing more is written; empty while all is well."""
         return self._file.failure
 
-    def tick(self, tick: int, inputs: Sequence[Input] | str, answers: Sequence[Any], output: Output | bytes) -> None:
+    def tick(
+        self,
+        tick: int,
+        inputs: Sequence[Input] | str,
+        answers: Sequence[Any],
+        output: Output | bytes,
+        cut: Cut = WHOLE,
+    ) -> None:
         """Write what a tick was given, and count its output.
 
         Args:
@@ -112,13 +127,15 @@ class Journal:
             inputs: what it was given, or the JSON text of it.
             answers: to questions about files in it.
             output: its output, or the JSON text of it.
+            cut: how far programs came in it.
         """
         if self.failure or self._is_over:
             return
         given = inputs if isinstance(inputs, str) else to_text([self._inputs.encode(item) for item in inputs])
-        if given != _NOTHING or answers:
+        if given != _NOTHING or answers or cut != WHOLE:
             asked = f',"asked":{to_text(list(answers))}' if answers else ""
-            self._file.put(f'{{"tick":{tick},"in":{given}{asked}}}\n'.encode())
+            ended = f',"cut":[{cut.looks},{cut.cleanups},{cut.late_ms}]' if cut != WHOLE else ""
+            self._file.put(f'{{"tick":{tick},"in":{given}{asked}{ended}}}\n'.encode())
         text = output if isinstance(output, bytes) else output_text(output).encode()
         self._digest.add(text)
         self._last_tick = tick
@@ -184,6 +201,7 @@ class JournalReader:
     Attributes:
         options: of the robot at the start.
         header: the first line.
+        is_metered: whether ticks of the robot may have been cut.
         old: translates what the journal has, if it is of format 2; None if it is of today's.
         note: what is wrong with the end of the file; empty if nothing is.
         place: file, line and byte of the record that was read last, for messages.
@@ -192,7 +210,7 @@ class JournalReader:
         UsageError: no journal, or one of another format.
     """
 
-    __slots__ = ("_path", "header", "note", "old", "options", "place")
+    __slots__ = ("_path", "header", "is_metered", "note", "old", "options", "place")
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -210,12 +228,13 @@ class JournalReader:
             found = self.header["journal"]
             if found == format2.FORMAT:
                 self.old = Format2()
-            elif found != FORMAT:
+            elif found not in FORMATS:
                 version = str(self.header.get("version", "unknown"))[:20]
                 raise UsageError(
                     f"{path}: line 1: a journal of format {str(found)[:20]}, written by elitescript {version}; "
-                    f"{format2.FORMAT} and {FORMAT} are known here: replay it with the version that wrote it"
+                    f"{format2.FORMAT} to {FORMAT} are known here: replay it with the version that wrote it"
                 )
+            self.is_metered = self.header.get("metered") is True
             if self.old is None:
                 self.options = options_from_data(self.header["options"])
             else:
