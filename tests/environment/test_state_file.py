@@ -358,3 +358,9 @@ def test_two_robots_do_not_overwrite_each_other(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="somebody else has changed it"):
         second.run("def p():\n  set_flag(2, True)\nend\n")
     assert StateFile(path).load() == {"flag[1]": True}
+
+
+def test_a_link_to_itself_is_said(tmp_path: Path) -> None:
+    (tmp_path / "state.json").symlink_to("state.json")
+    with pytest.raises(UsageError, match="cannot be read: Too many levels of symbolic links"):
+        StateFile(tmp_path / "state.json").load()

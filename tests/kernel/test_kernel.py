@@ -9,6 +9,7 @@ import pytest
 
 from elitescript.kernel import Kernel
 from elitescript.kernel.handlers import HANDLERS
+from elitescript.language.advice.unknown_names import OWN_PROGRAM
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.messages.enums import AnalogDomain, RobotMode, SafetyMode, TaskState
@@ -177,6 +178,11 @@ class TestPower:
         assert session.last.snapshot.robot.q_actual[0] == pytest.approx(1.0)
 
 
+def own_hint(event: Warned) -> str:
+    """The hint that `check` gives for the file."""
+    return event.hint.removesuffix(OWN_PROGRAM).strip()
+
+
 class TestUnits:
     def test_a_program_replaces_the_running_one_in_the_same_tick(self):
         session = Session(READY)
@@ -258,10 +264,20 @@ class TestUnits:
         session = Session()
         session.send(RunUnit("primary#1", kind, text))
         told = [
-            (event.code, event.severity, event.line, event.column, event.text, event.hint)
+            (
+                event.code,
+                event.severity,
+                event.line,
+                event.column,
+                event.text,
+                event.hint.removesuffix(OWN_PROGRAM).strip(),
+            )
             for event in session.of(Warned)
             if event.code
         ]
+        # What stands beside a program in the file of its author is not there when it is sent.
+        said = [event.hint.endswith(OWN_PROGRAM) for event in session.of(Warned) if event.code == "E301"]
+        assert said == [kind == "program"]
         found = check_source(SourceFile("<p>", text), profile("2.14"))
         assert told == [(one.code, str(one.severity), one.line, one.column, one.text, one.hint) for one in found]
         assert {"E305", "E301"} <= {event[0] for event in told}
@@ -278,7 +294,7 @@ class TestUnits:
         session = Session(replace(READY, strict=True))
         session.send(RunUnit("primary#1", "program", "def p():\n  textmsg('runs')\n  texmsg(1)\nend\n"))
         (alarm,) = session.of(Alarm)
-        assert (alarm.code, alarm.line, alarm.details) == ("E301", 3, {"hint": "is `textmsg` meant?"})
+        assert (alarm.code, alarm.line, alarm.details) == ("E301", 3, {"hint": f"is `textmsg` meant? {OWN_PROGRAM}"})
         assert session.texts == []
 
     def test_a_program_in_protective_stop_is_refused_with_its_reason(self):

@@ -6,9 +6,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from elitescript.language.limits import MAX_UNIT_BYTES
 from elitescript.language.options import LINE, PROGRAM, SECONDARY
 from elitescript.language.text import units
-from elitescript.language.text.units import MAX_UNIT_BYTES, SILENT_LINE_MAX, DiscardedText, Unit, UnitSplitter
+from elitescript.language.text.units import SILENT_LINE_MAX, DiscardedText, Unit, UnitSplitter
 
 
 def said(parts):
@@ -216,8 +217,23 @@ class TestLimits:
         data = b"def a():\n" + b"  f()\n" * 50 + b"def b():\n  g()\nend\n"
         assert self.refused(data, size) == [("E102", 1), (PROGRAM, "def b():\n  g()\nend", 52)]
 
-    def test_the_limit_is_four_mebibytes(self):
-        assert MAX_UNIT_BYTES == 4 * 1024 * 1024
+    def test_says_size_and_limit_once_when_the_end_shows_the_size(self):
+        splitter = UnitSplitter(100)
+        assert splitter.receive(b"def a():\n" + b"  f()\n" * 50) == []
+        (refusal,) = splitter.receive(b"end\n")
+        assert refusal.problems[0].text == "the text has 313 bytes without an end, at most 100 are read"
+        assert splitter.close() == []
+
+    def test_says_it_after_a_silence_too(self):
+        splitter = UnitSplitter(100)
+        splitter.receive(b"x" * 150)
+        assert splitter.pending
+        (refusal,) = splitter.silence()
+        assert refusal.problems[0].text == "the text has 150 bytes without an end, at most 100 are read"
+        assert not splitter.pending
+
+    def test_the_limit_is_sixteen_megabytes(self):
+        assert MAX_UNIT_BYTES == 16_000_000
         splitter = UnitSplitter()
         body = (b"  x = 1" + b" " * 1017) * ((MAX_UNIT_BYTES - 20) // 1024)
         (unit,) = splitter.receive(b"def a():\n" + body + b"\nend\n")
@@ -240,6 +256,23 @@ def test_garbage_never_fails_and_pieces_make_no_difference(data, seed):
         found += pieces.receive(data[position : position + size])
         position += size
     assert said(found + pieces.close()) == expected
+
+
+class LineByLine(UnitSplitter):
+    """Looks at each line closely."""
+
+    __slots__ = ()
+
+    def _takes_plainly(self, row: bytes) -> bool:
+        return False
+
+
+@settings(max_examples=300)
+@given(st.lists(st.text("ab ([{}])'\"#\\=é", max_size=12), max_size=6))
+def test_lines_that_are_taken_at_once_make_no_difference(lines):
+    data = ("def a():\n" + "".join(f" {line}\n" for line in lines) + "end\nhalt()\n").encode()
+    fast, slow = UnitSplitter(), LineByLine()
+    assert said(fast.receive(data) + fast.close()) == said(slow.receive(data) + slow.close())
 
 
 LINES = [

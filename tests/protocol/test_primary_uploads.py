@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from elitescript.language.text.units import MAX_UNIT_BYTES
+from elitescript.language.limits import MAX_UNIT_BYTES
 from elitescript.messages.inputs import AddLog, Do, Input, RunUnit
 from elitescript.messages.machine import SetSpeedScale, StopTask
 from elitescript.protocol.connection import ProtocolError
@@ -125,8 +125,12 @@ class TestUploads:
         inputs = []
         for tick in range(1, MAX_UNIT_BYTES // len(line) + 2):
             inputs += connection.receive(line, output(tick))
-        assert [type(found) for found in inputs] == [AddLog]
-        assert connection.receive(b"end\nstop task\n", output(tick + 1)) == [Do(ME, StopTask())]
+        assert inputs == []
+        size = len(b"def a():\n") + tick * len(line) + len(b"end\n")
+        refusal, stop = connection.receive(b"end\nstop task\n", output(tick + 1))
+        assert isinstance(refusal, AddLog)
+        assert f"the text has {size:,} bytes without an end, at most {MAX_UNIT_BYTES:,} are read" in refusal.text
+        assert stop == Do(ME, StopTask())
 
     def test_a_flood_of_programs_is_run_in_portions(self):
         connection = connect()

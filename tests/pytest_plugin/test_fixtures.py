@@ -111,7 +111,7 @@ class TestRobot:
         text_of_test = f"import pytest\n@pytest.mark.elitescript({marker})\ndef test_it(robot): pass\n"
         result = run(pytester, text_of_test, "--tb=line")
         result.assert_outcomes(errors=1)
-        result.stdout.fnmatch_lines([f"*UsageError*{text}*"])
+        result.stdout.fnmatch_lines([f"*Error: *{text}*"])
 
     def test_fixtures_and_marker_are_listed(self, pytester):
         pytester.makepyfile("def test_it(): pass")
@@ -188,7 +188,7 @@ class TestServedRobot:
         text_of_test = f"import pytest\n@pytest.mark.elitescript({marker})\ndef test_it(served_robot): pass\n"
         result = run(pytester, text_of_test, "--tb=line")
         result.assert_outcomes(errors=1)
-        result.stdout.fnmatch_lines([f"*UsageError*{text}*"])
+        result.stdout.fnmatch_lines([f"*Error: *{text}*"])
 
 
 class TestWithoutEffort:

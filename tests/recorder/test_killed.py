@@ -54,8 +54,9 @@ def test_a_recorder_that_is_killed_leaves_what_it_had(served: ServedRobot, tmp_p
         with subprocess.Popen(
             command(served, str(path)), env=module_environment(), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         ) as process:
-            wait_s = draw.uniform(0.3, 4.0)
-            time.sleep(wait_s)
+            while not path.exists() and process.poll() is None:
+                time.sleep(0.01)
+            time.sleep(draw.uniform(0.0, 3.0))
             process.kill()
         if not path.exists() or not path.stat().st_size:
             continue

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import socket
 import struct
 
@@ -21,7 +22,7 @@ def connected(scene: Scene, service: str) -> socket.socket:
 
 async def heard(scene: Scene, kind: type) -> list[str]:
     """What the robot has heard within some ticks."""
-    for _ in range(250):
+    for _ in range(2500):
         await scene.ticks()
         if found := [item.text for _, item in scene.robot.heard if isinstance(item, kind)]:
             return found
@@ -46,6 +47,24 @@ def test_a_program_is_read_to_its_end(service: str, end: str) -> None:
             assert await heard(scene, RunUnit) == [PROGRAM.decode().rstrip("\n")]
             raw.close()
             await scene.until(lambda: not scene.server.listeners[service].clients)
+
+    run(test())
+
+
+@pytest.mark.parametrize("service", ["primary", "secondary", "realtime"])
+def test_half_a_megabyte_that_is_sent_and_closed_at_once_arrives_whole(service: str) -> None:
+    program = "\n".join(["def f():", *(f"  x = 'text of the line {number:06}'" for number in range(15_000)), "end", ""])
+
+    def send(number: int) -> None:
+        with socket.create_connection(("127.0.0.1", number)) as raw:
+            raw.sendall(program.encode())
+
+    async def test() -> None:
+        async with serving() as scene:
+            await asyncio.to_thread(send, scene.server.ports[service])
+            assert await heard(scene, RunUnit) == [program.rstrip("\n")]
+            await scene.until(lambda: not scene.server.listeners[service].clients)
+            assert scene.server.shares.kept == 0
 
     run(test())
 

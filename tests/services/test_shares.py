@@ -118,8 +118,8 @@ class Hub:
         """Publish, then let the event loop read whoever has something and is not held back."""
         for client, _ in self.clients:
             client.publish(self.output)
-        self.shares.begin_tick(is_late=is_late)
         before_ns = self.clock.ns
+        self.shares.begin_tick(is_late=is_late)
         while True:
             ready = [(client, wire) for client, wire in self.clients if wire.waiting and not wire.is_paused]
             if not ready:

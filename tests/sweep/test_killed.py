@@ -20,7 +20,7 @@ from elitescript.sweep import sweep, uniform
 pytestmark = pytest.mark.slow
 
 KILLS = 30
-MUTATIONS = 300
+MUTATIONS = 60
 SIZES = (0, 1, 50, 200, 1_000, 4_000, 9_000, 12_000, 20_000, 40_000, 80_000, 160_000)
 PROGRAM = """\
 def cell():

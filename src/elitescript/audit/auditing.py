@@ -25,6 +25,7 @@ from elitescript.models.model import is_model_file, load_model
 from elitescript.protocol.primary.messages import SCRIPT_EXCEPTION
 from elitescript.recorder.recording import Recording
 from elitescript.records import record, replace
+from elitescript.untrusted.files import WORLD, text_of
 from elitescript.world_file import closed_world, tables_of, world_text
 
 if TYPE_CHECKING:
@@ -121,11 +122,10 @@ class _Kept:
             self.not_taken.append(f"the world file {name}, which the recorder was given, is not in the recording")
             return None
         try:
-            text = recording.attachments[name].decode()
+            text = text_of(recording.attachments[name], name, WORLD.noun)
             closed_world(name, text=text)
-        except (UnicodeDecodeError, UsageError) as error:
-            why = "it is not UTF-8" if isinstance(error, UnicodeDecodeError) else error
-            self.not_taken.append(f"the world file of the recording is not used: {why}; --world FILE gives it")
+        except UsageError as error:
+            self.not_taken.append(f"the world file of the recording is not used: {error}; --world FILE gives it")
             return None
         self.taken.append(name)
         return text

@@ -67,9 +67,13 @@ class Debugging:
         """Return the options to compile a text with."""
         return replace(options, probes=ATTACH_PROBES, first_probe=self._next)
 
+    def reserve(self, size: int) -> None:
+        """Keep so many numbers from the next one on for a text that comes back later."""
+        self._next += size
+
     def compiled(self, unit: CompiledUnit) -> None:
         """Take note of a unit, before it runs."""
-        self._next += unit.probes.size
+        self._next = max(self._next, unit.probes.first + unit.probes.size)
         if self.debugger is not None and unit.probes.size:
             self.debugger.arrived(unit)
 

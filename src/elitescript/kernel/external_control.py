@@ -13,7 +13,7 @@ from __future__ import annotations
 from errno import EINVAL
 from typing import Final
 
-from elitescript.language.text.units import MAX_UNIT_BYTES
+from elitescript.language.limits import MAX_UNIT_BYTES
 from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelEvent, ChannelOpened
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.records import NamedTuple

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.controller.refusals import refusal_text
 from elitescript.errors import ScriptError, UsageError
+from elitescript.kernel.compiling import CompilesHere, Workshop
 from elitescript.kernel.conversations import Conversations
 from elitescript.kernel.interpreter_logs import InterpreterLogs
 from elitescript.kernel.parts import RobotParts
@@ -29,6 +30,7 @@ from elitescript.messages.inputs import (
     ChannelEvent,
     ChannelOpened,
     ClosePopup,
+    Compiled,
     Debug,
     Do,
     EndFaults,
@@ -85,6 +87,7 @@ class InputHandlers:
         faulty: its network, if faults can be added to it.
         has_logs: whether interpreter mode keeps its logs in the task folder.
         debugging: what lets a debugger attach; None if none can.
+        workshop: where long texts are compiled, if the options want that elsewhere; here if None.
 
     Attributes:
         programs: compiles and starts programs of clients.
@@ -117,6 +120,7 @@ class InputHandlers:
         *,
         has_logs: bool,
         debugging: Debugging | None = None,
+        workshop: Workshop | None = None,
     ) -> None:
         options, model, self._profile, self._controller, self._host, self._popup, probe = parts
         self._faulty = faulty
@@ -126,7 +130,14 @@ class InputHandlers:
         self._logs = InterpreterLogs(environment.files) if has_logs else None
         self.conversations: Conversations = Conversations(self._host, self._reply, self._logs)
         self.programs: Programs = Programs(
-            self._controller, self._host, self._profile, model, environment, is_strict=options.strict, probe=probe
+            self._controller,
+            self._host,
+            self._profile,
+            model,
+            environment,
+            is_strict=options.strict,
+            probe=probe,
+            workshop=(workshop or CompilesHere(self._profile, model)) if options.compiles_elsewhere else None,
         )
         self.tasks: Tasks = Tasks(self._controller, self._host, self.programs, environment, options.configuration)
 
@@ -163,7 +174,7 @@ class InputHandlers:
                 self.channel_event(event)
         for item in inputs:
             HANDLERS[type(item)](self, item)
-        if (late := self.tasks.due()) is not None:
+        for late in self.tasks.due():
             self._reply(*late)
 
     def _reply(self, origin: str, outcome: Outcome) -> None:
@@ -307,6 +318,7 @@ HANDLERS: Final[dict[type, Callable[[InputHandlers, Any], None]]] = {
     Do: InputHandlers._take_request,
     RunUnit: lambda handlers, item: handlers.programs.take(item),
     **dict.fromkeys((LoadTask, LoadConfiguration, PlayTask, SetVariable, GetVariable), InputHandlers._task_input),
+    Compiled: lambda handlers, item: handlers.programs.come_back(item),
     Interpret: lambda handlers, item: handlers.conversations.interpret(item),
     InterpreterWord: lambda handlers, item: handlers.conversations.word(item),
     Query: lambda handlers, item: handlers.conversations.query(item),

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from elitescript.controller.views.snapshots import SnapshotBuilder
     from elitescript.devices.channels.faulty_channels import FaultyChannels
     from elitescript.environment.request_channels import RequestChannels
+    from elitescript.kernel.compiling import Workshop
     from elitescript.kernel.debugging import Debugging
     from elitescript.kernel.handlers import InputHandlers
     from elitescript.messages.inputs import ChannelEvent, Input
@@ -65,6 +66,7 @@ class Kernel:
         on_end: called with `finished`, `alarm` or `stopped` when a program is over.
         probe: counts the statements of its programs.
         debugging: lets a debugger attach to its programs; then it is their probe.
+        workshop: where long texts of clients are compiled, with the option `compiles_elsewhere`; here if None.
 
     Attributes:
         options: see above.
@@ -101,6 +103,7 @@ class Kernel:
         "_seen",
         "_snapshots",
         "_witness",
+        "_workshop",
         "controller",
         "host",
         "model",
@@ -122,10 +125,12 @@ class Kernel:
         on_end: Callable[[str], None] | None = None,
         probe: Probe | None = None,
         debugging: Debugging | None = None,
+        workshop: Workshop | None = None,
     ) -> None:
         self.options = options
         self.probe = debugging or (default_probe() if probe is None else probe)
         self._debugging = debugging
+        self._workshop = workshop
         self.model = model_of(options) if model is None else model
         self.profile = profile(options.firmware, options.controller_version)
         self.popup = PopupWindow(options.confirms_popups)
@@ -209,7 +214,14 @@ class Kernel:
         from elitescript.kernel.handlers import InputHandlers
 
         parts = RobotParts(self.options, self.model, self.profile, self.controller, self.host, self.popup, self.probe)
-        return InputHandlers(parts, self._environment, self._faulty, has_logs=has_logs, debugging=self._debugging)
+        return InputHandlers(
+            parts,
+            self._environment,
+            self._faulty,
+            has_logs=has_logs,
+            debugging=self._debugging,
+            workshop=self._workshop,
+        )
 
     @property
     def handlers(self) -> InputHandlers:

@@ -379,6 +379,9 @@ class RobotOptions:
         flag="--strict",
         commands=("run", "sweep", "check", "serve"),
     )
+    compiles_elsewhere: bool = option(
+        False, "whether long programs are compiled in another process, and begin when they come back from there"
+    )
     confirms_popups: bool = option(
         False, "confirm popups that block at once; if not, a client of the dashboard does", Switch()
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any, Final
@@ -11,15 +12,18 @@ from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.controller.controller import Controller
 from elitescript.controller.views.warning_limit import MOST
 from elitescript.errors import ProgramError, ScriptError
+from elitescript.kernel.compiling import TEXTS_MAX, Job, LongTexts, Waiting, Workshop, compiled_job
+from elitescript.kernel.debugging import Debugging
 from elitescript.kernel.unit_order import WAITING_MAX, UnitOrder
-from elitescript.language.compiler import CompiledUnit, compile_unit
-from elitescript.language.diagnostics import Diagnostic
+from elitescript.language.compiler import CompiledUnit
+from elitescript.language.diagnostics import Diagnostic, diagnostic, line_kept
+from elitescript.language.limits import LONG_TEXT
 from elitescript.language.options import LINE, SECONDARY, Options
 from elitescript.language.text.source import SourceFile
-from elitescript.lint.engine import compile_checked
+from elitescript.lint.engine import CheckResult
 from elitescript.lint.registry import all_rules
-from elitescript.messages.events import Alarm, Warned
-from elitescript.messages.inputs import Do, RunUnit
+from elitescript.messages.events import Alarm, TextMessage, Warned
+from elitescript.messages.inputs import Compiled, Do, RunUnit
 from elitescript.messages.profile import Profile
 from elitescript.protocol.bursts import BurstLimiter
 from elitescript.protocol.lines import shown
@@ -37,6 +41,8 @@ TOLD_MAX: Final = 100
 """Texts that are remembered as told."""
 PRESETS_MAX: Final = 1000
 """Variables that may wait for the next program."""
+_HEAD: Final = re.compile(r"\s*(?:def|sec)[ \t]+(\w+)")
+_NAME_MAX: Final = 100
 
 
 class Programs:
@@ -50,6 +56,7 @@ class Programs:
         environment: everything outside them.
         is_strict: refuse what a Python 3 controller refuses, and what `check` calls an error.
         probe: counts their statements.
+        workshop: where long texts are compiled; here and at once if None.
 
     Attributes:
         presets: values that program globals have before a program begins.
@@ -61,11 +68,14 @@ class Programs:
         "_begun",
         "_controller",
         "_count",
+        "_count_of_jobs",
         "_environment",
         "_host",
         "_invalid_lines",
         "_is_strict",
+        "_long_texts",
         "_order",
+        "_present",
         "_probe",
         "_profile",
         "_told",
@@ -83,11 +93,15 @@ class Programs:
         *,
         is_strict: bool,
         probe: Probe | None,
+        workshop: Workshop | None = None,
     ) -> None:
         all_rules()  # loaded now: the first program does not wait for them
         self._controller = controller
         self._count = 0
         """Secondary programs so far."""
+        self._count_of_jobs = self._present = 0
+        """Texts so far, and the one whose program begins now."""
+        self._long_texts = None if workshop is None else LongTexts(workshop, self._tell_of_long_text)
         self._host = host
         self._profile = profile
         self._arm = arm
@@ -107,8 +121,15 @@ class Programs:
 
     @property
     def is_waiting(self) -> bool:
-        """Whether units wait, or invalid lines are to be reported in one of the next ticks."""
+        """Whether units wait or are being compiled, or invalid lines are to be reported in one of the next ticks."""
+        if self._long_texts is not None and self._long_texts.is_waiting:
+            return True
         return self._invalid_lines.is_counting or self._order.is_waiting
+
+    @property
+    def _may_start(self) -> bool:
+        """Whether the state of the safety system lets a program start."""
+        return not self._controller.safety.refusal("start_task")
 
     def go_on(self, do: Callable[[Do], None]) -> None:
         """Begin a tick: what waits comes before the inputs of the tick.
@@ -120,6 +141,8 @@ class Programs:
         self._invalid_lines.go_on(tick)
         if self._order.is_waiting and (why := self._controller.safety.refusal("start_task")):
             self.drop(why)
+        if self._long_texts is not None and self._long_texts.is_waiting:
+            self._long_texts.go_on(tick, self._may_start)
         while (item := self._order.take(tick)) is not None:
             if isinstance(item, RunUnit):
                 self._run(item)
@@ -141,7 +164,12 @@ class Programs:
         return True
 
     def drop(self, why: str) -> None:
-        """Drop the units that wait, and say which ones. What has begun in this tick and will not run is one of them."""
+        """Drop the units that wait or are being compiled, and say which ones.
+
+        What has begun in this tick and will not run is one of them.
+        """
+        if self._long_texts is not None and self._long_texts.is_waiting:
+            self._long_texts.give_up(why)
         lost = [_words(unit.text, unit.origin) for unit in self._order.clear()]
         if self._begun and self._host.is_running and not self._host.has_begun:
             lost.insert(0, self._begun)
@@ -156,12 +184,17 @@ class Programs:
         What does not compile, and a line that calls what does not exist, is reported and leaves the running program
         alone.
         """
-        try:
-            compiled = self.compiled(self._name_of(unit), unit.text, unit.kind)
-        except ProgramError as error:
-            if unit.kind != LINE or self._invalid_lines.is_reported(unit.origin, self._controller.tick):
-                self.report(error, unit.kind, unit.origin)
-            return
+
+        def take(compiled: CompiledUnit | ProgramError) -> None:
+            if isinstance(compiled, ProgramError):
+                if unit.kind != LINE or self._invalid_lines.is_reported(unit.origin, self._controller.tick):
+                    self.report(compiled, unit.kind, unit.origin)
+            else:
+                self._begin(unit, compiled)
+
+        self.compile(self._name_of(unit), unit.text, unit.kind, unit.origin, take)
+
+    def _begin(self, unit: RunUnit, compiled: CompiledUnit) -> None:
         if unit.kind == SECONDARY:
             try:
                 self._host.start_secondary(compiled)
@@ -171,7 +204,7 @@ class Programs:
         if unit.kind == LINE and (name := self._missing_name(unit.text)):
             if self._invalid_lines.is_reported(unit.origin, self._controller.tick):
                 text = f"name {name!r} is not defined"
-                self._alarm("R100", "NameError", text, 1, 1, unit.origin, unit.text.split("\n", 1)[0])
+                self._alarm("R100", "NameError", text, 1, 1, unit.origin, line_kept(unit.text.split("\n", 1)[0], 1))
             return
         self.start(compiled, compiled.name, _words(unit.text, unit.origin))
         self._order.begins(unit, self._controller.tick)
@@ -183,22 +216,74 @@ class Programs:
         self._count += 1
         return f"<{unit.origin} sec {self._count}>"
 
-    def compiled(self, name: str, text: str, kind: str | None) -> CompiledUnit:
+    def compile(
+        self,
+        name: str,
+        text: str,
+        kind: str | None,
+        origin: str,
+        take: Callable[[CompiledUnit | ProgramError], None],
+        abandon: Callable[[str], None] = lambda why: None,
+    ) -> bool:
         """Check and compile a text; what `check` finds goes to the log. A line runs at once, and is only compiled.
 
-        Raises:
-            ProgramError: it does not compile, or strictness refuses it.
+        Args:
+            name: of the text, as places show it.
+            text: it.
+            kind: what it must be; None to determine it.
+            origin: who has sent it.
+            take: gets the program, or why there is none: before this call returns, or in a later tick for a long text.
+            abandon: called with the reason, after a line in the log, if that tick does not come.
+
+        Returns:
+            Whether `take` was called.
         """
-        source = SourceFile(name, text)
+        # A debugger that may come numbers statements, whatever the text; splitting a long one takes time.
+        source = SourceFile(name, "" if isinstance(self._probe, Debugging) else text)
         options = probed(self._probe, Options(strict=self._is_strict, kind=kind), source)
-        if kind == LINE:
-            unit = compile_unit(source, options)
-            self._tell(unit.diagnostics)
-            return noted(self._probe, unit)
-        checked = compile_checked(source, self._profile, options, presets=self.presets, arm=self._arm)
+        self._count_of_jobs += 1
+        presets = tuple(self.presets)
+        job = Job(self._count_of_jobs, name, text, kind, self._is_strict, options.probes, options.first_probe, presets)
+        if self._long_texts is None or len(text) < LONG_TEXT:
+            take(self._outcome(job, compiled_job(job, self._profile, self._arm)))
+            return True
+        if self._long_texts.is_full:
+            take(_failure(f"{TEXTS_MAX} programs are being compiled already"))
+            return True
+        if isinstance(self._probe, Debugging):
+            self._probe.reserve(len(text))
+        label = f"{'the secondary program' if kind == SECONDARY else 'the program'} {_label(text)}from {origin}"
+        waiting = Waiting(
+            job,
+            label,
+            self._controller.tick,
+            self._may_start,
+            lambda result: take(_failure(result) if isinstance(result, str) else self._outcome(job, result)),
+            abandon,
+        )
+        self._long_texts.put(waiting)
+        return False
+
+    def come_back(self, item: Compiled) -> None:
+        """Take a text that was compiled elsewhere."""
+        if self._long_texts is not None:
+            self._long_texts.come_back(item.number, item.failure)
+
+    def forget(self, why: str) -> None:
+        """Give up the programs that are being compiled, and forget all variables."""
+        self.presets.clear()
+        if self._long_texts is not None:
+            self._long_texts.give_up_all(why)
+
+    def _outcome(self, job: Job, checked: CheckResult) -> CompiledUnit | ProgramError:
+        """Return the program; or why there is none: it does not compile, or strictness refuses it."""
+        self._present = job.number
         if checked.unit is None or checked.is_refused:
-            raise ProgramError(checked.problems)
-        if self._is_new(text):
+            return ProgramError(checked.problems)
+        if job.kind == LINE:
+            self._tell(checked.problems)
+            return noted(self._probe, checked.unit)
+        if self._is_new(job.text):
             self._tell(checked.problems)
         self.reported = frozenset((problem.code, problem.line) for problem in checked.problems)
         return noted(self._probe, checked.unit)
@@ -221,6 +306,8 @@ class Programs:
             name: of the task.
             words: what the program is and where it comes from, for what is said of the one that it replaces.
         """
+        if self._long_texts is not None and self._long_texts.is_waiting:
+            self._long_texts.give_up("another program was started", lambda item: item.job.number < self._present)
         task = self._controller.task
         if self._host.is_running and not self._host.has_begun:
             self._warn(f"{self._begun} did not run: {words} came before its first statement")
@@ -275,7 +362,9 @@ class Programs:
             self._warn(f"{more} more finding{'' if more == 1 else 's'}: `elitescript check` shows all of them")
 
     def _missing_name(self, text: str) -> str:
-        """Return the name that a line calls if there is nothing of that name; else empty."""
+        """Return the name that a line calls if there is nothing of that name; else empty, as for a long line."""
+        if len(text) >= LONG_TEXT:
+            return ""
         try:
             body = ast.parse(text.strip()).body
         except SyntaxError:
@@ -284,6 +373,10 @@ class Programs:
         if isinstance(first, ast.Call) and isinstance(first.func, ast.Name) and not is_known(first.func.id):
             return first.func.id
         return ""
+
+    def _tell_of_long_text(self, text: str, is_warning: bool) -> None:
+        tick = self._controller.tick
+        self._controller.emit(Warned(tick, text) if is_warning else TextMessage(tick, text, "", 0))
 
     def _warn(self, text: str) -> None:
         self._controller.emit(Warned(self._controller.tick, text))
@@ -317,6 +410,16 @@ def _as_event(problem: Diagnostic, tick: int) -> Warned:
         column=problem.column,
         severity=str(problem.severity),
     )
+
+
+def _failure(text: str) -> ProgramError:
+    return ProgramError((diagnostic("E001", 1, 1, text),))
+
+
+def _label(text: str) -> str:
+    """Return the name of a program, with a blank behind it; empty if it has none."""
+    found = _HEAD.match(text)
+    return f"`{found[1][:_NAME_MAX]}` " if found else ""
 
 
 def _words(text: str, origin: str) -> str:

@@ -15,12 +15,14 @@ from typing import Final
 
 from elitescript.controller.controller import Controller
 from elitescript.errors import ProgramError, ScriptError
+from elitescript.kernel.compiling import PROGRESS_TICKS
 from elitescript.kernel.external_control import Fetch, sender_of
 from elitescript.kernel.programs import PRESETS_MAX, Programs
+from elitescript.language.compiler import CompiledUnit
+from elitescript.language.limits import MAX_UNIT_BYTES
 from elitescript.language.text.source import SourceFile
-from elitescript.language.text.units import MAX_UNIT_BYTES
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import TaskLoaded
+from elitescript.messages.events import TaskLoaded, Warned
 from elitescript.messages.inputs import ChannelEvent, GetVariable, LoadConfiguration, LoadTask, PlayTask, SetVariable
 from elitescript.messages.machine import ResumeTask
 from elitescript.messages.outcomes import Done, Outcome, Refused, ShownValue
@@ -32,8 +34,38 @@ from elitescript.runtime.host import ScriptHost
 VALUE_MAX: Final = 4096
 """Characters of a value that are shown."""
 
+ANSWER_TICKS: Final = PROGRESS_TICKS
+"""A start that takes longer, because its program is being compiled, is answered as one that is under way; what comes of
+it is in the log (*assumed*)."""
+
 _NAMES_SHOWN: Final = 5
 """Programs of the task folder that a message names."""
+
+
+class _Making:
+    """A start that waits for its program to be compiled.
+
+    Args:
+        origin: of the request.
+        tick: of the request.
+        replies: gets the answer.
+    """
+
+    __slots__ = ("_is_answered", "_origin", "_replies", "tick")
+
+    def __init__(self, origin: str, tick: int, replies: list[tuple[str, Outcome]]) -> None:
+        self._origin = origin
+        self._replies = replies
+        self.tick = tick
+        self._is_answered = False
+
+    def answer(self, outcome: Outcome) -> bool:
+        """Answer the request; return False if it has been answered."""
+        if self._is_answered:
+            return False
+        self._is_answered = True
+        self._replies.append((self._origin, outcome))
+        return True
 
 
 class Tasks:
@@ -55,7 +87,9 @@ class Tasks:
         "_files",
         "_host",
         "_initial",
+        "_late",
         "_loaded",
+        "_making",
         "_programs",
         "_shown",
     )
@@ -74,14 +108,17 @@ class Tasks:
         self._files = environment.files
         self._channels = environment.channels
         self._fetch: Fetch | None = None
+        self._making: _Making | None = None
+        self._late: list[tuple[str, Outcome]] = []
+        """Replies that are due."""
         self._loaded = ""
         self._initial = self._configuration = configuration
         self._shown: TaskPicture | None = None
 
     @property
     def is_waiting(self) -> bool:
-        """Whether a program is on its way from a client."""
-        return self._fetch is not None
+        """Whether a program is on its way from a client, or is being compiled, or there is a late reply."""
+        return self._fetch is not None or self._making is not None or bool(self._late)
 
     @property
     def shown(self) -> TaskPicture:
@@ -97,7 +134,7 @@ class Tasks:
     def forget(self) -> None:
         """Forget the loaded task and all variables."""
         self._loaded, self._configuration, self._shown = "", self._initial, None
-        self._programs.presets.clear()
+        self._programs.forget("the controller was started anew")
         self._abandon("the controller was started anew")
 
     def answer(self, item: LoadTask | LoadConfiguration | PlayTask | SetVariable | GetVariable) -> Outcome | None:
@@ -120,17 +157,20 @@ class Tasks:
         self._fetch.event(event, self._controller.tick)
         return True
 
-    def due(self) -> tuple[str, Outcome] | None:
-        """Start the program that has come from a client; return origin and outcome, None if there is none."""
-        fetch = self._fetch
-        if fetch is None:
-            return None
-        outcome = self._guarded(lambda: self._start_fetched(fetch), fetch.origin)
-        if outcome is None:
-            return None
-        fetch.close()
-        self._fetch = None
-        return fetch.origin, outcome
+    def due(self) -> list[tuple[str, Outcome]]:
+        """Start the program that has come from a client; return the replies that are due, each with its origin."""
+        if (fetch := self._fetch) is not None:
+            outcome = self._guarded(lambda: self._start_fetched(fetch), fetch.origin)
+            if outcome is not None or self._making is not None:
+                fetch.close()
+                self._fetch = None
+            if outcome is not None:
+                self._late.append((fetch.origin, outcome))
+        if (making := self._making) is not None and self._controller.tick - making.tick >= ANSWER_TICKS:
+            making.answer(Done())
+        late = list(self._late)
+        self._late.clear()
+        return late
 
     def _answer(self, item: LoadTask | LoadConfiguration | PlayTask | SetVariable | GetVariable) -> Outcome | None:
         if isinstance(item, LoadTask):
@@ -157,6 +197,8 @@ class Tasks:
     def _load_task(self, path: str) -> Outcome:
         if self._controller.task.is_running:
             return Refused("a task is running; stop it first")
+        if self._making is not None:
+            return Refused("the program of the task is being compiled; stop it first")
         if sender_of(self._files, relative_name(path)) is None:
             self._program_of(path)
         self._abandon("another task was loaded")
@@ -204,6 +246,8 @@ class Tasks:
             return Refused("no task is loaded")
         if self._fetch is not None:
             return Refused("the program of the task is on its way")
+        if self._making is not None:
+            return Refused("the program of the task is being compiled")
         controller.safety.require("start_task")
         controller.power.require_ready()
         if (sender := sender_of(self._files, relative_name(self._loaded))) is not None:
@@ -213,16 +257,51 @@ class Tasks:
         if self._files.size(name) > MAX_UNIT_BYTES:
             return Refused(f"{name} is longer than {MAX_UNIT_BYTES} bytes")
         with self._files.open(name, "rb", None, None) as file:
-            return self._start(name, bytes(file.read(MAX_UNIT_BYTES)))
+            return self._start(name, bytes(file.read(MAX_UNIT_BYTES)), origin)
 
-    def _start(self, name: str, data: bytes) -> Outcome:
-        unit = self._programs.compiled(name, SourceFile.from_bytes(name, data).text, None)
-        self._programs.start(
-            unit,
-            unit.name or relative_name(self._loaded).removesuffix(".task").removesuffix(".script"),
-            f"the task {self._loaded}",
-        )
+    def _start(self, name: str, data: bytes, origin: str) -> Outcome | None:
+        """Start a program; return the outcome, None if it must be compiled first.
+
+        Raises:
+            ProgramError: it does not compile.
+        """
+        making = _Making(origin, self._controller.tick, self._late)
+        made: list[CompiledUnit | ProgramError] = []
+
+        def take(compiled: CompiledUnit | ProgramError) -> None:
+            made.append(compiled)
+            if self._making is making:
+                self._making = None
+                outcome = self._guarded(lambda: self._begin_made(compiled), origin) or Done()
+                if not making.answer(outcome) and isinstance(outcome, Refused) and isinstance(compiled, CompiledUnit):
+                    text = f"{name} does not begin: {outcome.reason}"
+                    self._controller.emit(Warned(self._controller.tick, text))
+
+        def abandon(why: str) -> None:
+            if self._making is making:
+                self._making = None
+                making.answer(Refused(f"{why} before its program was compiled"))
+
+        text = SourceFile.from_bytes(name, data).text
+        if self._programs.compile(name, text, None, f"{origin}: {name}", take, abandon):
+            return self._begin(made[0])
+        self._making = making
+        return None
+
+    def _begin(self, compiled: CompiledUnit | ProgramError) -> Outcome:
+        if isinstance(compiled, ProgramError):
+            raise compiled
+        stem = relative_name(self._loaded).removesuffix(".task").removesuffix(".script")
+        self._programs.start(compiled, compiled.name or stem, f"the task {self._loaded}")
         return Done()
+
+    def _begin_made(self, compiled: CompiledUnit | ProgramError) -> Outcome:
+        """Start a program that was compiled meanwhile, if nothing keeps the task from starting now."""
+        if self._controller.task.is_running:
+            return Refused("another program has been started meanwhile")
+        self._controller.safety.require("start_task")
+        self._controller.power.require_ready()
+        return self._begin(compiled)
 
     def _start_fetched(self, fetch: Fetch) -> Outcome | None:
         """Start a program that has come.
@@ -235,7 +314,7 @@ class Tasks:
             return Refused("another program has been started meanwhile")
         controller.safety.require("start_task")
         controller.power.require_ready()
-        return None if data is None else self._start(str(fetch.sender), data)
+        return None if data is None else self._start(str(fetch.sender), data, fetch.origin)
 
     def _set_variable(self, name: str, value: str) -> Outcome:
         if self._controller.task.is_running:

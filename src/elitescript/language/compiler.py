@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import ast
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import CodeType
 from typing import Final
 
@@ -20,6 +20,7 @@ from elitescript.language.diagnostics import Diagnostic, diagnostic, in_order
 from elitescript.language.garbage import without_collection
 from elitescript.language.hash_order import shows_hash_order
 from elitescript.language.hooks import MAIN
+from elitescript.language.limits import too_deep
 from elitescript.language.nodes import FUNCTIONS, Census
 from elitescript.language.options import DEFAULT, LINE, Options
 from elitescript.language.parser import NO_FILE, Parsed, character_offset, parse, parse_without, read_again, syntax_tree
@@ -68,7 +69,7 @@ class CompiledUnit:
     probes: ProbeTable = NO_PROBES
 
     @property
-    def statements(self) -> tuple[CountedStatement, ...]:
+    def statements(self) -> Sequence[CountedStatement]:
         """The statements that its probes count, in the order of the text."""
         return self.probes.statements
 
@@ -292,7 +293,8 @@ def _header_problems(parsed: Parsed) -> list[Diagnostic]:
             column := column_of(parsed.source, argument.lineno, argument.col_offset),
             f"the parameter `{argument.arg}` of the program has no default value",
             end_column=column + len(argument.arg),
-            hint=f"a program gets no arguments; remove it or write {argument.arg}=...",
+            hint="a `def` at the start of a line is a program of its own and gets no arguments; "
+            f"put a function into the `def` that calls it, or write {argument.arg}=...",
         )
         for argument in missing
     ]
@@ -350,8 +352,8 @@ def _code(parsed: Parsed, problems: list[Diagnostic], numbers: Mapping[ast.stmt,
                 problems.append(problem)
                 blamed.add(problem.line)
             current = parse_without(current, error.lineno or 1)
-        except (RecursionError, MemoryError, ValueError, OverflowError):
-            problems.append(diagnostic("E001", 1, 1, "the program is nested too deeply to be compiled"))
+        except (RecursionError, MemoryError, ValueError, OverflowError) as error:
+            problems.append(diagnostic("E001", 1, 1, too_deep(parsed.source.text, error, "compiled")))
             return None
     return None
 

@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import Any
+from typing import Any, Final
 
 from elitescript.errors import CODES
 from elitescript.records import NamedTuple, record
+
+LINE_SHOWN: Final = 160
+"""Characters of a line that are shown with a finding."""
+
+
+LINE_KEPT: Final = 1000
+"""Characters of a line that an alarm keeps."""
 
 
 class Severity(StrEnum):
@@ -112,8 +119,9 @@ def render(diagnostic: Diagnostic, file: str, line: str) -> str:
     place = f"{file}:{diagnostic.line}:{diagnostic.column}"
     rows = [f"{place}: {diagnostic.severity} {diagnostic.code}: {diagnostic.text}"]
     if line.strip():
-        rows.append(f"    {line.rstrip()}")
-        rows.append(f"    {_carets(diagnostic, line.rstrip())}")
+        shown, cut = excerpt(line.rstrip(), diagnostic.column)
+        rows.append(f"    {shown}")
+        rows.append(f"    {_carets(diagnostic, shown, cut)}")
     if diagnostic.hint:
         rows.append(f"hint: {diagnostic.hint}")
     return "\n".join(rows)
@@ -132,9 +140,31 @@ def to_json(diagnostic: Diagnostic) -> dict[str, Any]:
     }
 
 
-def _carets(diagnostic: Diagnostic, line: str) -> str:
-    start = diagnostic.column - 1
-    end = diagnostic.end_column - 1 if diagnostic.end_line == diagnostic.line else len(line)
+def excerpt(line: str, column: int) -> tuple[str, int]:
+    """Return what is shown of a line around a column, and by how many characters places in it move to the left."""
+    if len(line) <= LINE_SHOWN:
+        return line, 0
+    start = max(0, min(column - 1 - LINE_SHOWN // 2, len(line) - LINE_SHOWN))
+    end = start + LINE_SHOWN
+    before, after = "..." if start else "", "..." if end < len(line) else ""
+    return f"{before}{line[start:end]}{after}", start - len(before)
+
+
+def line_kept(line: str, column: int) -> str:
+    """Return what an alarm keeps of the line in which it came: of a very long one, what is around a column.
+
+    What was cut off is dots; columns count in the whole line, and stand under no such excerpt but one of its beginning.
+    """
+    if len(line) <= LINE_KEPT:
+        return line
+    if column < LINE_KEPT:
+        return f"{line[:LINE_KEPT]}..."
+    return excerpt(line, column)[0]
+
+
+def _carets(diagnostic: Diagnostic, line: str, cut: int) -> str:
+    start = diagnostic.column - 1 - cut
+    end = min(diagnostic.end_column - 1 - cut, len(line)) if diagnostic.end_line == diagnostic.line else len(line)
     width = max(1, sum(map(_cells, line[start:end])))
     return "".join("\t" if c == "\t" else " " * _cells(c) for c in line[:start]) + "^" * width
 

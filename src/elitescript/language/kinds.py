@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 
 from elitescript.language.options import PROGRAM, SCRIPT, SECONDARY
+from elitescript.language.text.source import SourceFile
 
 
 def outer_definition(tree: ast.Module) -> ast.FunctionDef | None:
@@ -29,6 +30,11 @@ def kind_of(tree: ast.Module, secondaries: frozenset[int]) -> str:
     if definition is None:
         return SCRIPT
     return SECONDARY if definition.lineno in secondaries else PROGRAM
+
+
+def is_sent_program(source: SourceFile) -> bool:
+    """Return whether a text is a program that a client has sent: it is named after the client, as `<primary#3>`."""
+    return source.name.startswith("<") and "#" in source.name and source.text.lstrip().startswith("def")
 
 
 def is_text(statement: ast.stmt) -> bool:

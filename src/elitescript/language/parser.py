@@ -18,6 +18,7 @@ from elitescript.language.diagnostics import Diagnostic, diagnostic, in_order
 from elitescript.language.garbage import without_collection
 from elitescript.language.hooks import LINE as LINE_HOOK
 from elitescript.language.kinds import kind_of, outer_definition
+from elitescript.language.limits import excess, too_deep
 from elitescript.language.options import DEFAULT, KINDS, LINE, PROGRAM, SCRIPT, SECONDARY, Options
 from elitescript.language.text.dialect import Translation, translate
 from elitescript.language.text.lexer import LogicalLine
@@ -116,11 +117,20 @@ def parse(
     """
     if options.kind is not None and options.kind not in KINDS:
         raise ValueError(f"kind must be one of {', '.join(KINDS)}, not {options.kind!r}")
+    if (problem := excess(source.text)) is not None:
+        return _unread(source, options, problem)
     source, unreadable = _readable(source)
     if translation is None:
         translation = translate(source, options)
     problems = [*unreadable, *translation.diagnostics]
     return _TextReader(source, translation, options, {}, problems, pieces).read()
+
+
+def _unread(source: SourceFile, options: Options, problem: Diagnostic) -> Parsed:
+    """Return a text that is too large to be read."""
+    tree, kind = ast.Module(body=[], type_ignores=[]), options.kind or SCRIPT
+    nothing = translate(SourceFile(source.name, ""), options)
+    return Parsed(source, tree, kind, "", None, (problem,), False, False, nothing, options, {})
 
 
 def parse_without(parsed: Parsed, line: int) -> Parsed | None:
@@ -153,8 +163,13 @@ def syntax_tree(text: str) -> ast.Module:
 
 
 def _readable(source: SourceFile) -> tuple[SourceFile, list[Diagnostic]]:
-    """Return the text without characters that Python cannot read, and the findings about them."""
+    """Return the text without characters that Python cannot read, and the findings about them.
+
+    Nothing is left of a text that is too large.
+    """
     text = source.text
+    if (problem := excess(text)) is not None:
+        return SourceFile(source.name, ""), [problem]
     if text.isascii() and "\0" not in text:
         return source, []
     problems = []
@@ -258,8 +273,8 @@ class _TextReader:
             except SyntaxError as error:
                 if not self._blame(error):
                     break
-            except (RecursionError, MemoryError, ValueError, OverflowError):
-                self._report(1, 1, "the program is nested too deeply to be read", "split long expressions")
+            except (RecursionError, MemoryError, ValueError, OverflowError) as error:
+                self._report(1, 1, too_deep(text, error, "read"), "split long expressions")
                 break
         self.complete = False
         return ast.Module(body=[], type_ignores=[])

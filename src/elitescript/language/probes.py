@@ -27,6 +27,7 @@ which are not of the text.
 from __future__ import annotations
 
 import ast
+from collections.abc import Sequence
 from typing import Final, TypeVar
 
 from elitescript.language.hooks import HITS, LINE, STEP, STEPS
@@ -121,7 +122,7 @@ class ProbeTable(NamedTuple):
 
     first: int = 0
     size: int = 0
-    statements: tuple[CountedStatement, ...] = ()
+    statements: Sequence[CountedStatement] = ()
     branches: tuple[CountedBranch, ...] = ()
     functions: tuple[CountedFunction, ...] = ()
 

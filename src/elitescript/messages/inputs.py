@@ -130,6 +130,17 @@ class Reboot:
 
 
 @record
+class Compiled:
+    """A text that the robot has given away to be compiled has come back."""
+
+    origin: str
+    number: int
+    """Of the text, as the robot has numbered it."""
+    failure: str = ""
+    """Why there is no result; empty if there is one."""
+
+
+@record
 class Interpret:
     """A line for interpreter mode."""
 
@@ -259,6 +270,7 @@ Input = (
     | AddLog
     | SetRemote
     | Reboot
+    | Compiled
     | Interpret
     | InterpreterWord
     | Query

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Final
+from typing import ClassVar, Final
 
 from elitescript.messages.events import Alarm
 from elitescript.messages.inputs import Input
@@ -43,6 +43,9 @@ class Connection(ABC):
     """
 
     __slots__ = ("_count", "_due", "_first_bytes", "_out", "attend", "description", "is_behind", "is_over", "origin")
+
+    kept_max: ClassVar[int] = 1024 * 1024
+    """Bytes of the peer that are kept until they are worked on, so that they are not lost if it closes."""
 
     def __init__(self, origin: str, description: RobotDescription) -> None:
         self.origin = origin
@@ -116,6 +119,11 @@ class Connection(ABC):
     @property
     def is_busy(self) -> bool:
         """Whether further bytes of the peer are to be left in the socket for now."""
+        return False
+
+    @property
+    def is_uploading(self) -> bool:
+        """Whether the peer is in the middle of a long text, to which nothing is answered before its end."""
         return False
 
     @property

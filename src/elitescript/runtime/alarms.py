@@ -15,6 +15,9 @@ from elitescript.commands.definition.registry import Catalogue
 from elitescript.commands.definition.vocabulary import newer_firmware_hint, newer_firmware_text, vocabulary_of
 from elitescript.errors import CODES, ProgramError, ScriptError
 from elitescript.language.compiler import column_of
+from elitescript.language.diagnostics import line_kept
+from elitescript.language.limits import LONG_TEXT
+from elitescript.language.options import PROGRAM, Options
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Alarm
 from elitescript.messages.profile import Profile, release_of
@@ -97,7 +100,8 @@ def alarm_of(
         text, details = _in_plain_words(class_name, text, place)
     if place.inner:
         text = f"{text} ({place.inner})"
-    return Alarm(clock(), code, class_name, text, place.line, place.column, thread, place.source_line, details)
+    line = line_kept(place.source_line, place.column)
+    return Alarm(clock(), code, class_name, text, place.line, place.column, thread, line, details)
 
 
 def memory_text() -> str:
@@ -234,11 +238,14 @@ def _advice(name: str, place: Place, known: Iterable[str], profile: Profile) -> 
     """Return the hint of `check` for the name in this place; in a text of `eval` a similar name."""
     from elitescript.language.advice.unknown_names import advice, nearest
 
-    if place.source is not None and not place.inner:
+    # A long text takes too long to be read between two ticks.
+    if place.source is not None and not place.inner and len(place.source.text) < LONG_TEXT:
+        from elitescript.language.kinds import is_sent_program
         from elitescript.language.parser import parse
         from elitescript.language.symbols import Symbols
 
-        symbols = Symbols(parse(place.source))
+        kind = PROGRAM if is_sent_program(place.source) else None
+        symbols = Symbols(parse(place.source, Options(kind=kind)))
         for scope in symbols.scopes:
             for node in scope.reads.get(name, ()):
                 if symbols.place(node) == (place.line, place.column):

@@ -649,6 +649,17 @@ _TABLE: Final[tuple[tuple[tuple[str, ...], str, Callable[[re.Match[str], Scene],
         _said(r"the value is not in the \2"),
     ),
     (
+        ("ValueError",),
+        r"^Exceeds the limit \((\d+) digits\) for integer string conversion(?:: value has (\d+) digits)?",
+        _said(r"an int of more than \1 digits cannot be written as text, nor read from it", "compute with a float"),
+    ),
+    (
+        ("OverflowError", "IndexError"),
+        r"^(?:cannot fit 'int' into an index-sized integer|too many digits in integer"
+        r"|Python int too large to convert to C (?:ssize_t|int|long).*)$",
+        _said("the number is too large for this"),
+    ),
+    (
         ("OverflowError",),
         r"(?:Numerical result|math range error|int too large|too large)",
         _said("the result is too large for a float"),
@@ -664,8 +675,13 @@ _TABLE: Final[tuple[tuple[tuple[str, ...], str, Callable[[re.Match[str], Scene],
     ),
     (
         ("RecursionError",),
-        r"^maximum recursion depth exceeded",
+        r"^maximum recursion depth exceeded(?! while (?:en|de)coding| while getting)",
         _said("functions call each other too deeply", "does the recursion have an end?"),
+    ),
+    (
+        ("RecursionError",),
+        r"^maximum recursion depth exceeded",
+        _said("values are nested too deeply, or functions call each other too deeply"),
     ),
     (("AssertionError",), r"^$", _assertion),
 )

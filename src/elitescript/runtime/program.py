@@ -11,6 +11,7 @@ from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.context import Machine
 from elitescript.errors import ProgramError, ScriptPermissionError
 from elitescript.language.compiler import CompiledUnit, Statement, compile_expression, compile_unit
+from elitescript.language.diagnostics import line_kept
 from elitescript.language.hooks import MAIN
 from elitescript.language.options import Options
 from elitescript.language.text.source import SourceFile
@@ -186,7 +187,8 @@ class Program:
         if source is None or not alarm.line:
             return alarm
         text = source.line(alarm.line)
-        return replace(alarm, column=len(text) - len(text.lstrip()) + 1, source_line=text)
+        column = len(text) - len(text.lstrip()) + 1
+        return replace(alarm, column=column, source_line=line_kept(text, column))
 
     def close(self) -> None:
         """Release the resources of the program; its globals stay readable."""

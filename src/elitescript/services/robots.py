@@ -59,6 +59,8 @@ def robot_link(
     """
     allowance = Allowance(task_dir_limit)
     files: Files = MemoryFiles({}, allowance) if task_dir is None else LocalFiles(task_dir.resolve(), allowance)
+    if not in_process:
+        options = replace(options, compiles_elsewhere=True)
     record = None if journal is None else Journal(journal, options)
     if not in_process:
         return ChildLink(options, files=files, is_jailed=is_jailed, journal=record)

@@ -237,7 +237,7 @@ class TestLimits:
             'print("y" * 100000)',
             'textmsg("y" * 100000)',
             'popup("y" * 100000, "t" * 99)',
-            'socket_open("x", 1, "y" * 9999)',
+            'textmsg("y" * 9999)',
         ],
     )
     def test_long_texts_are_cut_and_all_of_them_are_bounded(self, call, monkeypatch):

@@ -14,7 +14,7 @@ from elitescript.controller.views.warning_limit import MOST
 from elitescript.errors import UsageError
 from elitescript.json_records import jsonlines
 from elitescript.json_records.events import record_of
-from elitescript.language.diagnostics import Diagnostic, to_json
+from elitescript.language.diagnostics import Diagnostic, excerpt, to_json
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import (
     Alarm,
@@ -193,10 +193,10 @@ class TextRunReport:
         paint = self._palette.paint
         self._problem(alarm.tick, f"{paint('alarm', f'ALARM {alarm.code}')}{where}: {alarm.class_name}: {alarm.text}")
         if alarm.source_line.strip():
-            text = alarm.source_line.expandtabs(8)
-            print(f"{'':14}{alarm.line:>5} | {text}", file=self._err)
-            if alarm.column > 0:
-                before = len(alarm.source_line[: alarm.column - 1].expandtabs(8))
+            shown, cut = excerpt(alarm.source_line, min(alarm.column, len(alarm.source_line)))
+            print(f"{'':14}{alarm.line:>5} | {shown.expandtabs(8)}", file=self._err)
+            if 0 < alarm.column <= len(alarm.source_line):
+                before = len(shown[: alarm.column - 1 - cut].expandtabs(8))
                 print(f"{'':14}      | {' ' * before}{paint('caret', '^')}", file=self._err)
         if alarm.details.get("hint"):
             print(paint("hint", f"{'':14}hint: {alarm.details['hint']}"), file=self._err)

@@ -9,7 +9,7 @@ from typing import Final, Protocol
 
 from elitescript.language.hooks import HOOKS
 from elitescript.language.modules import AVAILABLE
-from elitescript.language.options import SECONDARY
+from elitescript.language.options import PROGRAM, SECONDARY
 from elitescript.language.scopes import Scope
 from elitescript.language.symbols import Symbols
 
@@ -30,6 +30,11 @@ WORDS: Final = {
     "nil": "None",
 }
 """Constants as other languages write them."""
+
+OWN_PROGRAM: Final = (
+    "(each `def` at the start of a line that is sent is a program of its own: what it uses stands inside it)"
+)
+"""Hint about a name that may stand beside a program in what a client has sent."""
 
 _PLACEHOLDERS: Final = ("null", "unconfigured")
 """What the pendant's plug-ins write, as a line of its own, for something that is not set up (*observed*)."""
@@ -87,7 +92,10 @@ def advice(
         return "", ""
     is_shared = symbols.parsed.kind == SECONDARY
     meant = nearest(name, names.commands if is_shared else _visible(name, scope, symbols, names))
-    return meant, f"is `{meant}` meant?" if meant else ""
+    hint = f"is `{meant}` meant?" if meant else ""
+    if symbols.parsed.options.kind == PROGRAM:
+        hint = f"{hint} {OWN_PROGRAM}".lstrip()
+    return meant, hint
 
 
 def nearest(name: str, candidates: Iterable[str]) -> str:

@@ -12,9 +12,10 @@ with an invalid argument is a warning too, a program without its end a script ex
 from __future__ import annotations
 
 from collections import deque
-from typing import Final
+from typing import ClassVar, Final
 
-from elitescript.language.text.units import MAX_UNIT_BYTES, SILENCE_S, DiscardedText, Unit, UnitSplitter
+from elitescript.language.limits import MAX_UNIT_BYTES
+from elitescript.language.text.units import SILENCE_S, DiscardedText, Unit, UnitSplitter
 from elitescript.messages.inputs import AddLog, Do, Input, RunUnit
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
@@ -47,6 +48,7 @@ MAX_LINES_PER_TICK: Final = 500
 MAX_BYTES_PER_TICK: Final = 16 * 1024
 """Limits of the text of one client that is read in one tick, about 1 ms of work; the rest waits."""
 MAX_WAITING_BYTES: Final = MAX_UNIT_BYTES + 1024 * 1024
+"""A program of the greatest size, and what was sent around it."""
 SILENCE_TICKS: Final = ticks_for(SILENCE_S)
 MAX_SILENT_LINE_BYTES: Final = 16 * 1024
 """A longer line is complete only with its line feed; silence does not end it."""
@@ -166,6 +168,8 @@ class PrimaryConnection(Connection):
         "_waiting",
     )
 
+    kept_max: ClassVar[int] = MAX_WAITING_BYTES
+
     def __init__(self, origin: str, description: RobotDescription, feed: PrimaryFeed | None = None) -> None:
         super().__init__(origin, description)
         self._feed = feed or PrimaryFeed(description)
@@ -208,6 +212,10 @@ class PrimaryConnection(Connection):
     @property
     def is_busy(self) -> bool:
         return bool(self._ready) or len(self._raw) >= MAX_BYTES_PER_TICK
+
+    @property
+    def is_uploading(self) -> bool:
+        return bool(self._raw) or self._splitter.pending
 
     def reads(self, tick: int) -> int:
         return STATE_PARTS if tick >= self._next_state_at else 0

@@ -28,6 +28,7 @@ from elitescript.services.child import frames
 from elitescript.services.child.jail import enter_jail
 from elitescript.services.child.output_changes import OutputWriter
 from elitescript.services.child.remote_files import RemoteFiles
+from elitescript.services.compiler.remote import RemoteWorkshop
 from elitescript.services.debugging import debugging
 from elitescript.services.options_data import options_from_data
 from elitescript.services.output_text import without_points
@@ -46,6 +47,7 @@ def serve(line: frames.BlockingLine) -> None:
         return list(from_text(line.receive_answer(frames.ANSWER)))
 
     kernel: Kernel | None = None
+    workshop = RemoteWorkshop(line)
     content: str | bytes
     while True:
         letter, text = line.receive()
@@ -68,6 +70,10 @@ def serve(line: frames.BlockingLine) -> None:
             if not is_whole:
                 due = min(due, max(whole_tick + frames.REFRESH_TICKS, tick + 1))
             line.send(letter, frames.numbered(due, content))
+            workshop.pump()
+            continue
+        if letter == frames.CODE:
+            workshop.code(text)
             continue
         data = from_text(text)
         if letter == frames.LOCK_IN:
@@ -75,7 +81,8 @@ def serve(line: frames.BlockingLine) -> None:
             layers = enter_jail(memory_max=memory_max) if is_jailed else ()
             line.send(frames.LOCKED_IN, to_text([list(layer) for layer in layers]))
         elif letter == frames.BEGIN:
-            kernel = Kernel(options_from_data(data), RequestEnvironment(RemoteFiles(ask)), debugging=debugging())
+            environment = RequestEnvironment(RemoteFiles(ask))
+            kernel = Kernel(options_from_data(data), environment, debugging=debugging(), workshop=workshop)
             # What is there now stays; the collector need not look at it in every round.
             gc.collect()
             gc.freeze()

@@ -41,6 +41,10 @@ nothing is read and the discrete state has not changed, with `RESULT`."""
 ANSWER: Final = "A"
 """Answer to a `QUESTION`."""
 
+CODE: Final = "M"
+"""Number of a text (i64), and a part of the program that was made of it: from its compiler through the parent to the
+child, unread on the way. From the compiler it comes without the number."""
+
 # Up. The answers to a tick begin with the number of the next one that is due; the next one if that was not asked for.
 LOCKED_IN: Final = "L"
 """The layers of the jail."""
@@ -54,6 +58,12 @@ RESULT: Final = "R"
 """`[line, result]`: what a tick gives without its snapshot, and the line of the program."""
 QUESTION: Final = "Q"
 """Something about files, in the middle of a tick."""
+TEXT: Final = "K"
+"""A part of a text to compile, see `services.compiler.jobs`: from the child through the parent to the compiler."""
+DROP_TEXT: Final = "X"
+"""Number of a text that needs no compiling any more (i64)."""
+COMPILED: Final = "E"
+"""From a compiler: all of the program was sent."""
 FAILED: Final = "F"
 """`[kind, text]`: why the child ends."""
 

@@ -39,6 +39,7 @@ from elitescript.services.child.supervision import (
     termination_events,
 )
 from elitescript.services.child.transport import ChildTransport, SentTick
+from elitescript.services.compiler.desk import CompilerDesk
 from elitescript.services.journal.writer import Journal
 from elitescript.services.time.cycle import CATCH_UP_TICKS
 from elitescript.services.time.prompt import PromptFuture
@@ -53,6 +54,7 @@ LAG_MAX: Final = CATCH_UP_TICKS
 """Ticks behind which time waits for a child that goes on answering: what is asked for is done half a second later."""
 LAG_S: Final = 0.1
 """How long it waits in each tick, and how long the child may have been silent before."""
+LOST_TEXT: Final = "the program that was being compiled does not begin: the controller was restarted"
 BOOT_S: Final = 20.0
 UNANSWERED_MAX: Final = 6000
 """Ticks that may wait for an answer; more than a text takes that is compiled for the longest time."""
@@ -78,6 +80,7 @@ class ChildLink:
         "_alarm",
         "_answered",
         "_changed",
+        "_compilers",
         "_description",
         "_desk",
         "_due",
@@ -120,6 +123,7 @@ class ChildLink:
         self._grace_s = grace_s
         self._grace_left_s = grace_s
         self._memory_max = memory_max
+        self._compilers = CompilerDesk(options, is_jailed=is_jailed)
         self._desk = FileDesk(FilesRefused() if files is None else files)
         self._next = self._due = options.first_tick
         self._answered = options.first_tick - 1
@@ -201,7 +205,7 @@ class ChildLink:
         transport = self._transport
         if transport is None or not transport.is_begun or transport.end_reason or transport.unanswered:
             return self._next
-        if self._journal is not None or len(self._pending) or not self._outputs.is_settled:
+        if self._journal is not None or self._compilers.is_active or len(self._pending) or not self._outputs.is_settled:
             return self._next
         return None if self._due == NEVER else max(self._due, self._next)
 
@@ -240,6 +244,7 @@ class ChildLink:
             if transport.is_ready:
                 if not transport.is_begun:
                     self._go_on(transport, tick)
+                self._pass_code(transport)
                 self._send_tick(transport, tick, parts, asks_due=asks_due)
         if outlet is not None:
             await outlet()
@@ -261,6 +266,7 @@ class ChildLink:
             process, self._transport = self._transport.process, None
             process.kill()
             await process.gone()
+        await self._compilers.close()
         if self._alarm is not None:
             self._alarm.cancel()
         self._desk.close()
@@ -275,6 +281,7 @@ class ChildLink:
             self._take_output,
             self._take_question,
             self._wake,
+            self._compilers,
             is_jailed=self._is_jailed,
             memory_max=self._memory_max,
         )
@@ -306,6 +313,13 @@ class ChildLink:
         if not transport.unanswered:
             self._supervision.watch_from_now()
         transport.send_tick(tick, inputs, parts, asks_due=asks_due)
+
+    def _pass_code(self, transport: ChildTransport) -> None:
+        """Give the robot what its compiler has made meanwhile: as much as it takes in a tick."""
+        code, inputs = self._compilers.step()
+        if code is not None:
+            transport.send_code(code)
+        self._pending.add(inputs)
 
     def _needs_snapshot(self, transport: ChildTransport, tick: int) -> bool:
         """Return whether a tick needs a whole snapshot that nothing reads in it.
@@ -362,6 +376,9 @@ class ChildLink:
         transport.process.kill()
         self._transport = None
         self._desk.close()
+        if self._compilers.is_active:
+            self._compilers.cancel()
+            self._outputs.add_own(Warned(tick, LOST_TEXT))
         # The oldest of the ticks is what it died of; it has not seen the others.
         unanswered = list(transport.unanswered)
         self._lost = unanswered[0].inputs if unanswered else ()

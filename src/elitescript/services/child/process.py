@@ -22,7 +22,9 @@ from elitescript.environment.process import HASH_SEED
 from elitescript.observer import COVERAGE_VARIABLE
 from elitescript.services.child.frames import QUESTION, READ_BYTES, UP_MAX, FrameReader, frame
 
-COMMAND: Final = (sys.executable, "-P", "-s", "-m", "elitescript.services.child")
+PYTHON: Final = (sys.executable, "-P", "-s", "-m")
+"""The beginning of command lines; then comes what is run."""
+COMMAND: Final = (*PYTHON, "elitescript.services.child")
 """The command line; then comes the number of the child's socket, and of the file of its coverage if there is one."""
 LOG_MAX: Final = 1 << 16
 """Bytes of its output that are kept; what is older is thrown away."""
@@ -48,6 +50,7 @@ class ChildProcess:
     Args:
         on_message: receives letter and text of every message.
         on_end: called once, with the reason, when nothing more can come.
+        command: to run instead of `COMMAND`; none of its coverage is kept.
 
     Raises:
         OSError: it cannot be started.
@@ -67,7 +70,13 @@ class ChildProcess:
         "_socket",
     )
 
-    def __init__(self, on_message: Callable[[str, bytes], None], on_end: Callable[[str], None]) -> None:
+    def __init__(
+        self,
+        on_message: Callable[[str, bytes], None],
+        on_end: Callable[[str], None],
+        *,
+        command: tuple[str, ...] = (),
+    ) -> None:
         self._loop = asyncio.get_running_loop()
         self._on_message = on_message
         self._on_end = on_end
@@ -78,14 +87,14 @@ class ChildProcess:
         self._socket, theirs = socket.socketpair()
         given = [theirs.fileno()]
         try:
-            if folder := os.environ.get(COVERAGE_VARIABLE):
+            if not command and (folder := os.environ.get(COVERAGE_VARIABLE)):
                 from elitescript.services.coverage import coverage_descriptor
 
                 given.append(coverage_descriptor(folder))
             # What ends this process by a signal to its group, or its service, is no end of the child.
             with stop_signals.held_back():
                 self._process = subprocess.Popen(
-                    [*COMMAND, *map(str, given)],
+                    [*(command or COMMAND), *map(str, given)],
                     pass_fds=given,
                     stdin=subprocess.DEVNULL,
                     stdout=subprocess.PIPE,

@@ -12,7 +12,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 from elitescript.codec.json_text import from_text, to_text
 from elitescript.codec.messages import field_shapes, shape_of
@@ -59,6 +59,24 @@ class SentTick:
     """When the first question about files came in it."""
 
 
+class Compilers(Protocol):
+    """Has the texts of a child compiled, see `services.compiler.desk`."""
+
+    def take_text(self, content: bytes) -> None:
+        """Take a part of a text.
+
+        Raises:
+            CodecError: it is not what is expected.
+        """
+
+    def drop(self, content: bytes) -> None:
+        """End what works on a text that is not wanted any more.
+
+        Raises:
+            CodecError: its number is missing.
+        """
+
+
 class ChildTransport:
     """The way to one child process, from its start to its end.
 
@@ -68,6 +86,7 @@ class ChildTransport:
         on_question: called when a question about files was answered, with the tick that it was asked in; None if that
             was before the first one.
         on_change: called after each message, and when the child has ended.
+        compilers: has texts compiled.
         is_jailed: lock the child in.
         memory_max: bytes of address space of the child.
 
@@ -86,6 +105,7 @@ class ChildTransport:
     """
 
     __slots__ = (
+        "_compilers",
         "_desk",
         "_input_shape",
         "_line_shape",
@@ -111,6 +131,7 @@ class ChildTransport:
         on_output: Callable[[SentTick, Output | TickResult, int], None],
         on_question: Callable[[SentTick | None], None],
         on_change: Callable[[], None],
+        compilers: Compilers,
         *,
         is_jailed: bool,
         memory_max: int,
@@ -119,6 +140,7 @@ class ChildTransport:
         self._on_output = on_output
         self._on_question = on_question
         self._on_change = on_change
+        self._compilers = compilers
         self._input_shape = shape_of(Input)
         self._line_shape = field_shapes(RobotState)["line"]
         self._result_shape = shape_of(TickResult)
@@ -162,6 +184,10 @@ class ChildTransport:
             self.unanswered.append(SentTick(number, inputs, parts, NO_INPUTS))
         self.process.send(frames.TICK, frames.tick_content(number, parts, asks_due, text))
 
+    def send_code(self, content: bytes) -> None:
+        """Send a part of a program that was compiled."""
+        self.process.send(frames.CODE, content)
+
     # ---------------------------------------------------------------- up
 
     def output_text(self) -> bytes:
@@ -190,6 +216,10 @@ class ChildTransport:
             self._take_output(letter, text)
         elif letter == frames.QUESTION:
             self._take_question(text)
+        elif letter == frames.TEXT:
+            self._compilers.take_text(text)
+        elif letter == frames.DROP_TEXT:
+            self._compilers.drop(text)
         elif letter == frames.LOCKED_IN and self.layers is None:
             output_changes.check_values(text)
             self.layers = tuple(Layer(str(name), active is True, str(why)) for name, active, why in from_text(text))

@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import errno
 import socket
+import sys
+from contextlib import suppress
 from typing import Final
 
 from elitescript.errors import UsageError
 from elitescript.services.port_numbers import PORTS_PER_INSTANCE
 
+RECEIVE_BYTES: Final = 4 * 1024 * 1024
+"""Bytes of a client that the operating system takes from it, if it may: more than most programs have."""
+_FORCED: Final = 33 if sys.platform == "linux" else 0
+"""SO_RCVBUFFORCE, for a superuser: more than the system gives others."""
 BACKLOG: Final = 512
 """Clients that the operating system holds until they are accepted."""
 
@@ -51,6 +57,7 @@ def bind(host: str, number: int) -> socket.socket:
             bound.setsockopt(socket.SOL_SOCKET, socket.SO_EXCLUSIVEADDRUSE, 1)
         else:
             bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        _enlarge(bound)
         bound.bind(address)
         # Of two processes that bind the same port at the same moment, only one may listen.
         bound.listen(BACKLOG)
@@ -59,6 +66,19 @@ def bind(host: str, number: int) -> socket.socket:
         bound.close()
         raise
     return bound
+
+
+def _enlarge(bound: socket.socket) -> None:
+    """Have clients of a socket be taken as much of as the system allows, before this process reads it.
+
+    What a client still holds when it closes may be lost.
+    """
+    if _FORCED:
+        with suppress(OSError):
+            bound.setsockopt(socket.SOL_SOCKET, _FORCED, RECEIVE_BYTES)
+            return
+    with suppress(OSError):
+        bound.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BYTES)
 
 
 def _why_not(name: str, host: str, number: int, error: OSError) -> str:

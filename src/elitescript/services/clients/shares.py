@@ -44,16 +44,17 @@ class Shares:
     """Divides the time for reading of one robot.
 
     Attributes:
+        kept: bytes of clients that were taken from their sockets and wait for their turn.
         robots: that one process serves; they share its time.
         spent_ns: of this tick, with what the ticks before have left to pay.
         tick: number of ticks that have begun.
     """
 
-    __slots__ = ("_heavy", "_light", "_tick_ns", "robots", "spent_ns", "tick")
+    __slots__ = ("_heavy", "_light", "_tick_ns", "kept", "robots", "spent_ns", "tick")
 
     def __init__(self) -> None:
         self.robots = 1
-        self.spent_ns = self.tick = 0
+        self.spent_ns = self.kept = self.tick = 0
         self._tick_ns = READ_BUDGET_NS
         self._light: deque[Waiting] = deque()
         self._heavy: deque[Waiting] = deque()

@@ -2,9 +2,9 @@
 
 What arrives is decoded at once, what a tick gives leaves at once; each message is one write. A client harms no other:
 
-- of what it sends, as much is read in a tick as its share of time allows (`shares`); the rest stays in its socket.
-  One whose connection has enough to work on (`is_busy`), or of whom `POSTED_MAX` inputs wait for the robot, is not
-  read at all;
+- of what it sends, as much is worked on in a tick as its share of time allows (`shares`); the rest is taken from its
+  socket and kept, up to `Connection.kept_max` bytes, so that nothing is lost with the socket if the client closes. So
+  it is with one whose connection has enough to work on (`is_busy`), or of whom `POSTED_MAX` inputs wait for the robot;
 - one that reads slower than its stream misses samples of the stream (they are counted); one that lets `BACKLOG_MAX`
   bytes pile up, or takes nothing for `STALLED_TICKS`, is cut off;
 - one that sends what cannot be is closed;
@@ -37,6 +37,10 @@ HANDING_NS: Final = 5_000
 """What handing one input on to the robot's process takes besides, about."""
 POSTED_MAX: Final = 250
 """Inputs of one client that may wait for the robot."""
+KEPT_OF_ALL_MAX: Final = 128 * 1024 * 1024
+"""Bytes of all clients of a robot that are kept; beyond that they stay in the sockets."""
+TAKEN_AT_ONCE: Final = 64 * 1024
+"""Bytes that are taken from a socket at once to be kept."""
 SAMPLE_BACKLOG: Final = 64 * 1024
 """Bytes that wait for a client, besides what the operating system holds, from which on samples are left out."""
 BACKLOG_MAX: Final = 1024 * 1024
@@ -93,17 +97,22 @@ class Client(asyncio.BufferedProtocol):
         "_deadline",
         "_descriptor",
         "_forget",
+        "_has_come",
         "_hub",
         "_is_attended",
+        "_is_full",
+        "_is_gone",
         "_is_light",
         "_is_paused",
         "_is_prompt",
         "_is_silent",
         "_is_waiting",
+        "_kept",
         "_late_ns",
         "_left",
         "_ns_per_byte",
         "_refuse",
+        "_sees_end",
         "_service",
         "_size",
         "_spent_ns",
@@ -138,6 +147,16 @@ class Client(asyncio.BufferedProtocol):
         """Whether all that was read directly since the last sample was the answer to it."""
         self._left: socket.socket | None = None
         """What is to be read of a connection that broke."""
+        self._kept = bytearray()
+        """What was taken from the socket and is to be worked on."""
+        self._is_full = False
+        """Whether no more can be kept, so that the rest stays in the socket."""
+        self._sees_end = False
+        """Whether the client has ended its half behind what is kept."""
+        self._is_gone = False
+        """Whether the connection is over, and there is something of it to be worked on."""
+        self._has_come = False
+        """Whether something has come since the last tick."""
         self._is_light = True
         self._is_silent = False
         self._is_paused = False
@@ -170,22 +189,64 @@ class Client(asyncio.BufferedProtocol):
         self._write()
 
     def get_buffer(self, sizehint: int) -> memoryview:
+        if self._is_paused:
+            if len(self._buffer) < TAKEN_AT_ONCE:
+                self._buffer = memoryview(bytearray(TAKEN_AT_ONCE))
+            return self._buffer
+        return self._buffer[: self._portion()]
+
+    def _portion(self) -> int:
+        """Return how many bytes are worked on at once."""
         self._size = self._hub.shares.size_for(self._ns_per_byte)
-        return self._buffer[: self._size]
+        return self._size
 
     def buffer_updated(self, nbytes: int) -> None:
         if self._deadline is not None:
             return
+        data = bytes(self._buffer[:nbytes])
+        is_paused, self._has_come = self._is_paused, True
+        if is_paused:
+            self._keep(data)
+        if nbytes == (len(self._buffer) if is_paused else self._size):
+            self._drain()
+        if is_paused:
+            return
         # Whatever it is, time may have waited for it.
         is_asked = self.owes_input
-        self._read(nbytes)
+        self._read(data)
         if is_asked:
             self._hub.wake()
+        if self._kept and not self._is_paused:
+            self._is_paused = True
+            self._work_on_kept()
 
-    def _read(self, nbytes: int) -> None:
-        """Take what has come, at the expense of the client's share."""
-        start_ns = time.thread_time_ns()
-        count = self._take_in(nbytes)
+    def _drain(self) -> None:
+        """Take all that is in the socket now: what the client still holds when it closes is lost."""
+        assert self._transport is not None
+        raw = self._transport.get_extra_info("socket")
+        try:
+            while raw is not None and not self._is_full:
+                data = os.read(raw.fileno(), TAKEN_AT_ONCE)
+                self._keep(data)
+                if len(data) < TAKEN_AT_ONCE:
+                    return
+        except OSError:
+            # Nothing more is there, or the event loop sees what is wrong.
+            return
+
+    def _keep(self, data: bytes) -> None:
+        """Keep what has come until it is the client's turn."""
+        self._kept += data
+        self._hub.shares.kept += len(data)
+        if len(self._kept) >= self.connection.kept_max or self._hub.shares.kept >= KEPT_OF_ALL_MAX:
+            self._is_full = True
+            assert self._transport is not None
+            self._transport.pause_reading()
+
+    def _read(self, data: bytes) -> None:
+        """Work on what has come, at the expense of the client's share."""
+        start_ns, nbytes = time.thread_time_ns(), len(data)
+        count = self._take_in(data)
         if count is None:
             return
         self._account(nbytes, time.thread_time_ns() - start_ns + HANDING_NS * count)
@@ -194,12 +255,12 @@ class Client(asyncio.BufferedProtocol):
         elif self.connection.is_busy or self._has_taken_enough(nbytes):
             self._pause()
 
-    def _take_in(self, nbytes: int) -> int | None:
+    def _take_in(self, data: bytes) -> int | None:
         """Hand on what has come; return the number of inputs, or None if the client was closed for what it sent."""
         connection, hub = self.connection, self._hub
         hub.make_due()
         try:
-            inputs = connection.take_in(bytes(self._buffer[:nbytes]), hub.output)
+            inputs = connection.take_in(data, hub.output)
         except BrowserError as error:
             self._end_browser(str(error))
             return None
@@ -240,12 +301,20 @@ class Client(asyncio.BufferedProtocol):
         return self._hub.waiting_of(self.origin) >= POSTED_MAX
 
     def eof_received(self) -> bool:
+        if self._kept:
+            self._sees_end = True
+        else:
+            self._end_of_half()
+        return True
+
+    def _end_of_half(self) -> None:
+        """Take note that the client sends no more."""
+        self._sees_end = False
         self._end_of_input()
         if not self._service.outlives_silence and self._deadline is None:
             self._deadline = self._hub.output.tick + LINGER_TICKS
             self._close_unless_expecting()
         self._hub.wake()
-        return True
 
     def connection_lost(self, exc: Exception | None) -> None:
         reason = f": {exc}" if exc else ""
@@ -256,15 +325,16 @@ class Client(asyncio.BufferedProtocol):
             # the socket still, which the transport is about to close.
             with suppress(OSError):
                 self._left = transport.get_extra_info("socket").dup()
-        if self._left is None:
+        if self._left is not None:
+            self._left.setblocking(False)
+        if self._left is None and (exc is None or not self._kept or self._is_silent or self._deadline is not None):
             self._part()
             return
-        self._left.setblocking(False)
-        self._is_paused = True
+        self._is_gone = self._is_paused = True
         self._stalled_since = None
         self.owes_input = False
         self._hub.wake()
-        self._read_left(self._left)
+        self._read_left()
 
     def pause_writing(self) -> None:
         self._stalled_since = self._hub.output.tick
@@ -281,7 +351,9 @@ class Client(asyncio.BufferedProtocol):
     def hold(self) -> int:
         """Take the socket from the event loop; return its descriptor, or -1 if the client is not to be read now."""
         transport = self._transport
-        if transport is None or self._deadline is not None or not (self._is_prompt and transport.is_reading()):
+        if transport is None or self._deadline is not None or self._is_paused:
+            return -1
+        if not (self._is_prompt and transport.is_reading()):
             return -1
         transport.pause_reading()
         self._descriptor = transport.get_extra_info("socket").fileno()
@@ -298,14 +370,14 @@ class Client(asyncio.BufferedProtocol):
             return False
         is_asked = self.owes_input
         try:
-            size = os.readv(self._descriptor, [self._buffer])
+            size = os.readv(self._descriptor, [self._buffer[:READ_MAX]])
         except OSError:
             # Nothing that had arrived is lost by that.
             self.abort()
             return False
         if not size:
             return False
-        if self._take_in(size) is not None:
+        if self._take_in(bytes(self._buffer[:size])) is not None:
             if self.connection.is_over:
                 self._finish()
             elif self.connection.is_busy:
@@ -315,7 +387,7 @@ class Client(asyncio.BufferedProtocol):
 
     def give_back(self) -> None:
         """Leave the socket to the event loop again."""
-        if self._transport is not None and not self._transport.is_closing() and not self._is_paused:
+        if self._transport is not None and not self._transport.is_closing() and not self._is_full:
             self._transport.resume_reading()
 
     # ---------------------------------------------------------------- called in a tick
@@ -328,7 +400,7 @@ class Client(asyncio.BufferedProtocol):
     @property
     def is_leaving(self) -> bool:
         """Whether it has ended its half, is to be closed, or has gone."""
-        return self._deadline is not None or self._left is not None
+        return self._deadline is not None or self._is_gone
 
     def next_tick(self, tick: int) -> int | None:
         """Return the next tick after `tick` that must run for it though nothing happens in it; None if none must."""
@@ -339,6 +411,7 @@ class Client(asyncio.BufferedProtocol):
 
     def publish(self, output: Output) -> None:
         """Give the client a tick."""
+        self._has_come = False
         connection = self.connection
         if connection.is_busy:
             # What it has sent before is worked on now, and is paid for as if it had just been read.
@@ -406,11 +479,40 @@ class Client(asyncio.BufferedProtocol):
     def go_on(self) -> None:
         """Read on now."""
         self._is_waiting = False
-        if self._left is not None:
-            self._read_left(self._left)
-        elif self._may_be_read() and self._transport is not None and not self._transport.is_closing():
-            self._is_paused = False
-            self._transport.resume_reading()
+        if self._is_gone:
+            self._read_left()
+        elif self._transport is not None and not self._transport.is_closing():
+            self._work_on_kept()
+            if not self._kept and self._may_be_read() and self._deadline is None:
+                self._is_paused = False
+                if self._sees_end:
+                    self._end_of_half()
+
+    def _work_on_kept(self) -> None:
+        """Work on what is kept, as much as the client's share allows."""
+        while self._kept and self._deadline is None and self._may_be_read():
+            data = bytes(self._kept[: self._portion()])
+            del self._kept[: len(data)]
+            self._note_taken(len(data))
+            is_asked = self.owes_input
+            self._read(data)
+            if is_asked:
+                self._hub.wake()
+            # Not more than its share: what it takes beyond that, those that wait behind it lack.
+            if self._has_taken_enough(len(data)) or self._spent_ns + self._ns_per_byte * len(data) > SHARE_NS:
+                break
+
+    def _note_taken(self, count: int) -> None:
+        """Note that so many bytes are not kept any more: there is room for others."""
+        self._hub.shares.kept -= count
+        if not self._is_full:
+            return
+        has_room = len(self._kept) < self.connection.kept_max // 2 and self._hub.shares.kept < KEPT_OF_ALL_MAX
+        # Others may hold all that there is: each gets on all the same.
+        if has_room or not self._kept:
+            self._is_full = False
+            if self._transport is not None and not self._transport.is_closing():
+                self._transport.resume_reading()
 
     def _may_be_read(self) -> bool:
         if self.connection.is_busy or self.is_behind:
@@ -421,14 +523,14 @@ class Client(asyncio.BufferedProtocol):
         """End the connection once what waits has been sent."""
         if self._transport is not None:
             self._transport.close()
-        elif self._left is not None:
+        elif self._is_gone:
             self._part()
 
     def abort(self) -> None:
         """End the connection at once."""
         if self._transport is not None:
             self._transport.abort()
-        elif self._left is not None:
+        elif self._is_gone:
             self._part()
 
     # ---------------------------------------------------------------- inside
@@ -448,9 +550,12 @@ class Client(asyncio.BufferedProtocol):
     def _write(self) -> None:
         connection, transport = self.connection, self._transport
         if transport is None:
-            if self._left is not None:
+            if self._is_gone:
                 # There is no peer any more. Before the connection is made, what is queued is still to be sent.
                 connection.take()
+            return
+        if self._has_come and connection.is_uploading:
+            # What a client has not read when it closes resets the connection, and what it still holds is lost.
             return
         messages = connection.take()
         if not messages:
@@ -480,26 +585,25 @@ class Client(asyncio.BufferedProtocol):
         self.dropped += 1
 
     def _pause(self) -> None:
-        if not self._is_paused and self._transport is not None and not self._transport.is_closing():
+        """Keep what comes from now on, until it is the client's turn."""
+        if self._transport is not None and not self._transport.is_closing():
             self._is_paused = True
-            self._transport.pause_reading()
 
-    def _read_left(self, left: socket.socket) -> None:
-        """Read on of a connection that broke, as much as its share allows; then it is over."""
-        while self._left is not None:
-            if _is_empty(left):
-                # What it held is free for others now, whatever its share of the time is.
-                self._part()
-                return
-            if not self._may_be_read():
-                return
-            count = left.recv_into(self.get_buffer(0))
-            self._read(count)
-            if self._has_taken_enough(count) and not _is_empty(left):
-                return
+    def _read_left(self) -> None:
+        """Work on what is left of a connection that is over, as much as its share allows; then forget the client."""
+        while self._left is not None and not _is_empty(self._left) and len(self._kept) < self.connection.kept_max:
+            before = len(self._kept)
+            self._kept += self._left.recv(TAKEN_AT_ONCE)
+            self._hub.shares.kept += len(self._kept) - before
+        self._work_on_kept()
+        if not self._kept and (self._left is None or _is_empty(self._left)):
+            self._part()
 
     def _part(self) -> None:
         """Forget the client: it has gone, and all that it sent is read."""
+        self._is_gone = False
+        self._hub.shares.kept -= len(self._kept)
+        self._kept.clear()
         if self._left is not None:
             self._left.close()
             self._left = None

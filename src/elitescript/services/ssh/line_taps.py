@@ -130,7 +130,7 @@ class LineTaps:
             tap.drop()
 
     def send(self, device: str, data: bytes) -> bool:
-        """Send bytes at the next tick; return whether there is room for more. Bytes for a line that stays closed are lost."""
+        """Send bytes at the next tick; return whether there is room for more. Those for a closed line are lost."""
         tap = self._taps[device]
         if tap.is_lost:
             self._report(tap)

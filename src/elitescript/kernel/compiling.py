@@ -1,0 +1,191 @@
+"""Long texts of clients: compiled elsewhere, and begun in the tick in which they come back.
+
+Compiling takes some 2 ms for each 1,000 bytes, all of it between two ticks. So a robot with
+`RobotOptions.compiles_elsewhere` gives a text of `LONG_TEXT` characters or more away, to its `Workshop`, and goes on.
+That the text has come back is an input, `Compiled`: the robot does the same whenever it gets the same inputs, wherever
+and how fast the text was compiled. A replay compiles it here (`CompilesHere`).
+
+Texts come back in the order in which they were given away. What ends or replaces a program that runs ends one that is
+still being compiled, too.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import Final, Protocol
+
+from elitescript.commands.definition.plausibility import ArmFacts
+from elitescript.errors import ProgramError
+from elitescript.language.compiler import compile_unit
+from elitescript.language.options import LINE, SECONDARY, Options
+from elitescript.language.text.source import SourceFile
+from elitescript.lint.engine import CheckResult, compile_checked
+from elitescript.messages.profile import Profile
+from elitescript.messages.timing import TICKS_PER_S
+from elitescript.records import NamedTuple
+
+TEXTS_MAX: Final = 4
+"""Texts that may wait to come back."""
+PROGRESS_TICKS: Final = 2 * TICKS_PER_S
+"""After so long a line of the log says that a text is being compiled."""
+
+
+class Job(NamedTuple):
+    """A text to compile, with everything that the result depends on besides the options of the robot."""
+
+    number: int
+    name: str
+    """Of the text, as places show it."""
+    text: str
+    kind: str | None
+    """What the text must be, one of `language.options.KINDS`; None to determine it."""
+    is_strict: bool
+    probes: str
+    first_probe: int
+    """See `language.options.Options`."""
+    presets: tuple[str, ...]
+    """Names of globals that have a value before the program begins."""
+
+
+def compiled_job(job: Job, profile: Profile, arm: ArmFacts) -> CheckResult:
+    """Check and compile a text; a line is only compiled."""
+    source = SourceFile(job.name, job.text)
+    options = Options(strict=job.is_strict, kind=job.kind, probes=job.probes, first_probe=job.first_probe)
+    if job.kind != LINE:
+        return compile_checked(source, profile, options, presets=job.presets, arm=arm)
+    try:
+        unit = compile_unit(source, options)
+    except ProgramError as error:
+        return CheckResult(None, error.problems, job.is_strict)
+    return CheckResult(unit, unit.diagnostics, False)
+
+
+class Workshop(Protocol):
+    """Where texts are compiled."""
+
+    def begin(self, job: Job) -> None:
+        """Take a text. `Compiled` with its number is an input of the robot later on."""
+
+    def result(self, number: int) -> CheckResult | None:
+        """Return what has come of a text, once; None if what came back was no result."""
+
+    def drop(self, number: int) -> None:
+        """Forget a text: its result is not wanted any more."""
+
+
+class CompilesHere:
+    """Compiles a text when it is asked for. Implements `Workshop`, for replays.
+
+    Args:
+        profile: the firmware.
+        arm: for which programs are checked.
+    """
+
+    __slots__ = ("_arm", "_jobs", "_profile")
+
+    def __init__(self, profile: Profile, arm: ArmFacts) -> None:
+        self._profile = profile
+        self._arm = arm
+        self._jobs: dict[int, Job] = {}
+
+    def begin(self, job: Job) -> None:
+        """Keep a text."""
+        self._jobs[job.number] = job
+
+    def result(self, number: int) -> CheckResult | None:
+        """Compile a text."""
+        return compiled_job(self._jobs.pop(number), self._profile, self._arm)
+
+    def drop(self, number: int) -> None:
+        """Forget a text."""
+        self._jobs.pop(number, None)
+
+
+class Waiting(NamedTuple):
+    """A text that was given away and has not come back."""
+
+    job: Job
+    label: str
+    """What messages call it."""
+    tick: int
+    """At which it was given away."""
+    may_start: bool
+    """Whether a program could start then."""
+    take: Callable[[CheckResult | str], None]
+    """Gets the result, or why there is none."""
+    abandon: Callable[[str], None]
+    """Called instead if the text is given up, with the reason."""
+
+
+class LongTexts:
+    """Keeps account of the texts of one robot that are being compiled.
+
+    Args:
+        workshop: where that is done.
+        tell: puts a line into the log of the robot; as a warning if its second argument is true.
+    """
+
+    __slots__ = ("_has_told", "_tell", "_waiting", "_workshop")
+
+    def __init__(self, workshop: Workshop, tell: Callable[[str, bool], None]) -> None:
+        self._workshop = workshop
+        self._tell = tell
+        self._waiting: deque[Waiting] = deque()
+        self._has_told = -1
+        """Number of the last text of whose progress the log has a line."""
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether a text is being compiled."""
+        return bool(self._waiting)
+
+    @property
+    def is_full(self) -> bool:
+        """Whether no further text can be taken."""
+        return len(self._waiting) >= TEXTS_MAX
+
+    def put(self, waiting: Waiting) -> None:
+        """Give a text away; there must be room."""
+        self._waiting.append(waiting)
+        self._workshop.begin(waiting.job)
+
+    def come_back(self, number: int, failure: str) -> None:
+        """Take a text that has come back; one that was given up meanwhile is passed over."""
+        waiting = next((item for item in self._waiting if item.job.number == number), None)
+        if waiting is None:
+            return
+        self._waiting.remove(waiting)
+        if failure:
+            self._workshop.drop(number)
+            waiting.take(failure)
+            return
+        result = self._workshop.result(number)
+        waiting.take("the process that compiles programs has given no program back" if result is None else result)
+
+    def go_on(self, tick: int, may_start: bool) -> None:
+        """Begin a tick: say that a text takes long, and give up what could start and may not any more."""
+        if self._waiting and not may_start:
+            self.give_up("the safety system has stopped the robot", lambda item: item.may_start)
+        for item in self._waiting:
+            if tick - item.tick >= PROGRESS_TICKS and item.job.number > self._has_told:
+                self._has_told = item.job.number
+                lines = item.job.text.count("\n") + 1
+                self._tell(f"{item.label} is being compiled: {lines:,} lines, {len(item.job.text):,} characters", False)
+
+    def give_up(self, why: str, affects: Callable[[Waiting], bool] = lambda _: True) -> None:
+        """Give up programs that are being compiled; secondary programs are left alone, as by what replaces one."""
+        for item in tuple(self._waiting):
+            if item.job.kind != SECONDARY and affects(item):
+                self._forget(item, why)
+
+    def give_up_all(self, why: str) -> None:
+        """Give up everything that is being compiled."""
+        for item in tuple(self._waiting):
+            self._forget(item, why)
+
+    def _forget(self, item: Waiting, why: str) -> None:
+        self._waiting.remove(item)
+        self._workshop.drop(item.job.number)
+        self._tell(f"{item.label} does not begin: {why} while it was being compiled", True)
+        item.abandon(why)

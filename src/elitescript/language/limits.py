@@ -1,0 +1,80 @@
+"""Bounds of the text of a program, which are looked at before it is parsed.
+
+A tree takes some 500 bytes of memory for each word and sign of the text (*measured*), so that a text of a few megabytes
+would take gigabytes.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+from elitescript.language.diagnostics import Diagnostic, diagnostic
+
+MAX_UNIT_BYTES: Final = 16_000_000
+"""Bytes of a program that a client sends; those of a file are the same (`untrusted.files.PROGRAM`)."""
+LINES_MAX: Final = 200_000
+"""Lines of a program."""
+SYMBOLS_MAX: Final = 2_500_000
+"""Words, numbers and signs of a program: 70,000 lines of `movej([...], a=1.2, v=0.8)`. What is in strings and comments
+counts as well, as it is not known before the text is read."""
+
+LONG_TEXT: Final = 8_000
+"""Characters of a text that takes about as long to compile as a stop may take (*measured*: 20 ms)."""
+SMALL_TEXT: Final = 500_000
+"""Characters of a text for which there is memory everywhere."""
+
+HINT: Final = "split the program, or read long lists of points from a file"
+
+_CHUNK: Final = 1 << 16
+_WORD: Final = bytes(97 if chr(byte).isalnum() or byte in b"_" or byte >= 128 else 32 for byte in range(256))
+"""Each byte of a word is `a`, all others blanks."""
+_SIGNS: Final = bytes(byte for byte in range(33, 127) if not (chr(byte).isalnum() or byte in b"_"))
+
+
+def excess(text: str) -> Diagnostic | None:
+    """Return what makes a text too large to be read; None if nothing does."""
+    if len(text) > MAX_UNIT_BYTES // 4 and (size := _bytes(text)) > MAX_UNIT_BYTES:
+        return _problem(1, size, "bytes", MAX_UNIT_BYTES)
+    if (lines := text.count("\n") + 1) > LINES_MAX + text.endswith("\n"):
+        return _problem(LINES_MAX + 1, lines - text.endswith("\n"), "lines", LINES_MAX)
+    # Each of them has a character at least.
+    if len(text) > SYMBOLS_MAX:
+        total, line = _symbols(text)
+        if total > SYMBOLS_MAX:
+            return _problem(line, total, "words and signs", SYMBOLS_MAX)
+    return None
+
+
+def too_deep(text: str, error: BaseException, verb: str) -> str:
+    """Return the words for an error that Python's parser or compiler has ended with.
+
+    For what is nested too deeply it says that there is no memory, as it does if there is none.
+
+    Args:
+        text: of the program.
+        error: it.
+        verb: what could not be done with the text.
+    """
+    if isinstance(error, MemoryError) and len(text) > SMALL_TEXT:
+        lines = text.count("\n") + 1
+        return f"there is too little memory for the program to be {verb}: {lines:,} lines, {_bytes(text):,} bytes"
+    return f"the program is nested too deeply to be {verb}"
+
+
+def _problem(line: int, count: int, what: str, limit: int) -> Diagnostic:
+    return diagnostic("E001", line, 1, f"the program has {count:,} {what}, at most {limit:,} are read", hint=HINT)
+
+
+def _bytes(text: str) -> int:
+    return len(text) if text.isascii() else len(text.encode("utf-8", "surrogatepass"))
+
+
+def _symbols(text: str) -> tuple[int, int]:
+    """Return the number of words and signs, and the line in which there are as many as may be."""
+    total = line = 0
+    for at in range(0, len(text), _CHUNK):
+        data = text[at : at + _CHUNK].encode("utf-8", "surrogatepass")
+        total += (b" " + data.translate(_WORD)).count(b" a") + len(data) - len(data.translate(None, _SIGNS))
+        if total > SYMBOLS_MAX and not line:
+            line = text.count("\n", 0, at) + 1
+    return total, line
