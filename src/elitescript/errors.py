@@ -160,7 +160,7 @@ class UsageError(ElitescriptError):
     """The caller of this library or of the command line passed an invalid value."""
 
     def __init__(self, text: str = "") -> None:
-        # A message may quote a value of a file that somebody else wrote.
+        # A message may quote a value of a file that others wrote.
         super().__init__(text if len(text) <= TEXT_MAX else f"{text[:TEXT_MAX]}... ({len(text)} characters)")
 
 

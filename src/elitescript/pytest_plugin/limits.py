@@ -151,7 +151,7 @@ class Guard:
             nonlocal count
             count += 1
             late()
-            # The first time the run may come to a checkpoint by itself.
+            # The first time the run may still come to its next checkpoint.
             if count > 1:
                 raise _WallLimit
 
@@ -179,7 +179,7 @@ class Guard:
         return watch_all
 
     def _has_timer(self) -> bool:
-        """Return whether the timer is there, and nobody else's, such as that of pytest-timeout."""
+        """Return whether the timer is there and free: pytest-timeout may have taken it."""
         if not _has_timers() or current_thread() is not main_thread():
             return False
         is_free = signal.getsignal(signal.SIGALRM) in (signal.SIG_DFL, None)
