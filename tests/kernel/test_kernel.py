@@ -180,7 +180,7 @@ class TestPower:
 
 def own_hint(event: Warned) -> str:
     """The hint that `check` gives for the file."""
-    return event.hint.removesuffix(OWN_PROGRAM).strip()
+    return event.hint.removeprefix(OWN_PROGRAM).strip(" ()")
 
 
 class TestUnits:
@@ -270,17 +270,24 @@ class TestUnits:
                 event.line,
                 event.column,
                 event.text,
-                event.hint.removesuffix(OWN_PROGRAM).strip(),
+                own_hint(event) if event.hint.startswith(OWN_PROGRAM) else event.hint,
             )
             for event in session.of(Warned)
             if event.code
         ]
         # What stands beside a program in the file of its author is not there when it is sent.
-        said = [event.hint.endswith(OWN_PROGRAM) for event in session.of(Warned) if event.code == "E301"]
+        said = [event.hint.startswith(OWN_PROGRAM) for event in session.of(Warned) if event.code == "E301"]
         assert said == [kind == "program"]
         found = check_source(SourceFile("<p>", text), profile("2.14"))
         assert told == [(one.code, str(one.severity), one.line, one.column, one.text, one.hint) for one in found]
         assert {"E305", "E301"} <= {event[0] for event in told}
+
+    def test_an_import_beside_a_program_that_is_sent_is_no_import_of_it(self):
+        session = Session()
+        session.send(RunUnit("primary#1", "program", "def p():\n  textmsg(math.pi)\nend\n"))
+        hints = [event.hint for event in session.of(Warned) if event.code == "W201"]
+        hints += [str(event.details["hint"]) for event in session.of(Alarm)]
+        assert set(hints) == {f"write `import math` before it, inside its `def`: {OWN_PROGRAM}"}
 
     def test_findings_beyond_twenty_are_counted(self):
         session = Session()
@@ -294,7 +301,7 @@ class TestUnits:
         session = Session(replace(READY, strict=True))
         session.send(RunUnit("primary#1", "program", "def p():\n  textmsg('runs')\n  texmsg(1)\nend\n"))
         (alarm,) = session.of(Alarm)
-        assert (alarm.code, alarm.line, alarm.details) == ("E301", 3, {"hint": f"is `textmsg` meant? {OWN_PROGRAM}"})
+        assert (alarm.code, alarm.line, alarm.details) == ("E301", 3, {"hint": f"{OWN_PROGRAM} (is `textmsg` meant?)"})
         assert session.texts == []
 
     def test_a_program_in_protective_stop_is_refused_with_its_reason(self):

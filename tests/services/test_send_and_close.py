@@ -69,6 +69,40 @@ def test_half_a_megabyte_that_is_sent_and_closed_at_once_arrives_whole(service: 
     run(test())
 
 
+@pytest.mark.parametrize("service", ["primary", "secondary", "realtime"])
+def test_a_client_in_the_middle_of_a_program_is_sent_nothing(service: str) -> None:
+    """Whatever it has not read when it closes makes its computer throw away what it still holds."""
+
+    def waiting(raw: socket.socket) -> bytes:
+        try:
+            return raw.recv(1 << 20)
+        except BlockingIOError:
+            return b""
+
+    async def test() -> None:
+        async with serving() as scene:
+            raw = connected(scene, service)
+            raw.setblocking(False)
+            for piece in (b"def f():\n", b"  x = 1\n", b"  y = 2"):
+                raw.sendall(piece)
+                await scene.until(lambda: scene.server.listeners[service].clients)
+                await scene.ticks(20)
+            assert waiting(raw) == b""
+            raw.sendall(b"\nend\n")
+            assert await heard(scene, RunUnit) == ["def f():\n  x = 1\n  y = 2\nend"]
+            await scene.ticks(2)
+            assert waiting(raw)
+            # One that stops in the middle gets its stream all the same.
+            raw.sendall(b"def g():\n")
+            await scene.ticks(40)
+            waiting(raw)
+            await scene.ticks(30)
+            assert waiting(raw)
+            raw.close()
+
+    run(test())
+
+
 def test_one_that_has_gone_before_it_was_accepted_counts_too() -> None:
     async def test() -> None:
         async with serving() as scene:

@@ -122,6 +122,11 @@ class Connection(ABC):
         return False
 
     @property
+    def takes_texts(self) -> bool:
+        """Whether peers send long texts and may close at once, so that nothing is sent to one in the middle of one."""
+        return False
+
+    @property
     def is_uploading(self) -> bool:
         """Whether the peer is in the middle of a long text, to which nothing is answered before its end."""
         return False

@@ -32,7 +32,7 @@ WORDS: Final = {
 """Constants as other languages write them."""
 
 OWN_PROGRAM: Final = (
-    "(each `def` at the start of a line that is sent is a program of its own: what it uses stands inside it)"
+    "each `def` at the start of a line that is sent is a program of its own: what it uses stands inside it"
 )
 """Hint about a name that may stand beside a program in what a client has sent."""
 
@@ -73,6 +73,7 @@ def advice(
     """
     name = node.id
     parent = symbols.parent(node)
+    is_sent = symbols.parsed.options.kind == PROGRAM
     if isinstance(parent, ast.Call) and parent.func is node:
         if name in names.foreign:
             return "", f"here the command is called {names.foreign[name]}"
@@ -84,7 +85,8 @@ def advice(
         if name in WORDS:
             return WORDS[name], f"write {WORDS[name]}"
         if name in AVAILABLE:
-            return "", f"write `import {name}` before it"
+            hint = f"write `import {name}` before it"
+            return "", f"{hint}, inside its `def`: {OWN_PROGRAM}" if is_sent else hint
         owner = owner_of(name, symbols)
         if owner is not None:
             return "", f"it is a local variable of `{owner.name}`; declare it `global` there to share it"
@@ -93,8 +95,8 @@ def advice(
     is_shared = symbols.parsed.kind == SECONDARY
     meant = nearest(name, names.commands if is_shared else _visible(name, scope, symbols, names))
     hint = f"is `{meant}` meant?" if meant else ""
-    if symbols.parsed.options.kind == PROGRAM:
-        hint = f"{hint} {OWN_PROGRAM}".lstrip()
+    if is_sent:
+        hint = f"{OWN_PROGRAM} ({hint})" if hint else OWN_PROGRAM
     return meant, hint
 
 

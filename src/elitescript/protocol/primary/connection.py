@@ -214,8 +214,12 @@ class PrimaryConnection(Connection):
         return bool(self._ready) or len(self._raw) >= MAX_BYTES_PER_TICK
 
     @property
+    def takes_texts(self) -> bool:
+        return self._feed.port.takes_programs
+
+    @property
     def is_uploading(self) -> bool:
-        return bool(self._raw) or self._splitter.pending
+        return bool(self._raw) or (self._splitter.pending and self._received_at is not None)
 
     def reads(self, tick: int) -> int:
         return STATE_PARTS if tick >= self._next_state_at else 0

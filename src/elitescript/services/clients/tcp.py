@@ -9,6 +9,8 @@ What arrives is decoded at once, what a tick gives leaves at once; each message 
   bytes pile up, or takes nothing for `STALLED_TICKS`, is cut off;
 - one that sends what cannot be is closed;
 - one that begins like a web browser is closed before anything of it is read: no page reaches a robot;
+- one that is in the middle of a text gets the states of that time after it, `SAMPLE_BACKLOG` bytes at most: what it has
+  not read when it closes would reset the connection, and lose what it still holds;
 - one that ends its own half is answered what it asked, and gets the stream where the service is one;
 - of one that closes at once, or whose connection breaks, everything that had arrived by then is read and counts.
 """
@@ -17,6 +19,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import select
 import socket
 import time
 import traceback
@@ -45,6 +48,8 @@ SAMPLE_BACKLOG: Final = 64 * 1024
 """Bytes that wait for a client, besides what the operating system holds, from which on samples are left out."""
 BACKLOG_MAX: Final = 1024 * 1024
 STALLED_TICKS: Final = 30 * TICKS_PER_S
+GREETING_TICKS: Final = TICKS_PER_S // 50
+"""How long a client that may send a text has to begin with it before its stream begins."""
 LINGER_TICKS: Final = 5 * TICKS_PER_S
 """How long a client that has ended its half, or is to be closed, has to take what it asked for."""
 
@@ -97,7 +102,8 @@ class Client(asyncio.BufferedProtocol):
         "_deadline",
         "_descriptor",
         "_forget",
-        "_has_come",
+        "_held",
+        "_held_bytes",
         "_hub",
         "_is_attended",
         "_is_full",
@@ -117,6 +123,7 @@ class Client(asyncio.BufferedProtocol):
         "_size",
         "_spent_ns",
         "_stalled_since",
+        "_streams_from",
         "_transport",
         "connection",
         "dropped",
@@ -155,8 +162,11 @@ class Client(asyncio.BufferedProtocol):
         """Whether the client has ended its half behind what is kept."""
         self._is_gone = False
         """Whether the connection is over, and there is something of it to be worked on."""
-        self._has_come = False
-        """Whether something has come since the last tick."""
+        self._held: list[bytes] = []
+        """What it gets once the text that it is sending has ended, see `_is_held`."""
+        self._held_bytes = 0
+        self._streams_from = 0
+        """Tick from which on it is sent something, if it takes texts."""
         self._is_light = True
         self._is_silent = False
         self._is_paused = False
@@ -181,6 +191,7 @@ class Client(asyncio.BufferedProtocol):
 
     def connection_made(self, transport: Any) -> None:
         self._transport = transport
+        self._streams_from = self._hub.output.tick + GREETING_TICKS
         transport.set_write_buffer_limits(high=SAMPLE_BACKLOG, low=SAMPLE_BACKLOG // 4)
         address = transport.get_extra_info("peername")
         self.peer = f"{address[0]}:{address[1]}" if address else "?"
@@ -204,7 +215,7 @@ class Client(asyncio.BufferedProtocol):
         if self._deadline is not None:
             return
         data = bytes(self._buffer[:nbytes])
-        is_paused, self._has_come = self._is_paused, True
+        is_paused = self._is_paused
         if is_paused:
             self._keep(data)
         if nbytes == (len(self._buffer) if is_paused else self._size):
@@ -404,14 +415,13 @@ class Client(asyncio.BufferedProtocol):
 
     def next_tick(self, tick: int) -> int | None:
         """Return the next tick after `tick` that must run for it though nothing happens in it; None if none must."""
-        if self._is_paused or self._deadline is not None or self._stalled_since is not None:
+        if self._is_paused or self._held or self._deadline is not None or self._stalled_since is not None:
             return tick + 1
         connection = self.connection
         return tick + 1 if connection.reads(tick + 1) else connection.next_tick(tick)
 
     def publish(self, output: Output) -> None:
         """Give the client a tick."""
-        self._has_come = False
         connection = self.connection
         if connection.is_busy:
             # What it has sent before is worked on now, and is paid for as if it had just been read.
@@ -554,12 +564,14 @@ class Client(asyncio.BufferedProtocol):
                 # There is no peer any more. Before the connection is made, what is queued is still to be sent.
                 connection.take()
             return
-        if self._has_come and connection.is_uploading:
-            # What a client has not read when it closes resets the connection, and what it still holds is lost.
-            return
         messages = connection.take()
-        if not messages:
+        if not messages and not self._held:
             return
+        if self._is_held():
+            self._hold_back(messages)
+            return
+        if self._held:
+            messages, self._held, self._held_bytes = self._held + messages, [], 0
         is_sample = self._service.is_sample
         for message in messages:
             if transport.is_closing():
@@ -577,6 +589,29 @@ class Client(asyncio.BufferedProtocol):
             transport.write(message)
         if self._stalled_since is not None:
             self._pause()
+
+    def _is_held(self) -> bool:
+        """Return whether nothing is sent to the client for now, since it is in the middle of a text.
+
+        What a client has not read when it closes resets the connection, and what it still holds is lost.
+        """
+        if not self.connection.takes_texts or self._is_silent or self._sees_end or self._deadline is not None:
+            return False
+        if self._kept or self.connection.is_uploading or self._hub.output.tick < self._streams_from:
+            return True
+        # Ticks that catch up with the clock leave the event loop no turn in which to read.
+        return self._transport is not None and _has_come(self._transport.get_extra_info("socket"))
+
+    def _hold_back(self, messages: list[bytes]) -> None:
+        """Hold messages back until the text of the client has ended; of samples, as many as for a slow reader."""
+        for message in messages:
+            if self._service.is_sample(message) and self._held_bytes > SAMPLE_BACKLOG:
+                self.dropped += 1
+                continue
+            self._held.append(message)
+            self._held_bytes += len(message)
+        if self._held_bytes > BACKLOG_MAX:
+            self._cut_off(f"does not end its text: {self._held_bytes} bytes wait for it")
 
     def _miss(self) -> None:
         if not self.dropped:
@@ -643,10 +678,21 @@ class Client(asyncio.BufferedProtocol):
 
     def _finish(self) -> None:
         """Send what is left, then close."""
-        self._write()
         if self._deadline is None:
             self._deadline = self._hub.output.tick + LINGER_TICKS
+        self._write()
         self.close()
+
+
+def _has_come(raw: socket.socket | None) -> bool:
+    """Return whether something waits in a socket to be read, be it an end."""
+    if raw is None or (descriptor := raw.fileno()) < 0:
+        return False
+    if hasattr(select, "poll"):
+        poll = select.poll()
+        poll.register(descriptor, select.POLLIN)
+        return bool(poll.poll(0))
+    return bool(select.select([descriptor], [], [], 0)[0])
 
 
 def _is_empty(broken: socket.socket) -> bool:
