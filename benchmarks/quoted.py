@@ -36,8 +36,12 @@ NO_FIGURE = (
     (RECORDS + "0017-debugger.md", "`python -m benchmarks debugger` measures it."),
     (RECORDS + "0014-start.md", "Both processes of a run together"),
     (RECORDS + "0013-msgspec.md", "`python -m benchmarks ticks` prints what writing"),
+    (SPEED, "robots of one `serve` on two cores"),
+    (SPEED, "the same while every arm moves"),
+    ("docs/explanation/jail.md", "one client floods a port, 25 kinds"),
+    ("docs/how-to/ssh.md", "`python -m benchmarks.floods ssh`"),
 )
-"""Lines that name a benchmark without quoting a figure of it."""
+"""Lines that name a benchmark without quoting a figure of it, or one that serves robots for minutes, by its own call."""
 
 
 class Quote(NamedTuple):

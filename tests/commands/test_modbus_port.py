@@ -27,8 +27,8 @@ def test_a_register_is_read_signed_or_not(call: Any, robot: Any, value: int, sig
     assert call("read_port_register", address=511, is_signed=True) == signed
 
 
-def test_the_version_is_that_of_the_firmware(call: Any) -> None:
-    assert [call("read_port_register", address) for address in (63, 64, 65)] == [2, 14, 0]
+def test_the_version_is_that_of_the_controller(call: Any) -> None:
+    assert [call("read_port_register", address) for address in (63, 64, 65)] == [2, 15, 0]
 
 
 def test_a_coil_is_written(call: Any, robot: Any) -> None:

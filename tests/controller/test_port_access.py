@@ -34,7 +34,7 @@ def machine(*requests: MachineRequest) -> VirtualRobot:
 
 
 def register(robot: VirtualRobot, address: int) -> int:
-    return robot.controller.port_register(address, (2, 14, 0))
+    return robot.controller.port_register(address, (2, 15, 0))
 
 
 def test_coils_of_one_word_do_not_disturb_each_other() -> None:
@@ -112,7 +112,7 @@ def test_programs_and_clients_see_the_same() -> None:
         "  start_thread(look, ())\n  movej([0.1, -1.4, -1.6, -1.5, 1.5, 0.2])\nend\n"
     )
     kernel = Kernel(RobotOptions(power_on=True))
-    version = kernel.description.firmware
+    version = kernel.description.version
     seen = 0
     for tick in range(60):
         output = kernel.tick_and_snapshot([RunUnit("primary#1", "program", program)] if tick == 3 else ())

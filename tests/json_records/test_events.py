@@ -19,7 +19,7 @@ EXPECTED = {
     "Popup": ("popup", "t level title text blocking confirmed thread line"),
     "Warned": ("warning", "t text thread line code hint severity"),
     "DeviceNoted": ("device", "t level device text"),
-    "Alarm": ("alarm", "t code class text line column thread"),
+    "Alarm": ("alarm", "t code class text line column thread command argument value limit unit hint"),
     "SafetyModeChanged": ("safety", "t mode text"),
     "SignalChanged": ("signal", "t name value by line"),
     "ChannelActivity": ("channel", "t channel kind what data line thread"),

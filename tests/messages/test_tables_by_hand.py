@@ -115,6 +115,7 @@ ENUMS = {
     """,
     # errno of Linux: EIO, EPIPE, ENETUNREACH, ECONNRESET, ETIMEDOUT, ECONNREFUSED, EHOSTDOWN, EHOSTUNREACH.
     "ChannelError": """
+        BARRED                -2
         NOTHING_BOUND         -1
         OTHER                 5
         BROKEN_PIPE           32

@@ -55,7 +55,7 @@ class TestUsage:
         assert "no such file or folder" in self.refusal(capsys, tmp_path / "f")
         assert "byte 0xFF is not UTF-8 text" in self.refusal(capsys, tmp_path / "latin.script")
         assert "there is no folder" in self.refusal(capsys, tmp_path / "no" / "a.script")
-        assert "there is no file" in self.refusal(capsys, tmp_path, "--urdf", tmp_path / "arm.urdf")
+        assert "arm.urdf: No such file" in self.refusal(capsys, tmp_path, "--urdf", tmp_path / "arm.urdf")
         assert "no.toml" in self.refusal(capsys, tmp_path, "--world", tmp_path / "no.toml")
         assert "CS99" in self.refusal(capsys, tmp_path, "--robot", "CS99")
 

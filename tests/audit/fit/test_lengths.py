@@ -212,7 +212,7 @@ def test_poses_measured_again_count_and_points_written_twice_do_not():
     ("name", "text", "words"),
     [
         ("p.csv", '"' + "a" * 200_000, "p.csv:1: not CSV"),
-        ("p.json", "[" * 100_000, "too deep"),
+        ("p.json", "[" * 100_000, "nested more than 100 deep"),
         ("p.json", '[{"q": [1' + "0" * 400 + ', 0, 0, 0, 0, 0], "pose": [0, 0, 0, 0, 0, 0]}]', "six finite numbers"),
     ],
 )

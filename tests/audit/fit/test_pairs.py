@@ -81,7 +81,7 @@ def test_csv_and_json_are_the_same_points():
         ("p.csv", "head\n1,x", "p.csv:2: needs twelve numbers"),
         ("p.csv", "nan,0,0,0,0,0,0,0,0,0,0,0", "needs six finite numbers"),
         ("p.csv", "90,0,0,0,0,0,0,0,0,0,0,0", "90 rad is more than two turns: joints are in rad"),
-        ("p.json", "{", "p.json: not JSON"),
+        ("p.json", "{", "p.json:1: not JSON"),
         ("p.json", "{}", "needs a list of"),
         ("p.json", "[1]", 'point 0: needs "q" and "pose"'),
         ("p.json", '[{"q": 1, "pose": []}]', "point 0: needs six finite numbers, has 1"),
