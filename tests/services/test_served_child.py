@@ -147,6 +147,20 @@ def test_a_call_that_never_returns_is_ended_and_the_streams_go_on():
     play(program, goes_on, after)
 
 
+def test_long_calls_again_and_again_end_the_program_with_the_line_of_the_call():
+    def after(scene, streams):
+        (alarm,) = [event for event in scene.said if isinstance(event, Alarm)]
+        assert alarm.code == "R135"
+        assert alarm.line == 4
+        assert alarm.source_line.strip() == "x = sum(range(1500000))"
+        assert alarm.details["limit"] == 0.25
+        assert alarm.details["value"] >= 0.01
+
+    program = "def p():\n  while True:\n    a = 1\n    x = sum(range(1500000))\n    b = 2\n    c = 3\n  end\nend\n"
+
+    play(program, goes_on, after)
+
+
 def test_a_crash_is_told_with_its_line_and_the_streams_go_on():
     def after(scene, streams):
         (alarm,) = [event for event in scene.said if isinstance(event, Alarm)]
