@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import time
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from statistics import median
 
 import pytest
@@ -437,3 +438,24 @@ def test_work_of_events_counts_the_same_however_it_is_paid_out():
     free = Kernel(RobotOptions(power_on=True))
     given, _ = played(inputs_of, 10, Meter())
     assert given == [output_text(free.tick_and_snapshot(inputs_of(tick))) for tick in range(10)]
+
+
+EXAMPLES = sorted((Path(__file__).resolve().parents[2] / "examples").glob("*.script"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_the_examples_do_the_same_by_the_real_clock_as_in_a_free_run(path):
+    """As in `serve` and in `run`: programs that move, wait and compute a little are not cut so that it shows."""
+    text = path.read_text(encoding="utf-8")
+
+    def events(meter: Meter | None) -> list[tuple[object, ...]]:
+        robot = Kernel(RobotOptions(power_on=True), meter=meter)
+        found = [robot.tick([RunUnit("primary#1", "program", text)]).events]
+        found += [robot.tick().events for _ in range(10 * 250)]
+        robot.host.forget_threads()
+        return found
+
+    given = events(ClockMeter(time.monotonic_ns, time.thread_time_ns))
+    assert sum(map(len, given)) > 2
+    assert given == events(None)
