@@ -166,11 +166,11 @@ class TestMeter:
             clock.work((1 + CREDIT_SHARES) * SHARE_NS + 60 * MS)
             assert meter.look()
             assert meter.late_ms == 60
-            held_up.append(meter.held_up_ms)
+            held_up.append(meter.held_up_us)
             meter.end_tick()
         assert held_up == pytest.approx([60.0, 60.0 - 40.0 + 60.0, 60.0])
         meter.begin_program()
-        assert meter.held_up_ms == 0.0
+        assert meter.held_up_us == 0
 
     @pytest.mark.parametrize(("every_s", "is_too_much"), [(0.2, True), (2.0, True), (8.0, False)])
     def test_a_long_call_every_few_seconds_is_not_too_much(self, every_s, is_too_much):
@@ -181,7 +181,7 @@ class TestMeter:
             meter.begin_tick(int(call * every_s * 250))
             clock.work((1 + CREDIT_SHARES) * SHARE_NS + 70 * MS)
             assert meter.look()
-            found |= meter.held_up_ms > meter.held_up_max_ms
+            found |= meter.held_up_us > meter.held_up_max_us
             meter.end_tick()
         assert found == is_too_much
 
@@ -191,7 +191,7 @@ class TestMeter:
         meter.begin_tick(1)
         clock.work((1 + CREDIT_SHARES) * SHARE_NS + LATE_NS - 1)
         assert meter.look()
-        assert (meter.late_ms, meter.held_up_ms) == (0, 0.0)
+        assert (meter.late_ms, meter.held_up_us) == (0, 0)
 
     @pytest.mark.parametrize(("calls", "is_too_much"), [(1, False), (2, False), (4, True)])
     def test_two_calls_are_never_too_much_however_long(self, calls, is_too_much):
@@ -202,7 +202,7 @@ class TestMeter:
             clock.work(650 * MS)
             assert meter.look()
             meter.end_tick()
-        assert (meter.held_up_ms > meter.held_up_max_ms) == is_too_much
+        assert (meter.held_up_us > meter.held_up_max_us) == is_too_much
 
     def test_the_line_is_that_of_the_statement_that_has_taken_longest(self):
         clock = MadeUpTime()

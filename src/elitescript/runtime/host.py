@@ -6,7 +6,6 @@ program they get an empty namespace. Results go to the machine as events.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final
@@ -45,6 +44,7 @@ _FRAMES_OF_A_CHANGE: Final = 8
 a script causes has fewer, so that the walk to its line passes them in one step."""
 
 LATE_HINT: Final = "do less in one call, or do it before the arm moves"
+_FOR_EVER_US: Final = 1 << 62
 HELD_UP_HINT: Final = "do less in one call, with sync() between the parts, or compute it once and keep the result"
 
 SECONDARY_WARNING: Final = "[SEC] Exception: "
@@ -137,7 +137,7 @@ class ScriptHost:
         )
         self.spend_event = self._scheduler.spend_event
         if meter is not None:
-            meter.held_up_max_ms = 1000.0 * held_up_max_s or math.inf
+            meter.held_up_max_us = round(1_000_000 * held_up_max_s) or _FOR_EVER_US
         self._has_warned = False
         """Whether the program was warned of a call that has held up the robot."""
         self._program: Program | None = None
@@ -453,9 +453,9 @@ class ScriptHost:
         """
         meter = self._scheduler.meter
         assert meter is not None
-        if meter.held_up_ms > meter.held_up_max_ms and not strand.is_secondary:
+        if meter.held_up_us > meter.held_up_max_us and not strand.is_secondary:
             line = meter.late_line or strand.line or strand.started_line
-            self.fail(held_up(strand, self._machine.tick, line, late_ms, meter.held_up_max_ms, HELD_UP_HINT))
+            self.fail(held_up(strand, self._machine.tick, line, late_ms, meter.held_up_max_us / 1000, HELD_UP_HINT))
         elif not self._has_warned:
             self._has_warned = True
             text = f"a call took {late_ms} ms too long: no stop acts and no stream goes on while it runs"

@@ -11,7 +11,7 @@ What a program leaves of its shares it may use later, up to `CREDIT_SHARES`; wha
 missing in the ticks behind it, so that robot time keeps up in the mean.
 
 Nothing looks inside such a call, and streams are late by as long as it takes. One now and then is warned of. Where they
-hold the robot up for more than `HELD_UP_SHARE` of the time, and more than a second's bound, the program has to end.
+hold the robot up for more than 1 % of the time, by more than `held_up_max_s`, the program has to end.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from collections.abc import Callable
 from typing import Final
 
 from elitescript.messages.cut import WHOLE, Cut
-from elitescript.messages.timing import HELD_UP_MAX_S, seconds
+from elitescript.messages.timing import HELD_UP_MAX_S
 
 SHARE_NS: Final = 2_000_000
 """Time of programs in a tick: half of it; the rest is for the snapshot, the way to the clients and a busy computer."""
@@ -32,8 +32,8 @@ CLEANUP_NS: Final = 4_000_000
 """Time in a tick for the `finally` blocks of stopped threads."""
 LATE_NS: Final = 10_000_000
 """A call that takes so much more than its share makes streams late; a program is warned of it once."""
-HELD_UP_SHARE: Final = 0.01
-"""Part of the time for which calls may hold the robot up for good."""
+HELD_UP_PER_TICK_US: Final = 40
+"""Time of each tick for which calls may hold the robot up for good: 1 %."""
 
 
 class Meter:
@@ -45,9 +45,9 @@ class Meter:
         late_ms: by how much the call that has ended the tick was too long; 0 where none was.
         late_line: line of the statement that has taken longest in that tick, if `notes_statements`; 0 elsewhere.
         notes_statements: whether it is of use to call `note_statement`.
-        held_up_ms: for how long such calls of the program have held the robot up beyond what they may for good; one
-            call counts a third of `held_up_max_ms` at most, so that no two calls end a program.
-        held_up_max_ms: beyond this the program has to end.
+        held_up_us: for how long such calls of the program have held the robot up beyond what they may for good; one
+            call counts a third of `held_up_max_us` at most, so that no two calls end a program.
+        held_up_max_us: beyond this the program has to end.
     """
 
     __slots__ = (
@@ -56,8 +56,8 @@ class Meter:
         "_looks",
         "_spent_at",
         "_tick",
-        "held_up_max_ms",
-        "held_up_ms",
+        "held_up_max_us",
+        "held_up_us",
         "is_spent",
         "late_line",
         "late_ms",
@@ -71,8 +71,8 @@ class Meter:
         self._looks = self._spent_at = self._cleanups = self._given_up_at = 0
         self.is_spent = self.was_spent = False
         self.late_ms = self.late_line = 0
-        self.held_up_ms = 0.0
-        self.held_up_max_ms = 1000.0 * HELD_UP_MAX_S
+        self.held_up_us = 0
+        self.held_up_max_us = round(1_000_000 * HELD_UP_MAX_S)
 
     @property
     def cut(self) -> Cut:
@@ -88,8 +88,8 @@ class Meter:
             return
         ticks = tick - self._tick
         self._begin(ticks)
-        if self.held_up_ms:
-            self.held_up_ms = max(0.0, self.held_up_ms - 1000.0 * HELD_UP_SHARE * seconds(ticks))
+        if self.held_up_us:
+            self.held_up_us = max(0, self.held_up_us - ticks * HELD_UP_PER_TICK_US)
         self._tick = tick
         self.was_spent, self.is_spent = self.is_spent, False
         self._looks = self._spent_at = self._cleanups = self._given_up_at = self.late_ms = self.late_line = 0
@@ -99,7 +99,7 @@ class Meter:
 
     def begin_program(self) -> None:
         """Note that a program begins."""
-        self.held_up_ms = 0.0
+        self.held_up_us = 0
 
     def pardon(self) -> Callable[[], None]:
         """Begin something whose time does not count; return what ends it."""
@@ -118,7 +118,7 @@ class Meter:
                 self.late_ms = self._late_ms()
                 if self.late_ms:
                     self.late_line = self._late_line()
-                self.held_up_ms += min(self.late_ms, self.held_up_max_ms / 3)
+                self.held_up_us += min(1000 * self.late_ms, self.held_up_max_us // 3)
         return self.is_spent
 
     def look_at_cleanup(self) -> bool:

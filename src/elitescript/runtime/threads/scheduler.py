@@ -580,7 +580,8 @@ class Scheduler:
         count = min(len(self._portion), self._work_per_tick - strand.work - 1)
         if self.meter is not None:
             count = min(count, strand.portion)
-            strand.portion = min(2 * strand.portion, PORTION_MAX)
+            # Many long calls between two looks would hold the robot up for as long as all of them take.
+            strand.portion = 1 if self.meter.held_up_us else min(2 * strand.portion, PORTION_MAX)
             if self.watchers:
                 self._unpaid = max(count, 0)
         if self.watchers:
