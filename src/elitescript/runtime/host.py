@@ -177,7 +177,8 @@ class ScriptHost:
         self.result, self.alarm, self._ending = "", None, ""
         if (meter := self._scheduler.meter) is not None:
             meter.begin_program()
-        self._has_warned = False
+        # Secondary programs run without a program, too.
+        self._forget_late()
         self._main = self._spawn(program, "main", program.body_of(unit))
         program.main = self._main
         self.interpreter.begin_program(self._main, program.globals, program.execute)
@@ -428,8 +429,7 @@ class ScriptHost:
         for strand in [strand for strand in self._scheduler.strands if not strand.is_secondary]:
             self._scheduler.kill(strand)
         self._scheduler.forget_pause()
-        if self._note_statement in self._scheduler.watchers:
-            self._scheduler.watch(None)
+        self._forget_late()
         self.interpreter.end_program()
         self.watchdogs.clear()
         if main is not None:
@@ -458,11 +458,18 @@ class ScriptHost:
             self.fail(held_up(strand, self._machine.tick, line, late_ms, meter.held_up_max_us / 1000, HELD_UP_HINT))
         elif not self._has_warned:
             self._has_warned = True
-            text = f"a call took {late_ms} ms too long: no stop acts and no stream goes on while it runs"
+            what = f"one call, or a few on end, took {late_ms} ms too long"
+            text = f"{what}: no stop acts and no stream goes on meanwhile"
             line = strand.line or strand.started_line
             self._machine.emit(Warned(self._machine.tick, text, strand.name, line, "", LATE_HINT))
             if meter.notes_statements and not self._scheduler.watchers:
                 self._scheduler.watch(self._note_statement)
+
+    def _forget_late(self) -> None:
+        """Warn again, and note no statements."""
+        self._has_warned = False
+        if self._note_statement in self._scheduler.watchers:
+            self._scheduler.watch(None)
 
     def _note_statement(self, strand: Strand, number: int) -> None:
         meter = self._scheduler.meter

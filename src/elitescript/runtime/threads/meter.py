@@ -91,7 +91,8 @@ class Meter:
         if self.held_up_us:
             self.held_up_us = max(0, self.held_up_us - ticks * HELD_UP_PER_TICK_US)
         self._tick = tick
-        self.was_spent, self.is_spent = self.is_spent, False
+        # Where ticks were leapt over, they were not.
+        self.was_spent, self.is_spent = self.is_spent and ticks == 1, False
         self._looks = self._spent_at = self._cleanups = self._given_up_at = self.late_ms = self.late_line = 0
 
     def end_tick(self) -> None:
