@@ -146,8 +146,6 @@ class VirtualRobot:
         self._globals: dict[str, Any] | None = None
         """Of a program that is over, while there are clients."""
         self._is_advancing = False
-        self._is_only_observed = False
-        """Whether what is called after each tick of the run comes from an observer alone, and acts on nothing."""
         self._drain: Drain | None = None
         self._run: Run | None = None
         self._limit = WarningLimit()
@@ -349,14 +347,8 @@ class VirtualRobot:
         )
         if OBSERVATION.observer is None:
             return self._run_through(run, until_s, pace, watch)
-        acts = watch is not None
-        with OBSERVATION.observer.limits(self, run, until_s, watch) as (until_s, watch):
-            # What an observer watches for gets nothing under way.
-            self._is_only_observed = watch is not None and not acts
-            try:
-                self._run_through(run, until_s, pace, watch)
-            finally:
-                self._is_only_observed = False
+        with OBSERVATION.observer.limits(self, run, until_s) as until_s:
+            self._run_through(run, until_s, pace, watch)
         return run
 
     def _run_through(self, run: Run, until_s: float | None, pace: Pace | None, watch: Watch | None) -> Run:
@@ -588,11 +580,10 @@ class VirtualRobot:
                 idle_from = controller.tick
             if self._clients is not None and self._clients.are_open:
                 due = _earliest(due, self._clients.next_tick(controller.tick))
-                acts = watch is not None and not self._is_only_observed
-                if idle_from is not None and not acts:
+                if idle_from is not None and watch is None:
                     # What a port sends by itself, at whatever rate, gets nothing under way.
                     idle_ticks = max(idle_ticks, controller.tick - idle_from)
-                if acts:
+                if watch is not None:
                     # A client that acts in `watch` may end what looks stuck.
                     idle_ticks, due = 0, controller.tick + 1 if due is None else due
             if not stays and (due is None or idle_ticks > IDLE_TICKS):

@@ -16,7 +16,8 @@ hold the robot up for more than 1 % of the time, by more than `held_up_max_s`, t
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Final
 
 from elitescript.messages.cut import WHOLE, Cut
@@ -102,9 +103,9 @@ class Meter:
         """Note that a program begins."""
         self.held_up_us = 0
 
-    def pardon(self) -> Callable[[], None]:
-        """Begin something whose time does not count; return what ends it."""
-        return _nothing
+    def pardon(self) -> AbstractContextManager[None]:
+        """Return a context in which time does not count."""
+        return nullcontext()
 
     def note_statement(self, line: int) -> None:
         """Note that the statement of this line begins."""
@@ -221,13 +222,13 @@ class ClockMeter(Meter):
         # In the tick that runs already, too.
         self._allowed_ns = max(self._allowed_ns, begin_ns)
 
-    def pardon(self) -> Callable[[], None]:
+    @contextmanager
+    def pardon(self) -> Iterator[None]:
         began_ns = self._worked_ns()
-
-        def end() -> None:
+        try:
+            yield
+        finally:
             self._worked_before_ns += self._worked_ns() - began_ns
-
-        return end
 
     def spend(self, time_ns: int) -> None:
         """Count time in which a program has not worked, but had something done for it."""
@@ -294,7 +295,3 @@ class RepeatingMeter(Meter):
 
     def _late_line(self) -> int:
         return self._expected.late_line
-
-
-def _nothing() -> None:
-    """Do nothing."""
