@@ -85,6 +85,7 @@ R131   error     the thread cannot be stopped
 R132   error     the controller had to be restarted
 R133   error     remote procedure call that failed
 R134   error     MODBUS signal that does not work
+R135   error     calls that hold up the robot
 R140   error     protective stop
 R141   error     emergency stop
 R142   error     violation or fault of the safety system

@@ -129,6 +129,7 @@ _ROWS: Final = (
     Code("R132", "error", "the controller had to be restarted"),
     Code("R133", "error", "remote procedure call that failed"),
     Code("R134", "error", "MODBUS signal that does not work"),
+    Code("R135", "error", "calls that hold up the robot"),
     Code("R140", "error", "protective stop"),
     Code("R141", "error", "emergency stop"),
     Code("R142", "error", "violation or fault of the safety system"),

@@ -46,6 +46,7 @@ BY_HAND = {
     "contact": None,
     "plant": None,
     "work_per_tick": 2000,
+    "held_up_max_s": 0.25,
     "rpc_timeout_s": 60.0,
     "network": "local",
     "strict": False,

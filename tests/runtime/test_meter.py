@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import time
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from statistics import median
 
 import pytest
@@ -155,25 +156,82 @@ class TestMeter:
         assert meter.look()
         assert meter.cut == Cut(3, 0)
 
-    def test_a_call_that_is_much_too_long_is_told_once_in_a_program(self):
+    def test_calls_that_are_much_too_long_add_up_and_what_they_may_for_good_is_taken_off(self):
         clock = MadeUpTime()
         meter = metered(clock)
-        late = []
-        for tick in (1, 1000, 2000):
-            if tick == 2000:
-                meter.begin_program()
+        held_up = []
+        for tick in (1, 1001, 1001 + 25 * 250):
             meter.begin_tick(tick)
-            clock.work(100 * SHARE_NS + LATE_NS)
+            clock.work((1 + CREDIT_SHARES) * SHARE_NS + 60 * MS)
             assert meter.look()
-            late.append(meter.late_ms > 0)
+            assert meter.late_ms == 60
+            held_up.append(meter.held_up_us)
             meter.end_tick()
-        assert late == [True, False, True]
+        assert held_up == [60_000, 80_000, 60_000]
+        meter.begin_program()
+        assert meter.held_up_us == 0
+
+    @pytest.mark.parametrize(("every_s", "is_too_much"), [(0.2, True), (2.0, True), (8.0, False)])
+    def test_a_long_call_every_few_seconds_is_not_too_much(self, every_s, is_too_much):
+        clock = MadeUpTime()
+        meter = metered(clock)
+        found = False
+        for call in range(1, 100):
+            meter.begin_tick(int(call * every_s * 250))
+            clock.work((1 + CREDIT_SHARES) * SHARE_NS + 70 * MS)
+            assert meter.look()
+            found |= meter.held_up_us > meter.held_up_max_us
+            meter.end_tick()
+        assert found == is_too_much
+
+    def test_a_tick_that_was_leapt_over_was_not_spent(self):
+        for tick, was_spent in ((2, True), (3, False)):
+            clock = MadeUpTime()
+            meter = metered(clock)
+            meter.begin_tick(1)
+            clock.work((1 + CREDIT_SHARES) * SHARE_NS)
+            assert meter.look()
+            meter.end_tick()
+            meter.begin_tick(tick)
+            assert meter.was_spent == was_spent
+
+    def test_a_call_of_less_than_10_ms_holds_nothing_up(self):
+        clock = MadeUpTime()
+        meter = metered(clock)
+        meter.begin_tick(1)
+        clock.work((1 + CREDIT_SHARES) * SHARE_NS + LATE_NS - 1)
+        assert meter.look()
+        assert (meter.late_ms, meter.held_up_us) == (0, 0)
+
+    @pytest.mark.parametrize(("calls", "is_too_much"), [(1, False), (2, False), (4, True)])
+    def test_two_calls_are_never_too_much_however_long(self, calls, is_too_much):
+        clock = MadeUpTime()
+        meter = metered(clock)
+        for tick in range(1, 1 + 400 * calls, 400):
+            meter.begin_tick(tick)
+            clock.work(650 * MS)
+            assert meter.look()
+            meter.end_tick()
+        assert (meter.held_up_us > meter.held_up_max_us) == is_too_much
+
+    def test_the_line_is_that_of_the_statement_that_has_taken_longest(self):
+        clock = MadeUpTime()
+        meter = metered(clock)
+        for tick, before, behind, expected in ((1, 5, 60, 4), (1000, 60, 5, 3), (2000, 1, 1, 0)):
+            meter.begin_tick(tick)
+            meter.note_statement(3)
+            clock.work(before * MS)
+            meter.note_statement(4)
+            clock.work(behind * MS)
+            assert meter.look() == (expected > 0)
+            assert meter.late_line == meter.cut.late_line == expected
+            meter.end_tick()
 
 
 # ---------------------------------------------------------------- robots
 
 ALL = programs()
-EVERY = 64
+EVERY = 256
 """Of so many programs of the catalogue one is tried; the others are tried by a slow test."""
 PARTS = 16
 """Of the slow test."""
@@ -308,19 +366,52 @@ def test_clean_up_without_end_is_given_up_and_a_replay_does_the_same():
     assert played(inputs_of, 8, RepeatingMeter(), cuts) == (given, cuts)
 
 
+CALLS = """def p():
+  while True:
+    a = 1
+    get_steptime()
+    b = 2
+    sync()
+  end
+end
+"""
+
+
+class CallTime(MadeUpTime):
+    """Lets a call of `CALLS` take a time, in chosen ticks: between two looks of the thread."""
+
+    def __init__(self, time_ns: int, is_long: Callable[[int], bool]) -> None:
+        super().__init__()
+        self._time_ns = time_ns
+        self._is_long = is_long
+        self._reads = 0
+
+    def inputs(self, tick: int) -> list[Input]:
+        self._reads = 0 if tick >= 5 and self._is_long(tick) else -1000
+        return [RunUnit("primary#1", "program", CALLS)] if not tick else []
+
+    def now(self) -> int:
+        self._reads += 1
+        if self._reads == 5:
+            self.work(self._time_ns)
+        return self.ns
+
+
 def test_a_program_is_warned_once_of_a_call_that_is_too_long_and_a_replay_says_the_same():
-    text = "def p():\n  while True:\n    get_steptime()\n    sync()\n  end\nend\n"
-    clock = MadeUpTime()
+    clock = CallTime(60 * MS, lambda tick: tick in (5, 150))
+    given, cuts = played(clock.inputs, 300, ClockMeter(clock.now, clock.worked))
+    assert [cut.late_ms for cut in cuts if cut.late_ms] == [38, 54]
+    assert sum("took 38 ms too long" in output for output in given) == 1
+    assert not any("R135" in output for output in given)
+    assert played(clock.inputs, 300, RepeatingMeter(), cuts) == (given, cuts)
 
-    def inputs_of(tick: int) -> list[Input]:
-        # The first look of a tick, from the fifth one on, finds that 40 ms have gone by.
-        clock.step_ns = 20 * MS if tick >= 5 else 0
-        return [RunUnit("primary#1", "program", text)] if not tick else []
 
-    given, cuts = played(inputs_of, 60, ClockMeter(clock.now, clock.worked))
-    assert [cut.late_ms > 0 for cut in cuts].count(True) == 1
-    assert sum("ms too long" in output for output in given) == 1
-    assert played(inputs_of, 60, RepeatingMeter(), cuts) == (given, cuts)
+def test_a_program_that_holds_the_robot_up_again_and_again_ends_with_an_alarm():
+    clock = CallTime(76 * MS, lambda tick: tick % 50 == 0)
+    given, cuts = played(clock.inputs, 300, ClockMeter(clock.now, clock.worked))
+    (alarm,) = [output for output in given if "R135" in output]
+    assert "for more than 250 ms beyond 1 % of the time; the last took 70 ms too long" in alarm
+    assert played(clock.inputs, 300, RepeatingMeter(), cuts) == (given, cuts)
 
 
 def test_a_served_program_does_what_a_free_one_does():
@@ -357,3 +448,24 @@ def test_work_of_events_counts_the_same_however_it_is_paid_out():
     free = Kernel(RobotOptions(power_on=True))
     given, _ = played(inputs_of, 10, Meter())
     assert given == [output_text(free.tick_and_snapshot(inputs_of(tick))) for tick in range(10)]
+
+
+EXAMPLES = sorted((Path(__file__).resolve().parents[2] / "examples").glob("*.script"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_the_examples_do_the_same_by_the_real_clock_as_in_a_free_run(path):
+    """As in `serve` and in `run`: programs that move, wait and compute a little are not cut so that it shows."""
+    text = path.read_text(encoding="utf-8")
+
+    def events(meter: Meter | None) -> list[tuple[object, ...]]:
+        robot = Kernel(RobotOptions(power_on=True), meter=meter)
+        found = [robot.tick([RunUnit("primary#1", "program", text)]).events]
+        found += [robot.tick().events for _ in range(10 * 250)]
+        robot.host.forget_threads()
+        return found
+
+    given = events(ClockMeter(time.monotonic_ns, time.thread_time_ns))
+    assert sum(map(len, given)) > 2
+    assert given == events(None)

@@ -185,6 +185,7 @@ class Kernel:
             on_end=self._program_ended,
             confirms_popups=options.confirms_popups,
             work_per_tick=options.work_per_tick,
+            held_up_max_s=options.held_up_max_s,
             rpc_timeout_s=options.rpc_timeout_s,
             is_rtsi_input=_is_rtsi_input,
             probe=self.probe,

@@ -49,6 +49,9 @@ class RobotKeywords(TypedDict, total=False):
     work_per_tick: int
     """loop passes and calls that a thread may make in one tick; how many the real controller makes is not known
     (default: 2000)"""
+    held_up_max_s: float
+    """for how long calls of 10 ms and more may hold up a served robot, beyond 1 % of the time, before its program
+    ends with R135; 0: for ever (default: 0.25)"""
     rpc_timeout_s: float
     """how long a remote procedure call waits for its answer; 0 waits for ever (default: 60.0)"""
     network: str

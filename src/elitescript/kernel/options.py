@@ -29,7 +29,7 @@ from elitescript.messages.profile import (
     version_text,
 )
 from elitescript.messages.signals import Value
-from elitescript.messages.timing import RPC_TIMEOUT_S, WORK_PER_TICK
+from elitescript.messages.timing import HELD_UP_MAX_S, RPC_TIMEOUT_S, WORK_PER_TICK
 from elitescript.records import NamedTuple, field, fields_of, record
 
 if TYPE_CHECKING:
@@ -354,6 +354,12 @@ class RobotOptions:
         WORK_PER_TICK,
         "loop passes and calls that a thread may make in one tick; how many the real controller makes is not known",
         Whole(1),
+    )
+    held_up_max_s: float = option(
+        HELD_UP_MAX_S,
+        "for how long calls of 10 ms and more may hold up a served robot, beyond 1 % of the time, before its program "
+        "ends with R135; 0: for ever",
+        Number(unit="s"),
     )
     rpc_timeout_s: float = option(
         RPC_TIMEOUT_S,

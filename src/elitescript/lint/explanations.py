@@ -377,6 +377,15 @@ _TEXTS: Final[dict[str, str]] = {
 
             modbus_set_signal_watchdog("gripper", 0.5)    # R134 when the gripper is silent for longer than that
         """,
+    "R135": """
+        A served robot cannot stop, send or go on while one call computes. Calls that take 10 ms and more of processor
+        time hold it up: the first of a program is warned of. When together they have held it up for 0.25 s
+        (`held_up_max_s`) beyond 1 % of the time, the program ends. A long call every few seconds is no matter.
+
+            while True:
+              best = sorted(range(200000))   # R135: sort once, before the loop
+            end
+        """,
     "R140": """
         A protective stop: a collision, a limit of force, speed or position, or a plane that was passed. The arm has
         stopped on its path and keeps its power.

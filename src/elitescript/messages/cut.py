@@ -7,7 +7,7 @@ from typing import Final
 from elitescript.records import NamedTuple
 
 LOOKS_MAX: Final = 1 << 24
-"""No tick has more looks at the clock than this."""
+"""No tick has more looks at the clock, and no number of a cut is larger."""
 
 
 class Cut(NamedTuple):
@@ -19,10 +19,10 @@ class Cut(NamedTuple):
     cleanups: int
     """Number of the step of clean-up, from 1, at which stopped threads were given up; 0 if none was."""
     late_ms: int = 0
-    """By how much the call before that look was too long, where the program is warned of it; 0 elsewhere."""
+    """By how much the call before that look was too long; 0 where none was by much."""
+    late_line: int = 0
+    """Line of the statement with that call, where lines are noted; 0 elsewhere."""
 
 
-LATE_MAX_MS: Final = 1 << 24
-"""No call is late by more: its robot is gone before."""
 WHOLE: Final = Cut(0, 0)
 """No cut: every thread ran until it waited or had used up its work."""

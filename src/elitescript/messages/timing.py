@@ -18,6 +18,9 @@ RPC_TIMEOUT_S: Final = 60.0
 WORK_PER_TICK: Final = 2_000
 """Checkpoints of one thread in one tick (*assumed*): few enough that a served polling loop keeps up with time."""
 
+HELD_UP_MAX_S: Final = 0.25
+"""Time for which long calls may hold up a served robot, unless configured (*assumed*); see `runtime.threads.meter`."""
+
 TICK_MAX: Final = 2**50
 """Largest tick of a message: its time in microseconds fits into every packet."""
 

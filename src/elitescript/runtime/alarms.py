@@ -124,6 +124,23 @@ def abandoned(strand: Strand, tick: int) -> Alarm:
     return Alarm(tick, "R131", "RuntimeError", text, strand.line, 0, strand.name)
 
 
+def held_up(strand: Strand, tick: int, line: int, late_ms: int, limit_ms: float, hint: str) -> Alarm:
+    """Return the alarm for a program whose calls hold up a served robot again and again.
+
+    Args:
+        strand: the thread of the last such call.
+        line: of that call.
+        late_ms: by how much it was too long.
+        limit_ms: for how long all of them may hold up the robot.
+    """
+    text = (
+        f"single calls have held up robot time and streams for more than {limit_ms:g} ms beyond 1 % of the time; "
+        f"the last took {late_ms} ms too long"
+    )
+    details = {"value": late_ms / 1000.0, "limit": limit_ms / 1000.0, "unit": "s", "hint": hint}
+    return Alarm(tick, "R135", "HeldUp", text, line, 0, strand.name, "", details)
+
+
 def summary_of(error: BaseException) -> str:
     """Return the class and text in one line, as `[SEC] Exception:` shows them; functions have their own names."""
     from elitescript.runtime.plain_words import without_locals

@@ -7,6 +7,7 @@ program they get an empty namespace. Results go to the machine as events.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.commands.definition.context import Machine
@@ -14,8 +15,8 @@ from elitescript.errors import ScriptStateError
 from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.profile import Profile
-from elitescript.messages.timing import RPC_TIMEOUT_S, WORK_PER_TICK
-from elitescript.runtime.alarms import abandoned, summary_of
+from elitescript.messages.timing import HELD_UP_MAX_S, RPC_TIMEOUT_S, WORK_PER_TICK
+from elitescript.runtime.alarms import abandoned, held_up, summary_of
 from elitescript.runtime.connections.background import Background
 from elitescript.runtime.environment import EmptyEnvironment, ProgramEnvironment
 from elitescript.runtime.interpreter import Interpreter
@@ -43,6 +44,8 @@ _FRAMES_OF_A_CHANGE: Final = 8
 a script causes has fewer, so that the walk to its line passes them in one step."""
 
 LATE_HINT: Final = "do less in one call, or do it before the arm moves"
+_FOR_EVER_US: Final = 1 << 62
+HELD_UP_HINT: Final = "do less in one call, with sync() between the parts, or compute it once and keep the result"
 
 SECONDARY_WARNING: Final = "[SEC] Exception: "
 
@@ -58,6 +61,7 @@ class ScriptHost:
         on_end: called with `finished`, `alarm` or `stopped` when a program is over.
         confirms_popups: whether a blocking popup is confirmed at once; if not, `confirm_popup` does it.
         work_per_tick: checkpoints that a thread may pass in one tick.
+        held_up_max_s: for how long calls may hold up the robot where a wall clock rules; 0 for ever.
         rpc_timeout_s: how long a remote procedure call waits for its answer; 0 and less wait for ever.
         is_rtsi_input: whether clients can send an input of that name.
         probe: counts the statements of its programs.
@@ -78,6 +82,7 @@ class ScriptHost:
     __slots__ = (
         "_confirms_popups",
         "_ending",
+        "_has_warned",
         "_machine",
         "_main",
         "_on_end",
@@ -110,6 +115,7 @@ class ScriptHost:
         on_end: Callable[[str], None] = lambda state: None,
         confirms_popups: bool = True,
         work_per_tick: int = WORK_PER_TICK,
+        held_up_max_s: float = HELD_UP_MAX_S,
         rpc_timeout_s: float = RPC_TIMEOUT_S,
         is_rtsi_input: Callable[[str], bool] = lambda name: True,
         probe: Probe | None = None,
@@ -127,9 +133,13 @@ class ScriptHost:
             meter=meter,
             on_end=self._strand_ended,
             on_abandoned=self._strand_abandoned,
-            on_late=self._warn_late,
+            on_late=self._held_up,
         )
         self.spend_event = self._scheduler.spend_event
+        if meter is not None:
+            meter.held_up_max_us = round(1_000_000 * held_up_max_s) or _FOR_EVER_US
+        self._has_warned = False
+        """Whether the program was warned of a call that has held up the robot."""
         self._program: Program | None = None
         self._main: Strand | None = None
         self._ending = ""
@@ -167,6 +177,8 @@ class ScriptHost:
         self.result, self.alarm, self._ending = "", None, ""
         if (meter := self._scheduler.meter) is not None:
             meter.begin_program()
+        # Secondary programs run without a program, too.
+        self._forget_late()
         self._main = self._spawn(program, "main", program.body_of(unit))
         program.main = self._main
         self.interpreter.begin_program(self._main, program.globals, program.execute)
@@ -417,6 +429,7 @@ class ScriptHost:
         for strand in [strand for strand in self._scheduler.strands if not strand.is_secondary]:
             self._scheduler.kill(strand)
         self._scheduler.forget_pause()
+        self._forget_late()
         self.interpreter.end_program()
         self.watchdogs.clear()
         if main is not None:
@@ -432,10 +445,38 @@ class ScriptHost:
             self._secondaries.ended(strand)
             self._queries.ended(strand)
 
-    def _warn_late(self, strand: Strand, late_ms: int) -> None:
-        """Warn of a call that has held up the robot; the line is where the thread has come to behind it."""
-        text = f"a call took {late_ms} ms too long: no stop acts and no stream goes on while it runs"
-        self._machine.emit(Warned(self._machine.tick, text, strand.name, strand.line, "", LATE_HINT))
+    def _held_up(self, strand: Strand, late_ms: int) -> None:
+        """Warn of the first call of a program that has held up the robot, and end the program when they are too much.
+
+        The line of the warning is where the thread has come to behind the call. From then on the times of statements
+        are noted, so the alarm has the line of the call itself, unless a debugger watches the program.
+        """
+        meter = self._scheduler.meter
+        assert meter is not None
+        if meter.held_up_us > meter.held_up_max_us and not strand.is_secondary:
+            line = meter.late_line or strand.line or strand.started_line
+            self.fail(held_up(strand, self._machine.tick, line, late_ms, meter.held_up_max_us / 1000, HELD_UP_HINT))
+        elif not self._has_warned:
+            self._has_warned = True
+            what = f"one call, or a few on end, took {late_ms} ms too long"
+            text = f"{what}: no stop acts and no stream goes on meanwhile"
+            line = strand.line or strand.started_line
+            self._machine.emit(Warned(self._machine.tick, text, strand.name, line, "", LATE_HINT))
+            if meter.notes_statements and not self._scheduler.watchers:
+                self._scheduler.watch(self._note_statement)
+
+    def _forget_late(self) -> None:
+        """Warn again, and note no statements."""
+        self._has_warned = False
+        if self._note_statement in self._scheduler.watchers:
+            self._scheduler.watch(None)
+
+    def _note_statement(self, strand: Strand, number: int) -> None:
+        meter = self._scheduler.meter
+        assert meter is not None
+        # Near to the limit of the depth of calls nothing is noted; the program meets it later.
+        with suppress(RecursionError):
+            meter.note_statement(strand.line)
 
     def _strand_abandoned(self, strand: Strand) -> None:
         self._machine.emit(abandoned(strand, self._machine.tick))

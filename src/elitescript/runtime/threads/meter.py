@@ -9,6 +9,9 @@ exactly how far the threads came, and a robot that is given this number (`Repeat
 The share of a tick is time of the processor that the thread of the robot has had, so that a busy computer cuts nothing.
 What a program leaves of its shares it may use later, up to `CREDIT_SHARES`; what one long call takes beyond them is
 missing in the ticks behind it, so that robot time keeps up in the mean.
+
+Nothing looks inside such a call, and streams are late by as long as it takes. One now and then is warned of. Where they
+hold the robot up for more than 1 % of the time, by more than `held_up_max_s`, the program has to end.
 """
 
 from __future__ import annotations
@@ -18,6 +21,7 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Final
 
 from elitescript.messages.cut import WHOLE, Cut
+from elitescript.messages.timing import HELD_UP_MAX_S
 
 SHARE_NS: Final = 2_000_000
 """Time of programs in a tick: half of it; the rest is for the snapshot, the way to the clients and a busy computer."""
@@ -29,6 +33,8 @@ CLEANUP_NS: Final = 4_000_000
 """Time in a tick for the `finally` blocks of stopped threads."""
 LATE_NS: Final = 10_000_000
 """A call that takes so much more than its share makes streams late; a program is warned of it once."""
+HELD_UP_PER_TICK_US: Final = 40
+"""Time of each tick for which calls may hold the robot up for good: 1 %."""
 
 
 class Meter:
@@ -37,54 +43,72 @@ class Meter:
     Attributes:
         is_spent: whether no thread runs on in this tick.
         was_spent: whether that was so in the tick before.
-        late_ms: by how much the call that has ended the tick was too long; 0 but for the first such call of a program.
+        late_ms: by how much the call that has ended the tick was too long; 0 where none was.
+        late_line: line of the statement that has taken longest in that tick, if `notes_statements`; 0 elsewhere.
+        notes_statements: whether it is of use to call `note_statement`.
+        held_up_us: for how long such calls of the program have held the robot up beyond what they may for good; one
+            call counts a third of `held_up_max_us` at most, so that no two calls end a program.
+        held_up_max_us: beyond this the program has to end.
     """
 
     __slots__ = (
         "_cleanups",
         "_given_up_at",
-        "_has_warned",
         "_looks",
         "_spent_at",
         "_tick",
+        "held_up_max_us",
+        "held_up_us",
         "is_spent",
+        "late_line",
         "late_ms",
         "was_spent",
     )
 
+    notes_statements = False
+
     def __init__(self) -> None:
         self._tick = -1
         self._looks = self._spent_at = self._cleanups = self._given_up_at = 0
-        self.is_spent = self.was_spent = self._has_warned = False
-        self.late_ms = 0
+        self.is_spent = self.was_spent = False
+        self.late_ms = self.late_line = 0
+        self.held_up_us = 0
+        self.held_up_max_us = round(1_000_000 * HELD_UP_MAX_S)
 
     @property
     def cut(self) -> Cut:
         """How far the threads came in the tick that ran last."""
         if not self._spent_at and not self._given_up_at:
             return WHOLE
-        return Cut(self._spent_at, self._given_up_at, self.late_ms)
+        return Cut(self._spent_at, self._given_up_at, self.late_ms, self.late_line)
 
     def begin_tick(self, tick: int) -> None:
         """Begin the program phase of a tick, or go on with it: a program that is replaced ends before it."""
         if tick == self._tick:
             self._resume()
             return
-        self._begin(tick - self._tick)
+        ticks = tick - self._tick
+        self._begin(ticks)
+        if self.held_up_us:
+            self.held_up_us = max(0, self.held_up_us - ticks * HELD_UP_PER_TICK_US)
         self._tick = tick
-        self.was_spent, self.is_spent = self.is_spent, False
-        self._looks = self._spent_at = self._cleanups = self._given_up_at = self.late_ms = 0
+        # Where ticks were leapt over, they were not.
+        self.was_spent, self.is_spent = self.is_spent and ticks == 1, False
+        self._looks = self._spent_at = self._cleanups = self._given_up_at = self.late_ms = self.late_line = 0
 
     def end_tick(self) -> None:
         """End it, or leave it until `begin_tick` is called for the same tick."""
 
     def begin_program(self) -> None:
         """Note that a program begins."""
-        self._has_warned = False
+        self.held_up_us = 0
 
     def pardon(self) -> AbstractContextManager[None]:
         """Return a context in which time does not count."""
         return nullcontext()
+
+    def note_statement(self, line: int) -> None:
+        """Note that the statement of this line begins."""
 
     def look(self) -> bool:
         """Return whether the tick is over for all threads."""
@@ -93,9 +117,10 @@ class Meter:
             if self._is_over(self._looks):
                 self._spent_at = self._looks
                 self.is_spent = True
-                late_ms = self._late_ms()
-                if late_ms and not self._has_warned:
-                    self._has_warned, self.late_ms = True, late_ms
+                self.late_ms = self._late_ms()
+                if self.late_ms:
+                    self.late_line = self._late_line()
+                self.held_up_us += min(1000 * self.late_ms, self.held_up_max_us // 3)
         return self.is_spent
 
     def look_at_cleanup(self) -> bool:
@@ -121,6 +146,9 @@ class Meter:
     def _late_ms(self) -> int:
         return 0
 
+    def _late_line(self) -> int:
+        return 0
+
 
 class ClockMeter(Meter):
     """Ends ticks by a clock.
@@ -137,6 +165,10 @@ class ClockMeter(Meter):
         "_cleanup_until_ns",
         "_cleanup_worked_ns",
         "_credit_ns",
+        "_line",
+        "_line_ns",
+        "_longest_line",
+        "_longest_ns",
         "_now_ns",
         "_over_ns",
         "_share_ns",
@@ -146,6 +178,8 @@ class ClockMeter(Meter):
         "_worked_ns",
         "_worked_until_ns",
     )
+
+    notes_statements = True
 
     def __init__(self, now_ns: Callable[[], int], worked_ns: Callable[[], int], *, share_ns: int = SHARE_NS) -> None:
         super().__init__()
@@ -157,6 +191,7 @@ class ClockMeter(Meter):
         self._worked_before_ns = self._worked_until_ns = 0
         """Time of the processor at the begin of the phase, and when it was left last; what does not count is in it."""
         self._cleanup_until_ns = self._cleanup_worked_ns = 0
+        self._line = self._line_ns = self._longest_line = self._longest_ns = 0
 
     def end_tick(self) -> None:
         self._worked_until_ns = self._worked_ns()
@@ -172,6 +207,8 @@ class ClockMeter(Meter):
         self._began_ns = self._now_ns()
         self._until_ns = self._began_ns + self._allowed_ns
         self._cleanup_until_ns = 0
+        # A statement in whose middle a thread was suspended goes on.
+        self._line_ns, self._longest_line, self._longest_ns = self._began_ns, 0, 0
 
     def _resume(self) -> None:
         # What was between is no work of programs.
@@ -179,6 +216,7 @@ class ClockMeter(Meter):
 
     def begin_program(self) -> None:
         super().begin_program()
+        self._line = 0
         begin_ns = BEGIN_SHARES * self._share_ns
         self._credit_ns = max(self._credit_ns, begin_ns)
         # In the tick that runs already, too.
@@ -204,6 +242,17 @@ class ClockMeter(Meter):
         self._until_ns = now_ns + left_ns
         self._over_ns = -left_ns - max(-self._allowed_ns, 0)
         return left_ns <= 0
+
+    def note_statement(self, line: int) -> None:
+        now_ns = self._now_ns()
+        if now_ns - self._line_ns > self._longest_ns:
+            self._longest_line, self._longest_ns = self._line, now_ns - self._line_ns
+        self._line, self._line_ns = line, now_ns
+
+    def _late_line(self) -> int:
+        if self._line:
+            self.note_statement(self._line)
+        return self._longest_line
 
     def _late_ms(self) -> int:
         return self._over_ns // 1_000_000 if self._over_ns >= LATE_NS else 0
@@ -243,3 +292,6 @@ class RepeatingMeter(Meter):
 
     def _late_ms(self) -> int:
         return self._expected.late_ms
+
+    def _late_line(self) -> int:
+        return self._expected.late_line

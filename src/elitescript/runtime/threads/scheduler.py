@@ -207,6 +207,7 @@ class Scheduler:
         """Run strands until none is ready in this tick, or something needs attention."""
         ready = self._ready
         now, meter = self.now, self.meter
+        ran: Strand | None = None
         while ready and not self.needs_attention and not self._is_interrupted:
             strand = ready.popleft()
             if strand.state is not READY:
@@ -214,11 +215,15 @@ class Scheduler:
             if not strand.is_dying and (
                 (self.is_paused and not strand.is_secondary)
                 or (strand.work_tick == now and strand.work >= self._work_per_tick)
-                or (meter is not None and meter.look())
+                or (meter is not None and self._is_over(meter, ran))
             ):
                 self._next.append(strand)
                 continue
+            ran = strand
             self._activate(strand)
+        if meter is not None and ran is not None and not ready:
+            # The last one may have made a long call before it ended.
+            self._is_over(meter, ran)
 
     def end_tick(self) -> None:
         """Leave the tick; an interruption is over with it."""
@@ -517,6 +522,15 @@ class Scheduler:
         else:
             self._next.append(strand)
 
+    def _is_over(self, meter: Meter, ran: Strand | None) -> bool:
+        """Look at the meter outside all strands, after one that has run in this tick."""
+        was_spent = meter.is_spent
+        if not meter.look():
+            return False
+        if meter.late_ms and not was_spent and ran is not None:
+            self._on_late(ran, meter.late_ms)
+        return True
+
     def _activate(self, strand: Strand) -> None:
         if strand.work_tick != self.now:
             strand.work_tick = self.now
@@ -566,7 +580,8 @@ class Scheduler:
         count = min(len(self._portion), self._work_per_tick - strand.work - 1)
         if self.meter is not None:
             count = min(count, strand.portion)
-            strand.portion = min(2 * strand.portion, PORTION_MAX)
+            # Many long calls between two looks would hold the robot up for as long as all of them take.
+            strand.portion = 1 if self.meter.held_up_us else min(2 * strand.portion, PORTION_MAX)
             if self.watchers:
                 self._unpaid = max(count, 0)
         if self.watchers:

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from elitescript.codec.values import CodecError
-from elitescript.messages.cut import LATE_MAX_MS, LOOKS_MAX, WHOLE, Cut
+from elitescript.messages.cut import LOOKS_MAX, WHOLE, Cut
 from elitescript.messages.timing import TICKS_PER_S
 
 DOWN_MAX: Final = 32 * 1024 * 1024
@@ -24,7 +24,7 @@ _LENGTH: Final = struct.Struct(">I")
 _HEAD: Final = struct.Struct(">IB")
 _TICK: Final = struct.Struct(">qB?")
 _NUMBER: Final = struct.Struct(">q")
-_ANSWERED: Final = struct.Struct(">qIII")
+_ANSWERED: Final = struct.Struct(">qIIII")
 NEVER: Final = (1 << 63) - 1
 """Number of a tick that does not come."""
 REFRESH_TICKS: Final = TICKS_PER_S // 10
@@ -50,7 +50,7 @@ CODE: Final = "M"
 child, unread on the way. From the compiler it comes without the number."""
 
 # Up. The answers to a tick begin with the number of the next one that is due (i64); the next one if that was not asked
-# for. Then comes how far programs came in the tick, a `Cut` (three times u32).
+# for. Then comes how far programs came in the tick, a `Cut` (four times u32).
 LOCKED_IN: Final = "L"
 """The layers of the jail."""
 DESCRIBED: Final = "D"
@@ -114,10 +114,11 @@ def read_answer(content: bytes) -> tuple[int, Cut, bytes]:
     """
     if len(content) < _ANSWERED.size:
         raise CodecError("an answer to a tick without its head")
-    due, looks, cleanups, late_ms = _ANSWERED.unpack_from(content)
-    if max(looks, cleanups) > LOOKS_MAX or late_ms > LATE_MAX_MS:
-        raise CodecError(f"a tick that was cut at {looks}, {cleanups}, {late_ms}; none can be")
-    return due, Cut(looks, cleanups, late_ms), content[_ANSWERED.size :]
+    due, *numbers = _ANSWERED.unpack_from(content)
+    cut = Cut(*numbers)
+    if max(cut) > LOOKS_MAX:
+        raise CodecError(f"a tick that was cut at {', '.join(map(str, cut))}; none can be")
+    return due, cut, content[_ANSWERED.size :]
 
 
 def frame(letter: str, content: str | bytes, limit: int = DOWN_MAX) -> bytes:

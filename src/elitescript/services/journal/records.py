@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from elitescript.codec.messages import shape_of
 from elitescript.codec.values import CodecError, shown
-from elitescript.messages.cut import LOOKS_MAX, Cut
+from elitescript.messages.cut import LOOKS_MAX, WHOLE, Cut
 from elitescript.messages.events import Event
 from elitescript.messages.inputs import Input
 from elitescript.messages.snapshot import Snapshot
@@ -125,8 +125,8 @@ class RecordReader:
 
 
 def _cut(value: Any) -> Cut:
-    if type(value) is not list or [type(item) for item in value] != [int, int, int]:
-        raise CodecError(f"cut must be three whole numbers, not {shown(value)}")
+    if type(value) is not list or len(value) != len(WHOLE) or any(type(item) is not int for item in value):
+        raise CodecError(f"cut must be {len(WHOLE)} whole numbers, not {shown(value)}")
     if not all(0 <= item <= LOOKS_MAX for item in value):
         raise CodecError(f"cut must have numbers from 0 to {LOOKS_MAX}, not {shown(value)}")
     return Cut(*value)

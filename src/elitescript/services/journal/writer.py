@@ -3,7 +3,7 @@
 One JSON text a line:
 
     {"journal": 4, "version": ..., "python": ..., "hash_seed": ..., "metered": true, "options": {...}}
-    {"tick": 812, "in": [...], "asked": [...], "cut": [29, 0, 0]}   inputs, answers about files, how far programs came
+    {"tick": 812, "in": [...], "asked": [...], "cut": [29, 0, 0, 0]}  inputs, answers about files, how far programs came
                                                    before the share of the tick was used up (`messages.cut`); ticks
                                                    without any have no line
     {"digest": 999, "hash": "...", "ticks": "..."} digest of the outputs up to tick 999; a check sum for each tick since
@@ -134,7 +134,7 @@ class Journal:
         given = inputs if isinstance(inputs, str) else to_text([self._inputs.encode(item) for item in inputs])
         if given != _NOTHING or answers or cut != WHOLE:
             asked = f',"asked":{to_text(list(answers))}' if answers else ""
-            ended = f',"cut":[{cut.looks},{cut.cleanups},{cut.late_ms}]' if cut != WHOLE else ""
+            ended = f',"cut":[{",".join(map(str, cut))}]' if cut != WHOLE else ""
             self._file.put(f'{{"tick":{tick},"in":{given}{asked}{ended}}}\n'.encode())
         text = output if isinstance(output, bytes) else output_text(output).encode()
         self._digest.add(text)
