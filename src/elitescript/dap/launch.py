@@ -12,6 +12,7 @@ from elitescript.debugger.api import BreakpointState, LineBreakpoint, Output, Pl
 from elitescript.debugger.session import DebugSession
 from elitescript.debugger.source import ProgramSource
 from elitescript.environment.start_values import check_presets, parse_settings
+from elitescript.environment.ways import LAUNCH
 from elitescript.errors import did_you_mean
 from elitescript.kernel.options import OPTIONS, accept
 from elitescript.messages.signals import SIGNALS, Value
@@ -133,6 +134,7 @@ def _source(arguments: Arguments, program: str) -> ProgramSource | JournalSource
         presets=presets,
         until_s=until_s,
         task_dir=arguments.text("taskDir") if arguments.has("taskDir") else None,
+        network_by=LAUNCH,
         **options,
     )
     check_presets(presets, source.text)

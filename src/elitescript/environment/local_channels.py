@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from elitescript.environment.reach import Decision, Reach
     from elitescript.environment.serial_channel import SerialChannel
     from elitescript.environment.tcp_channel import TcpChannel
+    from elitescript.environment.ways import Way
     from elitescript.messages.inputs import ChannelEvent
     from elitescript.messages.line import LineSettings
 
@@ -61,6 +62,7 @@ class LocalChannels:
         say: takes a line for people before the first byte goes to a peer.
 
     Attributes:
+        way: how users set the option, for texts; that of the command line if None.
         refused: how many connections were not let through, by their peers.
 
     Raises:
@@ -87,6 +89,7 @@ class LocalChannels:
         "_start_s",
         "_tick",
         "refused",
+        "way",
     )
 
     def __init__(
@@ -101,6 +104,7 @@ class LocalChannels:
         self._is_closed = is_closed
         self._network = NONE if is_closed else network
         self._reach: Reach | None = None
+        self.way: Way | None = None
         self._say = say
         self._said: set[str] = set()
         """Peers that were named."""
@@ -152,8 +156,9 @@ class LocalChannels:
         if self._reach is None:
             # Most programs open no connection, and the network takes its time to load.
             from elitescript.environment.reach import Reach
+            from elitescript.environment.ways import COMMAND_LINE
 
-            self._reach = Reach(self._network, is_closed=self._is_closed)
+            self._reach = Reach(self._network, is_closed=self._is_closed, way=self.way or COMMAND_LINE)
         return self._reach.decide(address, port)
 
     def target(self, device: str) -> str | None:
@@ -169,17 +174,18 @@ class LocalChannels:
         from elitescript.environment.addresses import place_of
         from elitescript.environment.tcp_channel import TcpChannel
 
-        self._name_peer(f"the program connects to {place_of(address, port)}", f"--network {reach.text}")
+        self._name_peer(f"the program connects to {place_of(address, port)}", reach.named)
         self._open[self._last] = TcpChannel(self._last, address, port, reach, decision)
         self._places[self._last] = address, port
 
     def _refuse(self, channel: int, address: str, port: int, decision: Decision) -> ChannelEvent:
         """Count a connection that is not let through, and return its event."""
-        from elitescript.environment.addresses import place_of
+        from elitescript.environment.addresses import HOST_MAX, place_of
+        from elitescript.errors import printable
         from elitescript.messages.enums import ChannelError
         from elitescript.messages.inputs import ChannelOpened
 
-        place = place_of(address, port)
+        place = place_of(printable(address[:HOST_MAX]), port)
         if place not in self.refused and len(self.refused) >= PEERS_MAX:
             place = NOT_COUNTED
         self.refused[place] = self.refused.get(place, 0) + 1
@@ -193,7 +199,7 @@ class LocalChannels:
             return ""
         count = sum(self.refused.values())
         peers = ", ".join(f"{place} ({times} times)" if times > 1 else place for place, times in self.refused.items())
-        who = "this closed run" if self._is_closed else f"--network {self._reach.text}"
+        who = "this closed run" if self._is_closed else self._reach.named
         text = f"{who} has refused {count} connection{'s' * (count > 1)}: {peers}"
         if self._fixes:
             text += f"; `{self._reach.allowing(self._fixes)}` allows {'it' if len(self._fixes) == 1 else 'them'}"
