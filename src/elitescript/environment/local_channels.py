@@ -327,4 +327,4 @@ class LocalChannels:
 
 
 def _words(channel: TcpChannel | SerialChannel, size: int) -> str:
-    return f"{size} bytes to {channel.place}"
+    return f"{size} byte{'s' * (size != 1)} to {channel.place}"
