@@ -47,8 +47,8 @@ from elitescript.runtime.threads.strand import is_stop
 if TYPE_CHECKING:
     from typing import Unpack
 
+    from elitescript.environment.local_channels import Way
     from elitescript.environment.state_file import StateFile
-    from elitescript.environment.ways import Way
     from elitescript.kernel.clients import Client, Clients
     from elitescript.kernel.option_keywords import RobotKeywords
     from elitescript.runtime.host import ScriptHost

@@ -8,17 +8,18 @@ import sys
 import pytest
 
 from elitescript.environment import tcp_channel
-from elitescript.environment.local_channels import PEERS_MAX, LocalChannels
-from elitescript.environment.reach import Reach, numeric
-from elitescript.environment.ways import (
+from elitescript.environment.local_channels import (
     COMMAND_LINE,
     COMMENT,
     LAUNCH,
     MARKER,
+    PEERS_MAX,
     PYTHON,
     STUDIO,
     WORLD_FILE,
+    LocalChannels,
 )
+from elitescript.environment.reach import Reach, numeric
 from elitescript.errors import UsageError
 from elitescript.messages.enums import ChannelError
 from elitescript.messages.inputs import ChannelOpened

@@ -12,9 +12,9 @@ from elitescript.cli.output.screen import palette_of, progress_on, rendered
 from elitescript.cli.robot_options import options_from
 from elitescript.cli.run import DOES_NOT_COMPILE, NO_FILE
 from elitescript.cli.watched import watch_for_crashes
+from elitescript.environment.local_channels import COMMAND_LINE
 from elitescript.environment.program_file import refused_source, source_of
 from elitescript.environment.start_values import parse_settings
-from elitescript.environment.ways import COMMAND_LINE
 from elitescript.errors import ProgramError, UsageError
 from elitescript.kernel.options import DEFAULTS, OPTIONS
 from elitescript.language.options import Options

@@ -16,8 +16,8 @@ from elitescript.controller.controller import Controller
 from elitescript.debugger.connections import KeptChannels, KeptNetwork
 from elitescript.devices.outside import OutsideChannels
 from elitescript.devices.surroundings import Surroundings
+from elitescript.environment.local_channels import PYTHON, Way
 from elitescript.environment.program_file import source_of
-from elitescript.environment.ways import PYTHON, Way
 from elitescript.errors import ProgramError, ScriptError
 from elitescript.language.compiler import CompiledUnit, compile_unit
 from elitescript.language.diagnostics import Diagnostic

@@ -10,8 +10,8 @@ from typing import Any, Final
 
 import pytest
 
+from elitescript.environment.local_channels import COMMENT
 from elitescript.environment.program_file import source_of
-from elitescript.environment.ways import COMMENT
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
 from elitescript.kernel.options import OPTIONS, Network, Number, Switch, VersionText, Whole, accept
 from elitescript.language.compiler import CompiledUnit, compile_parsed
