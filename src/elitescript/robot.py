@@ -47,6 +47,7 @@ from elitescript.runtime.threads.strand import is_stop
 if TYPE_CHECKING:
     from typing import Unpack
 
+    from elitescript.environment.local_channels import Way
     from elitescript.environment.state_file import StateFile
     from elitescript.kernel.clients import Client, Clients
     from elitescript.kernel.option_keywords import RobotKeywords
@@ -216,6 +217,10 @@ class VirtualRobot:
     def may_be_real(self) -> bool:
         """Whether its programs may reach something outside of their world."""
         return self._outside.may_be_real
+
+    def set_network_by(self, way: Way) -> None:
+        """Let texts name the option `network` in a way other than this keyword, before any program runs."""
+        self._outside.set_network_by(way)
 
     def wrap_network(self, wrap: Callable[[OutsideChannels], OutsideChannels]) -> None:
         """Put something before the network of this computer, before any program runs; for a debugger."""

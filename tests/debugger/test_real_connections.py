@@ -100,4 +100,4 @@ def test_what_is_not_let_through_is_counted_once_however_often_it_is_run_again()
         assert session.resume().result == "finished"
     texts = [output.text for output in said]
     assert len([text for text in texts if "not connected to 10.0.0.1:80" in text]) == 1
-    assert len([text for text in texts if "--network local has refused 1 connection: 10.0.0.1:80" in text]) == 1
+    assert len([text for text in texts if 'network="local" has refused 1 connection: 10.0.0.1:80' in text]) == 1

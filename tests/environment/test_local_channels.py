@@ -11,6 +11,7 @@ from contextlib import suppress
 import pytest
 
 from elitescript.environment import local_channels as real_channels
+from elitescript.environment import tcp_channel
 from elitescript.environment.local_channels import HOPE_TICKS, LocalChannels
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelOpened
 from elitescript.messages.outputs import CHANNEL_WINDOW
@@ -260,3 +261,15 @@ end
     run = VirtualRobot().run(program)
     thread.join()
     assert run.log == ["back"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux says what is not confirmed")
+def test_the_end_of_a_half_that_is_not_confirmed_is_no_byte_that_was_lost(server, monkeypatch):
+    monkeypatch.setattr(tcp_channel, "_unacknowledged", lambda connection: 1)
+    channels = LocalChannels()
+    number = channels.open(*server.getsockname()[:2], 2.0)
+    while not channels.arrivals(0):
+        pass
+    assert channels.pending() == (f"1 byte to 127.0.0.1:{port_of(server)}",)
+    channels.close(number)
+    assert channels.pending() == () and channels.give_up() == ()

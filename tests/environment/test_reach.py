@@ -8,7 +8,17 @@ import sys
 import pytest
 
 from elitescript.environment import tcp_channel
-from elitescript.environment.local_channels import PEERS_MAX, LocalChannels
+from elitescript.environment.local_channels import (
+    COMMAND_LINE,
+    COMMENT,
+    LAUNCH,
+    MARKER,
+    PEERS_MAX,
+    PYTHON,
+    STUDIO,
+    WORLD_FILE,
+    LocalChannels,
+)
 from elitescript.environment.reach import Reach, numeric
 from elitescript.errors import UsageError
 from elitescript.messages.enums import ChannelError
@@ -280,3 +290,44 @@ def test_each_peer_is_named_once_before_it_is_connected_to(monkeypatch):
         channels.arrivals(tick)
     peer = ("10.0.0.1", PORT)
     assert order == ["elitescript: the program connects to 10.0.0.1:502 (--network 10.0.0.1)", peer, peer, peer]
+
+
+@pytest.mark.parametrize(
+    ("way", "hint", "count"),
+    [
+        (COMMAND_LINE, "`--network 10.0.0.1:80` allows it", "--network local has"),
+        (PYTHON, '`network="10.0.0.1:80"` allows it', 'network="local" has'),
+        (MARKER, '`@pytest.mark.elitescript(network="10.0.0.1:80")` allows it', 'network="local" has'),
+        (COMMENT, "`# elitescript: network=10.0.0.1:80` allows it", "network=local has"),
+        (LAUNCH, '`"network": "10.0.0.1:80"` allows it', '"network": "local" has'),
+        (WORLD_FILE, '`[robot] network = "10.0.0.1:80"` allows it', 'network = "local" has'),
+    ],
+)
+def test_the_option_is_named_as_users_write_it_there(way, hint, count):
+    channels = LocalChannels()
+    channels.way = way
+    channels.open("10.0.0.1", 80, 2.0)
+    (event,) = channels.arrivals(0)
+    assert event.reason.endswith(hint)
+    text = channels.take_refused()
+    assert text.startswith(count) and text.endswith(hint)
+
+
+def test_a_closed_run_of_the_studio_names_its_button():
+    channels = LocalChannels(is_closed=True)
+    channels.way = STUDIO
+    channels.open("10.0.0.1", 80, 2.0)
+    channels.open("plc", 80, 2.0)
+    texts = [event.reason for event in channels.arrivals(0)]
+    assert all(text.endswith("; `Allow connections` allows it") for text in texts)
+    assert channels.take_refused().endswith(": 10.0.0.1:80, plc:80; `Allow connections` allows them")
+
+
+@pytest.mark.parametrize("name", ["a b`; x`", "ü.factory", "a,all", "[::1]", "a\nb\x1b[31m"])
+def test_no_value_is_proposed_for_what_no_value_can_name(name):
+    channels = LocalChannels()
+    channels.open(name, 80, 2.0)
+    (event,) = channels.arrivals(0)
+    text = channels.take_refused()
+    assert "--network local does not look up" in event.reason and "allows" not in event.reason + text
+    assert (event.reason + text).isprintable()

@@ -82,6 +82,8 @@ class TestCollection:
             ),
             ("# elitescript: seed=no\ndef test_it():\n  x = 1\nend\n", "*line 1: seed must be a whole number*'no'*"),
             ("# elitescript: until\ndef test_it():\n  x = 1\nend\n", "*line 1: write NAME=VALUE*"),
+            ("# elitescript: network=a/b\ndef test_it():\n  x = 1\nend\n", "*line 1: network must be*'a/b'*"),
+            ("# elitescript: limit_s=x\ndef test_it():\n  x = 1\nend\n", "*line 1: limit_s must be*'x'*"),
             ("# elitescript: plant=a\ndef test_it():\n  x = 1\nend\n", "*plant cannot be given here*"),
         ],
     )
@@ -93,6 +95,18 @@ class TestCollection:
 
 
 class TestRun:
+    def test_the_comment_says_what_it_reaches(self, pytester):
+        connect = 'def test_it():\n  assert socket_open("192.168.1.5", 502)\nend\n'
+        result = script(pytester, "# elitescript: network=10.0.0.0/8,plc:502 controller_version=2.15.0.0\n" + connect)
+        result.assert_outcomes(failed=1)
+        result.stdout.fnmatch_lines(
+            ["*has refused 1 connection*; `# elitescript: network=10.0.0.0/8,plc:502,192.168.1.5:502` allows it"]
+        )
+
+    def test_the_comment_has_the_limits_of_the_marker(self, pytester):
+        text = "# elitescript: limit_s=2 wall_limit_s=60\ndef test_it():\n  sleep(3)\nend\n"
+        script(pytester, text).assert_outcomes(failed=1)
+
     def test_body_header_and_ways_to_fail(self, pytester):
         result = script(pytester, GRIPPER)
         result.assert_outcomes(passed=1, failed=4)

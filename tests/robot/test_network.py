@@ -113,7 +113,7 @@ def test_a_real_address_is_as_one_without_a_host(tmp_path, name, program, log, l
     warned = [event for event in run.events if isinstance(event, Warned) and event.code == BARRED]
     assert (warned[0].line, warned[0].thread) == (line, "main")
     assert warned[0].text.startswith("not connected to 192.168.1.5:502: it is n")
-    assert ("`--network 192.168.1.5:502` allows it" in warned[0].text) is ("closed" not in name)
+    assert ('`network="192.168.1.5:502"` allows it' in warned[0].text) is ("closed" not in name)
     assert ("this run is closed" in warned[0].text) is ("closed" in name)
     refused = [event for event in run.events if isinstance(event, ChannelActivity) and event.what == "refused"]
     assert refused[0].line == line and refused[0].data == warned[0].text
@@ -145,8 +145,8 @@ end
     lines = [event.line for event in run.events if isinstance(event, Warned) and event.code == BARRED]
     assert lines == [4, 6, 7, 0]
     assert run.warnings[-1] == (
-        "--network local has refused 5 connections: 10.0.0.1:80 (4 times), camera.local:80; "
-        "`--network 10.0.0.1:80,camera.local:80` allows them"
+        'network="local" has refused 5 connections: 10.0.0.1:80 (4 times), camera.local:80; '
+        '`network="10.0.0.1:80,camera.local:80"` allows them'
     )
 
 
@@ -194,7 +194,7 @@ end
     assert (warned.code, warned.line, warned.hint) == (
         BARRED,
         3,
-        "`--serial tool=DEVICE` binds it to a port of this computer",
+        '`--serial tool=DEVICE`, in Python `lines={"tool": DEVICE}`, binds it to a port of this computer',
     )
     assert run.state == "finished"
 
@@ -212,7 +212,7 @@ def test_a_line_that_stands_for_a_serial_port_is_reached_because_an_option_names
     run = robot.run("def weigh():\n  tool_serial_config(True, 115200, 0, 1)\n  socket_open('10.0.0.3', 7000)\nend")
     assert met == [("10.0.0.3", 7000)]
     assert "10.0.0.3:7000" in capsys.readouterr().err
-    assert "--network none has refused 1 connection: 10.0.0.3:7000" in run.warnings[-1]
+    assert 'network="none" has refused 1 connection: 10.0.0.3:7000' in run.warnings[-1]
 
 
 def test_the_option_is_one_of_the_robot(tmp_path):

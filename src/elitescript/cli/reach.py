@@ -10,7 +10,8 @@ from elitescript.cli.program_texts import program_texts
 from elitescript.cli.robot_options import options_from
 from elitescript.environment.addresses import place_of
 from elitescript.environment.line_bindings import parse_bindings
-from elitescript.errors import ProgramError, ScriptError
+from elitescript.environment.local_channels import COMMAND_LINE
+from elitescript.errors import ProgramError, ScriptError, printable
 from elitescript.language.options import Options
 from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
@@ -51,6 +52,7 @@ def reach(options: argparse.Namespace) -> int:
     robot = VirtualRobot(
         world=options.world, lines=parse_bindings(options.serial) if options.serial else None, **options_from(options)
     )
+    robot.set_network_by(COMMAND_LINE)
     code = 0
     count = left = 0
     for text in program_texts(options.files, "check"):
@@ -107,7 +109,7 @@ def _file(named: Named) -> Verdict:
 
 def _line(name: str, named: Named, verdict: Verdict) -> str:
     answer = {True: "yes", False: "no", None: "?"}[verdict.reached]
-    return f"{name}:{named.line}:{named.column}: {named.kind} {verdict.target}: {answer}: {verdict.why}"
+    return f"{name}:{named.line}:{named.column}: {named.kind} {printable(verdict.target)}: {answer}: {verdict.why}"
 
 
 def _json(name: str, named: Named, verdict: Verdict) -> str:

@@ -18,6 +18,7 @@ from elitescript.cli.settings import parse_size
 from elitescript.cli.watched import watch_for_crashes
 from elitescript.controller.views.trace import Trace, step_ticks
 from elitescript.controller.views.trace_signals import TraceSignals
+from elitescript.environment.local_channels import COMMAND_LINE
 from elitescript.environment.process import limit_memory
 from elitescript.environment.program_file import refused_source, source_of
 from elitescript.environment.start_values import check_presets, parse_settings
@@ -66,6 +67,7 @@ def run(options: argparse.Namespace) -> int:
         on_event=report.event,
         **options_from(options),
     )
+    robot.set_network_by(COMMAND_LINE)
     robot.reports_signals = options.json or "signals" in logs
     robot.set_start(levels)
     for name, value in (("--until", options.until), ("--max-wall", options.max_wall)):

@@ -11,6 +11,7 @@ from elitescript.dap.sources import Sources
 from elitescript.debugger.api import BreakpointState, LineBreakpoint, Output, Place
 from elitescript.debugger.session import DebugSession
 from elitescript.debugger.source import ProgramSource
+from elitescript.environment.local_channels import LAUNCH
 from elitescript.environment.start_values import check_presets, parse_settings
 from elitescript.errors import did_you_mean
 from elitescript.kernel.options import OPTIONS, accept
@@ -133,6 +134,7 @@ def _source(arguments: Arguments, program: str) -> ProgramSource | JournalSource
         presets=presets,
         until_s=until_s,
         task_dir=arguments.text("taskDir") if arguments.has("taskDir") else None,
+        network_by=LAUNCH,
         **options,
     )
     check_presets(presets, source.text)

@@ -16,6 +16,7 @@ from elitescript.controller.controller import Controller
 from elitescript.debugger.connections import KeptChannels, KeptNetwork
 from elitescript.devices.outside import OutsideChannels
 from elitescript.devices.surroundings import Surroundings
+from elitescript.environment.local_channels import PYTHON, Way
 from elitescript.environment.program_file import source_of
 from elitescript.errors import ProgramError, ScriptError
 from elitescript.language.compiler import CompiledUnit, compile_unit
@@ -122,6 +123,7 @@ class ProgramSource:
         until_s: as `--until`.
         lines: serial ports, as `VirtualRobot` takes them.
         task_dir: folder of the program's files, or their contents by name; that of the program if None.
+        network_by: how users set the option `network`.
         options: of the robot, by their names: `model`, `firmware`, `joints`, `seed`, ...
 
     Attributes:
@@ -145,6 +147,7 @@ class ProgramSource:
         until_s: float | None = None,
         lines: Mapping[str, str] | None = None,
         task_dir: str | Path | Mapping[str, bytes] | None = None,
+        network_by: Way = PYTHON,
         **options: Any,
     ) -> None:
         source = source_of(Path(path)) if text is None else SourceFile(str(path), text)
@@ -160,6 +163,7 @@ class ProgramSource:
         self._network: KeptNetwork | None = None
         self.may_write = _OPENING.search(self.text) is not None
         self._world = world
+        self._network_by = network_by
         self._make = partial(VirtualRobot, task_dir=task_dir, lines=lines, **options)
         robot = self._robot()
         self._may_be_real = robot.may_be_real
@@ -174,7 +178,9 @@ class ProgramSource:
 
     def _robot(self, **options: Any) -> VirtualRobot:
         world = self._world
-        return self._make(world=world() if callable(world) else world, **options)
+        robot = self._make(world=world() if callable(world) else world, **options)
+        robot.set_network_by(self._network_by)
+        return robot
 
     def begin(
         self,

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 from elitescript.devices.surroundings import Surroundings
 from elitescript.environment.allowance import TASK_DIR_BYTES, Allowance
-from elitescript.environment.local_channels import NETWORK_DEFAULT, LocalChannels
+from elitescript.environment.local_channels import NETWORK_DEFAULT, PYTHON, LocalChannels, Way
 from elitescript.errors import UsageError
 from elitescript.messages.line import bind_hint
 from elitescript.messages.machine import DisturbInput
@@ -103,6 +103,7 @@ class Outside:
         else:
             self._world = world
             self.channels = world.channels
+        self.set_network_by(PYTHON)
 
     @property
     def is_alone(self) -> bool:
@@ -140,6 +141,11 @@ class Outside:
             self.surroundings.lead_outside(wrapped)
         else:
             self.channels = wrapped
+
+    def set_network_by(self, way: Way) -> None:
+        """Let texts name the option `network` as users of this robot write it."""
+        if self._local is not None:
+            self._local.way = way
 
     def place(self, kind: str, name: str, port: int = 0) -> Place:
         """Return what becomes of a connection that a program makes; nothing is looked up.

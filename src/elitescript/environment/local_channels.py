@@ -16,6 +16,7 @@ from time import perf_counter, sleep
 from typing import TYPE_CHECKING, Final
 
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
+from elitescript.records import NamedTuple
 
 if TYPE_CHECKING:
     from elitescript.environment.reach import Decision, Reach
@@ -46,6 +47,29 @@ NOT_COUNTED: Final = "others"
 _LOOK_S: Final = 0.001
 
 
+class Way(NamedTuple):
+    """Names the option `network` as it is written where a robot was made; `{}` is the place of the value.
+
+    Attributes:
+        named: the option with the value that it has.
+        allowing: the option with the value that it needs.
+        opens_closed: whether `allowing` lets connections out of closed runs; nothing else does.
+    """
+
+    named: str
+    allowing: str
+    opens_closed: bool = False
+
+
+COMMAND_LINE: Final = Way("--network {}", "--network {}")
+PYTHON: Final = Way('network="{}"', 'network="{}"')
+MARKER: Final = Way('network="{}"', '@pytest.mark.elitescript(network="{}")')
+COMMENT: Final = Way("network={}", "# elitescript: network={}")
+LAUNCH: Final = Way('"network": "{}"', '"network": "{}"')
+WORLD_FILE: Final = Way('network = "{}"', '[robot] network = "{}"')
+STUDIO: Final = Way('network = "{}"', "Allow connections", opens_closed=True)
+
+
 def print_error(text: str) -> None:
     """Print a line on the error output."""
     print(text, file=sys.stderr, flush=True)
@@ -61,6 +85,7 @@ class LocalChannels:
         say: takes a line for people before the first byte goes to a peer.
 
     Attributes:
+        way: how users set the option, for texts; that of the command line if None.
         refused: how many connections were not let through, by their peers.
 
     Raises:
@@ -87,6 +112,7 @@ class LocalChannels:
         "_start_s",
         "_tick",
         "refused",
+        "way",
     )
 
     def __init__(
@@ -101,6 +127,7 @@ class LocalChannels:
         self._is_closed = is_closed
         self._network = NONE if is_closed else network
         self._reach: Reach | None = None
+        self.way: Way | None = None
         self._say = say
         self._said: set[str] = set()
         """Peers that were named."""
@@ -153,7 +180,7 @@ class LocalChannels:
             # Most programs open no connection, and the network takes its time to load.
             from elitescript.environment.reach import Reach
 
-            self._reach = Reach(self._network, is_closed=self._is_closed)
+            self._reach = Reach(self._network, is_closed=self._is_closed, way=self.way or COMMAND_LINE)
         return self._reach.decide(address, port)
 
     def target(self, device: str) -> str | None:
@@ -169,17 +196,18 @@ class LocalChannels:
         from elitescript.environment.addresses import place_of
         from elitescript.environment.tcp_channel import TcpChannel
 
-        self._name_peer(f"the program connects to {place_of(address, port)}", f"--network {reach.text}")
+        self._name_peer(f"the program connects to {place_of(address, port)}", reach.named)
         self._open[self._last] = TcpChannel(self._last, address, port, reach, decision)
         self._places[self._last] = address, port
 
     def _refuse(self, channel: int, address: str, port: int, decision: Decision) -> ChannelEvent:
         """Count a connection that is not let through, and return its event."""
-        from elitescript.environment.addresses import place_of
+        from elitescript.environment.addresses import HOST_MAX, place_of
+        from elitescript.errors import printable
         from elitescript.messages.enums import ChannelError
         from elitescript.messages.inputs import ChannelOpened
 
-        place = place_of(address, port)
+        place = place_of(printable(address[:HOST_MAX]), port)
         if place not in self.refused and len(self.refused) >= PEERS_MAX:
             place = NOT_COUNTED
         self.refused[place] = self.refused.get(place, 0) + 1
@@ -193,7 +221,7 @@ class LocalChannels:
             return ""
         count = sum(self.refused.values())
         peers = ", ".join(f"{place} ({times} times)" if times > 1 else place for place, times in self.refused.items())
-        subject = "this closed run" if self._is_closed else f"--network {self._reach.text}"
+        subject = "this closed run" if self._is_closed else self._reach.named
         text = f"{subject} has refused {count} connection{'s' * (count > 1)}: {peers}"
         if self._fixes:
             text += f"; `{self._reach.allowing(self._fixes)}` allows {'it' if len(self._fixes) == 1 else 'them'}"
@@ -321,4 +349,4 @@ class LocalChannels:
 
 
 def _words(channel: TcpChannel | SerialChannel, size: int) -> str:
-    return f"{size} bytes to {channel.place}"
+    return f"{size} byte{'s' * (size != 1)} to {channel.place}"

@@ -31,6 +31,8 @@ from elitescript.environment.addresses import (
     special_kind,
     unmapped,
 )
+from elitescript.environment.local_channels import COMMAND_LINE, Way
+from elitescript.errors import UsageError, printable
 from elitescript.records import NamedTuple
 
 OPTION: Final = "--network"
@@ -65,15 +67,17 @@ class Reach:
     Args:
         text: value of the option.
         is_closed: whether the option changes nothing: the world, or what runs the program, lets nothing else through.
+        way: how users set the option.
 
     Raises:
         UsageError: it makes no sense.
     """
 
-    __slots__ = ("_has_all", "_has_none", "_is_closed", "_kept", "_rules", "text")
+    __slots__ = ("_has_all", "_has_none", "_is_closed", "_kept", "_rules", "_way", "text")
 
-    def __init__(self, text: str, *, is_closed: bool = False) -> None:
+    def __init__(self, text: str, *, is_closed: bool = False, way: Way = COMMAND_LINE) -> None:
         self._is_closed = is_closed
+        self._way = way
         words, self._rules, parts = parse_values([text], OPTION)
         self._has_all = ALL in words
         self._has_none = NONE in words
@@ -90,7 +94,7 @@ class Reach:
             return self.among(rows, name, port)
         if self._has_all or any(rule.names(name, port) for rule in self._rules):
             return Decision([], is_name=True)
-        subject = "a closed run" if self._is_closed else f"{OPTION} {self.text}"
+        subject = "a closed run" if self._is_closed else self.named
         return self._refused(name, port, f"it is a name, which {subject} does not look up", name)
 
     def among(self, rows: Rows, name: str, port: int) -> Decision:
@@ -109,15 +113,30 @@ class Reach:
         return self._refused(name, port, f"{what} {kind}", str(address))
 
     def _refused(self, name: str, port: int, why: str, host: str) -> Decision:
-        shown = name if len(name) <= _SHOWN else f"{name[:_SHOWN]}..."
-        fix = place_of(host, port) if host and not self._is_closed else ""
+        shown = printable(name if len(name) <= _SHOWN else f"{name[:_SHOWN]}...")
+        fix = place_of(host, port) if self._can_allow(host, port) else ""
         hint = f"; `{self.allowing([fix])}` allows it" if fix else ""
         reason = why + hint
         return Decision([], why_not=f"not connected to {place_of(shown, port)}: {reason}", fix=fix, reason=reason)
 
+    @property
+    def named(self) -> str:
+        """The option with its value, as users write it."""
+        return self._way.named.format(self.text)
+
     def allowing(self, fixes: Iterable[str]) -> str:
-        """Return the option with a value that allows what it does, and more."""
-        return f"{OPTION} {','.join([*self._kept, *fixes])}"
+        """Return the option, as users write it, with a value that allows what it does, and more."""
+        return self._way.allowing.format(",".join([*self._kept, *fixes]))
+
+    def _can_allow(self, host: str, port: int) -> bool:
+        """Return whether a value of the option names a host; a text of a program may be anything."""
+        if not host or self._is_closed > self._way.opens_closed:
+            return False
+        try:
+            parse_values([place_of(host, port)], OPTION)
+        except UsageError:
+            return False
+        return "," not in host
 
     def _allows(self, name: str, text: str, port: int) -> bool:
         if self._has_all:

@@ -201,7 +201,10 @@ class TcpChannel:
     @property
     def pending(self) -> int:
         """Bytes that the peer's computer does not have yet, as far as this one reports it."""
-        return len(self._outgoing) + (0 if self._socket is None or self.is_over else _unacknowledged(self._socket))
+        if self._socket is None or self.is_over:
+            return len(self._outgoing)
+        # The end of this half counts as a byte until it is confirmed.
+        return len(self._outgoing) + max(0, _unacknowledged(self._socket) - self._is_shut)
 
     def close(self) -> None:
         """Begin to close the connection, which ends at once if all that was sent has left; else call `leave`."""

@@ -12,7 +12,8 @@ PORT_NAMES: Final = {"tool": "tool", "/dev/ttymxc0": "box"}
 
 def bind_hint(device: str) -> str:
     """Return the option that binds a serial port of the robot to one of this computer."""
-    return f"`--serial {PORT_NAMES.get(device, device)}=DEVICE` binds it to a port of this computer"
+    name = PORT_NAMES.get(device, device)
+    return f'`--serial {name}=DEVICE`, in Python `lines={{"{name}": DEVICE}}`, binds it to a port of this computer'
 
 
 @record

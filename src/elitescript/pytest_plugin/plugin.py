@@ -111,10 +111,13 @@ def _measures(config: pytest.Config) -> bool:
 @pytest.fixture
 def robot(request: pytest.FixtureRequest) -> VirtualRobot:
     """A fresh robot in virtual time, with the options of the marker `elitescript`."""
+    from elitescript.environment.local_channels import MARKER
     from elitescript.pytest_plugin.marker import robot_arguments, settings_of
     from elitescript.robot import VirtualRobot
 
-    return VirtualRobot(**robot_arguments(settings_of(request.node), request.path.parent))
+    made = VirtualRobot(**robot_arguments(settings_of(request.node), request.path.parent))
+    made.set_network_by(MARKER)
+    return made
 
 
 @pytest.fixture
@@ -174,7 +177,8 @@ def _limits_of(item: pytest.Item) -> Limits:
     from elitescript.pytest_plugin.limits import limits_of
     from elitescript.pytest_plugin.marker import settings_of
 
-    return limits_of(item.config, settings_of(item))
+    # A test script has its settings in a comment.
+    return limits_of(item.config, {**getattr(item.parent, "settings", {}), **settings_of(item)})
 
 
 def _refuse(warnings: list[str]) -> None:

@@ -10,14 +10,17 @@ from typing import Any, Final
 
 import pytest
 
+from elitescript.environment.local_channels import COMMENT
 from elitescript.environment.program_file import source_of
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
-from elitescript.kernel.options import OPTIONS, Number, Switch, Whole
+from elitescript.kernel.options import OPTIONS, Network, Number, Switch, VersionText, Whole, accept
 from elitescript.language.compiler import CompiledUnit, compile_parsed
 from elitescript.language.options import DEFAULT, PROGRAM, SCRIPT, SECONDARY, Options
 from elitescript.language.parser import Parsed, parse
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Alarm, Event
+from elitescript.pytest_plugin.limits import LIMIT
+from elitescript.pytest_plugin.limits import SETTINGS as LIMITS
 from elitescript.pytest_plugin.marker import ROBOT, WORLD, check_setting, robot_arguments
 from elitescript.pytest_plugin.script_program import PREFIX, RETURNED, make_test, tests_of, why_not_called
 from elitescript.records import replace
@@ -67,7 +70,7 @@ class ScriptTest(pytest.Item):
         """Run the statements of the file in a fresh robot, then the function."""
         assert isinstance(self.parent, ScriptFile)
         settings = dict(self.parent.settings)
-        until_s = settings.pop(UNTIL, UNTIL_S)
+        until_s = settings.pop(UNTIL, settings.get(LIMIT) or UNTIL_S)
         stack: list[tuple[int, str]] = []
         source = source_of(self.path)
 
@@ -77,6 +80,7 @@ class ScriptTest(pytest.Item):
                 stack.extend([*_stack(sys.exception(), source.name)][1:])
 
         robot = VirtualRobot(on_event=note, **robot_arguments(settings, self.path.parent))
+        robot.set_network_by(COMMENT)
         robot.reports_signals = False
         run = robot.run(self._unit(source, robot), until_s=until_s)
         if run.state != "finished" or RETURNED not in run.globals:
@@ -188,7 +192,7 @@ def header_settings(source: SourceFile) -> dict[str, Any]:
 def _value(name: str, text: str) -> Any:
     if name in (ROBOT, WORLD):
         return text
-    kind = Number(0.0, unit="s") if name == UNTIL else OPTIONS[name].kind
+    kind = Number(0.0, unit="s") if name == UNTIL or name in LIMITS else OPTIONS[name].kind
     try:
         if isinstance(kind, Number):
             return kind.accept(float(text))
@@ -202,6 +206,8 @@ def _value(name: str, text: str) -> Any:
         return text == "true"
     if name == "joints":
         return [float(part) for part in text.strip("[]").split(",")]
-    if name not in OPTIONS or not hasattr(kind, "choices"):
+    if isinstance(kind, Network | VersionText):
+        return accept(name, text, name)
+    if not hasattr(kind, "choices"):
         raise UsageError(f"{name} cannot be given here; write it into the file of world=")
     return text

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from elitescript.conversation.messages import SignalInput
+from elitescript.environment.local_channels import STUDIO, WORLD_FILE
 from elitescript.environment.memory import folder_contents
 from elitescript.messages.signals import Value
 from elitescript.models.model import is_model_file
@@ -108,6 +109,7 @@ class PreparedJob:
         job = self.job
         world = closed_world(job.world or None, is_trusted=job.is_trusted, may_connect=job.may_connect)
         robot = VirtualRobot(world=world, task_dir=self._files, **{**_reach(job, world), **job.robot})
+        robot.set_network_by(WORLD_FILE if job.may_connect else STUDIO)
         robot.reports_signals = False
         robot.set_start(self.levels)
         for at_s, name, value in self.schedule:

@@ -15,6 +15,7 @@ from elitescript.conversation.describe import Moment, Thread, Variable
 from elitescript.debugger.api import BEFORE_STATEMENT, DebugError, Picture, Position
 from elitescript.debugger.session import DebugSession
 from elitescript.debugger.source import ProgramSource
+from elitescript.environment.local_channels import STUDIO
 from elitescript.errors import ElitescriptError, ProgramError
 from elitescript.studio.live.jobs import PreparedJob, code_name, job_of
 from elitescript.studio.live.link import Link
@@ -53,6 +54,7 @@ def look(link: Link, request: Mapping[str, Any], jail: Callable[[], None]) -> No
                 presets=job.presets,
                 until_s=request["until_s"],
                 task_dir=prepared.files,
+                network_by=STUDIO,
                 **job.robot,
             ),
             forks=CAN_COPY,
