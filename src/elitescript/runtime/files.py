@@ -26,10 +26,6 @@ _NAMES_SHOWN: Final = 3
 """Most file names in the hint for a missing file."""
 
 
-def _nothing() -> None:
-    """Do nothing."""
-
-
 class OpenFiles:
     """The files that one program has open.
 
@@ -40,7 +36,7 @@ class OpenFiles:
 
     __slots__ = ("_files", "_note_call", "_world")
 
-    def __init__(self, world: ProgramEnvironment, note_call: Callable[[], None] = _nothing) -> None:
+    def __init__(self, world: ProgramEnvironment, note_call: Callable[[], None] = lambda: None) -> None:
         self._world = world
         self._note_call = note_call
         self._files: list[ref[IO[Any]]] = []
@@ -288,7 +284,7 @@ def _used(file: ScriptFile) -> IO[Any]:
     return _file(file)
 
 
-def file_over(inner: IO[Any], mode: str, name: str, note_call: Callable[[], None] = _nothing) -> ScriptFile:
+def file_over(inner: IO[Any], mode: str, name: str, note_call: Callable[[], None] = lambda: None) -> ScriptFile:
     """Return what a script holds of an open file."""
     file = ScriptFile(mode, name)
     _inner.__set__(file, inner)
