@@ -10,7 +10,7 @@ import pytest
 
 from elitescript.conversation import describe
 from elitescript.conversation.describe import Moment, Thread, Variable
-from elitescript.conversation.limits import EventBudget
+from elitescript.conversation.limits import FINDINGS_BYTES_MAX, FINDINGS_MAX, FIX_BYTES_MAX, TEXT_MAX, EventBudget
 from elitescript.conversation.messages import RunOptions, SignalInput
 from elitescript.json_records.events import record_of
 from elitescript.language.diagnostics import Edit, Fix, diagnostic
@@ -138,6 +138,27 @@ class TestProblems:
         assert ["fix" in item for item in made["list"]] == [item.fix is not None and item.fix.safe for item in found]
         assert found
         assert made["rules"] == len(all_rules())
+
+    def test_too_many_are_counted_and_errors_come_first(self):
+        warnings = [diagnostic("W206", line, 1, "text") for line in range(1, FINDINGS_MAX + 1)]
+        errors = [diagnostic("E301", line, 1, "text") for line in (5000, 5001)]
+        made = describe.problems(1, [*warnings, *errors], compiles=False)
+        assert [item["line"] for item in made["list"]] == [*range(1, FINDINGS_MAX - 1), 5000, 5001]
+        assert made["left_out"] == {"warning": 2}
+        assert_has_form(made, message("problems"))
+
+    def test_their_texts_are_cut_and_bounded_together(self):
+        text = "x" * 100_000
+        long = [diagnostic("E301", line, 1, text, hint=text) for line in range(1, 501)]
+        made = describe.problems(1, long, compiles=False)
+        assert {(len(item["text"]), len(item["hint"])) for item in made["list"]} == {(TEXT_MAX + 1, TEXT_MAX + 1)}
+        assert len(made["list"]) + made["left_out"]["error"] == 500
+        assert len(json.dumps(made, ensure_ascii=False)) < FINDINGS_BYTES_MAX * 1.1
+
+    def test_a_long_repair_is_left_out_whole(self):
+        fix = Fix("replace", (Edit(1, 1, 1, 2, "x" * FIX_BYTES_MAX),), safe=True)
+        (item,) = describe.problems(1, [diagnostic("E301", 1, 1, "text", fix=fix)], compiles=False)["list"]
+        assert "fix" not in item
 
 
 class TestRun:

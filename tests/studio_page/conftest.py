@@ -78,8 +78,10 @@ class Loan:
 @pytest.fixture(scope="session")
 def loan() -> Iterator[Loan]:
     """Start a browser; it ends with the last test."""
-    from playwright.sync_api import sync_playwright
+    from playwright.sync_api import expect, sync_playwright
 
+    # Assertions have their own limit, a shorter one: a busy computer opens a page more slowly than that.
+    expect.set_options(timeout=WAIT_MS)
     with ExitStack() as stack:
         driver = stack.enter_context(sync_playwright())
         browser = chromium.started(driver)

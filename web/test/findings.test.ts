@@ -18,3 +18,11 @@ test("a name that is not defined is one row, which counts as an error", () => {
   assert.deepEqual(found.list, [other]);
   assert.deepEqual(countsOf(found), { errors: 1, warnings: 1, others: 0 });
 });
+
+test("findings that are left out are counted", () => {
+  const { source, studio } = opened();
+  const version = studio.version.value;
+  const one = { severity: "error", code: "E301", text: "a", hint: "", line: 1, column: 1, end_line: 1, end_column: 2 } as const;
+  source.say({ type: "problems", version, list: [one], compiles: false, left_out: { error: 4, warning: 2, hint: 1 } });
+  assert.deepEqual(countsOf(findingsOf(studio)), { errors: 5, warnings: 2, others: 1 });
+});

@@ -55,3 +55,15 @@ test("the text of a run is known however many follow that do not run", () => {
   assert.equal(versions.now(299, 2, text), 0);
   assert.equal(versions.now(300, 2, text), 2);
 });
+
+test("texts are kept up to a number of characters", () => {
+  const versions = new Versions();
+  const large = EditorState.create({ doc: "x".repeat(10_000_000) }).doc;
+  for (let version = 1; version <= 20; version++) versions.begin(version, large);
+  assert.equal(versions.count, 6);
+  assert.equal(versions.now(20, 1, large), 1);
+  assert.equal(versions.now(14, 1, large), 0);
+  versions.forget(20);
+  for (let version = 21; version <= 25; version++) versions.begin(version, large);
+  assert.equal(versions.count, 6);
+});

@@ -11,6 +11,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
 from elitescript.conversation.limits import (
+    FINDINGS_BYTES_MAX,
+    FINDINGS_MAX,
+    FIX_BYTES_MAX,
     PLACES_MAX,
     THREADS_MAX,
     VARIABLES_BYTES_MAX,
@@ -19,11 +22,13 @@ from elitescript.conversation.limits import (
     bounded,
     cut,
     cut_name,
+    cut_text,
+    size_of,
 )
 from elitescript.conversation.messages import PROTOCOL, RunOptions, options_data
 from elitescript.json_records.events import record_of
 from elitescript.json_records.jsonlines import plain
-from elitescript.language.diagnostics import Diagnostic
+from elitescript.language.diagnostics import Diagnostic, Severity
 from elitescript.lint.registry import all_rules
 from elitescript.messages.events import Alarm, Event, MotionEnded, MotionStarted
 from elitescript.messages.motion import MotionRequest, MoveC, MoveJ, MoveL, MoveP, ServoJ, Six
@@ -103,34 +108,59 @@ def problems(version: int, found: Iterable[Diagnostic], *, compiles: bool, start
 
     Args:
         version: of the text.
-        found: what `check` finds, in the order of the text.
+        found: what `check` finds, in the order of the text; too many are counted in `left_out` by severity.
         compiles: whether the program starts.
         start: of a text that holds nothing yet, of which no run comes: the robot before it.
     """
+    shown, left_out = _shown_findings(list(found))
     made: Message = {
         "type": "problems",
         "version": version,
-        "list": [problem(item) for item in found],
+        "list": shown,
         "compiles": compiles,
         "rules": len(all_rules()),
     }
+    if left_out:
+        made["left_out"] = left_out
     return made if start is None else made | {"start": moment(start)}
 
 
+def _shown_findings(found: Sequence[Diagnostic]) -> tuple[list[Message], dict[str, int]]:
+    """Return the findings that a page is given, in the order of the text, and how many are left out by severity.
+
+    Where there are too many, errors are given before all others.
+    """
+    shown: dict[int, Message] = {}
+    left_out: dict[str, int] = {}
+    size = 0
+    for index in sorted(range(len(found)), key=lambda index: found[index].severity is not Severity.ERROR):
+        if len(shown) < FINDINGS_MAX and size <= FINDINGS_BYTES_MAX:
+            made = problem(found[index])
+            size += size_of(made)
+            if size <= FINDINGS_BYTES_MAX:
+                shown[index] = made
+                continue
+        severity = str(found[index].severity)
+        left_out[severity] = left_out.get(severity, 0) + 1
+    return [shown[index] for index in sorted(shown)], left_out
+
+
 def problem(found: Diagnostic) -> Message:
-    """Return one finding, with its repair if that is certainly what the author meant."""
+    """Return one finding, with its repair if that is certainly what the author meant; a long one is left out whole."""
     made: Message = {
         "severity": str(found.severity),
         "code": found.code,
-        "text": found.text,
-        "hint": found.hint,
+        "text": cut_text(found.text),
+        "hint": cut_text(found.hint),
         "line": found.line,
         "column": found.column,
         "end_line": found.end_line,
         "end_column": found.end_column,
     }
     if found.fix is not None and found.fix.safe:
-        made["fix"] = {"title": found.fix.title, "edits": [edit._asdict() for edit in found.fix.edits]}
+        fix = {"title": cut_text(found.fix.title), "edits": [edit._asdict() for edit in found.fix.edits]}
+        if size_of(fix) <= FIX_BYTES_MAX:
+            made["fix"] = fix
     return made
 
 

@@ -36,6 +36,12 @@ NAME_MAX: Final = 200
 """Characters of a name."""
 THREADS_MAX: Final = 500
 """Threads of a moment."""
+FINDINGS_MAX: Final = 1000
+"""Findings of a text."""
+FINDINGS_BYTES_MAX: Final = 1 << 20
+"""Bytes of their texts and repairs, about."""
+FIX_BYTES_MAX: Final = 16 << 10
+"""Bytes of one repair, about."""
 PLACES_MAX: Final = 100
 """Places to which a run has tried to connect in vain."""
 
@@ -46,6 +52,11 @@ _BESIDE: Final = 64
 def cut(text: str, most: int = TEXT_MAX) -> tuple[str, int]:
     """Return the begin of a text, and how many characters are left out."""
     return (text, 0) if len(text) <= most else (text[:most], len(text) - most)
+
+
+def cut_text(text: str) -> str:
+    """Return a text that a page shows whole, cut with an ellipsis."""
+    return text if len(text) <= TEXT_MAX else f"{text[:TEXT_MAX]}…"
 
 
 def cut_name(name: str) -> str:

@@ -1,6 +1,6 @@
 /** The rows of Problems: what the run has met, and what `check` finds in the text, each thing once. */
 
-import type { AlarmReport, Contact, Problem } from "../source/messages.ts";
+import type { AlarmReport, Contact, LeftOut, Problem } from "../source/messages.ts";
 import type { Studio } from "./studio.ts";
 
 export interface Findings {
@@ -11,6 +11,8 @@ export interface Findings {
   readonly refused_connections: readonly string[];
   /** Of `check`, without the cause of the alarm. */
   readonly list: readonly Problem[];
+  /** How many more of those there are, by severity. */
+  readonly left_out: LeftOut;
 }
 
 /** Returns what is known now; reads the signals that it depends on. */
@@ -27,14 +29,18 @@ export function findingsOf(studio: Studio): Findings {
     contacts: (met?.contacts ?? []).filter((contact) => contact.is_contact),
     refused_connections: met?.ended?.refused_connections ?? [],
     list: cause === null ? list : list.filter((problem) => problem !== cause),
+    left_out: studio.problems.value?.left_out ?? {},
   };
 }
 
 /** Errors and warnings with all that the run has met. */
-export function countsOf({ alarm, contacts, list }: Findings): { readonly errors: number; readonly warnings: number; readonly others: number } {
-  const errors = list.filter(({ severity }) => severity === "error").length + (alarm === null ? 0 : 1);
-  const warnings = list.filter(({ severity }) => severity === "warning").length + contacts.length;
-  return { errors, warnings, others: list.filter(({ severity }) => severity !== "error" && severity !== "warning").length };
+export function countsOf({ alarm, contacts, list, left_out }: Findings): { readonly errors: number; readonly warnings: number; readonly others: number } {
+  const count = (severity: Problem["severity"]) => list.filter((problem) => problem.severity === severity).length + (left_out[severity] ?? 0);
+  return {
+    errors: count("error") + (alarm === null ? 0 : 1),
+    warnings: count("warning") + contacts.length,
+    others: count("information") + count("hint"),
+  };
 }
 
 /** Whether a finding names the name that is not defined, at the same line. */

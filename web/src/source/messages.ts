@@ -192,6 +192,8 @@ export interface Contact {
   readonly points?: readonly [readonly [number, number, number], readonly [number, number, number]];
 }
 
+export type LeftOut = { readonly [severity in Problem["severity"]]?: number };
+
 export type FromSource =
   | { readonly type: "hello"; readonly protocol: number; readonly product: string; readonly mode: "live" | "recorded" | "connected";
       readonly abilities: readonly Ability[]; readonly settings?: { readonly [key: string]: Json };
@@ -206,8 +208,10 @@ export type FromSource =
   /** The file has changed on disk (or is gone: no text). */
   | { readonly type: "file_changed"; readonly name: string; readonly text?: string; readonly digest: string }
   | { readonly type: "saved"; readonly ask: number; readonly digest: string }
-  /** `rules`: how many were checked. `start`: the text holds nothing yet, and no run comes; the robot as a run would begin. */
-  | { readonly type: "problems"; readonly version: number; readonly list: readonly Problem[]; readonly compiles: boolean; readonly rules?: number; readonly start?: Moment }
+  /** `rules`: how many were checked. `start`: the text holds nothing yet, and no run comes; the robot as a run would begin.
+   * `left_out`: how many more findings there are, by severity. */
+  | { readonly type: "problems"; readonly version: number; readonly list: readonly Problem[]; readonly compiles: boolean; readonly rules?: number; readonly start?: Moment;
+      readonly left_out?: LeftOut }
   /** `same_until_s`: up to then it is the run before; those rows are not sent again, all else is. `options`: as they are in force. */
   | { readonly type: "run_began"; readonly run: number; readonly version: number; readonly same_until_s: number; readonly options: RunOptions }
   | { readonly type: "progress"; readonly run: number; readonly t: number }

@@ -225,6 +225,7 @@ export const en = {
   timeline_limit_range: "limits {low} to {high} {unit}",
   timeline_limit: "limit {high} {unit}",
   timeline_board: "Lanes and curves over time",
+  timeline_no_picture: "Nothing has come from the controller yet.",
   timeline_no_run: "No run yet: it appears here as soon as the program compiles.",
   timeline_no_time: "The program takes no time.",
   timeline_stale: "Of the text before line {line} was edited.",

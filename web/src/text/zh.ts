@@ -227,6 +227,7 @@ export const zh: Texts = {
   timeline_limit_range: "限值 {low} 至 {high} {unit}",
   timeline_limit: "限值 {high} {unit}",
   timeline_board: "随时间变化的通道和曲线",
+  timeline_no_picture: "尚未收到控制器的数据。",
   timeline_no_run: "还没有运行：程序编译通过后将显示在此处。",
   timeline_no_time: "程序不占用时间。",
   timeline_stale: "对应第 {line} 行修改之前的文本。",

@@ -22,6 +22,7 @@ export function Problems({ studio }: { studio: Studio }) {
   const version = studio.problems.value?.version ?? 0;
   const found = findingsOf(studio);
   const rows = [...runProblems(studio, found, version), ...found.list.map((problem, index) => <Finding key={`check ${index}`} studio={studio} problem={problem} version={version} />)];
+  const more = Math.max(0, rows.length - ROWS_MAX) + Object.values(found.left_out).reduce((sum, count) => sum + count, 0);
   if (studio.isEmpty.value) return <p class="empty">{text("problems_empty")}</p>;
   if (rows.length === 0) {
     const rules = studio.problems.value?.rules;
@@ -35,7 +36,7 @@ export function Problems({ studio }: { studio: Studio }) {
   return (
     <div class="rows problems-list" tabIndex={0} role="group" aria-label={text("rows_of_problems")}>
       <ul>{rows.slice(0, ROWS_MAX)}</ul>
-      {rows.length > ROWS_MAX && <p class="faint">{text("rows_more", { count: rows.length - ROWS_MAX })}</p>}
+      {more > 0 && <p class="faint">{text("rows_more", { count: more })}</p>}
     </div>
   );
 }

@@ -11,14 +11,23 @@ interface Version {
 
 /** Texts that are kept while no run of a newer one begins, such as one that is typed and does not compile yet. */
 const VERSIONS_MAX = 1000;
+/** Characters of all of them, each counted whole: texts that are replaced as a whole share nothing. */
+const CHARACTERS_MAX = 64e6;
 
 export class Versions {
   private known: Version[] = [];
+  private characters = 0;
+
+  /** How many texts are kept. */
+  get count(): number {
+    return this.known.length;
+  }
 
   /** Takes a version of the text; what changes from now on is counted against it. */
   begin(version: number, text: Text): void {
     this.known.push({ version, text, since: ChangeSet.empty(text.length) });
-    if (this.known.length > VERSIONS_MAX) this.known.shift();
+    this.characters += text.length;
+    while (this.known.length > 1 && (this.known.length > VERSIONS_MAX || this.characters > CHARACTERS_MAX)) this.drop(1);
   }
 
   changed(changes: ChangeSet): void {
@@ -28,7 +37,11 @@ export class Versions {
   /** Drops the texts in front of that of a version: runs of them are not asked about any more. */
   forget(version: number): void {
     const first = this.known.findLastIndex((known) => known.version <= version);
-    if (first > 0) this.known = this.known.slice(first);
+    if (first > 0) this.drop(first);
+  }
+
+  private drop(count: number): void {
+    for (const { text } of this.known.splice(0, count)) this.characters -= text.length;
   }
 
   /** Returns the line that is now where a line of a version was; 0 if it was deleted, or the version is not known. */

@@ -53,8 +53,11 @@ export class Flat {
     const ratio = devicePixelRatio || 1;
     this.width = width;
     this.height = height;
-    this.canvas.width = Math.max(1, Math.round(width * ratio));
-    this.canvas.height = Math.max(1, Math.round(height * ratio));
+    const [wide, high] = [Math.max(1, Math.round(width * ratio)), Math.max(1, Math.round(height * ratio))];
+    // A canvas is empty once its size is set, also to the same; a picture that was just drawn would be gone for a frame.
+    if (this.canvas.width !== wide) this.canvas.width = wide;
+    if (this.canvas.height !== high) this.canvas.height = high;
+    if (this.last !== null) this.draw(this.last);
   }
 
   draw(picture: Picture): void {

@@ -229,7 +229,7 @@ function Slider({ state, board }: { state: TimelineState; board: Board }) {
 function LanesAndCurves({ state, board }: { state: TimelineState; board: Board }) {
   const { studio } = state;
   const run = studio.run.value;
-  if (run === null) return <p class="empty">{text("timeline_no_run")}</p>;
+  if (run === null) return <p class="empty">{text(studio.hello.value?.mode === "connected" ? "timeline_no_picture" : "timeline_no_run")}</p>;
   const isEmpty = run.revision.value >= 0 && run.ended !== null && run.known_s <= 0;
   const stale = studio.staleFrom.value;
   return (
