@@ -15,9 +15,9 @@ from time import perf_counter, process_time
 
 from benchmarks.measure import ROOT, best_of_calls
 from benchmarks.table import Row, Time, print_rows, timed_row
+from elitescript.environment.process import cores
 from elitescript.robot import VirtualRobot
 from elitescript.sweep.engines.local import LocalEngine
-from elitescript.sweep.many_runs import cores
 from elitescript.sweep.plans.plan import Plan
 from elitescript.sweep.plans.variations import parse_variation
 from elitescript.sweep.single import Runner

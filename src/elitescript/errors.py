@@ -153,15 +153,20 @@ class ElitescriptError(Exception):
 
 
 TEXT_MAX: Final = 4000
-"""Characters of the message of a `UsageError`."""
+"""Characters of the message of a `UsageError`; of a longer one the middle is left out."""
+_END: Final = 1000
+"""Characters at its end, where most messages have the reason."""
 
 
 class UsageError(ElitescriptError):
     """The caller of this library or of the command line passed an invalid value."""
 
     def __init__(self, text: str = "") -> None:
-        # A message may quote a value of a file that somebody else wrote.
-        super().__init__(text if len(text) <= TEXT_MAX else f"{text[:TEXT_MAX]}... ({len(text)} characters)")
+        # A message may quote a value of a file that others wrote.
+        if len(text) > TEXT_MAX:
+            mark = f" ... ({len(text)} characters) ... "
+            text = text[: TEXT_MAX - _END - len(mark)] + mark + text[-_END:]
+        super().__init__(text)
 
 
 class InternalError(ElitescriptError):

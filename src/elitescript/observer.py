@@ -14,8 +14,8 @@ if TYPE_CHECKING:
         def started(self, robot: Any, run: Any, presets: Mapping[str, object], trace: Any) -> Any:
             """Note that a robot starts a program with these presets; return the trace that its rows go to, or None."""
 
-        def limits(self, robot: Any, run: Any, until_s: float | None, watch: Any) -> AbstractContextManager[Any]:
-            """Hold a run to limits while the context lasts, which has the limit of robot time and the watch to use."""
+        def limits(self, robot: Any, run: Any, until_s: float | None) -> AbstractContextManager[Any]:
+            """Hold a run to limits while the context lasts, which gives the limit of robot time to use."""
 
 
 COVERAGE_VARIABLE: Final = "ELITESCRIPT_COVERAGE"

@@ -347,7 +347,7 @@ class VirtualRobot:
         )
         if OBSERVATION.observer is None:
             return self._run_through(run, until_s, pace, watch)
-        with OBSERVATION.observer.limits(self, run, until_s, watch) as (until_s, watch):
+        with OBSERVATION.observer.limits(self, run, until_s) as until_s:
             self._run_through(run, until_s, pace, watch)
         return run
 

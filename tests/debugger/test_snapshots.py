@@ -48,7 +48,7 @@ def always_in_company(monkeypatch):
     """Each run has company from its first copy on, and the copies come soon."""
     monkeypatch.setattr("elitescript.debugger.snapshots.EACH_S", 0.002)
     monkeypatch.setattr("elitescript.debugger.snapshots.COUNTING_MAX", 0.0)
-    monkeypatch.setattr("elitescript.debugger.snapshots._cores", lambda: 2)
+    monkeypatch.setattr("elitescript.debugger.snapshots.cores", lambda: 2)
 
 
 def run(text, **settings):

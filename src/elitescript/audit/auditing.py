@@ -92,10 +92,10 @@ def audit(
         raise UsageError("the recording has no rows")
     source = _program(found, program)
     kept = _Kept()
-    world_text = kept.world(found) if world is None else None
-    named = str(world) if world is not None else None if world_text is None else kept.taken[-1]
-    arm = robot or kept.arm(found, named, world_text)
-    cell = cell_of(source, arm, named, options, presets, world_text)
+    kept_world = kept.world(found) if world is None else None
+    named = str(world) if world is not None else None if kept_world is None else kept.taken[-1]
+    arm = robot or kept.arm(found, named, kept_world)
+    cell = cell_of(source, arm, named, options, presets, kept_world)
     return _audit(found, cell, run, tolerance or Tolerance(), kept, is_fitted=fit)
 
 
@@ -130,18 +130,18 @@ class _Kept:
         self.taken.append(name)
         return text
 
-    def arm(self, recording: Recording, world: str | None, world_text: str | None) -> RobotModel | None:
+    def arm(self, recording: Recording, world: str | None, kept_world: str | None) -> RobotModel | None:
         """Return the recorded arm: the file that the recording holds, else the model that is named in it.
 
         Args:
             recording: that is audited.
             world: name or path of the world file; None without one.
-            world_text: of one that the recording holds.
+            kept_world: text of one that the recording holds.
 
         Returns:
             None for the arm of the world file.
         """
-        of_world = _arm_of_world(world, world_text)
+        of_world = _arm_of_world(world, kept_world)
         file = arm_file_of(recording)
         if file and not is_model_file(of_world):
             with TemporaryDirectory() as folder:

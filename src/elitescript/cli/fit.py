@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 AGREES: Final = 0
 DIFFERS: Final = 1
-"""Of a file with points."""
 
 
 def fit(options: argparse.Namespace) -> int:

@@ -17,6 +17,7 @@ from elitescript.cli.output.writable import Writable
 from elitescript.cli.robot_options import options_from
 from elitescript.cli.settings import parse_size
 from elitescript.codec.json_text import to_text
+from elitescript.environment.process import cores
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.diagnostics import render
 from elitescript.language.text.source import SourceFile
@@ -27,7 +28,6 @@ from elitescript.sweep.engines.engine import Engine
 from elitescript.sweep.engines.local import LocalEngine
 from elitescript.sweep.failures.findings import KINDS_MAX, Finding, Places, Remembered, Shrinkings, find, remembered
 from elitescript.sweep.making import make_plan, runs_of
-from elitescript.sweep.many_runs import cores
 from elitescript.sweep.plans.plan import Plan, Row
 from elitescript.sweep.plans.plan_json import disturbance_data, plan_digest
 from elitescript.sweep.plans.variations import grid_size, parse_variation

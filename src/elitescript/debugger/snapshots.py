@@ -29,6 +29,7 @@ from typing import Any, Final, cast
 from elitescript.debugger.api import DebugError, Output, Position, Stop
 from elitescript.debugger.engine import Engine, Goal
 from elitescript.debugger.engine_records import read, written
+from elitescript.environment.process import cores
 
 EACH_S: Final = 0.05
 """Processor time of a run from one copy to the next. A copy takes 2 to 3 ms, with the pages that both change then."""
@@ -187,7 +188,7 @@ class Snapshots(NoSnapshots):
         """See `NoSnapshots.run`."""
         counting = cast("EngineProcess", engine)
         counting.ask("run", goal)
-        if _cores() < 2:
+        if cores() < 2:
             return engine, counting.answer()
         said: list[tuple[int, Output]] = []
         plain: EngineProcess | None = None
@@ -484,11 +485,6 @@ def _reap() -> None:
             if os.waitpid(child, os.WNOHANG) == (0, 0):
                 continue
         _children.discard(child)
-
-
-def _cores() -> int:
-    """Return how many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _write(link: socket.socket, message: object) -> None:

@@ -193,8 +193,8 @@ class LocalChannels:
             return ""
         count = sum(self.refused.values())
         peers = ", ".join(f"{place} ({times} times)" if times > 1 else place for place, times in self.refused.items())
-        who = "this closed run" if self._is_closed else f"--network {self._reach.text}"
-        text = f"{who} has refused {count} connection{'s' * (count > 1)}: {peers}"
+        subject = "this closed run" if self._is_closed else f"--network {self._reach.text}"
+        text = f"{subject} has refused {count} connection{'s' * (count > 1)}: {peers}"
         if self._fixes:
             text += f"; `{self._reach.allowing(self._fixes)}` allows {'it' if len(self._fixes) == 1 else 'them'}"
         self.refused, self._fixes = {}, {}

@@ -34,6 +34,11 @@ def place_in_trace(trace: bytes) -> tuple[str, int] | None:
     return None
 
 
+def cores() -> int:
+    """Return how many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 def limit_memory(size: int) -> None:
     """Limit the memory of this process, in bytes, where the system can."""
     try:

@@ -64,7 +64,7 @@ class Reach:
 
     Args:
         text: value of the option.
-        is_closed: whether the option changes nothing: the world, or who runs the program, lets nothing else through.
+        is_closed: whether the option changes nothing: the world, or what runs the program, lets nothing else through.
 
     Raises:
         UsageError: it makes no sense.
@@ -90,8 +90,8 @@ class Reach:
             return self.among(rows, name, port)
         if self._has_all or any(rule.names(name, port) for rule in self._rules):
             return Decision([], is_name=True)
-        who = "a closed run" if self._is_closed else f"{OPTION} {self.text}"
-        return self._refused(name, port, f"it is a name, which {who} does not look up", name)
+        subject = "a closed run" if self._is_closed else f"{OPTION} {self.text}"
+        return self._refused(name, port, f"it is a name, which {subject} does not look up", name)
 
     def among(self, rows: Rows, name: str, port: int) -> Decision:
         """Decide on what a name, or another way to write an address, stands for."""

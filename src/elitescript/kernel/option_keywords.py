@@ -17,8 +17,8 @@ class RobotKeywords(TypedDict, total=False):
     firmware: str
     """controller firmware (default: '2.14')"""
     controller_version: str
-    """version that clients and programs are told; what the robot can do is that of the firmware (default: 2.10.0.0 of
-    firmware 2.10, 2.15.0.0 of firmware 2.14)"""
+    """version that the robot reports to clients and programs; what it can do is that of the firmware (default:
+    2.10.0.0 of firmware 2.10, 2.15.0.0 of firmware 2.14)"""
     seed: int
     """seed of random() (default: 0)"""
     epoch_s: float

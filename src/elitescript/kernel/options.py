@@ -271,7 +271,7 @@ class RobotOptions:
     )
     controller_version: str = option(
         "",
-        "version that clients and programs are told; what the robot can do is that of the firmware",
+        "version that the robot reports to clients and programs; what it can do is that of the firmware",
         VersionText(),
         default_text=", ".join(f"{version_text(row.version)} of firmware {name}" for name, row in PROFILES.items()),
         flag="--controller-version",

@@ -38,7 +38,7 @@ PROBLEMS_MAX: Final = 20
 LINES_SHOWN: Final = 10
 """Of equal findings."""
 TOLD_MAX: Final = 100
-"""Texts that are remembered as told."""
+"""Texts whose findings are remembered as logged."""
 PRESETS_MAX: Final = 1000
 """Variables that may wait for the next program."""
 _HEAD: Final = re.compile(r"\s*(?:def|sec)[ \t]+(\w+)")
@@ -231,7 +231,7 @@ class Programs:
             name: of the text, as places show it.
             text: it.
             kind: what it must be; None to determine it.
-            origin: who has sent it.
+            origin: client that has sent it.
             take: gets the program, or why there is none: before this call returns, or in a later tick for a long text.
             abandon: called with the reason, after a line in the log, if that tick does not come.
 

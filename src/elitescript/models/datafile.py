@@ -259,7 +259,7 @@ UNPUBLISHED: Final[Mapping[str, str]] = {
     "CS525H": "CS625",
     "CS530H": "CS625",
 }
-"""Arms that the vendor's simulator names and whose numbers nobody has published, each with the known arm whose payload
+"""Arms that the vendor's simulator names and whose numbers are not public, each with the known arm whose payload
 is nearest, from which an own arm file may go on."""
 
 
@@ -296,7 +296,7 @@ def check_name(name: str) -> None:
     """Refuse what is neither the name of a model nor the path of a file, before anything is looked for.
 
     Args:
-        name: as somebody gave it: on a command line, in a file, in a message.
+        name: as it was given on a command line, in a file, in a message.
 
     Raises:
         UsageError: it is too long, or has a character that no name has.

@@ -42,7 +42,7 @@ class BurstLimiter:
         return bool(self._bursts)
 
     def is_reported(self, origin: str, tick: int) -> bool:
-        """Count one of a client; return whether it is to be reported by itself."""
+        """Count one of a client; return whether it is to be reported and not only counted."""
         burst = self._bursts.get(origin)
         if burst is None:
             burst = self._bursts[origin] = _Burst(tick)

@@ -52,7 +52,7 @@ class Connection(ABC):
         self.description = description
         self.is_over = False
         """Whether the connection is to be closed once its messages are sent."""
-        self.attend: Callable[[], object] = _nobody
+        self.attend: Callable[[], object] = _no_pump
         """Set by the pump; called by a connection that has messages or is over without having been called before."""
         self.is_behind = False
         """Set by the pump: whether the client takes what it is sent more slowly than it asks for it."""
@@ -173,5 +173,5 @@ class Connection(ABC):
         self._out.append(message)
 
 
-def _nobody() -> None:
-    """Stand for a pump that looks at its connections in every tick."""
+def _no_pump() -> None:
+    """Do nothing: a pump that sets no `attend` looks at its connections in every tick."""

@@ -13,7 +13,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from threading import current_thread, main_thread
+from threading import Timer, current_thread, main_thread
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Final
 
@@ -23,7 +23,7 @@ from elitescript.errors import UsageError
 from elitescript.records import NamedTuple
 
 if TYPE_CHECKING:
-    from elitescript.robot import VirtualRobot, Watch
+    from elitescript.robot import VirtualRobot
     from elitescript.run import Run
 
 LIMIT: Final = "limit_s"
@@ -113,14 +113,12 @@ class Guard:
             self._armed_s = None
             faulthandler.cancel_dump_traceback_later()
 
-    def limits(
-        self, robot: VirtualRobot, run: Run, until_s: float | None, watch: Watch | None
-    ) -> AbstractContextManager[tuple[float | None, Watch | None]]:
+    def limits(self, robot: VirtualRobot, run: Run, until_s: float | None) -> AbstractContextManager[float | None]:
         """Hold one run to its limits while the body lets it go on; see `RunObserver.limits`."""
         if self.is_guarding:
             # A run within another one, as of a device: that one's limits count.
-            return nullcontext((until_s, watch))
-        return _Held(self, robot, run, until_s, watch)
+            return nullcontext(until_s)
+        return _Held(self, robot, run, until_s)
 
     def fail(self, what: str, name: str, run: Run) -> None:
         """Let the test fail: a run was ended by the limit of this name."""
@@ -136,14 +134,21 @@ class Guard:
 
     @contextmanager
     def timer(self, late: Callable[[], None]) -> Iterator[None]:
-        """Call `late` at the limit of wall time, by a timer of the system where that is free."""
+        """Call `late` at the limit of wall time, by a timer of the system where that is free, else in a thread."""
         wall_s = self.limits_s.wall_s
         if wall_s is None:
             yield
             return
         self._put_off_exit(wall_s)
         if not self._has_timer():
-            yield
+            # Not after each tick: what watches a run changes when it is stuck, and takes time.
+            thread = Timer(wall_s, late)
+            thread.daemon = True
+            thread.start()
+            try:
+                yield
+            finally:
+                thread.cancel()
             return
         count = 0
 
@@ -151,7 +156,7 @@ class Guard:
             nonlocal count
             count += 1
             late()
-            # The first time the run may come to a checkpoint by itself.
+            # The first time the run may still come to its next checkpoint.
             if count > 1:
                 raise WallTimeLimit("the run was ended by the limit of wall time of its test")
 
@@ -163,23 +168,8 @@ class Guard:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
             signal.signal(signal.SIGALRM, signal.SIG_DFL)
 
-    def watched(self, late: Callable[[], None], watch: Watch | None) -> Watch | None:
-        """Return what is called after each tick: it looks at the clock where there is no timer."""
-        wall_s = self.limits_s.wall_s
-        if wall_s is None or (_has_timers() and signal.getitimer(signal.ITIMER_REAL)[1] == AGAIN_S):
-            return watch
-        deadline_s = monotonic() + wall_s
-
-        def watch_all(robot: VirtualRobot) -> None:
-            if watch is not None:
-                watch(robot)
-            if monotonic() >= deadline_s:
-                late()
-
-        return watch_all
-
     def _has_timer(self) -> bool:
-        """Return whether the timer is there, and nobody else's, such as that of pytest-timeout."""
+        """Return whether the timer is there and free: pytest-timeout may have taken it."""
         if not _has_timers() or current_thread() is not main_thread():
             return False
         is_free = signal.getsignal(signal.SIGALRM) in (signal.SIG_DFL, None)
@@ -196,15 +186,14 @@ class Guard:
 class _Held:
     """Holds one run of a guard to its limits."""
 
-    __slots__ = ("_guard", "_has_default", "_is_late", "_robot", "_run", "_timer", "_until_s", "_watch")
+    __slots__ = ("_guard", "_has_default", "_is_late", "_robot", "_run", "_timer", "_until_s")
 
-    def __init__(self, guard: Guard, robot: VirtualRobot, run: Run, until_s: float | None, watch: Watch | None) -> None:
+    def __init__(self, guard: Guard, robot: VirtualRobot, run: Run, until_s: float | None) -> None:
         self._guard = guard
         self._robot = robot
         self._run = run
         self._has_default = until_s is None and guard.limits_s.robot_s is not None
         self._until_s = guard.limits_s.robot_s if self._has_default else until_s
-        self._watch = watch
         self._is_late = False
         self._timer = guard.timer(self._end)
 
@@ -212,10 +201,10 @@ class _Held:
         self._is_late = True
         self._robot.interrupt("time_limit")
 
-    def __enter__(self) -> tuple[float | None, Watch | None]:
+    def __enter__(self) -> float | None:
         self._guard.is_guarding = True
         self._timer.__enter__()
-        return self._until_s, self._guard.watched(self._end, self._watch)
+        return self._until_s
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: object) -> None:
         __tracebackhide__ = True

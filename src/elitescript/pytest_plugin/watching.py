@@ -96,13 +96,11 @@ class RunWatcher:
             return trace
         return rows if trace is None else _Traces(trace, rows)
 
-    def limits(
-        self, robot: VirtualRobot, run: Run, until_s: float | None, watch: Any
-    ) -> AbstractContextManager[tuple[float | None, Any]]:
+    def limits(self, robot: VirtualRobot, run: Run, until_s: float | None) -> AbstractContextManager[float | None]:
         """Hold a run to the limits of the test; see `RunObserver.limits`."""
         if self._guard is None:
             self._guard = self._make_guard()
-        return self._guard.limits(robot, run, until_s, watch)
+        return self._guard.limits(robot, run, until_s)
 
     @property
     def exceeded(self) -> list[str]:

@@ -147,7 +147,7 @@ class _Reading:
         self._path = path
         self._schemas, self._channels, self._kinds = {}, {}, {}
         self._is_cut_off = True
-        with _opened(path) as file:
+        with opened(path) as file:
             for at, code, body in _records(file, path):
                 if code == _DATA_END:
                     self._is_cut_off = False
@@ -389,10 +389,6 @@ def _interruptions(t: array[float], period_s: float) -> tuple[tuple[tuple[float,
                 gaps.append((before, now))
         before = now
     return tuple(gaps), tuple(restarts)
-
-
-def _opened(path: Path) -> BinaryIO:
-    return opened(path)
 
 
 def _records(file: BinaryIO, path: Path) -> Iterator[tuple[int, int, bytes]]:

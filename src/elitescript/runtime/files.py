@@ -32,10 +32,6 @@ _NAMES_SHOWN: Final = 3
 """Most file names in the hint for a missing file."""
 
 
-def _nothing() -> None:
-    """Do nothing."""
-
-
 class OpenFiles:
     """The files that one program has open.
 
@@ -46,7 +42,7 @@ class OpenFiles:
 
     __slots__ = ("_files", "_note_call", "_world")
 
-    def __init__(self, world: ProgramEnvironment, note_call: Callable[[], None] = _nothing) -> None:
+    def __init__(self, world: ProgramEnvironment, note_call: Callable[[], None] = lambda: None) -> None:
         self._world = world
         self._note_call = note_call
         self._files: list[ref[IO[Any]]] = []
@@ -380,7 +376,7 @@ def _long_write(file: ScriptFile, inner: IO[Any], data: Any) -> int:
 
 
 def file_over(
-    inner: IO[Any], mode: str, name: str, note_call: Callable[[], None] = _nothing, *, line_is_cut: bool = True
+    inner: IO[Any], mode: str, name: str, note_call: Callable[[], None] = lambda: None, *, line_is_cut: bool = True
 ) -> ScriptFile:
     """Return what a script holds of an open file.
 

@@ -6,9 +6,9 @@ of cores, but need no messages between processes.
 
 from __future__ import annotations
 
-import os
 from typing import Final
 
+from elitescript.environment.process import cores
 from elitescript.records import record
 
 ROBOTS_PER_CORE: Final = 5
@@ -57,5 +57,4 @@ class Capacity:
 
 def own_capacity(robots: int, *, is_in_process: bool) -> Capacity:
     """Return what this computer holds of so many robots, of the cores that this process may use."""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return Capacity(robots, cores, is_in_process)
+    return Capacity(robots, cores(), is_in_process)

@@ -41,7 +41,7 @@ class Meshes:
     def urdf(self) -> dict[str, Any]:
         """Return the text of the URDF."""
         try:
-            text = _contents(self._path).decode()
+            text = read_bytes(self._path, MESH).decode()
         except UnicodeDecodeError:
             raise UsageError(f"--urdf {self._path}: it is not UTF-8") from None
         return {"name": self.name, "text": text}
@@ -67,8 +67,4 @@ class Meshes:
             raise UsageError(f"{name!r:.200} is outside {self._folder}")
         if path.suffix.lower() not in SUFFIXES:
             raise UsageError(f"{name!r:.200}: only {', '.join(sorted(SUFFIXES))} are loaded")
-        return {"name": name, "base64": b64encode(_contents(path)).decode()}
-
-
-def _contents(path: Path) -> bytes:
-    return read_bytes(path, MESH)
+        return {"name": name, "base64": b64encode(read_bytes(path, MESH)).decode()}

@@ -10,6 +10,7 @@ from tempfile import mkdtemp
 from typing import Any
 from weakref import finalize
 
+from elitescript.environment.process import cores
 from elitescript.errors import UsageError
 from elitescript.kernel.options import OPTIONS, Section, accept, check_keywords
 from elitescript.messages.signals import Value
@@ -238,13 +239,6 @@ class Sweep:
 
     def __repr__(self) -> str:
         return "\n".join(self.summary.lines())
-
-
-def cores() -> int:
-    """Return the number of processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def _variation(name: str, given: Variation | str | Sequence[Any]) -> Variation:

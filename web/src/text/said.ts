@@ -19,6 +19,7 @@ export const SAID: readonly (readonly [english: string, chinese: string])[] = [
   ["the time of its speed", "其速度的时间"],
   ["its speed", "其速度"],
   ["time to go by", "时间经过"],
+  ["its texts to leave", "其文本送出"],
   ["somebody to resume the program", "有人恢复程序"],
   ["somebody to confirm a popup", "有人确认弹窗"],
   ["the debugger", "调试器"],

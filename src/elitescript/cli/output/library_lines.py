@@ -17,7 +17,7 @@ from typing import Final
 AGAIN_S: Final = 10.0
 """A line that is repeated is written again after so long, with how often it came."""
 KINDS_MAX: Final = 100
-"""Lines that are told apart."""
+"""Kinds of lines that are counted separately."""
 
 
 class LibraryLines(logging.Handler):

@@ -103,7 +103,6 @@ class UnitSplitter:
         self._partial = bytearray()
         self._after_cr = False
         self._line_number = 1
-        self._size = 0
         self._tracker = _LineTracker()
         self._size = 0
         self._first_line = 1

@@ -202,7 +202,7 @@ class PrimaryConnection(Connection):
         return self._read()
 
     def _note_unread(self, data: bytes) -> list[Input]:
-        """Say once that the lines of a client of a port that takes nothing are not read; the client is told nothing."""
+        """Say once that the lines of a client of a port that takes nothing are not read; the client gets no answer."""
         if b"\n" not in data or self._has_noted_unread:
             return []
         self._has_noted_unread = True

@@ -75,8 +75,9 @@ def _meant(name: str, known: Iterable[str], other: Iterable[str], *, is_input: b
     if near not in known:
         from difflib import get_close_matches
 
-        # Only few names are near in length to a foreign one of thousands of characters.
-        matches = get_close_matches(name[:100], list(known), n=1, cutoff=0.6)
+        # Comparisons take time, and clients send what they like: a name of quite another length is no match.
+        possible = [row for row in known if abs(len(row) - len(name)) <= 2 + len(name) // 4]
+        matches = get_close_matches(name, possible, n=1, cutoff=0.6)
         near = matches[0] if matches else ""
     return f" (is {near} meant?)" if near else ""
 

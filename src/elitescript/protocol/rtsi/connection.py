@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable
+from functools import partial
 from math import isnan
 from typing import Final
 
@@ -277,9 +278,15 @@ class RtsiConnection(Connection):
     def _reply(self, letter: str, body: bytes) -> None:
         self.send(_FRAME.pack([_FRAME.size + len(body), ord(letter)]) + body)
 
-    def _noted(self, kind: str, text: str, output: Output) -> list[Input]:
-        """Return a warning for the log, once a client for each kind, and once a second for clients that reconnect."""
-        if kind in self._noted_kinds or not self._port.may_say(text, output.tick):
+    def _noted(self, kind: str, make_text: Callable[[], str], output: Output) -> list[Input]:
+        """Return a warning for the log, once a client for each kind, and once a second for clients that reconnect.
+
+        The text is made only then: looking for the nearest names takes milliseconds.
+        """
+        if kind in self._noted_kinds:
+            return []
+        text = make_text()
+        if not self._port.may_say(text, output.tick):
             return []
         self._noted_kinds.add(kind)
         return [AddLog(self.origin, f"{self.origin}: {text}", is_warning=True)]
@@ -331,7 +338,7 @@ class RtsiConnection(Connection):
             self._refuse("O", words, problem, output)
             if problem and NOT_FOUND not in words:
                 return []
-            return self._noted("output names", advice.unknown_names(names, is_input=False), output)
+            return self._noted("output names", lambda: advice.unknown_names(names, is_input=False), output)
         frequency_hz = min(max(wanted_hz, FREQUENCY_MIN_HZ), FREQUENCY_MAX_HZ)
         recipe = OutputRecipe(len(self._outputs) + 1, names, frequency_hz)
         if recipe.size > MESSAGE_MAX:
@@ -358,9 +365,9 @@ class RtsiConnection(Connection):
         if problem or NOT_FOUND in words or IN_USE in words:
             self._refuse("I", words, problem, output)
             if NOT_FOUND in words:
-                return self._noted("input names", advice.unknown_names(names, is_input=True), output)
+                return self._noted("input names", lambda: advice.unknown_names(names, is_input=True), output)
             taken = [(name, claims.owner(name)) for name, word in zip(names, words, strict=True) if word == IN_USE]
-            return self._noted("claims", advice.claimed_names(taken), output) if taken else []
+            return self._noted("claims", lambda: advice.claimed_names(taken), output) if taken else []
         recipe = InputRecipe(len(self._inputs) + 1, names)
         self._inputs.append(recipe)
         self._arrived.append(VariablesArrived(self.origin, recipe.names))
@@ -438,7 +445,7 @@ class RtsiConnection(Connection):
         if not recipe.is_looked_at:
             recipe.is_looked_at = True
             for text in advice.without_effect(recipe.names, [other.names for other in self._inputs]):
-                inputs += self._noted(text, text, output)
+                inputs += self._noted(text, partial(str, text), output)
         return inputs
 
 

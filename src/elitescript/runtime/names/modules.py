@@ -12,6 +12,7 @@ first imports it, and belongs to that program. Four ways to fill one:
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any, Final, NoReturn, Protocol
 
@@ -127,9 +128,9 @@ class ModuleShelf:
             if name not in AVAILABLE:
                 raise ImportError(_refusal(name))
             # Making one takes milliseconds, once in a program.
-            end = _nothing if (meter := self._scheduler.meter) is None else meter.pardon()
-            found = self._facades[name] = self._make(name)
-            end()
+            meter = self._scheduler.meter
+            with nullcontext() if meter is None else meter.pardon():
+                found = self._facades[name] = self._make(name)
         return found
 
     def _make(self, name: str) -> Facade:
@@ -220,10 +221,6 @@ def _own_user_string(names: dict[str, Any]) -> None:
 
 _LONG: Final = SHARED | {"os", "random", "re", "subprocess", "time"}
 """Modules with functions whose calls may take long; those of copies stay as they are: some look at their caller."""
-
-
-def _nothing() -> None:
-    """Do nothing."""
 
 
 _FIXES: Final[dict[str, Callable[[dict[str, Any]], None]]] = {

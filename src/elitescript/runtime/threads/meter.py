@@ -13,7 +13,8 @@ missing in the ticks behind it, so that robot time keeps up in the mean.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Final
 
 from elitescript.messages.cut import WHOLE, Cut
@@ -81,9 +82,9 @@ class Meter:
         """Note that a program begins."""
         self._has_warned = False
 
-    def pardon(self) -> Callable[[], None]:
-        """Begin something whose time does not count; return what ends it."""
-        return _nothing
+    def pardon(self) -> AbstractContextManager[None]:
+        """Return a context in which time does not count."""
+        return nullcontext()
 
     def look(self) -> bool:
         """Return whether the tick is over for all threads."""
@@ -183,13 +184,13 @@ class ClockMeter(Meter):
         # In the tick that runs already, too.
         self._allowed_ns = max(self._allowed_ns, begin_ns)
 
-    def pardon(self) -> Callable[[], None]:
+    @contextmanager
+    def pardon(self) -> Iterator[None]:
         began_ns = self._worked_ns()
-
-        def end() -> None:
+        try:
+            yield
+        finally:
             self._worked_before_ns += self._worked_ns() - began_ns
-
-        return end
 
     def spend(self, time_ns: int) -> None:
         """Count time in which a program has not worked, but had something done for it."""
@@ -242,7 +243,3 @@ class RepeatingMeter(Meter):
 
     def _late_ms(self) -> int:
         return self._expected.late_ms
-
-
-def _nothing() -> None:
-    """Do nothing."""

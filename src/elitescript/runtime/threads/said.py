@@ -13,7 +13,7 @@ TEXT_MAX: Final = 1_000_000
 TEXT_PER_TICK: Final = 4_000
 """Characters that leave in a tick, 1 MB a second (*assumed*)."""
 TEXT_AHEAD: Final = 100_000
-"""Most characters that may be waiting to leave while a program goes on: nobody prints so much by the line."""
+"""Most characters that may be waiting to leave while a program goes on: no program prints so much by the line."""
 
 
 class SaidText:

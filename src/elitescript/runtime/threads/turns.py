@@ -37,7 +37,7 @@ class Turns:
         if self._holder is None or self._holder.state is ENDED:
             self._holder = strand
             return True
-        if not (not strand.is_secondary if waits is None else waits):
+        if not waits and (waits is not None or strand.is_secondary):
             return False
         self._queue.append(strand)
         try:

@@ -70,7 +70,9 @@ DROP_TEXT: Final = "X"
 COMPILED: Final = "E"
 """From a compiler: all of the program was sent."""
 FAILED: Final = "F"
-"""`[kind, text]`: why the child ends."""
+"""`[kind, text]`: why the child ends; of a compiler the text alone."""
+FAILURE_MAX: Final = 8000
+"""Characters of that reason."""
 
 
 def tick_content(number: int, parts: int, asks_due: bool, inputs: str) -> bytes:

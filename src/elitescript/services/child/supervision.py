@@ -284,7 +284,7 @@ def termination_events(
     events.append(Alarm(tick, "R132", "ControllerRestarted", text, line, 0, "", "", details))
     if is_running:
         ended = TaskStateChanged(tick, TaskState.STOPPED, running, "stopped" if failure.is_stop else "alarm")
-        # A stop that was asked for acts before it is told what it has taken.
+        # A stop that was asked for is reported before the alarm about what it has taken.
         events.insert(len(events) - failure.is_stop, ended)
     return tuple(events)
 

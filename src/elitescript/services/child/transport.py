@@ -44,8 +44,6 @@ RUNNING_TICKS: Final = 60 * TICKS_PER_S
 """How long secondary programs and queries may run that wait for each other, each for a second."""
 _BEGINNING: Final = (RunUnit, Compiled, Interpret, LoadTask, PlayTask, Query, Debug)
 """Inputs with which something may begin to run."""
-FAILURE_MAX: Final = 8000
-"""Characters of the reason that a child gives for its end."""
 
 
 @dataclass(slots=True)
@@ -266,7 +264,7 @@ class ChildTransport:
             self.description = shape_of(RobotDescription).decode(from_text(text))
         elif letter == frames.FAILED:
             output_changes.check_values(text)
-            kind, why = (str(part)[:FAILURE_MAX] for part in from_text(text))
+            kind, why = (str(part)[: frames.FAILURE_MAX] for part in from_text(text))
             self.failure = why if kind == "usage" else f"a mistake of ours, please report it:\n{why}"
             self.end("it has ended")
         else:

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import faulthandler
 import os
-import signal
 import sys
 import traceback
 from typing import Final
 
 from elitescript.codec.json_text import from_text, to_text
+from elitescript.environment import stop_signals
 from elitescript.errors import UsageError
 from elitescript.kernel.arm import model_of
 from elitescript.kernel.compiling import compiled_job
@@ -70,7 +70,7 @@ def compile_text(line: frames.BlockingLine, options: RobotOptions, data: bytes) 
 def main(descriptor: int) -> None:
     """Serve at the inherited socket; never returns."""
     faulthandler.enable(all_threads=False)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    stop_signals.ignore()
     os.nice(NICENESS)
     line = frames.BlockingLine(descriptor)
     try:
@@ -80,7 +80,7 @@ def main(descriptor: int) -> None:
     except MemoryError:
         line.send(frames.FAILED, b"memory")
     except BaseException as error:
-        text = "".join(traceback.format_exception(error))[-8000:]
+        text = "".join(traceback.format_exception(error))[-frames.FAILURE_MAX :]
         line.send(frames.FAILED, text.encode("utf-8", "replace"))
     os._exit(1)
 

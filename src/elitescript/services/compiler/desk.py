@@ -189,7 +189,7 @@ class _Job:
 
 
 def _reason(data: bytes) -> str:
-    """Return the reason that a compiler has given for its end; no more than a text, whoever has sent it."""
+    """Return the reason that a compiler has given for its end; never more than a text."""
     if data == b"memory":
         return f"the text takes more than {MEMORY_MAX >> 20} MiB; {COMPILE_HINT}"
-    return f"a mistake of ours, please report it:\n{data[:8000].decode('utf-8', 'replace')}"
+    return f"a mistake of ours, please report it:\n{data[: frames.FAILURE_MAX].decode('utf-8', 'replace')}"

@@ -1,6 +1,6 @@
 """What the log says of a robot whose ticks come late: one line a minute, with the share of its time.
 
-The first line comes `FIRST_TICKS` after ticks began to come late, so that nobody waits a minute for it; ticks that are
+The first line comes `FIRST_TICKS` after ticks began to come late, not only after a minute; ticks that are
 left out are named at once, if no line has named any within a minute.
 """
 

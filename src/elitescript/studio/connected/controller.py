@@ -74,7 +74,7 @@ class ConnectedController:
         self._trail = Trail()
         self._reports: deque[Message] = deque(maxlen=REPORTS_KEPT)
         self._fresh: list[Message] = []
-        """Reports that were not told yet."""
+        """Reports that pages have not got yet."""
         self._budget = EventBudget()
         self._left_out = 0, 0
         """Reports and bytes that pages know to be left out."""

@@ -106,7 +106,7 @@ def find(
 ) -> list[Finding]:
     """Shrink runs that failed, all at the same time, tell their stories, and write their cases.
 
-    Ctrl-C ends the shrinking; what is smallest by then is told and written.
+    Ctrl-C ends the shrinking; what is smallest by then is described and written.
 
     Args:
         firsts: their rows.

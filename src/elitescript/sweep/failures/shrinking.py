@@ -175,7 +175,7 @@ def shrink(
 
 
 class Shrinking:
-    """Makes one failing run smaller, question by question; whoever asks it runs the candidates.
+    """Makes one failing run smaller, question by question; its caller runs the candidates.
 
     What comes out depends on the answers alone, not on how many candidates are run at the same time: those that are
     run beside the first one count as tried when they are wanted, and not otherwise.
