@@ -302,7 +302,6 @@ class TestReads:
         "services/child/process.py": "/proc of its own processes",
         "services/journal/file.py": "writes",
         "studio/files.py": "writes",
-        "studio/live/engine.py": "what its own process writes to it",
         "studio/live/link.py": "what its own process writes to it",
         "studio/live/worker.py": "/dev/null",
         "studio/memory.py": "writes",

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 from pathlib import Path
 from typing import Final
 
-STREAMS: Final = ("/dev/stdin", "/dev/fd/", "/proc/self/fd/")
+STREAMS: Final = ("/dev/stdin", "/dev/stdout", "/dev/stderr", "/dev/fd/", "/proc/self/fd/")
 """Names of streams that a shell has opened: `elitescript run /dev/stdin`, `elitescript run <(generate)`."""
 
 _KINDS: Final = (
@@ -61,6 +62,27 @@ def why_no_file(path: str | os.PathLike[str], *, is_stream_allowed: bool = False
     except (OSError, ValueError):
         return ""
     return f"is {kind}, not a file" if kind else ""
+
+
+def why_no_output(path: str | os.PathLike[str]) -> str:
+    """Return why a path cannot be written, or opening it might wait for ever for a reader; empty if neither.
+
+    Devices are written, as `/dev/null`, and what the shell has opened.
+    """
+    why = why_no_file(path, is_stream_allowed=True)
+    return "" if why == "is a device, not a file" else why
+
+
+def write_page(path: Path, text: str) -> None:
+    """Write a text that a command makes as UTF-8 with line feeds; halves of surrogate pairs, which programs may hold,
+    are escaped.
+
+    Raises:
+        OSError: it cannot be written, or the path is a pipe, a socket or a folder.
+    """
+    if why := why_no_output(path):
+        raise OSError(errno.EINVAL, f"it {why}")
+    path.write_text(text, encoding="utf-8", errors="backslashreplace", newline="\n")
 
 
 def kind_of(mode: int) -> str:

@@ -66,3 +66,10 @@ def test_wrong_usage_is_two(arguments, words, cell, tmp_path, capsys):
     files = {"CELL": str(cell), "NONE": str(tmp_path / "none.script")}
     assert main(["fit", *(files.get(word, word) for word in arguments)]) == 2
     assert words in capsys.readouterr().err
+
+
+def test_more_points_than_can_be_fitted_are_refused_with_the_number(tmp_path, capsys):
+    row = ",".join(["0.1"] * 12) + "\n"
+    (tmp_path / "many.csv").write_text(row * 20_001)
+    assert main(["fit", "--pairs", str(tmp_path / "many.csv")]) == 2
+    assert "20001 points with joints and pose are given; at most 20000 are fitted" in capsys.readouterr().err

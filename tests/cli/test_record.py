@@ -17,6 +17,7 @@ import pytest
 from elitescript.cli.main import main
 from elitescript.environment.process import module_command, module_environment
 from elitescript.recorder.mcap_file import read_recording
+from elitescript.recorder.storing import McapSink
 from tests.recorder.controller import HOST, FakeController, closed_port, served, ticks
 
 
@@ -65,6 +66,23 @@ def test_it_records_for_a_time(tmp_path, capsys):
     assert capsys.readouterr().out.startswith(f"{out}: {count} rows at 250 Hz, no gaps; ")
     assert (found.facts["host"], found.facts["program"]) == (HOST, "cell.script")
     assert found.attachments == {"cell.script": b"x = 1\n"}
+
+
+@pytest.mark.skipif(os.name != "posix", reason="open files cannot be removed")
+def test_a_recording_that_has_lost_a_file_is_not_said_to_have_no_gaps(tmp_path, capsys, monkeypatch):
+    out = tmp_path / "run.mcap"
+    first = McapSink.close
+
+    def close(self):
+        out.unlink(missing_ok=True)
+        return first(self)
+
+    monkeypatch.setattr(McapSink, "close", close)
+    with controller(300) as words:
+        assert main(["record", *words, "--out", str(out), "--for", "0.5"]) == 1
+    said = capsys.readouterr().out
+    assert f"{out} was removed: its " in said
+    assert "no gaps" not in said
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals")

@@ -14,7 +14,16 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named p
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "good.script").write_text("def p():\n  textmsg('ran')\nend\n")
-    for name in ("pipe", "pipe.script", "pipe.toml", "pipe.csv", "pipe.jsonl", "kept.json.lock", "other.json.new"):
+    for name in (
+        "pipe",
+        "pipe.script",
+        "pipe.toml",
+        "pipe.csv",
+        "pipe.jsonl",
+        "pipe.html",
+        "kept.json.lock",
+        "other.json.new",
+    ):
         os.mkfifo(name)
     os.mkfifo("pipe.case.toml")
     (tmp_path / "folder").mkdir()
@@ -39,6 +48,9 @@ def folder(tmp_path, monkeypatch):
         (["run", "good.script", "--robot", "pipe.toml"], "cannot read pipe.toml: it is a named pipe, not a file"),
         (["run", "good.script", "--trace", "pipe.csv"], "--trace pipe.csv: it is a named pipe, not a file"),
         (["run", "good.script", "--trace", "pipe.jsonl"], "--trace pipe.jsonl: it is a named pipe, not a file"),
+        (["plot", "good.script", "-o", "pipe.html"], "-o pipe.html: it is a named pipe, not a file"),
+        (["plot", "good.script", "-o", "folder"], "-o folder: it is a folder, not a file"),
+        (["sweep", "good.script", "--runs", "1", "--page", "pipe.html"], "--page pipe.html: it is a named pipe"),
         (["run", "good.script", "--state", "pipe"], "pipe is a named pipe, not a file"),
         (["run", "good.script", "--state", "kept.json"], "kept.json.lock is a named pipe, not a file"),
         (["run", "good.script", "--state", "other.json"], "other.json.new is a named pipe, not a file"),

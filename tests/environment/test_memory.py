@@ -20,7 +20,9 @@ def test_hidden_files_and_links_are_left_out(tmp_path):
 def test_there_are_limits(tmp_path, monkeypatch):
     for number in range(5):
         (tmp_path / f"{number}.txt").write_bytes(b"x" * 10)
+    assert folder_contents(tmp_path).left_out == ""
     monkeypatch.setattr(memory, "FILES_MAX", 3)
+    assert f"a copy of the folder {tmp_path.name} that ends before 3.txt" in folder_contents(tmp_path).left_out
     assert list(folder_contents(tmp_path)) == ["0.txt", "1.txt", "2.txt"]
     monkeypatch.setattr(memory, "FILES_BYTES_MAX", 25)
     assert list(folder_contents(tmp_path)) == ["0.txt", "1.txt"]

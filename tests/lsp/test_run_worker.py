@@ -127,3 +127,16 @@ def test_no_connection_leads_outside():
 def test_a_page_is_made_if_it_is_asked_for():
     assert "page" not in outcome(PROGRAM)
     assert outcome(PROGRAM, with_page=True)["page"].startswith("<!DOCTYPE html>")
+
+
+def test_a_copy_of_the_folder_that_is_not_whole_is_said(tmp_path):
+    for number in range(201):
+        (tmp_path / f"{number:03}.txt").write_bytes(b"x")
+    found = outcome_of({"text": TEXT_OF_ONE_LINE, "name": "a.script", "folder": str(tmp_path)}, is_jailed=False)
+    assert f"a copy of the folder {tmp_path.name} that ends before 200.txt" in found["report"]["warnings"][0]
+    (tmp_path / "200.txt").unlink()
+    found = outcome_of({"text": TEXT_OF_ONE_LINE, "name": "a.script", "folder": str(tmp_path)}, is_jailed=False)
+    assert found["report"]["warnings"] == []
+
+
+TEXT_OF_ONE_LINE = "def p():\n  sleep(0.1)\nend\n"

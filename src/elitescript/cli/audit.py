@@ -19,6 +19,7 @@ from elitescript.language.text.source import SourceFile
 from elitescript.models.datafile import parsed, read_text
 from elitescript.models.model import is_model_file
 from elitescript.page import NOT_BUILT, is_built
+from elitescript.paths import write_page
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -144,6 +145,6 @@ def _arm_text(found: Audit, robot: str | None) -> str:
 
 def _write(path: str, flag: str, text: str) -> None:
     try:
-        Path(path).write_text(text, encoding="utf-8", errors="backslashreplace", newline="\n")
+        write_page(Path(path), text)
     except OSError as error:
         raise UsageError(f"{flag} {path}: {error.strerror or error}") from error

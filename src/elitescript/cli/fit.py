@@ -10,13 +10,14 @@ from typing import Any, Final
 
 from elitescript.audit.fit.arm_file import arm_text
 from elitescript.audit.fit.lengths import LengthFit, fit_lengths
-from elitescript.audit.fit.pairs import ARITHMETIC, Point, Points, points_of_file, points_of_program
+from elitescript.audit.fit.pairs import ARITHMETIC, POINTS_MAX, Point, Points, points_of_file, points_of_program
 from elitescript.audit.fit.words import table
 from elitescript.cli.settings import parse_six
 from elitescript.errors import UsageError
 from elitescript.messages.motion import Six
 from elitescript.models.datafile import parsed, read_text
 from elitescript.models.model import RobotModel, is_model_file, load_model
+from elitescript.paths import write_page
 from elitescript.untrusted import files as untrusted_files
 
 TYPE_CHECKING = False
@@ -52,6 +53,9 @@ def _all_points(programs: list[str], files: list[str], tcp: Six | None) -> Point
     parts = [(name, points_of_program(_text(name), name, tcp)) for name in programs]
     parts += [(name, points_of_file(_text(name), name, tcp)) for name in files]
     many = len(parts) > 1
+    count = sum(len(part.points) for _, part in parts)
+    if count > POINTS_MAX:
+        raise UsageError(f"{count} points with joints and pose are given; at most {POINTS_MAX} are fitted")
 
     def named(point: Point, name: str) -> Point:
         return point._replace(name=f"{name}: {point.name}") if many and not point.name.startswith(name) else point
@@ -82,7 +86,7 @@ def _write_arm(out: str, robot: str, model: RobotModel, fitted: LengthFit) -> No
     about = f"lengths fitted to {fitted.used} points with joints and poses"
     text = arm_text(base, fitted.parameters, [joint.qd_max for joint in model.joints], about=about)
     try:
-        Path(out).write_text(text, encoding="utf-8")
+        write_page(Path(out), text)
     except OSError as error:
         raise UsageError(f"--out {out}: {error.strerror}") from None
 

@@ -22,7 +22,7 @@ from elitescript.lint.engine import compile_checked
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
 from elitescript.page import NOT_BUILT, is_built
-from elitescript.paths import real_path
+from elitescript.paths import real_path, why_no_output, write_page
 from elitescript.plotting.page import page_of
 from elitescript.plotting.recorder import RunRecorder
 from elitescript.plotting.recording import Recording
@@ -49,6 +49,7 @@ def plot(options: argparse.Namespace) -> int:
     target = Path(options.output) if options.output else Path(f"{path.stem}.plot.html")
     if target.exists() and path.exists() and target.samefile(path):
         raise UsageError(f"-o {target}: this is the file that is to be plotted")
+    _check_target(target)
     comparing = options.compare is not None or options.compare_robot is not None or options.compare_world is not None
     compared: Recording | None = None
     try:
@@ -74,6 +75,7 @@ def _plot_case(options: argparse.Namespace) -> int:
 
     path = Path(options.case)
     target = Path(options.output) if options.output else Path(f"{path.stem}.plot.html")
+    _check_target(target)
     replay = replay_of(options)
     report = TextRunReport(sys.stderr, sys.stderr)
     robot = replay.robot(report.event)
@@ -87,11 +89,16 @@ def _plot_case(options: argparse.Namespace) -> int:
     return EXIT_CODES[run.state]
 
 
+def _check_target(target: Path) -> None:
+    """Refuse what cannot be written before the run."""
+    if why := why_no_output(target):
+        raise UsageError(f"-o {target}: it {why}")
+
+
 def _write(target: Path, recording: Recording, compared: Recording | None = None) -> None:
     found = page_of(recording, compared)
     try:
-        # A text of a program may hold half a surrogate pair; its escape is valid JSON.
-        target.write_text(found.text, encoding="utf-8", errors="backslashreplace", newline="\n")
+        write_page(target, found.text)
     except OSError as error:
         raise UsageError(f"-o {target}: {error.strerror or error}") from error
     step_s = max(recording.step_s, found.step_s)

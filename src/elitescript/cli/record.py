@@ -88,7 +88,9 @@ def _summary(session: Session, sink: McapSink) -> str:
     files = f" in {sink.files} files" if sink.files > 1 else ""
     restarts = f", the controller's time began anew {pace.restarts} x" if pace.restarts else ""
     repeated = f", {pace.repeated:,} repeated rows left out" if pace.repeated else ""
-    rows = f"{pace.rows:,} rows at {pace.rate_hz:g} Hz, {_gaps(session)}{repeated}{restarts}"
+    # That they came without gaps is no comfort where rows are lost with their file.
+    gaps = "" if sink.losses and not pace.gaps else f", {_gaps(session)}"
+    rows = f"{pace.rows:,} rows at {pace.rate_hz:g} Hz{gaps}{repeated}{restarts}"
     lost = "".join(f"\n{words}" for words in sink.losses)
     return f"{sink.path}: {rows}; {shown_size(sink.size)}{files}{lost}"
 

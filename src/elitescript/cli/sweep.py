@@ -22,6 +22,7 @@ from elitescript.errors import ProgramError, UsageError
 from elitescript.language.diagnostics import render
 from elitescript.language.text.source import SourceFile
 from elitescript.page import NOT_BUILT, is_built
+from elitescript.paths import why_no_output
 from elitescript.sweep.chaos.properties import properties_of
 from elitescript.sweep.engines.engine import Engine
 from elitescript.sweep.engines.local import LocalEngine
@@ -66,6 +67,8 @@ def sweep(options: argparse.Namespace) -> int:
         files.check()
     if options.page is not None and not is_built():
         raise UsageError(f"--page: {NOT_BUILT}")
+    if options.page is not None and (why := why_no_output(options.page)):
+        raise UsageError(f"--page {options.page}: it {why}")
     plan = make_plan(
         Path(options.file),
         world=options.world,

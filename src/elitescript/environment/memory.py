@@ -15,14 +15,32 @@ from elitescript.untrusted.files import TASK_FILE, UnreadableError, read_bytes
 FILES_MAX: Final = 200
 """Files of a folder that are copied; so many of their bytes in all:"""
 FILES_BYTES_MAX: Final = 10_000_000
+LEFT_OUT: Final = (
+    f"the program has a copy of the folder {{folder}} that ends before {{name}}: at most {FILES_MAX} files and "
+    f"{FILES_BYTES_MAX // 10**6} MB are copied; `elitescript run` takes the folder itself"
+)
 
 
-def folder_contents(folder: Path) -> dict[str, bytes]:
-    """Return the contents of the files of a folder by their names, within the limits; without hidden ones and links.
+class FolderCopy(dict[str, bytes]):
+    """Contents of the files of a folder by their names.
+
+    Attributes:
+        left_out: a sentence about files that are not in it; empty if all are.
+    """
+
+    __slots__ = ("left_out",)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.left_out = ""
+
+
+def folder_contents(folder: Path) -> FolderCopy:
+    """Return the contents of the files of a folder, within the limits; without hidden ones and links.
 
     A program that has them as its task folder in memory changes nothing of the folder.
     """
-    found: dict[str, bytes] = {}
+    found = FolderCopy()
     size = 0
     for home, inner, names in os.walk(folder):
         inner[:] = sorted(name for name in inner if not name.startswith(".") and name != "node_modules")
@@ -31,6 +49,8 @@ def folder_contents(folder: Path) -> dict[str, bytes]:
             if name.startswith(".") or path.is_symlink() or not path.is_file():
                 continue
             if len(found) == FILES_MAX or size + path.stat().st_size > FILES_BYTES_MAX:
+                name = path.relative_to(folder).as_posix()
+                found.left_out = LEFT_OUT.format(folder=folder.name, name=name)
                 return found
             try:
                 data = read_bytes(path, TASK_FILE)

@@ -15,7 +15,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, Final
 
-from elitescript.environment.memory import folder_contents
+from elitescript.environment.memory import FolderCopy, folder_contents
 from elitescript.environment.process import end_with_parent
 from elitescript.errors import ElitescriptError, ProgramError
 from elitescript.language.text.source import SourceFile
@@ -53,7 +53,9 @@ def outcome_of(request: Mapping[str, Any], *, is_jailed: bool = True) -> dict[st
         `page`: the text of the page that shows it, if that is asked for.
     """
     try:
-        robot = _robot(request)
+        folder = request.get("folder")
+        files = folder_contents(Path(folder)) if folder else FolderCopy()
+        robot = _robot(request, files)
         if is_jailed:
             enter_jail(memory_max=MEMORY_BYTES)
         unit = robot.compile(SourceFile(request["name"], request["text"]))
@@ -77,27 +79,25 @@ def outcome_of(request: Mapping[str, Any], *, is_jailed: bool = True) -> dict[st
         run = robot.run(unit, until_s=UNTIL_S, trace=False if recorder is None else recorder.sampling, watch=watch)
     main = next(iter(threads.stretches(run.time_s).values()), [])
     last = last_run_of(run, request["text"], stretches=main, counts=calls.counts, values=calls.values())
-    found: dict[str, Any] = {"report": _report(run), "last": encoded(last)}
+    found: dict[str, Any] = {"report": _report(run, files.left_out), "last": encoded(last)}
     if recorder is not None:
         found["page"] = page(recorder.recording(Path(request["name"]).name, robot, unit.source, run))
     return found
 
 
-def _robot(request: Mapping[str, Any]) -> VirtualRobot:
-    """Return the robot of a request."""
-    folder = request.get("folder")
-    files = folder_contents(Path(folder)) if folder else {}
+def _robot(request: Mapping[str, Any], files: Mapping[str, bytes]) -> VirtualRobot:
+    """Return the robot of a request, with a copy of the files of its folder."""
     robot = VirtualRobot(world=closed_world(request.get("world")), task_dir=files, **request.get("options", {}))
     robot.reports_signals = False
     return robot
 
 
-def _report(run: Run) -> dict[str, Any]:
+def _report(run: Run, left_out: str) -> dict[str, Any]:
     return {
         "state": run.state,
         "time_s": run.time_s,
         "log": run.log[-MESSAGES_MAX:],
-        "warnings": run.warnings[-MESSAGES_MAX:],
+        "warnings": [*([left_out] if left_out else []), *run.warnings[-MESSAGES_MAX:]],
         "alarms": [{"line": alarm.line, "code": alarm.code, "text": alarm.text} for alarm in run.alarms],
     }
 

@@ -20,6 +20,7 @@ from elitescript.messages.events import (
     Warned,
 )
 from elitescript.messages.timing import TICKS_PER_S, seconds
+from elitescript.paths import write_page
 from elitescript.plotting.line_times import stretches
 from elitescript.plotting.page import page
 from elitescript.plotting.recording import Recording
@@ -157,6 +158,6 @@ def write_pages(folder: Path, test: str, watched: Iterable[WatchedRun]) -> list[
         )
         path = folder / (f"{stem}.html" if len(found) == 1 else f"{stem}.{number}.html")
         folder.mkdir(parents=True, exist_ok=True)
-        path.write_text(page(recording), encoding="utf-8", errors="backslashreplace", newline="\n")
+        write_page(path, page(recording))
         paths.append(path)
     return paths

@@ -54,7 +54,7 @@ class Limits(NamedTuple):
     wall_s: float | None
 
 
-class _WallLimit(BaseException):
+class WallTimeLimit(BaseException):
     """Ends what hangs. No `except Exception` of a program catches it."""
 
 
@@ -158,7 +158,7 @@ class Guard:
             late()
             # The first time the run may still come to its next checkpoint.
             if count > 1:
-                raise _WallLimit
+                raise WallTimeLimit("the run was ended by the limit of wall time of its test")
 
         signal.signal(signal.SIGALRM, ring)
         signal.setitimer(signal.ITIMER_REAL, wall_s, AGAIN_S)
@@ -210,7 +210,7 @@ class _Held:
         __tracebackhide__ = True
         self._timer.__exit__(None, None, None)
         self._guard.is_guarding = False
-        if error is not None and not isinstance(error, _WallLimit):
+        if error is not None and not isinstance(error, WallTimeLimit):
             return
         run, limits = self._run, self._guard.limits_s
         name = os.path.basename(run.unit.source.name)  # noqa: PTH119

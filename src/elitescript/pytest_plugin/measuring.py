@@ -26,6 +26,7 @@ from elitescript.environment.coverage_file import content_of, records_in
 from elitescript.errors import ProgramError
 from elitescript.language.text.source import SourceFile
 from elitescript.observer import COVERAGE_VARIABLE
+from elitescript.paths import write_page
 from elitescript.pytest_plugin.file_names import SUFFIX, holds_tests
 from elitescript.pytest_plugin.unmet_facts import unmet_of
 from elitescript.runtime.probe import set_default
@@ -217,7 +218,7 @@ class Measuring:
         if kind == "html":
             target.mkdir(parents=True, exist_ok=True)
             for name, text in html_pages(self._programs, self._unmet).items():
-                (target / name).write_text(text, encoding="utf-8", errors="backslashreplace", newline="\n")
+                write_page(target / name, text)
             return
         if kind == "lcov":
             text = lcov(self._programs)
@@ -227,7 +228,7 @@ class Measuring:
         else:
             text = json_report(self._programs, self._unmet)
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(text, encoding="utf-8", errors="backslashreplace", newline="\n")
+        write_page(target, text)
 
 
 def _report(text: str, folder: Path) -> tuple[str, Path | None]:

@@ -9,18 +9,24 @@ from __future__ import annotations
 import codecs
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
+from errno import EFBIG
 from io import BytesIO, TextIOWrapper
 from typing import IO, Any, Final, NoReturn
 from weakref import ref
 
 from elitescript.errors import ArgumentTypeError, InvalidValueError, NotSimulatedError, ScriptError
-from elitescript.runtime.environment import Files, ProgramEnvironment, relative_name
+from elitescript.runtime.environment import READ_MAX, Files, ProgramEnvironment, relative_name
 from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 
 OPEN_FILES_MAX: Final = 256
 """Files that one program may have open at a time (*assumed*; what a Linux controller allows by default is 1024)."""
 
 _MODE_LETTERS: Final = frozenset("rwxabt+")
+
+_PIECE: Final = 1 << 17
+"""Characters or bytes that a call reads or writes before it looks again whether its tick is over."""
+_LINES_PIECE: Final = 1000
+"""Lines, likewise."""
 
 _NAMES_SHOWN: Final = 3
 """Most file names in the hint for a missing file."""
@@ -69,7 +75,8 @@ class OpenFiles:
         if not is_binary:
             file = _text(file, mode, encoding, newline, errors)
         self._files.append(ref(file))
-        return file_over(file, mode, name, self._note_call)
+        line_is_cut = is_binary or newline in (None, "\n")
+        return file_over(file, mode, name, self._note_call, line_is_cut=line_is_cut)
 
     def close(self) -> None:
         """Close the files that the program has left open.
@@ -167,7 +174,7 @@ def _text(file: IO[bytes], mode: str, encoding: str, newline: str | None, errors
 class ScriptFile(metaclass=Sealed):
     """An open file of the task folder; the usual methods of Python's files."""
 
-    __slots__ = ("_inner", "_note_call", "mode", "name")
+    __slots__ = ("_inner", "_line_is_cut", "_note_call", "mode", "name")
     __module__ = "io"
     __reduce_ex__ = no_copy
 
@@ -176,25 +183,52 @@ class ScriptFile(metaclass=Sealed):
         self.name = name
 
     def read(self, size: Any = -1) -> Any:
-        """Read the rest, or up to `size` characters or bytes."""
-        return _used(self).read(size)
+        """Read the rest, or up to `size` characters or bytes; at most `READ_MAX` bytes."""
+        inner = _used(self)
+        if size is None:
+            size = -1
+        if type(size) is int and not 0 <= size <= _PIECE:
+            return _long_read(self, inner, size)
+        return inner.read(size)
 
     def readline(self, size: Any = -1) -> Any:
         """Read one line with its line end; empty at the end of the file."""
-        return _used(self).readline(size)
+        inner = _used(self)
+        if size is None:
+            size = -1
+        if type(size) is int and not 0 <= size <= _PIECE and _line_is_cut_of(self):
+            return _long_line(self, inner, size)
+        return inner.readline(size)
 
     def readlines(self, hint: Any = -1) -> list[Any]:
-        """Read all lines."""
-        return _used(self).readlines(hint)
+        """Read all lines, of at most `READ_MAX` bytes."""
+        inner = _used(self)
+        if hint is None:
+            hint = -1
+        if type(hint) is not int:
+            return inner.readlines(hint)
+        lines: list[Any] = []
+        size = 0
+        while line := self.readline() if len(lines) % _LINES_PIECE == 0 else inner.readline():
+            lines.append(line)
+            size += len(line)
+            if size > READ_MAX:
+                raise OSError(EFBIG, _TOO_MUCH.format(call="readlines()"))
+            if 0 < hint < size:
+                break
+        return lines
 
     def write(self, data: Any) -> int:
         """Write text, or bytes to a binary file; return how many."""
-        return _used(self).write(data)
+        inner = _used(self)
+        if type(data) in (str, bytes, bytearray) and len(data) > _PIECE:
+            return _long_write(self, inner, data)
+        return inner.write(data)
 
     def writelines(self, lines: Iterable[Any]) -> None:
         """Write one after the other, adding no line ends."""
         for line in lines:
-            _used(self).write(line)
+            self.write(line)
 
     def seek(self, offset: Any, whence: Any = 0) -> int:
         """Go to a place in the file."""
@@ -276,6 +310,10 @@ _inner = hidden_slot(ScriptFile, "_inner")
 _file: Callable[[ScriptFile], IO[Any]] = _inner.__get__
 _note_call = hidden_slot(ScriptFile, "_note_call")
 _note_call_of: Callable[[ScriptFile], Callable[[], None]] = _note_call.__get__
+_line_is_cut = hidden_slot(ScriptFile, "_line_is_cut")
+_line_is_cut_of: Callable[[ScriptFile], bool] = _line_is_cut.__get__
+
+_TOO_MUCH: Final = f"{{call}} of more than {READ_MAX} bytes at once; read the file line by line or in pieces"
 
 
 def _used(file: ScriptFile) -> IO[Any]:
@@ -284,11 +322,75 @@ def _used(file: ScriptFile) -> IO[Any]:
     return _file(file)
 
 
-def file_over(inner: IO[Any], mode: str, name: str, note_call: Callable[[], None] = lambda: None) -> ScriptFile:
-    """Return what a script holds of an open file."""
+def _long_read(file: ScriptFile, inner: IO[Any], size: int) -> Any:
+    """Read up to `size`, or the rest if that is negative, in pieces between which the tick may end."""
+    pieces: list[Any] = []
+    left = size if size >= 0 else READ_MAX + 1
+    taken = 0
+    while left and (piece := inner.read(min(left, _PIECE))):
+        pieces.append(piece)
+        taken += _bytes_in(piece)
+        left -= len(piece)
+        if taken > READ_MAX:
+            raise OSError(EFBIG, _TOO_MUCH.format(call="read()"))
+        _note_call_of(file)()
+    return pieces[0][:0].join(pieces) if pieces else inner.read(0)
+
+
+def _long_line(file: ScriptFile, inner: IO[Any], size: int) -> Any:
+    """Read a line of up to `size`, or a whole one if that is negative, likewise."""
+    end = b"\n" if "b" in file.mode else "\n"
+    pieces: list[Any] = []
+    left = size if size >= 0 else READ_MAX + 1
+    taken = 0
+    while left and (piece := inner.readline(min(left, _PIECE))):
+        pieces.append(piece)
+        taken += _bytes_in(piece)
+        left -= len(piece)
+        if taken > READ_MAX:
+            raise OSError(EFBIG, _TOO_MUCH.format(call="readline()"))
+        if len(piece) < _PIECE or piece.endswith(end):
+            break
+        _note_call_of(file)()
+    return pieces[0][:0].join(pieces) if pieces else inner.read(0)
+
+
+def _bytes_in(piece: str | bytes) -> int:
+    """Return how many bytes that is, as UTF-8."""
+    return len(piece) if isinstance(piece, bytes) or piece.isascii() else len(piece.encode("utf-8", "surrogatepass"))
+
+
+def _long_write(file: ScriptFile, inner: IO[Any], data: Any) -> int:
+    """Write in pieces between which the tick may end; nothing of a text that cannot be encoded."""
+    places = range(0, len(data), _PIECE)
+    if isinstance(data, str) and "b" not in file.mode and not data.isascii():
+        text: Any = inner
+        for at in places:
+            data[at : at + _PIECE].encode(text.encoding, text.errors)
+            _note_call_of(file)()
+    written = 0
+    for at in places:
+        written += inner.write(data[at : at + _PIECE])
+        _note_call_of(file)()
+    return written
+
+
+def file_over(
+    inner: IO[Any], mode: str, name: str, note_call: Callable[[], None] = lambda: None, *, line_is_cut: bool = True
+) -> ScriptFile:
+    """Return what a script holds of an open file.
+
+    Args:
+        inner: the file.
+        mode: as the script wrote it.
+        name: likewise.
+        note_call: called before each use of the file, and between the pieces of a long one.
+        line_is_cut: whether a long line may be read in pieces: not where a `\\r` may end it.
+    """
     file = ScriptFile(mode, name)
     _inner.__set__(file, inner)
     _note_call.__set__(file, note_call)
+    _line_is_cut.__set__(file, line_is_cut)
     return file
 
 

@@ -355,3 +355,18 @@ class TestSameCode:
         with pytest.raises(EOFError):
             run_program(held, request(TestLimits.ENDLESS, until_s=0.1), no_jail)
         assert not held.one("run_ended")["is_repeatable"]
+
+
+def test_a_copy_of_the_folder_that_is_not_whole_is_said_once(tmp_path):
+    for number in range(201):
+        (tmp_path / f"{number:03}.txt").write_bytes(b"x")
+    link = ListLink()
+    asked = request("def p():\n  sleep(0.1)\nend\n")
+    asked["job"]["folder"] = str(tmp_path)
+    run_program(link, asked, no_jail)
+    (notice,) = [message for message in link.messages if message["type"] == "notice"]
+    assert notice["severity"] == "warning"
+    assert f"a copy of the folder {tmp_path.name} that ends before 200.txt" in notice["text"]
+    again = ListLink()
+    run_program(again, asked | {"known": {"digest": "", "lines": []}}, no_jail)
+    assert not [message for message in again.messages if message["type"] == "notice"]

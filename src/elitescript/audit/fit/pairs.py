@@ -22,6 +22,8 @@ JOINT_ENDS: Final = ("_joints", "_joint", "_qnear", "_j", "_q")
 POSE_ENDS: Final = ("_position", "_pose", "_tcp", "_p")
 """Endings by which names of one point differ: `pick_q` and `pick_p`."""
 
+POINTS_MAX: Final = 20_000
+"""Points of all files that are fitted: more take minutes and say no more."""
 JOINTS_MAX_RAD: Final = 12.7
 """No joint turns further than two turns: such a list is no list of joints."""
 

@@ -7,11 +7,12 @@ commands and start-up time counts.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final, TypeVar, get_args
 
 from elitescript.commands.definition.quantities import Anything, Optionally, Quantity, Vector
-from elitescript.errors import ArgumentCountError, InternalError, ScriptError, ScriptStateError
+from elitescript.errors import ArgumentCountError, InternalError, ScriptError, ScriptStateError, UsageError
 from elitescript.messages.profile import release_of
 from elitescript.records import NamedTuple
 
@@ -22,6 +23,10 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 REQUIRED: Final = object()
 """Default of a parameter that has none."""
+
+NO_DOCSTRINGS: Final = (
+    "commands are described by their docstrings, which Python leaves out with -OO or PYTHONOPTIMIZE=2: take -O or 1"
+)
 
 EVIDENCE: Final = ("documented", "observed", "assumed")
 
@@ -345,6 +350,8 @@ class _Details:
         from elitescript.commands.definition.docstring import read_docstring
 
         function = command.function
+        if function.__doc__ is None and sys.flags.optimize > 1:
+            raise UsageError(NO_DOCSTRINGS)
         doc = read_docstring(function.__doc__ or "")
         self.summary = doc.summary
         self.behaviour = doc.behaviour

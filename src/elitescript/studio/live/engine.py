@@ -8,7 +8,6 @@ own.
 from __future__ import annotations
 
 import asyncio
-import json
 import signal
 from collections.abc import Awaitable, Callable, Coroutine, Mapping
 from contextlib import suppress
@@ -36,7 +35,7 @@ from elitescript.models.datafile import check_name
 from elitescript.models.model import is_model_file
 from elitescript.records import field, record, replace
 from elitescript.studio.live.jobs import Job, job_data
-from elitescript.studio.live.link import ROWS
+from elitescript.studio.live.link import ROWS, message_of
 from elitescript.studio.live.processes import Keeper, Spares, Worker, start_workers
 from elitescript.studio.live.running import WALL_S
 
@@ -347,7 +346,11 @@ class LiveEngine:
                 if kind == ROWS:
                     await self._send_rows(data)
                     continue
-                message: Message = json.loads(data)
+                try:
+                    message: Message = message_of(data)
+                except EOFError:
+                    worker.kill()
+                    break
                 what = message["type"]
                 if stands_in is not None and what == "problems":
                     continue
@@ -556,12 +559,13 @@ class LiveEngine:
             looker.ask(_look_request(asked, shown.t))
             try:
                 _, data = await asyncio.wait_for(looker.frame(), LOOK_S)
+                message = message_of(data)
             except TimeoutError:
                 text = TAKES_TOO_LONG.format(limit=LOOK_S)
             except EOFError:
                 text = HAS_ENDED.format(how="while it looked for a moment")
             else:
-                await self._answer(json.loads(data))
+                await self._answer(message)
                 continue
             self._looker = None
             looker.kill()
@@ -611,7 +615,7 @@ class LiveEngine:
         worker = await self._begin(request)
         try:
             _, data = await asyncio.wait_for(worker.frame(), LOOK_S)
-            await self._send(json.loads(data))
+            await self._send(message_of(data))
         except TimeoutError:
             await self._send(describe.refused(TAKES_TOO_LONG.format(limit=LOOK_S), ask))
         except EOFError:
@@ -649,7 +653,7 @@ class LiveEngine:
                     if kind == ROWS:
                         await self._send_rows(data)
                         continue
-                    await self._answer(json.loads(data))
+                    await self._answer(message_of(data))
                     return
             except TimeoutError:
                 await self._answer(describe.refused(TAKES_TOO_LONG.format(limit=LOOK_S), asked.ask))

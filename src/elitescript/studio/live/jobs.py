@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from elitescript.conversation.messages import SignalInput
 from elitescript.environment.local_channels import STUDIO, WORLD_FILE
-from elitescript.environment.memory import folder_contents
+from elitescript.environment.memory import FolderCopy, folder_contents
 from elitescript.messages.signals import Value
 from elitescript.models.model import is_model_file
 from elitescript.records import field, fields_of, record
@@ -93,7 +93,7 @@ class PreparedJob:
 
     def __init__(self, job: Job) -> None:
         self.job = job
-        self._files = folder_contents(Path(job.folder)) if job.folder else {}
+        self._files = folder_contents(Path(job.folder)) if job.folder else FolderCopy()
         self.levels = {**job.levels, **{item.name: item.value for item in job.inputs if item.at_s == 0.0}}
         """Signals at the start."""
         self.schedule = tuple((item.at_s, item.name, item.value) for item in job.inputs if item.at_s > 0.0)
@@ -103,6 +103,11 @@ class PreparedJob:
     def files(self) -> Mapping[str, bytes]:
         """Contents of the task folder."""
         return self._files
+
+    @property
+    def left_out(self) -> str:
+        """A sentence about files of the folder that the program does not get; empty if it gets all."""
+        return self._files.left_out
 
     def robot(self) -> VirtualRobot:
         """Return a new robot, with its world and its inputs."""

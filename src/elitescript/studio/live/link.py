@@ -14,6 +14,7 @@ from struct import Struct
 from typing import Any, Final
 
 from elitescript.codec.json_text import to_text
+from elitescript.untrusted.json_text import JsonError, json_value
 
 JSON: Final = 0
 ROWS: Final = 1
@@ -28,6 +29,8 @@ EVENT: Final = Struct("=cIi")
 
 _HEAD: Final = Struct("<BI")
 _READ_BYTES: Final = 1 << 16
+FRAME_MAX: Final = 64 << 20
+"""Bytes of a frame of a worker, in which a program of a stranger runs; the largest holds the page of a run."""
 
 
 def framed(message: dict[str, Any]) -> bytes:
@@ -40,13 +43,30 @@ async def read_frame(reader: asyncio.StreamReader) -> tuple[int, bytes]:
     """Return kind and content of the next frame.
 
     Raises:
-        EOFError: there is none any more.
+        EOFError: there is none any more, or it is larger than `FRAME_MAX`.
     """
     try:
         kind, size = _HEAD.unpack(await reader.readexactly(_HEAD.size))
+        if size > FRAME_MAX:
+            raise EOFError
         return kind, await reader.readexactly(size)
     except (asyncio.IncompleteReadError, ConnectionError):
         raise EOFError from None
+
+
+def message_of(data: bytes) -> dict[str, Any]:
+    """Return the message in a frame of a worker.
+
+    Raises:
+        EOFError: it is none: such a worker is taken for one that has ended.
+    """
+    try:
+        message = json_value(data)
+    except JsonError:
+        raise EOFError from None
+    if not isinstance(message, dict) or type(message.get("type")) is not str:
+        raise EOFError
+    return message
 
 
 class Board:

@@ -86,6 +86,9 @@ def run_program(link: Link, request: Mapping[str, Any], jail: Callable[[], None]
     link.send(describe.problems(version, checked.problems, compiles=not checked.is_refused))
     if checked.unit is None or checked.is_refused:
         return
+    if prepared.left_out and request["known"] is None:
+        # Once, not with every edit.
+        link.send(describe.notice("warning", prepared.left_out))
     if not _is_same(link, checked.unit, job, contents, request):
         RunReport(link, robot, checked.unit, request).run(job.presets)
 

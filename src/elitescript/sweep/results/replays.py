@@ -10,6 +10,7 @@ from urllib.parse import quote
 
 from elitescript.errors import UsageError
 from elitescript.language.text.source import SourceFile
+from elitescript.paths import write_page
 from elitescript.plotting.page import page as page_of_run
 from elitescript.plotting.recorder import RunRecorder
 from elitescript.plotting.sampling import Sampling
@@ -120,7 +121,6 @@ def _rows_of(totals: Totals) -> list[Row]:
 def _write(path: Path, text: str) -> None:
     try:
         path.parent.mkdir(exist_ok=True)
-        # A text of a program may hold half a surrogate pair.
-        path.write_text(text, encoding="utf-8", errors="backslashreplace", newline="\n")
+        write_page(path, text)
     except OSError as error:
         raise UsageError(f"--page {path}: {error.strerror or error}") from error
