@@ -41,7 +41,7 @@ NO_FIGURE = (
     ("docs/explanation/jail.md", "one client floods a port, 25 kinds"),
     ("docs/how-to/ssh.md", "`python -m benchmarks.floods ssh`"),
 )
-"""Lines that name a benchmark without quoting a figure of it, or one that serves robots for minutes, by its own call."""
+"""Lines that name a benchmark without a figure of it, or one that serves robots for minutes by a call of its own."""
 
 
 class Quote(NamedTuple):
