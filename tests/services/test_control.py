@@ -284,6 +284,7 @@ def test_ports_tell_who_is_connected() -> None:
             await (await scene.connect("dashboard")).line()
             ports = (await order(channel, "ports"))["result"]
             assert ports["dashboard"]["port"] == scene.server.ports["dashboard"]
+            assert ports["dashboard"]["host"] == "127.0.0.1"
             assert [client["origin"] for client in ports["dashboard"]["clients"]] == ["dashboard#1"]
 
     run(test())

@@ -16,6 +16,7 @@ from elitescript import page
 from elitescript.cli.main import main
 from elitescript.cli.serve import ServeLog
 from elitescript.errors import UsageError
+from elitescript.studio.connected import target
 from elitescript.studio.connected.target import find_target
 from tests.studio.page_client import ROOT, WAIT_S, Page
 
@@ -25,10 +26,47 @@ needs_page = pytest.mark.skipif(not page.is_built(), reason="the page is not bui
 class TestTarget:
     def test_the_ports_of_a_controller(self, monkeypatch, tmp_path: Path) -> None:
         monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
-        target = find_target("192.168.1.20")
-        assert [target.ports[name] for name in ("primary", "rtsi", "dashboard")] == [30001, 30004, 29999]
-        assert (target.may_control, target.control_socket) == (False, None)
+        found = find_target("192.168.1.20")
+        assert [found.ports[name] for name in ("primary", "rtsi", "dashboard")] == [30001, 30004, 29999]
+        assert (found.may_control, found.control_socket) == (False, None)
         assert find_target("localhost", instance=2).ports["rtsi"] == 30204
+
+    @pytest.mark.parametrize(
+        ("host", "number", "place"),
+        [
+            ("127.0.0.11", 0, "serve-0.sock"),
+            ("127.0.0.12", 0, "serve-1.sock"),
+            ("127.0.0.1", 0, None),
+            ("127.0.0.1", 2, "serve-2.sock"),
+            ("localhost", 2, "serve-2.sock"),
+            ("127.0.0.3", 4, "serve-4.sock"),
+        ],
+    )
+    def test_robots_at_an_address_each_are_told_apart(self, monkeypatch, host, number, place) -> None:
+        served = {
+            "serve-0.sock": ("127.0.0.11", 0),
+            "serve-1.sock": ("127.0.0.12", 0),
+            "serve-2.sock": ("127.0.0.1", 2),
+            "serve-4.sock": ("0.0.0.0", 4),
+        }
+
+        async def exchange(path: Path, verb: str):
+            at, instance = served[path.name]
+            numbers = {"primary": 30001, "rtsi": 30004, "dashboard": 29999}
+            rows = {name: {"host": at, "port": port + 100 * instance} for name, port in numbers.items()}
+            return {"ok": True, "result": rows | {"script_sockets": {"clients": 0}}}
+
+        def asked(path: Path, verb: str):
+            if path.name not in served:
+                raise UsageError("no controller is served here")
+            return exchange(path, verb)
+
+        monkeypatch.setattr(target, "exchange", asked)
+        monkeypatch.setattr(target, "address_of", lambda instance: Path(f"/run/serve-{instance}.sock"))
+        monkeypatch.setattr(target, "addresses", lambda: [Path("/run") / name for name in served])
+        found = find_target(host, instance=number)
+        assert found.control_socket == (Path("/run") / place if place else None)
+        assert found.ports["rtsi"] == 30004 + 100 * number
 
     @pytest.mark.parametrize(
         ("host", "options", "text"),

@@ -94,6 +94,7 @@ class Listener:
 
     Attributes:
         clients: by origin.
+        host: address that it listens at.
         number: of the port.
         expected_ns: what accepting takes, see `shares.Waiting`.
         is_restless: whether `begin_tick` is to be called: clients were accepted or refused.
@@ -112,6 +113,7 @@ class Listener:
         "clients",
         "connect",
         "expected_ns",
+        "host",
         "is_restless",
         "number",
         "service",
@@ -128,7 +130,9 @@ class Listener:
     ) -> None:
         self.service = service
         self.clients: dict[str, Client] = {}
-        self.number: int = bound.getsockname()[1]
+        self.host: str
+        self.number: int
+        self.host, self.number = bound.getsockname()[:2]
         self.expected_ns = 0
         self.is_restless = False
         self._hub = hub

@@ -49,6 +49,7 @@ DEBUG: Final = "debug"
 PLAY: Final = "play"
 """The verb that can wait for what it has started."""
 _HAS_UNIX: Final = hasattr(asyncio, "start_unix_server")
+_ENDING: Final = "sock" if _HAS_UNIX else "json"
 
 
 def runtime_folder() -> Path:
@@ -73,7 +74,12 @@ def runtime_folder() -> Path:
 
 def address_of(instance: int) -> Path:
     """Return where the robot of an instance listens."""
-    return runtime_folder() / f"serve-{instance}.{'sock' if _HAS_UNIX else 'json'}"
+    return runtime_folder() / f"serve-{instance}.{_ENDING}"
+
+
+def addresses() -> list[Path]:
+    """Return where robots listen, or did, on this computer."""
+    return sorted(runtime_folder().glob(f"serve-*.{_ENDING}"))
 
 
 class ControlChannel:
@@ -340,6 +346,7 @@ def _line(answer: dict[str, Any]) -> bytes:
 def _clients(server: RobotServer) -> dict[str, Any]:
     return {
         name: {
+            "host": listener.host,
             "port": listener.number,
             "clients": [
                 {"origin": client.origin, "peer": client.peer, "missed_packages": client.dropped}

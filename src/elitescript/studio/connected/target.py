@@ -9,8 +9,8 @@ from typing import Final
 
 from elitescript.errors import UsageError
 from elitescript.records import field, record
-from elitescript.services.control.channel import address_of, exchange
-from elitescript.services.hosts import is_loopback
+from elitescript.services.control.channel import address_of, addresses, exchange
+from elitescript.services.hosts import LOOPBACK, is_loopback
 from elitescript.services.port_numbers import port_numbers
 
 JOG_REGISTER: Final = 40
@@ -67,21 +67,49 @@ def find_target(
     if not 0 <= jog_register <= 42:
         raise UsageError(f"the first register for jogging is from 0 to 42, not {jog_register}")
     ports: Mapping[str, int] = port_numbers(instance, {})
-    place = socket or (address_of(instance) if is_loopback(host) else None)
-    found = None if place is None else _served(place, is_needed=socket is not None)
-    if found is None:
-        place = None
-    return Target(host, found or ports, robot, may_control, place, programs, jog_register)
+    place: Path | None = socket
+    found: Mapping[str, int] | None
+    if socket is not None:
+        found = _served(socket)
+    else:
+        place, found = _served_at(host, instance, ports) if is_loopback(host) else (None, None)
+    return Target(host, found or ports, robot, may_control, place if found else None, programs, jog_register)
 
 
-def _served(path: Path, *, is_needed: bool) -> Mapping[str, int] | None:
-    """Return the ports of a robot that is served on this computer; None if there is none."""
+def _served_at(host: str, instance: int, ports: Mapping[str, int]) -> tuple[Path | None, Mapping[str, int] | None]:
+    """Return the socket and the ports of the robot that is served at a loopback address; None if there is none.
+
+    That of the instance may have any ports. Robots with an address each have the ports of one instance, so of another
+    one these must be the same.
+    """
+    first = address_of(instance)
+    for place in [first, *(other for other in addresses() if other != first)]:
+        try:
+            found = _served(place, host)
+        except UsageError:
+            continue
+        if found and (place == first or all(found[name] == ports[name] for name in PORTS)):
+            return place, found
+    return None, None
+
+
+def _served(path: Path, host: str = "") -> Mapping[str, int] | None:
+    """Return the ports of a robot that is served on this computer; None if it lacks one, or is not at a given address.
+
+    Raises:
+        UsageError: there is none at this socket.
+    """
     try:
         answer = asyncio.run(asyncio.wait_for(exchange(path, "ports"), _ASK_S))
     except (UsageError, TimeoutError, OSError, ValueError) as error:
-        if is_needed:
-            raise UsageError(f"{path}: {str(error) or 'no answer'}") from None
-        return None
+        raise UsageError(f"{path}: {str(error) or 'no answer'}") from None
     result = answer.get("result", {})
-    found = {name: row["port"] for name, row in result.items() if isinstance(row, dict) and "port" in row}
-    return found if all(name in found for name in PORTS) else None
+    rows = {name: row for name, row in result.items() if isinstance(row, dict) and "port" in row}
+    if not all(name in rows and (not host or _is_at(rows[name].get("host"), host)) for name in PORTS):
+        return None
+    return {name: row["port"] for name, row in rows.items()}
+
+
+def _is_at(bound: object, host: str) -> bool:
+    """Return whether a port that listens at an address is reached at another spelling of it, or at all of them."""
+    return bound in (host, "0.0.0.0", "::") or (host in LOOPBACK and bound in LOOPBACK)
