@@ -123,6 +123,13 @@ def test_halt_is_no_failure(run_json):
     assert (code, records[-1]["state"]) == (0, "stopped")
 
 
+@pytest.mark.skipif(os.name != "posix", reason="descriptors as POSIX has them")
+def test_streams_that_the_caller_has_closed_are_no_defect(program):
+    command = [sys.executable, "-m", "elitescript", "run", str(program("sleep(1)\n"))]
+    done = subprocess.run(["sh", "-c", 'exec "$@" <&- >&-', "sh", *command], stderr=subprocess.PIPE, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
 def test_a_time_limit(run_json):
     code, records = run_json("def a():\n  while True:\n    sync()\n  end\nend\n", "--until", "1.5")
     assert (code, records[-1]["state"], records[-1]["t"]) == (4, "time_limit", 1.5)

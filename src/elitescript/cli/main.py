@@ -43,9 +43,25 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _run(list(argv))
     # Hardly anything that is made while modules load can be freed: to look for it takes a tenth of the start.
     gc.disable()
+    if None in (sys.stdin, sys.stdout, sys.stderr):
+        _open_closed_streams()
     code = _run(sys.argv[1:], is_process=True)
     _leave(code)
     return code
+
+
+def _open_closed_streams() -> None:
+    """Open the null device for standard streams that the caller has closed (`>&-`).
+
+    The next file that is opened would get their number, and what is printed would go there.
+    """
+    for number, name in enumerate(("stdin", "stdout", "stderr")):
+        if getattr(sys, name) is None:
+            null = os.open(os.devnull, os.O_RDWR)
+            if null != number:
+                os.dup2(null, number)
+                os.close(null)
+            setattr(sys, name, os.fdopen(number, "w" if number else "r", closefd=False))
 
 
 def _run(arguments: list[str], *, is_process: bool = False) -> int:
