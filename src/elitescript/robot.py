@@ -47,7 +47,7 @@ from elitescript.runtime.threads.strand import is_stop
 if TYPE_CHECKING:
     from typing import Unpack
 
-    from elitescript.environment.local_channels import Way
+    from elitescript.environment.network_option import Way
     from elitescript.environment.state_file import StateFile
     from elitescript.kernel.clients import Client, Clients
     from elitescript.kernel.option_keywords import RobotKeywords

@@ -8,17 +8,8 @@ import sys
 import pytest
 
 from elitescript.environment import tcp_channel
-from elitescript.environment.local_channels import (
-    COMMAND_LINE,
-    COMMENT,
-    LAUNCH,
-    MARKER,
-    PEERS_MAX,
-    PYTHON,
-    STUDIO,
-    WORLD_FILE,
-    LocalChannels,
-)
+from elitescript.environment.local_channels import PEERS_MAX, LocalChannels
+from elitescript.environment.network_option import COMMAND_LINE, COMMENT, LAUNCH, MARKER, PYTHON, STUDIO, WORLD_FILE
 from elitescript.environment.reach import Reach, numeric
 from elitescript.errors import UsageError
 from elitescript.messages.enums import ChannelError

@@ -105,7 +105,7 @@ def test_two_files_of_one_text_are_two_arms_in_error_texts(tmp_path: Path) -> No
 
 def test_a_robot_is_made_in_few_calls() -> None:
     VirtualRobot()
-    assert calls_of(VirtualRobot) < 450
+    assert calls_of(VirtualRobot) < 470
 
 
 def test_what_one_robot_does_no_other_sees() -> None:

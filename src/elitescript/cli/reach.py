@@ -10,7 +10,7 @@ from elitescript.cli.program_texts import program_texts
 from elitescript.cli.robot_options import options_from
 from elitescript.environment.addresses import place_of
 from elitescript.environment.line_bindings import parse_bindings
-from elitescript.environment.local_channels import COMMAND_LINE
+from elitescript.environment.network_option import COMMAND_LINE
 from elitescript.errors import ProgramError, ScriptError, printable
 from elitescript.language.options import Options
 from elitescript.language.parser import parse

@@ -18,7 +18,7 @@ from elitescript.cli.settings import parse_size
 from elitescript.cli.watched import watch_for_crashes
 from elitescript.controller.views.trace import Trace, step_ticks
 from elitescript.controller.views.trace_signals import TraceSignals
-from elitescript.environment.local_channels import COMMAND_LINE
+from elitescript.environment.network_option import COMMAND_LINE
 from elitescript.environment.process import limit_memory
 from elitescript.environment.program_file import refused_source, source_of
 from elitescript.environment.start_values import check_presets, parse_settings

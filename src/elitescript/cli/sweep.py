@@ -359,7 +359,7 @@ class _JsonReport:
 
     def row(self, row: Row) -> None:
         """Print a row."""
-        print(json_line(self._names, ("row", *values(row, self._plan))), flush=True)
+        _write_line(json_line(self._names, ("row", *values(row, self._plan))))
 
     def remembered(self, known: list[Remembered]) -> None:
         """Print what became of the cases of earlier sweeps."""
@@ -405,8 +405,14 @@ def _numbers(summary: Summary, findings: list[Finding], known: int) -> dict[str,
     }
 
 
+def _write_line(text: str) -> None:
+    """Write a line of JSON at once, so that Ctrl-C does not part it from its end."""
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()
+
+
 def _print_json(**data: Any) -> None:
-    print(to_text(data), flush=True)
+    _write_line(to_text(data))
 
 
 def _check_out(options: argparse.Namespace, out: Path | None) -> None:

@@ -11,7 +11,7 @@ from elitescript.dap.sources import Sources
 from elitescript.debugger.api import BreakpointState, LineBreakpoint, Output, Place
 from elitescript.debugger.session import DebugSession
 from elitescript.debugger.source import ProgramSource
-from elitescript.environment.local_channels import LAUNCH
+from elitescript.environment.network_option import LAUNCH
 from elitescript.environment.start_values import check_presets, parse_settings
 from elitescript.errors import did_you_mean
 from elitescript.kernel.options import OPTIONS, accept

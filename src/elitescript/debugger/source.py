@@ -16,7 +16,7 @@ from elitescript.controller.controller import Controller
 from elitescript.debugger.connections import KeptChannels, KeptNetwork
 from elitescript.devices.outside import OutsideChannels
 from elitescript.devices.surroundings import Surroundings
-from elitescript.environment.local_channels import PYTHON, Way
+from elitescript.environment.network_option import PYTHON, Way
 from elitescript.environment.program_file import source_of
 from elitescript.errors import ProgramError, ScriptError
 from elitescript.language.compiler import CompiledUnit, compile_unit

@@ -8,7 +8,8 @@ from typing import Any, Protocol
 
 from elitescript.devices.surroundings import Surroundings
 from elitescript.environment.allowance import TASK_DIR_BYTES, Allowance
-from elitescript.environment.local_channels import NETWORK_DEFAULT, PYTHON, LocalChannels, Way
+from elitescript.environment.local_channels import NETWORK_DEFAULT, LocalChannels
+from elitescript.environment.network_option import PYTHON, Way
 from elitescript.errors import UsageError
 from elitescript.messages.line import bind_hint
 from elitescript.messages.machine import DisturbInput

@@ -16,9 +16,9 @@ from time import perf_counter, sleep
 from typing import TYPE_CHECKING, Final
 
 from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
-from elitescript.records import NamedTuple
 
 if TYPE_CHECKING:
+    from elitescript.environment.network_option import Way
     from elitescript.environment.reach import Decision, Reach
     from elitescript.environment.serial_channel import SerialChannel
     from elitescript.environment.tcp_channel import TcpChannel
@@ -45,29 +45,6 @@ NOT_COUNTED: Final = "others"
 """Name of the peers beyond `PEERS_MAX`."""
 
 _LOOK_S: Final = 0.001
-
-
-class Way(NamedTuple):
-    """Names the option `network` as it is written where a robot was made; `{}` is the place of the value.
-
-    Attributes:
-        named: the option with the value that it has.
-        allowing: the option with the value that it needs.
-        opens_closed: whether `allowing` lets connections out of closed runs; nothing else does.
-    """
-
-    named: str
-    allowing: str
-    opens_closed: bool = False
-
-
-COMMAND_LINE: Final = Way("--network {}", "--network {}")
-PYTHON: Final = Way('network="{}"', 'network="{}"')
-MARKER: Final = Way('network="{}"', '@pytest.mark.elitescript(network="{}")')
-COMMENT: Final = Way("network={}", "# elitescript: network={}")
-LAUNCH: Final = Way('"network": "{}"', '"network": "{}"')
-WORLD_FILE: Final = Way('network = "{}"', '[robot] network = "{}"')
-STUDIO: Final = Way('network = "{}"', "Allow connections", opens_closed=True)
 
 
 def print_error(text: str) -> None:
@@ -178,6 +155,7 @@ class LocalChannels:
         """Return what the options let through of an address; nothing is looked up."""
         if self._reach is None:
             # Most programs open no connection, and the network takes its time to load.
+            from elitescript.environment.network_option import COMMAND_LINE
             from elitescript.environment.reach import Reach
 
             self._reach = Reach(self._network, is_closed=self._is_closed, way=self.way or COMMAND_LINE)

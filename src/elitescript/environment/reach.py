@@ -31,7 +31,7 @@ from elitescript.environment.addresses import (
     special_kind,
     unmapped,
 )
-from elitescript.environment.local_channels import COMMAND_LINE, Way
+from elitescript.environment.network_option import COMMAND_LINE, Way
 from elitescript.errors import UsageError, printable
 from elitescript.records import NamedTuple
 

@@ -149,6 +149,8 @@ class Guard:
                 yield
             finally:
                 thread.cancel()
+                # Until it has ended it holds the robot.
+                thread.join()
             return
         count = 0
 

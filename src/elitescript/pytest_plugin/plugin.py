@@ -111,7 +111,7 @@ def _measures(config: pytest.Config) -> bool:
 @pytest.fixture
 def robot(request: pytest.FixtureRequest) -> VirtualRobot:
     """A fresh robot in virtual time, with the options of the marker `elitescript`."""
-    from elitescript.environment.local_channels import MARKER
+    from elitescript.environment.network_option import MARKER
     from elitescript.pytest_plugin.marker import robot_arguments, settings_of
     from elitescript.robot import VirtualRobot
 

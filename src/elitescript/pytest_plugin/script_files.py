@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import pytest
 
-from elitescript.environment.local_channels import COMMENT
+from elitescript.environment.network_option import COMMENT
 from elitescript.environment.program_file import source_of
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
 from elitescript.kernel.options import OPTIONS, Network, Number, Switch, VersionText, Whole, accept

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from elitescript.conversation.messages import SignalInput
-from elitescript.environment.local_channels import STUDIO, WORLD_FILE
 from elitescript.environment.memory import FolderCopy, folder_contents
+from elitescript.environment.network_option import STUDIO, WORLD_FILE
 from elitescript.messages.signals import Value
 from elitescript.models.model import is_model_file
 from elitescript.records import field, fields_of, record

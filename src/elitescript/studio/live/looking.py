@@ -15,7 +15,7 @@ from elitescript.conversation.describe import Moment, Thread, Variable
 from elitescript.debugger.api import BEFORE_STATEMENT, DebugError, Picture, Position
 from elitescript.debugger.session import DebugSession
 from elitescript.debugger.source import ProgramSource
-from elitescript.environment.local_channels import STUDIO
+from elitescript.environment.network_option import STUDIO
 from elitescript.errors import ElitescriptError, ProgramError
 from elitescript.studio.live.jobs import PreparedJob, code_name, job_of
 from elitescript.studio.live.link import Link
