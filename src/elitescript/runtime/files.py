@@ -324,32 +324,40 @@ def _used(file: ScriptFile) -> IO[Any]:
 
 def _long_read(file: ScriptFile, inner: IO[Any], size: int) -> Any:
     """Read up to `size`, or the rest if that is negative, in pieces between which the tick may end."""
-    pieces: list[Any] = []
-    left = size if size >= 0 else READ_MAX + 1
-    taken = 0
-    while left and (piece := inner.read(min(left, _PIECE))):
-        pieces.append(piece)
-        taken += _bytes_in(piece)
-        left -= len(piece)
-        if taken > READ_MAX:
-            raise OSError(EFBIG, _TOO_MUCH.format(call="read()"))
-        _note_call_of(file)()
-    return pieces[0][:0].join(pieces) if pieces else inner.read(0)
+    return _in_pieces(file, inner, size, inner.read, "read()", lambda piece: False)
 
 
 def _long_line(file: ScriptFile, inner: IO[Any], size: int) -> Any:
     """Read a line of up to `size`, or a whole one if that is negative, likewise."""
     end = b"\n" if "b" in file.mode else "\n"
+    return _in_pieces(
+        file, inner, size, inner.readline, "readline()", lambda piece: len(piece) < _PIECE or piece.endswith(end)
+    )
+
+
+def _in_pieces(
+    file: ScriptFile,
+    inner: IO[Any],
+    size: int,
+    read: Callable[[int], Any],
+    call: str,
+    is_last: Callable[[Any], bool],
+) -> Any:
+    """Read by `read` until `size` is there, nothing comes or `is_last` is true of a piece.
+
+    Raises:
+        OSError: more than `READ_MAX` bytes; `call` names what the program has called.
+    """
     pieces: list[Any] = []
     left = size if size >= 0 else READ_MAX + 1
     taken = 0
-    while left and (piece := inner.readline(min(left, _PIECE))):
+    while left and (piece := read(min(left, _PIECE))):
         pieces.append(piece)
         taken += _bytes_in(piece)
         left -= len(piece)
         if taken > READ_MAX:
-            raise OSError(EFBIG, _TOO_MUCH.format(call="readline()"))
-        if len(piece) < _PIECE or piece.endswith(end):
+            raise OSError(EFBIG, _TOO_MUCH.format(call=call))
+        if is_last(piece):
             break
         _note_call_of(file)()
     return pieces[0][:0].join(pieces) if pieces else inner.read(0)
