@@ -7,7 +7,7 @@ from itertools import count
 
 from hypothesis import settings
 
-pytest_plugins = ["pytester", "tests.findings", "tests.specification.plugin"]
+pytest_plugins = ["pytester", "tests.findings", "tests.sound_values", "tests.specification.plugin"]
 
 # The same examples in every run, on every machine; a shared machine is no reason to fail.
 settings.register_profile("elitescript", derandomize=True, deadline=None, database=None)

@@ -25,15 +25,7 @@ from elitescript.assist.own_names import (
     visible_names,
 )
 from elitescript.assist.python_texts import python_markdown, python_signature
-from elitescript.assist.value_types import (
-    ModuleType,
-    OwnClass,
-    ValueType,
-    attribute,
-    attribute_names,
-    module_names,
-    type_of_text,
-)
+from elitescript.assist.value_types import ValueType, attribute, attribute_names, module_names, type_of_text
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.quantities import Boolean, Choice, Either, Optionally, Quantity
 from elitescript.commands.definition.registry import Command, Param
@@ -46,6 +38,7 @@ from elitescript.language.text.masked import NAME, operand_before
 from elitescript.lint.program import Span
 from elitescript.messages.profile import PROFILES, release_of
 from elitescript.records import record, replace
+from elitescript.values.references import ModuleType, OwnClass
 
 
 class ItemKind(StrEnum):

@@ -26,7 +26,7 @@ from elitescript.assist.own_names import (
 )
 from elitescript.assist.python_texts import python_markdown
 from elitescript.assist.units import element_names, element_unit, value_text, with_unit
-from elitescript.assist.value_types import ModuleType, OwnClass, expression, type_of_text
+from elitescript.assist.value_types import expression, type_of_text
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.quantities import JOINTS, POSE
 from elitescript.commands.definition.registry import Param
@@ -39,6 +39,7 @@ from elitescript.lint.program import Span
 from elitescript.messages.signals import parse_signal_name
 from elitescript.records import record
 from elitescript.untrusted.escaping import code_span
+from elitescript.values.references import ModuleType, OwnClass
 
 _LINES_MAX: Final = 4
 """Lines that a list of places names."""

@@ -9,16 +9,16 @@ from typing import Any, Final
 
 from elitescript.assist.document import Document
 from elitescript.assist.units import value_text, with_unit
-from elitescript.assist.value_types import ModuleType, OwnClass, ValueTypes
+from elitescript.assist.value_types import ValueTypes
 from elitescript.commands.definition.registry import Param
 from elitescript.language.scopes import Binding, Resolution, Scope
 from elitescript.language.symbols import THREAD_STARTER
 from elitescript.lint.arguments import Arguments
 from elitescript.lint.constants import Unknown
-from elitescript.lint.kinds import Kinds
 from elitescript.lint.program import CommandCall
 from elitescript.records import NamedTuple
 from elitescript.untrusted.escaping import markdown_text
+from elitescript.values.references import ModuleType, OwnClass
 
 _SHORT: Final = 40
 LIST_KINDS: Final = {"joints": "joints", "pose": "pose", "tcp": "pose"}
@@ -119,7 +119,6 @@ class NameFacts:
 
     def __init__(self, document: Document) -> None:
         self.document = document
-        self._kinds = Kinds(document.symbols)
         self._types = document.once(ValueTypes)
 
     def value(self, own: OwnName) -> Any:
@@ -128,9 +127,9 @@ class NameFacts:
 
     def kind(self, own: OwnName) -> str:
         """Return `joints` or `pose` for six numbers of that kind, by their origin or by their use; else empty."""
-        kind = self._kinds.kind(_read(own), self._scope(own))
-        if kind:
-            return kind
+        role = self.document.program.values.evaluated(_read(own), self._scope(own)).role
+        if role in ("joints", "pose"):
+            return role
         kinds = {LIST_KINDS.get(use.param.quantity.meaning, "") for use in self.uses(own)}
         return kinds.pop() if len(kinds) == 1 else ""
 

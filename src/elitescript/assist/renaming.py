@@ -19,15 +19,7 @@ from unicodedata import normalize
 
 from elitescript.assist.document import Document
 from elitescript.assist.names import Entity, EntityKind, Names, Occurrence, takes_keyword
-from elitescript.assist.value_types import (
-    ModuleType,
-    OwnClass,
-    ValueTypes,
-    attribute,
-    attribute_names,
-    module_names,
-    real_module,
-)
+from elitescript.assist.value_types import ValueTypes, attribute, attribute_names, module_names, real_module
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.reserved import RESERVED
 from elitescript.language.advice.unknown_names import KNOWN
@@ -36,6 +28,7 @@ from elitescript.language.policy import DENIED_ATTRIBUTES, GUARDED_ATTRIBUTES
 from elitescript.language.symbols import Scope
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.records import record
+from elitescript.values.references import ModuleType, OwnClass
 
 _OWN_KEYWORDS: Final = frozenset(("case", "end", "match", "sec", "thread"))
 _READ_NAMES: Final = frozenset(

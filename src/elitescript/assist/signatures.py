@@ -14,10 +14,11 @@ from elitescript.assist.enclosing import scope_at
 from elitescript.assist.own_names import function_of, function_text, method_of, own_name
 from elitescript.assist.python_texts import python_signature
 from elitescript.assist.units import element_names, element_unit
-from elitescript.assist.value_types import OwnClass, attribute, type_of_text
+from elitescript.assist.value_types import attribute, type_of_text
 from elitescript.commands.definition.registry import Command
 from elitescript.language.scopes import Scope
 from elitescript.records import NamedTuple, record
+from elitescript.values.references import OwnClass
 
 
 class ShownParameter(NamedTuple):

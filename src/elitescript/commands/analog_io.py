@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from elitescript.commands.definition.quantities import Choice, Number, signal_index
 from elitescript.commands.definition.registry import command
+from elitescript.commands.definition.results import COMMANDED, MEASURED
 from elitescript.messages.enums import AnalogDomain
 from elitescript.messages.machine import SetAnalogDomain, SetAnalogFraction
 
@@ -21,7 +22,9 @@ _Domain = Annotated[int, Choice(0, 1)]
 
 
 @command(family="io", manual="3.3")
-def get_standard_analog_in(robot: Robot, n: Annotated[int, signal_index("standard_analog_in")]) -> _Level:
+def get_standard_analog_in(
+    robot: Robot, n: Annotated[int, signal_index("standard_analog_in")]
+) -> Annotated[_Level, MEASURED]:
     """Return the level of an analog input of the control box.
 
     Args:
@@ -34,7 +37,9 @@ def get_standard_analog_in(robot: Robot, n: Annotated[int, signal_index("standar
 
 
 @command(family="io", manual="3.4")
-def get_standard_analog_out(robot: Robot, n: Annotated[int, signal_index("standard_analog_out")]) -> _Level:
+def get_standard_analog_out(
+    robot: Robot, n: Annotated[int, signal_index("standard_analog_out")]
+) -> Annotated[_Level, COMMANDED]:
     """Return the level that an analog output of the control box is set to.
 
     Args:
@@ -90,7 +95,7 @@ def set_standard_analog_output_domain(
 
 
 @command(family="io", manual="3.7")
-def get_tool_analog_in(robot: Robot) -> _Level:
+def get_tool_analog_in(robot: Robot) -> Annotated[_Level, MEASURED]:
     """Return the level of the tool's analog input.
 
     Returns:
@@ -100,7 +105,7 @@ def get_tool_analog_in(robot: Robot) -> _Level:
 
 
 @command(family="io", manual="3.8")
-def get_tool_analog_out(robot: Robot) -> _Level:
+def get_tool_analog_out(robot: Robot) -> Annotated[_Level, COMMANDED]:
     """Return the level that the tool's analog output is set to.
 
     Returns:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 from elitescript.commands.definition.quantities import Bool, Choice, Integer, Number, Pose, Real, Vector, shown
 from elitescript.commands.definition.registry import command
+from elitescript.commands.definition.results import COMPUTED, MEASURED
 from elitescript.errors import ArgumentRangeError
 from elitescript.messages.enums import PulseDecoder
 from elitescript.messages.machine import DecodePulses, PrepareEncoder, SetEncoderCount
@@ -39,7 +40,7 @@ def encoder_enable_set_tick_count(
 
 
 @command(family="motion", manual="2.1.21", arguments=_ARGUMENTS)
-def encoder_get_tick_count(robot: Robot, encoder_index: _EncoderIndex) -> Real:
+def encoder_get_tick_count(robot: Robot, encoder_index: _EncoderIndex) -> Annotated[Real, MEASURED]:
     """Return the count of an encoder.
 
     An encoder that no program has prepared counts from 0 in the range of signed 32 bits (*assumed*: as the
@@ -70,7 +71,9 @@ def encoder_set_tick_count(robot: Robot, encoder_index: _EncoderIndex, count: _T
 
 
 @command(family="motion", manual="2.1.23", arguments=_ARGUMENTS)
-def encoder_unwind_delta_tick_count(robot: Robot, encoder_index: _EncoderIndex, delta_tick_count: _Ticks) -> _Ticks:
+def encoder_unwind_delta_tick_count(
+    robot: Robot, encoder_index: _EncoderIndex, delta_tick_count: _Ticks
+) -> Annotated[_Ticks, COMPUTED]:
     """Undo the overflow of a counter in the difference of two counts.
 
     Args:

@@ -6,13 +6,16 @@ from typing import TYPE_CHECKING, Annotated
 
 from elitescript.commands.definition.quantities import Bool, signal_index
 from elitescript.commands.definition.registry import command
+from elitescript.commands.definition.results import SIGNAL
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.context import Robot
 
 
 @command(family="io", manual="3.1")
-def get_configurable_digital_in(robot: Robot, n: Annotated[int, signal_index("configurable_digital_in")]) -> Bool:
+def get_configurable_digital_in(
+    robot: Robot, n: Annotated[int, signal_index("configurable_digital_in")]
+) -> Annotated[Bool, SIGNAL]:
     """Return the level of a configurable input.
 
     Args:
@@ -25,7 +28,9 @@ def get_configurable_digital_in(robot: Robot, n: Annotated[int, signal_index("co
 
 
 @command(family="io", manual="3.2")
-def get_configurable_digital_out(robot: Robot, n: Annotated[int, signal_index("configurable_digital_out")]) -> Bool:
+def get_configurable_digital_out(
+    robot: Robot, n: Annotated[int, signal_index("configurable_digital_out")]
+) -> Annotated[Bool, SIGNAL]:
     """Return the level that a configurable output is set to.
 
     Args:
@@ -38,7 +43,9 @@ def get_configurable_digital_out(robot: Robot, n: Annotated[int, signal_index("c
 
 
 @command(family="io", manual="3.5")
-def get_standard_digital_in(robot: Robot, n: Annotated[int, signal_index("standard_digital_in")]) -> Bool:
+def get_standard_digital_in(
+    robot: Robot, n: Annotated[int, signal_index("standard_digital_in")]
+) -> Annotated[Bool, SIGNAL]:
     """Return the level of a standard input.
 
     Args:
@@ -51,7 +58,9 @@ def get_standard_digital_in(robot: Robot, n: Annotated[int, signal_index("standa
 
 
 @command(family="io", manual="3.6")
-def get_standard_digital_out(robot: Robot, n: Annotated[int, signal_index("standard_digital_out")]) -> Bool:
+def get_standard_digital_out(
+    robot: Robot, n: Annotated[int, signal_index("standard_digital_out")]
+) -> Annotated[Bool, SIGNAL]:
     """Return the level that a standard output is set to.
 
     Args:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from elitescript.commands.definition.quantities import Bool, Integer, Number, Pose, Vector
 from elitescript.commands.definition.registry import command
+from elitescript.commands.definition.results import MEASURED
 from elitescript.messages.machine import SetForceDamping, SetForceGain, ZeroForceSensor
 from elitescript.messages.motion import Six
 from elitescript.messages.yielding import EndForceMode, ForceMode
@@ -101,7 +102,7 @@ def zero_ftsensor(robot: Robot) -> None:
 
 
 @command(family="force", since="2.14", manual="2.14: 4.5")
-def force(robot: Robot) -> Annotated[float, Number("N")]:
+def force(robot: Robot) -> Annotated[float, Number("N", 0.0), MEASURED]:
     """Return the size of the external force at the TCP.
 
     Returns:
@@ -111,7 +112,7 @@ def force(robot: Robot) -> Annotated[float, Number("N")]:
 
 
 @command(family="force", since="2.14", manual="2.14: 4.6")
-def get_tcp_force(robot: Robot, enable_compensation: Bool) -> _Wrench:
+def get_tcp_force(robot: Robot, enable_compensation: Bool) -> Annotated[_Wrench, MEASURED]:
     """Return the external wrench at the TCP: what the surroundings exert on the arm (*assumed*).
 
     An arm that presses against a surface with `force_mode` reads the negative of its target.

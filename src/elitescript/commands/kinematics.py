@@ -14,6 +14,7 @@ from elitescript.commands.definition.quantities import (
     Vector,
 )
 from elitescript.commands.definition.registry import command
+from elitescript.commands.definition.results import COMPUTED
 from elitescript.errors import MotionError
 from elitescript.kinematics.inverse import Solution, nearest, reason_unreachable, solutions
 from elitescript.kinematics.transforms import Transform, compose, inverse, pose_from_transform, transform_from_pose
@@ -45,7 +46,9 @@ def nearest_solution(
 
 
 @command(family="math", manual="2.2.1", arguments=_ARGUMENTS)
-def get_inverse_kin(robot: Robot, p: Pose, qnear: OptionalJoints = None, tcp: OptionalTcp = None) -> JointPositions:
+def get_inverse_kin(
+    robot: Robot, p: Pose, qnear: OptionalJoints = None, tcp: OptionalTcp = None
+) -> Annotated[JointPositions, COMPUTED]:
     """Return joint positions that bring the TCP to a pose.
 
     Of all solutions and their full turns inside the joint limits it is the one with the least sum of squared joint
@@ -74,7 +77,9 @@ def get_inverse_kin(robot: Robot, p: Pose, qnear: OptionalJoints = None, tcp: Op
 
 
 @command(family="math", manual="2.2.2", arguments=_ARGUMENTS)
-def get_inverse_kin_has_solution(robot: Robot, p: Pose, qnear: OptionalJoints = None, tcp: OptionalTcp = None) -> Bool:
+def get_inverse_kin_has_solution(
+    robot: Robot, p: Pose, qnear: OptionalJoints = None, tcp: OptionalTcp = None
+) -> Annotated[Bool, COMPUTED]:
     """Return whether `get_inverse_kin` would find joint positions.
 
     Returns:
@@ -87,7 +92,7 @@ def get_inverse_kin_has_solution(robot: Robot, p: Pose, qnear: OptionalJoints = 
 @command(family="math", since="2.14", manual="2.14: 3.2.3", arguments=_ARGUMENTS)
 def get_all_inverse_kin(
     robot: Robot, p: Pose, tcp: OptionalTcp = None
-) -> Annotated[tuple[Six, ...], Vector(Vector(Number(), 6, "rad"), None, "rad")]:
+) -> Annotated[tuple[Six, ...], Vector(Vector(Number(), 6, "rad"), None, "rad"), COMPUTED]:
     """Return all joint positions that bring the TCP to a pose, without full turns; joint limits do not count.
 
     Returns:
@@ -98,7 +103,7 @@ def get_all_inverse_kin(
 
 
 @command(family="math", manual="2.2.3", arguments=_ARGUMENTS)
-def get_forward_kin(robot: Robot, q: OptionalJoints = None, tcp: OptionalTcp = None) -> Pose:
+def get_forward_kin(robot: Robot, q: OptionalJoints = None, tcp: OptionalTcp = None) -> Annotated[Pose, COMPUTED]:
     """Return the pose of the TCP that joint positions give.
 
     Args:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Final
 
-from elitescript.commands.definition.quantities import Anything, Boolean, Either, Integer, Text, Vector, Whole
+from elitescript.commands.definition.quantities import Anything, Boolean, Count, Either, Integer, Text, Vector, Whole
 from elitescript.commands.definition.registry import alias, command
 
 _BITS: Final = 32
@@ -51,7 +51,7 @@ alias("integer_to_bit_list", of="integer_to_binary_list", since="2.13")
 
 
 @command(family="math", manual="2.2.6")
-def get_list_length(v: Annotated[tuple[Any, ...], _AnyList]) -> Whole:
+def get_list_length(v: Annotated[tuple[Any, ...], _AnyList]) -> Count:
     """Return the number of elements of a list.
 
     Args:
@@ -64,7 +64,7 @@ def get_list_length(v: Annotated[tuple[Any, ...], _AnyList]) -> Whole:
 
 
 @command(family="math", manual="2.2.7")
-def length(v: Annotated[Any, Either(Text(), _AnyList)]) -> Whole:
+def length(v: Annotated[Any, Either(Text(), _AnyList)]) -> Count:
     """Return the number of elements of a list or of characters of a text.
 
     Args:

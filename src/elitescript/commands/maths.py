@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from elitescript.commands.definition.quantities import Either, Number, Radians, Real, Vector, Whole
 from elitescript.commands.definition.registry import command
+from elitescript.commands.definition.results import STATE
 from elitescript.errors import InvalidValueError
 
 if TYPE_CHECKING:
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 
 _Degrees = Annotated[float, Number("deg")]
 _SineOrCosine = Annotated[float, Number("", -1.0, 1.0)]
+_NotNegative = Annotated[float, Number("", 0.0)]
 _Positive = Annotated[float, Number("", 0.0, is_low_open=True)]
 _Numbers = Annotated[tuple[float, ...], Vector(Number(), None)]
 
@@ -72,7 +74,7 @@ def atan2(x: Real, y: Real) -> Radians:
 
 
 @command(family="math", manual="2.2.12")
-def cos(f: Radians) -> Real:
+def cos(f: Radians) -> _SineOrCosine:
     """Return the cosine.
 
     Args:
@@ -85,7 +87,7 @@ def cos(f: Radians) -> Real:
 
 
 @command(family="math", manual="2.2.13")
-def sin(f: Radians) -> Real:
+def sin(f: Radians) -> _SineOrCosine:
     """Return the sine.
 
     Args:
@@ -186,7 +188,7 @@ def log(b: _Positive, f: _Positive) -> Real:
 
 
 @command(family="math", manual="2.2.20")
-def sqrt(f: Annotated[float, Number("", 0.0)]) -> Real:
+def sqrt(f: _NotNegative) -> _NotNegative:
     """Return the square root.
 
     Args:
@@ -225,7 +227,7 @@ def pow(base: Real, exponent: Real) -> Real:
 
 
 @command(family="math", manual="2.2.22")
-def norm(a: Annotated[Any, Either(Number(), Vector(Number(), None))]) -> Real:
+def norm(a: Annotated[Any, Either(Number(), Vector(Number(), None))]) -> _NotNegative:
     """Return the absolute value of a number, or the Euclidean length of a list or pose.
 
     Of a pose all six numbers count, m and rad mixed.
@@ -264,7 +266,7 @@ def normalize(v: _Numbers) -> _Numbers:
 
 
 @command(family="math", manual="2.2.33")
-def random(robot: Robot) -> Real:
+def random(robot: Robot) -> Annotated[float, Number("", 0.0, 1.0), STATE]:
     """Return a pseudo-random number; the seed of the run decides the sequence.
 
     Returns:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 from elitescript.commands.definition.quantities import Choice, Integer, Number, Pose, Str, Vector, Whole
 from elitescript.commands.definition.registry import command
+from elitescript.commands.definition.results import STATE
 from elitescript.commands.kinematics import nearest_solution
 from elitescript.errors import ArgumentRangeError, InvalidValueError, MotionError
 from elitescript.kinematics.inverse import reason_unreachable
@@ -40,7 +41,7 @@ def load_micro_line_file(
     interval_time: Annotated[int, Integer(1, INTERVAL_MAX_MS, unit="ms")],
     pos_type: Annotated[int, Choice(0, 1)] = 0,
     unit_type: Annotated[int, Choice(0, 1)] = 0,
-) -> Whole:
+) -> Annotated[Whole, STATE]:
     """Load a file of densely sampled points: one point a line, six numbers separated by blanks or commas.
 
     Blank lines and what follows a `#` are skipped. Nothing moves, and nothing is checked against the arm yet.
@@ -112,7 +113,7 @@ def micro_line_set_pcs(robot: Robot, micro_line_index: Whole, part_coordinate_sy
 @command(family="motion", manual="2.1.36")
 def get_micro_line_values_by_index(
     robot: Robot, micro_line_index: Whole, pos_type: Annotated[int, Choice(0, 1)], line_index: Whole
-) -> Annotated[Six, Vector(Number(), 6)]:
+) -> Annotated[Six, Vector(Number(), 6), STATE]:
     """Return one point of a loaded file, as `moveml` would reach it.
 
     Poses are those of the active TCP in the base frame, with the part frame worked in (*assumed*). Joint positions of

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated
 
-from elitescript.commands.definition.quantities import Bool, Integer, Whole
+from elitescript.commands.definition.quantities import Bool, Integer
 from elitescript.commands.definition.registry import command
+from elitescript.commands.definition.results import SIGNAL
 from elitescript.errors import MirroredAddressError
 from elitescript.messages.machine import WritePortCoils, WritePortRegisters
 from elitescript.messages.signals import WORD_MAX
@@ -24,7 +25,7 @@ _Register = Annotated[int, Integer(0, 511)]
 
 
 @command(family="modbus", manual="4.1.9")
-def read_port_bit(robot: Robot, address: _Coil) -> Bool:
+def read_port_bit(robot: Robot, address: _Coil) -> Annotated[Bool, SIGNAL]:
     """Return a coil of the controller's own MODBUS server.
 
     Args:
@@ -37,7 +38,9 @@ def read_port_bit(robot: Robot, address: _Coil) -> Bool:
 
 
 @command(family="modbus", manual="4.1.10")
-def read_port_register(robot: Robot, address: _Register, is_signed: Bool = False) -> Whole:
+def read_port_register(
+    robot: Robot, address: _Register, is_signed: Bool = False
+) -> Annotated[int, Integer(_SHORT_LOW, 2**16 - 1), SIGNAL]:
     """Return a register of the controller's own MODBUS server.
 
     Args:

@@ -24,6 +24,7 @@ from elitescript.commands.definition.quantities import (
     Whole,
 )
 from elitescript.commands.definition.registry import Function, alias, command
+from elitescript.commands.definition.results import DONE, RECEIVED, STATE
 from elitescript.commands.serial import CABINET_PORT, TOOL_PORT, CabinetPort, cabinet_device
 from elitescript.errors import ArgumentRangeError
 
@@ -73,7 +74,7 @@ def _rtu(manual: str, arguments: dict[str, str] = _ARGUMENTS) -> Callable[[Funct
 @_rtu("3.33")
 def tool_modbus_read_registers(
     robot: Robot, slave: Slave, addr: Address, len: Count, time_out: RequestTimeOut = TIME_OUT
-) -> Values:
+) -> Annotated[Values, RECEIVED]:
     """Read holding registers of a slave through the port of the tool (function code 0x03).
 
     Returns:
@@ -85,7 +86,7 @@ def tool_modbus_read_registers(
 @_rtu("3.34")
 def tool_modbus_read_bits(
     robot: Robot, slave: Slave, addr: Address, len: Count, time_out: RequestTimeOut = TIME_OUT
-) -> Values:
+) -> Annotated[Values, RECEIVED]:
     """Read coils of a slave through the port of the tool (function code 0x01).
 
     Returns:
@@ -97,7 +98,7 @@ def tool_modbus_read_bits(
 @_rtu("3.35")
 def tool_modbus_write_registers(
     robot: Robot, slave: Slave, addr: Address, data: Registers, timeout: RequestTimeOut = TIME_OUT
-) -> Bool:
+) -> Annotated[Bool, DONE]:
     """Write holding registers of a slave through the port of the tool (function code 0x10).
 
     Returns:
@@ -109,7 +110,7 @@ def tool_modbus_write_registers(
 @_rtu("3.36")
 def tool_modbus_write_bits(
     robot: Robot, slave: Slave, addr: Address, data: Bits, timeout: RequestTimeOut = TIME_OUT
-) -> Bool:
+) -> Annotated[Bool, DONE]:
     """Write coils of a slave through the port of the tool (function code 0x0F).
 
     Returns:
@@ -121,7 +122,7 @@ def tool_modbus_write_bits(
 @_rtu("3.37")
 def tool_modbus_read_input_registers(
     robot: Robot, slave: Slave, addr: Address, len: Count, timeout: RequestTimeOut = TIME_OUT
-) -> Values:
+) -> Annotated[Values, RECEIVED]:
     """Read input registers of a slave through the port of the tool (function code 0x04).
 
     Returns:
@@ -133,7 +134,7 @@ def tool_modbus_read_input_registers(
 @_rtu("3.38")
 def tool_modbus_read_input_bits(
     robot: Robot, slave: Slave, addr: Address, len: Count, timeout: RequestTimeOut = TIME_OUT
-) -> Values:
+) -> Annotated[Values, RECEIVED]:
     """Read discrete inputs of a slave through the port of the tool (function code 0x02).
 
     Returns:
@@ -145,7 +146,7 @@ def tool_modbus_read_input_bits(
 @_rtu("3.39", _SINGLE_BIT)
 def tool_modbus_write_single_bit(
     robot: Robot, slave: Slave, addr: Address, data: Whole, timeout: RequestTimeOut = TIME_OUT
-) -> Whole:
+) -> Annotated[Whole, STATE]:
     """Write one coil of a slave through the port of the tool (function code 0x05).
 
     Returns:
@@ -157,7 +158,7 @@ def tool_modbus_write_single_bit(
 @_rtu("3.40", _SINGLE)
 def tool_modbus_write_single_register(
     robot: Robot, slave: Slave, addr: Address, data: RegisterValue, timeout: RequestTimeOut = TIME_OUT
-) -> Whole:
+) -> Annotated[Whole, STATE]:
     """Write one holding register of a slave through the port of the tool (function code 0x06).
 
     Returns:
@@ -174,7 +175,7 @@ def serial_modbus_write_registers(
     data: Registers,
     timeout: RequestTimeOut = TIME_OUT,
     port: CabinetPort = CABINET_PORT,
-) -> Whole:
+) -> Annotated[Whole, STATE]:
     """Write holding registers of a slave through the port of the control box (function code 0x10).
 
     Returns:
@@ -191,7 +192,7 @@ def serial_modbus_write_bits(
     data: Bits,
     timeout: RequestTimeOut = TIME_OUT,
     port: CabinetPort = CABINET_PORT,
-) -> Whole:
+) -> Annotated[Whole, STATE]:
     """Write coils of a slave through the port of the control box (function code 0x0F).
 
     Returns:
@@ -208,7 +209,7 @@ def serial_modbus_read_registers(
     len: Count,
     timeout: RequestTimeOut = TIME_OUT,
     port: CabinetPort = CABINET_PORT,
-) -> Values:
+) -> Annotated[Values, RECEIVED]:
     """Read holding registers of a slave through the port of the control box (function code 0x03).
 
     Returns:
@@ -225,7 +226,7 @@ def serial_modbus_read_bits(
     len: Count,
     timeout: RequestTimeOut = TIME_OUT,
     port: CabinetPort = CABINET_PORT,
-) -> Values:
+) -> Annotated[Values, RECEIVED]:
     """Read coils of a slave through the port of the control box (function code 0x01).
 
     Returns:
@@ -242,7 +243,7 @@ def serial_modbus_read_input_registers(
     len: Count,
     timeout: RequestTimeOut = TIME_OUT,
     port: CabinetPort = CABINET_PORT,
-) -> Values:
+) -> Annotated[Values, RECEIVED]:
     """Read input registers of a slave through the port of the control box (function code 0x04).
 
     Returns:
@@ -259,7 +260,7 @@ def serial_modbus_read_input_bits(
     len: Count,
     timeout: RequestTimeOut = TIME_OUT,
     port: CabinetPort = CABINET_PORT,
-) -> Values:
+) -> Annotated[Values, RECEIVED]:
     """Read discrete inputs of a slave through the port of the control box (function code 0x02).
 
     Returns:
@@ -276,7 +277,7 @@ def serial_modbus_write_single_bit(
     data: Whole,
     timeout: RequestTimeOut = TIME_OUT,
     port: CabinetPort = CABINET_PORT,
-) -> Whole:
+) -> Annotated[Whole, STATE]:
     """Write one coil of a slave through the port of the control box (function code 0x05).
 
     Returns:
@@ -293,7 +294,7 @@ def serial_modbus_write_single_register(
     data: RegisterValue,
     timeout: RequestTimeOut = TIME_OUT,
     port: CabinetPort = CABINET_PORT,
-) -> Whole:
+) -> Annotated[Whole, STATE]:
     """Write one holding register of a slave through the port of the control box (function code 0x06).
 
     Returns:

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Final
 from elitescript.commands.definition.context import Robot
 from elitescript.commands.definition.quantities import Bool, Boolean, Either, Integer, Number, Seconds, Str, Vector
 from elitescript.commands.definition.registry import command
+from elitescript.commands.definition.results import STATE, Result
 from elitescript.errors import ArgumentRangeError, InvalidValueError
 
 _WRITE_SINGLE_REGISTER: Final = 6
@@ -141,7 +142,11 @@ def modbus_add_rw_signal(
 @command(family="modbus", manual="4.1.3", arguments=_ARGUMENTS)
 def modbus_get_signal_status(
     robot: Robot, signal_name: Str, is_secondary_program: Bool = False
-) -> Annotated[Any, Either(Boolean(), Integer(), Vector(Integer(), None))]:
+) -> Annotated[
+    Any,
+    Either(Boolean(), Integer(0, 65535), Vector(Either(Boolean(), Integer(0, 65535)), None)),
+    Result("signal", may_be_late=True),
+]:
     """Return the value of a signal: the last one read, zeros before; of an output, the last one set (*assumed*).
 
     Args:
@@ -285,7 +290,7 @@ def modbus_set_signal_watchdog(
 @command(family="modbus", since="2.14", manual="2.14: 6.1.15", arguments=_ARGUMENTS)
 def modbus_get_error(
     robot: Robot, signal_name: Str, error_source: Annotated[int, Integer(0, 2)] = 0
-) -> Annotated[tuple[int, ...], Vector(Integer(), None)]:
+) -> Annotated[tuple[int, ...], Vector(Integer(), None), STATE]:
     """Return what is wrong with a signal.
 
     Args:
@@ -305,7 +310,7 @@ def modbus_get_error(
 
 
 @command(family="modbus", since="2.14", manual="2.14: 6.1.16", arguments=_ARGUMENTS)
-def modbus_get_time_since_signal_invalid(robot: Robot, signal_name: Str) -> Seconds:
+def modbus_get_time_since_signal_invalid(robot: Robot, signal_name: Str) -> Annotated[Seconds, STATE]:
     """Return the time since a faulty signal worked the last time; since it was added if it never did (*assumed*).
 
     Returns:

@@ -20,6 +20,7 @@ from elitescript.commands.definition.quantities import (
     Whole,
 )
 from elitescript.commands.definition.registry import command
+from elitescript.commands.definition.results import COMMANDED, STATE
 from elitescript.commands.motion import blend_radius
 from elitescript.errors import InvalidValueError
 from elitescript.kinematics.pose import frame_from_points
@@ -139,7 +140,7 @@ def pin_thread(robot: Robot, cpu: Whole = 0, prio: Whole = 0, lockmem: Whole = 0
 
 
 @command(family="observed", evidence="observed")
-def serial_open_list(robot: Robot) -> Annotated[list[str], Anything("list[str]")]:
+def serial_open_list(robot: Robot) -> Annotated[list[str], Anything("list[str]"), STATE]:
     """Return the devices of the serial ports that are enabled.
 
     A post-processor knows the name; what it returns is *assumed*.
@@ -151,7 +152,7 @@ def serial_open_list(robot: Robot) -> Annotated[list[str], Anything("list[str]")
 
 
 @command(family="observed", evidence="observed")
-def get_target_tcp_pose_along_path(robot: Robot) -> Pose:
+def get_target_tcp_pose_along_path(robot: Robot) -> Annotated[Pose, COMMANDED]:
     """Return the commanded pose of the TCP without the path offset; `get_target_tcp_pose` is the one with it.
 
     Returns:

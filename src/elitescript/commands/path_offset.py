@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from elitescript.commands.definition.quantities import Integer, Number, Pose
 from elitescript.commands.definition.registry import command
+from elitescript.commands.definition.results import COMMANDED
 from elitescript.messages.path_offset import (
     EnablePathOffset,
     FilterPathOffset,
@@ -61,7 +62,7 @@ def path_offset_set(robot: Robot, offset: Pose, type: _Frame) -> None:
 
 
 @command(family="observed", evidence="observed")
-def path_offset_get(robot: Robot, type: _Frame) -> Pose:
+def path_offset_get(robot: Robot, type: _Frame) -> Annotated[Pose, COMMANDED]:
     """Return the offset that the arm has at present, whatever it is on its way to.
 
     Args:

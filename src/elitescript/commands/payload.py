@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 from elitescript.commands.definition.quantities import Number, TcpOffset, Vector
 from elitescript.commands.definition.registry import command
+from elitescript.commands.definition.results import COMMANDED
 from elitescript.messages.machine import SetGravity, SetPayload, SetTcp
 from elitescript.messages.motion import Six
 
@@ -34,7 +35,7 @@ def set_tcp(robot: Robot, pose: TcpOffset) -> None:
 
 
 @command(family="motion", manual="2.1.33")
-def get_tcp_offset(robot: Robot) -> TcpOffset:
+def get_tcp_offset(robot: Robot) -> Annotated[TcpOffset, COMMANDED]:
     """Return the active TCP.
 
     Returns:
@@ -76,7 +77,7 @@ def set_payload(
 
 
 @command(family="motion", manual="2.1.17")
-def get_target_payload_cog(robot: Robot) -> CentreOfGravity:
+def get_target_payload_cog(robot: Robot) -> Annotated[CentreOfGravity, COMMANDED]:
     """Return the centre of gravity of the payload that is set.
 
     Returns:
@@ -86,7 +87,7 @@ def get_target_payload_cog(robot: Robot) -> CentreOfGravity:
 
 
 @command(family="motion", manual="2.1.18")
-def get_target_payload_mass(robot: Robot) -> Annotated[float, Number("kg")]:
+def get_target_payload_mass(robot: Robot) -> Annotated[float, Number("kg", 0.0), COMMANDED]:
     """Return the mass of the payload that is set.
 
     Returns:

@@ -16,7 +16,7 @@ _Angles = Annotated[tuple[float, float, float], Vector(Number(), 3, "rad")]
 
 
 @command(family="math", manual="2.2.24")
-def point_dist(p_from: Frame, p_to: Frame) -> Annotated[float, Number("m")]:
+def point_dist(p_from: Frame, p_to: Frame) -> Annotated[float, Number("m", 0.0)]:
     """Return the distance of the positions of two poses; orientations do not count.
 
     Args:
@@ -44,7 +44,7 @@ def pose_add(p_1: Frame, p_2: Frame) -> Frame:
 
 
 @command(family="math", manual="2.2.26")
-def pose_dist(p_from: Frame, p_to: Frame) -> Real:
+def pose_dist(p_from: Frame, p_to: Frame) -> Annotated[float, Number("", 0.0)]:
     """Return the root of the sum of the six squared differences of two poses, m and rad mixed.
 
     Angles are subtracted as they stand; only this gives the result that the manual prints.

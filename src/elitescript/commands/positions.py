@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from elitescript.commands.definition.quantities import JointPositions, JointSpeeds, Number, Pose, TcpSpeed, Vector
 from elitescript.commands.definition.registry import command
+from elitescript.commands.definition.results import COMMANDED, MEASURED
 from elitescript.messages.motion import Six
 
 if TYPE_CHECKING:
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @command(family="motion", manual="2.1.4")
-def get_actual_joint_positions(robot: Robot) -> JointPositions:
+def get_actual_joint_positions(robot: Robot) -> Annotated[JointPositions, MEASURED]:
     """Return the measured joint positions.
 
     They are the target positions, unless the plant of the simulated robot has a lag or noise; then they are behind the
@@ -26,13 +27,13 @@ def get_actual_joint_positions(robot: Robot) -> JointPositions:
 
 
 @command(family="motion", manual="2.1.5")
-def get_actual_joint_speeds(robot: Robot) -> JointSpeeds:
+def get_actual_joint_speeds(robot: Robot) -> Annotated[JointSpeeds, MEASURED]:
     """Return the measured joint speeds."""
     return robot.machine.joints().qd_actual
 
 
 @command(family="motion", manual="2.1.6")
-def get_actual_tcp_pose(robot: Robot) -> Pose:
+def get_actual_tcp_pose(robot: Robot) -> Annotated[Pose, MEASURED]:
     """Return the pose of the TCP in the base frame, from the measured joint positions and the active TCP offset.
 
     Returns:
@@ -42,7 +43,7 @@ def get_actual_tcp_pose(robot: Robot) -> Pose:
 
 
 @command(family="motion", manual="2.1.7")
-def get_actual_tcp_speed(robot: Robot) -> TcpSpeed:
+def get_actual_tcp_speed(robot: Robot) -> Annotated[TcpSpeed, MEASURED]:
     """Return the measured velocity of the TCP.
 
     Returns:
@@ -53,7 +54,7 @@ def get_actual_tcp_speed(robot: Robot) -> TcpSpeed:
 
 
 @command(family="motion", manual="2.1.8")
-def get_controller_temperature(robot: Robot) -> Annotated[float, Number("degC")]:
+def get_controller_temperature(robot: Robot) -> Annotated[float, Number("degC"), MEASURED]:
     """Return the temperature of the mainboard in the control box; it rises with the load of the joints (*assumed*).
 
     Returns:
@@ -63,7 +64,7 @@ def get_controller_temperature(robot: Robot) -> Annotated[float, Number("degC")]
 
 
 @command(family="motion", manual="2.1.9")
-def get_joint_temperatures(robot: Robot) -> Annotated[Six, Vector(Number(), 6, "degC")]:
+def get_joint_temperatures(robot: Robot) -> Annotated[Six, Vector(Number(), 6, "degC"), MEASURED]:
     """Return the temperatures of the joints; they rise with torque and speed over some 20 minutes (*assumed*).
 
     Returns:
@@ -73,7 +74,7 @@ def get_joint_temperatures(robot: Robot) -> Annotated[Six, Vector(Number(), 6, "
 
 
 @command(family="motion", manual="2.1.10")
-def get_joint_torques(robot: Robot) -> Annotated[Six, Vector(Number(), 6, "Nm")]:
+def get_joint_torques(robot: Robot) -> Annotated[Six, Vector(Number(), 6, "Nm"), MEASURED]:
     """Return the torques of the joints, without what the arm needs to carry and move itself.
 
     The payload is not part of the arm (*assumed*; the manual speaks of the robot itself): what remains is the torque
@@ -88,19 +89,19 @@ def get_joint_torques(robot: Robot) -> Annotated[Six, Vector(Number(), 6, "Nm")]
 
 
 @command(family="motion", manual="2.1.11")
-def get_target_joint_positions(robot: Robot) -> JointPositions:
+def get_target_joint_positions(robot: Robot) -> Annotated[JointPositions, COMMANDED]:
     """Return the commanded joint positions."""
     return robot.machine.joints().q_target
 
 
 @command(family="motion", manual="2.1.12")
-def get_target_joint_speeds(robot: Robot) -> JointSpeeds:
+def get_target_joint_speeds(robot: Robot) -> Annotated[JointSpeeds, COMMANDED]:
     """Return the commanded joint speeds."""
     return robot.machine.joints().qd_target
 
 
 @command(family="motion", manual="2.1.13")
-def get_target_tcp_pose(robot: Robot) -> Pose:
+def get_target_tcp_pose(robot: Robot) -> Annotated[Pose, COMMANDED]:
     """Return the pose of the TCP in the base frame, from the commanded joint positions and the active TCP offset.
 
     Returns:
@@ -110,7 +111,7 @@ def get_target_tcp_pose(robot: Robot) -> Pose:
 
 
 @command(family="motion", manual="2.1.14")
-def get_target_tcp_speed(robot: Robot) -> TcpSpeed:
+def get_target_tcp_speed(robot: Robot) -> Annotated[TcpSpeed, COMMANDED]:
     """Return the commanded velocity of the TCP.
 
     Returns:
@@ -120,7 +121,7 @@ def get_target_tcp_speed(robot: Robot) -> TcpSpeed:
 
 
 @command(family="motion", manual="2.1.31")
-def get_actual_tool_flange_pose(robot: Robot) -> Pose:
+def get_actual_tool_flange_pose(robot: Robot) -> Annotated[Pose, MEASURED]:
     """Return the measured pose of the flange in the base frame; the TCP offset does not count.
 
     Returns:
@@ -130,7 +131,7 @@ def get_actual_tool_flange_pose(robot: Robot) -> Pose:
 
 
 @command(family="motion", manual="2.1.32")
-def get_target_waypoint(robot: Robot) -> Pose:
+def get_target_waypoint(robot: Robot) -> Annotated[Pose, COMMANDED]:
     """Return the pose of the waypoint that the arm moves to.
 
     Returns:

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Final
 
-from elitescript.commands.definition.quantities import Bool, Integer, Real, Whole, signal_index
+from elitescript.commands.definition.quantities import Bool, Integer, Real, signal_index
 from elitescript.commands.definition.registry import command
+from elitescript.commands.definition.results import SIGNAL
 from elitescript.messages.signals import INT32_HIGH, INT32_LOW
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ _ARGUMENTS: Final = {"address": "number of the register."}
 
 
 @command(family="registers", manual="3.58", arguments=_ARGUMENTS)
-def read_input_boolean_register(robot: Robot, address: _BoolAddress) -> Bool:
+def read_input_boolean_register(robot: Robot, address: _BoolAddress) -> Annotated[Bool, SIGNAL]:
     """Return the value of a boolean input register.
 
     Returns:
@@ -32,7 +33,7 @@ def read_input_boolean_register(robot: Robot, address: _BoolAddress) -> Bool:
 
 
 @command(family="registers", manual="3.59", arguments=_ARGUMENTS)
-def read_input_float_register(robot: Robot, address: _FloatAddress) -> Real:
+def read_input_float_register(robot: Robot, address: _FloatAddress) -> Annotated[Real, SIGNAL]:
     """Return the value of a float input register.
 
     Returns:
@@ -42,7 +43,9 @@ def read_input_float_register(robot: Robot, address: _FloatAddress) -> Real:
 
 
 @command(family="registers", manual="3.60", arguments=_ARGUMENTS)
-def read_input_integer_register(robot: Robot, address: _IntAddress) -> Whole:
+def read_input_integer_register(
+    robot: Robot, address: _IntAddress
+) -> Annotated[int, Integer(INT32_LOW, INT32_HIGH), SIGNAL]:
     """Return the value of an integer input register.
 
     Returns:
@@ -52,7 +55,7 @@ def read_input_integer_register(robot: Robot, address: _IntAddress) -> Whole:
 
 
 @command(family="registers", manual="3.61", arguments=_ARGUMENTS)
-def read_output_boolean_register(robot: Robot, address: _BoolAddress) -> Bool:
+def read_output_boolean_register(robot: Robot, address: _BoolAddress) -> Annotated[Bool, SIGNAL]:
     """Return the value of a boolean output register.
 
     Returns:
@@ -62,7 +65,7 @@ def read_output_boolean_register(robot: Robot, address: _BoolAddress) -> Bool:
 
 
 @command(family="registers", manual="3.62", arguments=_ARGUMENTS)
-def read_output_float_register(robot: Robot, address: _FloatAddress) -> Real:
+def read_output_float_register(robot: Robot, address: _FloatAddress) -> Annotated[Real, SIGNAL]:
     """Return the value of a float output register.
 
     Returns:
@@ -72,7 +75,9 @@ def read_output_float_register(robot: Robot, address: _FloatAddress) -> Real:
 
 
 @command(family="registers", manual="3.63", arguments=_ARGUMENTS)
-def read_output_integer_register(robot: Robot, address: _IntAddress) -> Whole:
+def read_output_integer_register(
+    robot: Robot, address: _IntAddress
+) -> Annotated[int, Integer(INT32_LOW, INT32_HIGH), SIGNAL]:
     """Return the value of an integer output register.
 
     Returns:

@@ -23,6 +23,7 @@ from elitescript.commands.definition.quantities import (
     Vector,
 )
 from elitescript.commands.definition.registry import alias, command
+from elitescript.commands.definition.results import DONE, STATE, Result
 from elitescript.errors import ArgumentRangeError
 from elitescript.messages.line import LineSettings
 
@@ -77,7 +78,7 @@ def _received(data: bytes, is_number: bool) -> list[int] | bytes:
 
 
 @command(family="serial", manual="3.29")
-def tool_serial_is_open(robot: Robot) -> Bool:
+def tool_serial_is_open(robot: Robot) -> Annotated[Bool, STATE]:
     """Return whether the serial port of the tool is enabled.
 
     Returns:
@@ -96,7 +97,7 @@ def tool_serial_config(
     size: Annotated[int, Integer(5, 8, unit="bit")] = 8,
     modbus_rtu: Bool = False,
     usage: Annotated[int, Choice(0, 1)] = 0,
-) -> Bool:
+) -> Annotated[Bool, DONE]:
     """Enable, disable and set up the serial port of the tool.
 
     What waits in the port is lost, whatever is changed (*assumed*).
@@ -121,7 +122,9 @@ def tool_serial_config(
 
 
 @command(family="serial", manual="3.31", waits=True, arguments=_ARGUMENTS)
-def tool_serial_read(robot: Robot, read_count: _ByteCount, is_number: Bool, time_out: TimeOut) -> _Received:
+def tool_serial_read(
+    robot: Robot, read_count: _ByteCount, is_number: Bool, time_out: TimeOut
+) -> Annotated[_Received, Result("channel", kinds=(list, bytes))]:
     """Read from the serial port of the tool.
 
     Args:
@@ -134,7 +137,7 @@ def tool_serial_read(robot: Robot, read_count: _ByteCount, is_number: Bool, time
 
 
 @command(family="serial", manual="3.32")
-def tool_serial_write(robot: Robot, write_data: _Data) -> _ByteCount:
+def tool_serial_write(robot: Robot, write_data: _Data) -> Annotated[_ByteCount, STATE]:
     """Send through the serial port of the tool.
 
     Args:
@@ -147,7 +150,7 @@ def tool_serial_write(robot: Robot, write_data: _Data) -> _ByteCount:
 
 
 @command(family="serial", manual="3.41")
-def tool_serial_mode(robot: Robot) -> Str:
+def tool_serial_mode(robot: Robot) -> Annotated[Str, STATE]:
     """Return the mode of the serial port of the tool.
 
     Returns:
@@ -169,7 +172,7 @@ def serial_config(
     size: Annotated[int, Choice(7, 8, unit="bit")] = 8,
     modbus_rtu: Bool = False,
     port: CabinetPort = CABINET_PORT,
-) -> Bool:
+) -> Annotated[Bool, DONE]:
     """Enable, disable and set up the serial port of the control box.
 
     What waits in the port is lost, whatever is changed (*assumed*).
@@ -203,7 +206,7 @@ def serial_read(
     is_number: Bool = True,
     time_out: TimeOut = 0.1,
     port: CabinetPort = CABINET_PORT,
-) -> _Received:
+) -> Annotated[_Received, Result("channel", kinds=(list, bytes))]:
     """Read from the serial port of the control box.
 
     Args:
@@ -216,7 +219,7 @@ def serial_read(
 
 
 @command(family="serial", manual="3.45", arguments=_ARGUMENTS)
-def serial_write(robot: Robot, data: _Data, port: CabinetPort = CABINET_PORT) -> Bool:
+def serial_write(robot: Robot, data: _Data, port: CabinetPort = CABINET_PORT) -> Annotated[Bool, DONE]:
     """Send through the serial port of the control box.
 
     Args:
@@ -230,7 +233,7 @@ def serial_write(robot: Robot, data: _Data, port: CabinetPort = CABINET_PORT) ->
 
 
 @command(family="serial", manual="3.46", arguments=_ARGUMENTS)
-def serial_is_open(robot: Robot, port: CabinetPort = CABINET_PORT) -> Bool:
+def serial_is_open(robot: Robot, port: CabinetPort = CABINET_PORT) -> Annotated[Bool, STATE]:
     """Return whether the serial port of the control box is enabled.
 
     Returns:
@@ -240,7 +243,7 @@ def serial_is_open(robot: Robot, port: CabinetPort = CABINET_PORT) -> Bool:
 
 
 @command(family="serial", manual="3.47", arguments=_ARGUMENTS)
-def serial_mode(robot: Robot, port: CabinetPort = CABINET_PORT) -> Str:
+def serial_mode(robot: Robot, port: CabinetPort = CABINET_PORT) -> Annotated[Str, STATE]:
     """Return the mode of the serial port of the control box.
 
     Returns:

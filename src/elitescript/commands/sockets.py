@@ -23,6 +23,7 @@ from elitescript.commands.definition.quantities import (
     Whole,
 )
 from elitescript.commands.definition.registry import command
+from elitescript.commands.definition.results import DONE, RECEIVED, STATE, Result
 from elitescript.commands.strings import BUILT_IN, to_str
 from elitescript.errors import ArgumentRangeError, ArgumentTypeError
 from elitescript.messages.signals import INT32_HIGH, INT32_LOW
@@ -37,13 +38,14 @@ _ARGUMENTS: Final = {
 }
 """Texts of arguments that several commands share."""
 _NumberCount = Annotated[int, Integer(1, 30)]
-_Ints = Annotated[tuple[int, ...], Vector(Integer(), None)]
+_Ints = Annotated[tuple[int, ...], Vector(Integer(INT32_LOW, INT32_HIGH), None)]
+_Bytes = Annotated[tuple[int, ...], Vector(Integer(-1, 255), None)]
 
 
 @command(family="socket", manual="5.1.1", waits=True, arguments=_ARGUMENTS)
 def socket_open(
     robot: Robot, address: Str, port: Annotated[int, Integer(0, 65535)], socket_name: Str = _DEFAULT_SOCKET
-) -> Bool:
+) -> Annotated[Bool, DONE]:
     """Connect to a TCP server, within 2 s.
 
     A connection of that name that still stands is kept; one that does not is opened anew.
@@ -65,7 +67,7 @@ def socket_close(robot: Robot, socket_name: Str = _DEFAULT_SOCKET) -> None:
 
 
 @command(family="socket", since="2.14", manual="2.14: 7.1.3", arguments=_ARGUMENTS)
-def socket_is_connected(robot: Robot, socket_name: Str = _DEFAULT_SOCKET) -> Bool:
+def socket_is_connected(robot: Robot, socket_name: Str = _DEFAULT_SOCKET) -> Annotated[Bool, DONE]:
     """Return whether a connection stands.
 
     Returns:
@@ -75,7 +77,9 @@ def socket_is_connected(robot: Robot, socket_name: Str = _DEFAULT_SOCKET) -> Boo
 
 
 @command(family="socket", manual="5.1.3", waits=True, arguments=_ARGUMENTS)
-def socket_get_var(robot: Robot, var_name: Str, socket_name: Str = _DEFAULT_SOCKET) -> Whole:
+def socket_get_var(
+    robot: Robot, var_name: Str, socket_name: Str = _DEFAULT_SOCKET
+) -> Annotated[int, Integer(INT32_LOW, INT32_HIGH), Result("channel", {0: "also after a failure"})]:
     """Ask the server for a variable: sends `GET <name>` and a line feed, waits 2 s for `<name> <int>`.
 
     Args:
@@ -92,7 +96,7 @@ def socket_get_var(robot: Robot, var_name: Str, socket_name: Str = _DEFAULT_SOCK
 @command(family="socket", manual="5.1.4", waits=True, arguments=_ARGUMENTS)
 def socket_read_ascii_float(
     robot: Robot, number: _NumberCount, socket_name: Str = _DEFAULT_SOCKET, timeout: TimeOut = 2
-) -> Annotated[tuple[float, ...], Vector(Number(allows_non_finite=True), None)]:
+) -> Annotated[tuple[float, ...], Vector(Number(allows_non_finite=True), None), Result("channel", counted_by="number")]:
     """Read numbers that are sent as text, such as `(3.14, 2.5)`; commas and blanks separate, empty fields are skipped.
 
     What follows the parenthesis stays for the next call, the line end of the sender too: another call of this command
@@ -110,7 +114,7 @@ def socket_read_ascii_float(
 @command(family="socket", manual="5.1.5", waits=True, arguments=_ARGUMENTS)
 def socket_read_binary_integer(
     robot: Robot, number: _NumberCount, socket_name: Str = _DEFAULT_SOCKET, timeout: TimeOut = 2
-) -> _Ints:
+) -> Annotated[_Ints, Result("channel", counted_by="number")]:
     """Read signed numbers of 32 bits in network byte order.
 
     Args:
@@ -125,7 +129,7 @@ def socket_read_binary_integer(
 @command(family="socket", manual="5.1.6", waits=True, arguments=_ARGUMENTS)
 def socket_read_byte_list(
     robot: Robot, number: Annotated[int, Integer(1, 512)], socket_name: Str = _DEFAULT_SOCKET, timeout: TimeOut = 2
-) -> _Ints:
+) -> Annotated[_Bytes, Result("channel", counted_by="number")]:
     """Read bytes.
 
     Args:
@@ -140,7 +144,7 @@ def socket_read_byte_list(
 @command(family="socket", manual="5.1.7", arguments=_ARGUMENTS)
 def socket_send_byte_list(
     robot: Robot, value: Annotated[tuple[int, ...], Vector(Integer(0, 255), None)], socket_name: Str = _DEFAULT_SOCKET
-) -> Annotated[int, Integer(unit="byte")]:
+) -> Annotated[int, Integer(unit="byte"), STATE]:
     """Send bytes.
 
     Args:
@@ -155,7 +159,7 @@ def socket_send_byte_list(
 @command(family="socket", manual="5.1.8", waits=True, arguments=_ARGUMENTS)
 def socket_read_string(
     robot: Robot, socket_name: Str = _DEFAULT_SOCKET, prefix: Str = "", suffix: Str = "", timeout: TimeOut = 2
-) -> Str:
+) -> Annotated[Str, RECEIVED]:
     """Read text, if wanted between two marks; at most 2047 bytes. What is not used up stays for the next call.
 
     Args:
@@ -171,7 +175,7 @@ def socket_read_string(
 @command(family="socket", manual="5.1.9", arguments=_ARGUMENTS)
 def socket_send_byte(
     robot: Robot, value: Annotated[Any, Either(Integer(), Text())], socket_name: Str = _DEFAULT_SOCKET
-) -> Bool:
+) -> Annotated[Bool, DONE]:
     """Send one byte.
 
     Args:
@@ -197,7 +201,7 @@ def socket_send_byte(
 @command(family="socket", manual="5.1.10", arguments=_ARGUMENTS)
 def socket_send_int(
     robot: Robot, value: Annotated[int, Integer(INT32_LOW, INT32_HIGH)], socket_name: Str = _DEFAULT_SOCKET
-) -> Bool:
+) -> Annotated[Bool, DONE]:
     """Send a signed number of 32 bits in network byte order.
 
     Args:
@@ -212,7 +216,7 @@ def socket_send_int(
 @command(family="socket", manual="5.1.11", arguments=_ARGUMENTS)
 def socket_send_line(
     robot: Robot, str: Str, linefeed_type: Annotated[int, Integer(0, 2)] = 0, socket_name: Str = _DEFAULT_SOCKET
-) -> Bool:
+) -> Annotated[Bool, DONE]:
     """Send a text and a line end.
 
     Args:
@@ -226,7 +230,7 @@ def socket_send_line(
 
 
 @command(family="socket", manual="5.1.12", arguments=_ARGUMENTS)
-def socket_send_string(robot: Robot, str: Any_, socket_name: Str = _DEFAULT_SOCKET) -> Bool:
+def socket_send_string(robot: Robot, str: Any_, socket_name: Str = _DEFAULT_SOCKET) -> Annotated[Bool, DONE]:
     """Send a text as it is.
 
     Args:

@@ -10,8 +10,9 @@ from collections.abc import Iterator
 from math import isinf
 from typing import Annotated, Any, Final
 
-from elitescript.commands.definition.quantities import Anything, Bool, Integer, Optionally, Quantity, Str, Whole, shown
+from elitescript.commands.definition.quantities import Anything, Bool, Integer, Optionally, Quantity, Str, shown
 from elitescript.commands.definition.registry import command
+from elitescript.commands.definition.results import Result
 from elitescript.errors import ArgumentRangeError, ArgumentTypeError, InvalidValueError
 
 LONGEST: Final = 1023
@@ -98,7 +99,9 @@ def str_empty(str: Str) -> Bool:
 
 
 @command(family="string", manual="6.3.4")
-def str_find(src: Str, target: Str, start_from: _Position = 0) -> Whole:
+def str_find(
+    src: Str, target: Str, start_from: _Position = 0
+) -> Annotated[int, Integer(-1), Result("computed", {-1: "not found"})]:
     """Return the position of the first occurrence of a text in another.
 
     Args:
@@ -113,7 +116,7 @@ def str_find(src: Str, target: Str, start_from: _Position = 0) -> Whole:
 
 
 @command(family="string", manual="6.3.5")
-def str_len(str: Str) -> Whole:
+def str_len(str: Str) -> _Position:
     """Return the number of characters of a text.
 
     Args:
@@ -146,7 +149,7 @@ def str_sub(src: Str, index: _Position, len: Annotated[int | None, Optionally(In
 
 
 @command(family="string", manual="6.3.7")
-def to_num(str: Str) -> Annotated[Any, Anything("int or float")]:
+def to_num(str: Str) -> Annotated[Any, Anything("int or float"), Result("computed", kinds=(int, float))]:
     """Return the number that a text shows.
 
     A sign may come first. Whole numbers (`40`) and hexadecimal ones (`0x1F`) give an int; a decimal point or an

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from elitescript.commands.definition.quantities import Bool, Choice, Number, Seconds, Str, signal_index
 from elitescript.commands.definition.registry import command
+from elitescript.commands.definition.results import SIGNAL, STATE
 from elitescript.messages.machine import PowerDown
 from elitescript.messages.timing import PERIOD_S, ticks_for
 
@@ -51,7 +52,7 @@ def set_flag(robot: Robot, n: _FlagNumber, b: Bool) -> None:
 
 
 @command(family="system", manual="6.4.3")
-def get_flag(robot: Robot, n: _FlagNumber) -> Bool:
+def get_flag(robot: Robot, n: _FlagNumber) -> Annotated[Bool, SIGNAL]:
     """Return the value of an internal flag.
 
     Args:
@@ -64,7 +65,7 @@ def get_flag(robot: Robot, n: _FlagNumber) -> Bool:
 
 
 @command(family="system", manual="6.4.4")
-def get_steptime() -> Seconds:
+def get_steptime() -> Annotated[Seconds, STATE]:
     """Return the length of the control period.
 
     Returns:
@@ -74,7 +75,7 @@ def get_steptime() -> Seconds:
 
 
 @command(family="system", since="2.14", manual="2.14: 9.5.5")
-def controller_timestamp(robot: Robot) -> Seconds:
+def controller_timestamp(robot: Robot) -> Annotated[Seconds, STATE]:
     """Return the clock of the controller.
 
     Returns:
@@ -111,7 +112,7 @@ def powerdown(robot: Robot) -> None:
 
 
 @command(family="system", manual="3.57")
-def get_task_path(robot: Robot) -> Str:
+def get_task_path(robot: Robot) -> Annotated[Str, STATE]:
     """Return the folder in which the pendant keeps tasks; files that programs open live there.
 
     Returns:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from elitescript.commands.definition.quantities import Bool, Quantity, Whole
 from elitescript.commands.definition.registry import command
+from elitescript.commands.definition.results import HANDLE
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.context import Robot
@@ -51,7 +52,7 @@ def start_thread(
     function: Annotated[Callable[..., Any], _Function()],
     args: Annotated[tuple[Any, ...], _Arguments()] = (),
     detach_mode: Bool = True,
-) -> Whole:
+) -> Annotated[Whole, HANDLE]:
     """Run a function beside the calling thread; what it returns is lost.
 
     All threads end with the program. Firmware 2.10 runs at most 15 at a time, 2.14 at most 20 (*observed*).

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from elitescript.commands.definition.quantities import Bool, Choice, Integer, signal_index
 from elitescript.commands.definition.registry import command
+from elitescript.commands.definition.results import SIGNAL
 from elitescript.messages.enums import ToolPinMode
 from elitescript.messages.machine import SetToolAnalogMode, SetToolPin
 
@@ -30,7 +31,7 @@ def set_tool_digital(robot: Robot, n: _PinIndex, b: Bool) -> None:
 
 
 @command(family="io", manual="3.17")
-def get_tool_digital(robot: Robot, n: _PinIndex) -> Bool:
+def get_tool_digital(robot: Robot, n: _PinIndex) -> Annotated[Bool, SIGNAL]:
     """Return the level of a tool pin, input or output.
 
     Args:

@@ -21,10 +21,10 @@ from elitescript.language.policy import is_dunder
 from elitescript.language.symbols import Resolution, Scope, Symbols
 from elitescript.lint.arguments import Arguments, arrange
 from elitescript.lint.constants import Constants
-from elitescript.lint.kinds import Kinds
 from elitescript.lint.refusals import ArgumentRefusal, refuse
 from elitescript.messages.profile import Profile, release_of
 from elitescript.records import NamedTuple
+from elitescript.values.program import Values
 
 _MOST_SUGGESTIONS: Final = 20
 """Limit of unknown names of one program for which similar names are searched."""
@@ -90,7 +90,6 @@ class AnalysedProgram:
         presets: names that have a value before the program begins.
         arm: the arm that it is for; None if that is not known.
         symbols: scopes and names.
-        constants: values of expressions.
         census: all nodes of the tree.
     """
 
@@ -110,8 +109,17 @@ class AnalysedProgram:
         self.presets = presets
         self.arm = arm
         self.symbols = Symbols(parsed)
-        self.constants = Constants(self.symbols)
         self.census = Census(parsed.tree)
+
+    @cached_property
+    def values(self) -> Values:
+        """What each expression is, in any run."""
+        return Values(self.symbols, self.presets)
+
+    @cached_property
+    def constants(self) -> Constants:
+        """Values of expressions that are certain."""
+        return Constants(self.values)
 
     # The tree
 
@@ -292,7 +300,6 @@ class AnalysedProgram:
     def doubts(self) -> tuple[Doubted, ...]:
         """The arguments that commands accept, but that are hardly meant; see `commands.definition.plausibility`."""
         refused = {refusal.node for refusal in self.refusals}
-        kinds = Kinds(self.symbols)
         found = []
         for called, arguments in zip(self.command_calls, self.arguments, strict=True):
             for param, node in arguments.given:
@@ -302,7 +309,7 @@ class AnalysedProgram:
                 value = self.constants.value(node, called.scope)
                 reported = list(JUDGES[meaning](value, self.arm))
                 if meaning in KINDS:
-                    other = mistaken(meaning, kinds.kind(node, called.scope))
+                    other = mistaken(meaning, self.values.of(node).role)
                     reported += [] if other is None else [other]
                 for doubt in reported:
                     text = f"{called.command.name}: {param.name}{doubt.text}"

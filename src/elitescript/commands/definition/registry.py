@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final, TypeVar, get_args
 
 from elitescript.commands.definition.quantities import Anything, Optionally, Quantity, Vector
+from elitescript.commands.definition.results import COMPUTED, Result
 from elitescript.errors import ArgumentCountError, InternalError, ScriptError, ScriptStateError, UsageError
 from elitescript.messages.profile import release_of
 from elitescript.records import NamedTuple
@@ -341,6 +342,7 @@ class _Details:
         "params",
         "raises",
         "required",
+        "result",
         "returns",
         "returns_text",
         "summary",
@@ -381,7 +383,10 @@ class _Details:
         """Slots of calls that were right, by their number of arguments and their keywords; see `Command.place`."""
         self.returns = _quantity(function, "return") or Anything("None")
         elements = self.returns.names if isinstance(self.returns, Vector) else ""
-        self.returns_text = doc.returns or (f"{elements}." if elements else "")
+        self.result = _result(function)
+        """Where the result comes from, and what its values stand for."""
+        texts_of_result = (doc.returns or (f"{elements}." if elements else ""), self.result.text)
+        self.returns_text = " ".join(text for text in texts_of_result if text)
         self.judged = _judged(self.params)
         """Index, parameter, judge, and whether it is joints or a pose; see `plausibility`."""
         self.kind = self.returns.meaning if self.returns.meaning in ("joints", "pose") else ""
@@ -400,14 +405,20 @@ def _judged(params: tuple[Param, ...]) -> tuple[tuple[int, Param, Judge, bool], 
     )
 
 
-def _quantity(function: Callable[..., Any], name: str) -> Quantity | None:
+def _extras(function: Callable[..., Any], name: str) -> tuple[Any, ...]:
+    """Return what an annotation says beside the type."""
     annotation = function.__annotations__.get(name)
     if isinstance(annotation, str):
         annotation = eval(annotation, function.__globals__)  # our own source text, from this package
-    for extra in get_args(annotation)[1:]:
-        if isinstance(extra, Quantity):
-            return extra
-    return None
+    return get_args(annotation)[1:]
+
+
+def _quantity(function: Callable[..., Any], name: str) -> Quantity | None:
+    return next((extra for extra in _extras(function, name) if isinstance(extra, Quantity)), None)
+
+
+def _result(function: Callable[..., Any]) -> Result:
+    return next((extra for extra in _extras(function, "return") if isinstance(extra, Result)), COMPUTED)
 
 
 class Catalogue:

@@ -1,0 +1,81 @@
+"""What each expression of a program is: the one place to ask."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Collection
+
+from elitescript.language.scopes import Scope
+from elitescript.language.symbols import Symbols
+from elitescript.values.description import DEPTH_MAX, UNKNOWN, Shape, Value
+from elitescript.values.evaluation import Evaluation
+from elitescript.values.state import GivenUp
+
+
+class Values:
+    """Describes the expressions and variables of one program, in any run.
+
+    Args:
+        symbols: of its text.
+        presets: names of globals that have a value before the program begins.
+
+    Attributes:
+        is_known: False if the program is nested too deep, or takes too long: then everything is unknown.
+    """
+
+    def __init__(self, symbols: Symbols, presets: Collection[str] = ()) -> None:
+        self.symbols = symbols
+        self._evaluation = Evaluation(symbols, presets)
+        self.is_known = True
+        try:
+            self._evaluation.run()
+        except (GivenUp, RecursionError):
+            self.is_known = False
+
+    def of(self, node: ast.expr) -> Value:
+        """Return what an expression of the program is."""
+        if not self.is_known:
+            return UNKNOWN
+        found = self._evaluation.values.get(node, UNKNOWN)
+        # What makes a list gives it as it is then, before anything changes it.
+        is_new = bool(found.sites) and found.sites is self._evaluation.sites.known(node)
+        return self._complete(found, is_new=is_new)
+
+    def variable(self, name: str, scope: Scope) -> Value:
+        """Return all that a variable ever is, by a name and the scope in which it is used."""
+        if not self.is_known:
+            return UNKNOWN
+        variable = self._evaluation.variable(name, scope)
+        return UNKNOWN if variable is None else self._complete(variable.cell.value)
+
+    def evaluated(self, node: ast.expr, scope: Scope) -> Value:
+        """Return what an expression is that stands in a scope but not in the text, or anywhere in that scope."""
+        if not self.is_known:
+            return UNKNOWN
+        if node in self._evaluation.values:
+            return self.of(node)
+        try:
+            return self._complete(self._evaluation.aside(node, scope))
+        except (GivenUp, RecursionError):
+            return UNKNOWN
+
+    def _complete(self, value: Value, depth: int = 0, *, is_new: bool = False) -> Value:
+        """Return a description with what is put into its lists later."""
+        if not value.kinds:
+            return UNKNOWN
+        if not is_new:
+            value = self._evaluation.sites.now(value)
+        shape = value.shape
+        if shape is None:
+            return value
+        if depth > DEPTH_MAX:
+            return value.but(shape=None)
+        if shape.items is None:
+            if not (shape.element.sites or shape.element.shape is not None) and shape.element.kinds:
+                return value
+            element = self._complete(shape.element, depth + 1)
+            return value.but(shape=Shape(None, element, shape.least, shape.most, shape.is_counted))
+        if not any(item.sites or item.shape is not None or not item.kinds for item in shape.items):
+            return value
+        items = tuple(self._complete(item, depth + 1) for item in shape.items)
+        return value.but(shape=Shape(items, is_counted=shape.is_counted))

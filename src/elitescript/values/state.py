@@ -1,0 +1,292 @@
+"""Holds the state of an evaluation: names, local variables with their trail, loops, and what is tried."""
+
+from __future__ import annotations
+
+import ast
+from collections import deque
+from collections.abc import Collection, Sequence
+from typing import Final
+
+from elitescript.language.options import LINE, SECONDARY
+from elitescript.language.scopes import Scope
+from elitescript.language.symbols import THREAD_STARTER, Symbols
+from elitescript.values.description import (
+    BOTTOM,
+    DICT,
+    MUTABLE,
+    OBJECT,
+    TUPLE,
+    UNKNOWN,
+    Value,
+    join,
+    reach,
+)
+from elitescript.values.references import OwnClass
+from elitescript.values.store import Cell, Function, Sites, Variable
+
+EVALUATIONS_MAX: Final = 40
+"""Evaluations of one function, after which the program is given up."""
+LOOP_WIDENED_AFTER: Final = 2
+LOOPS_MAX: Final = 30
+CALL_DEPTH_MAX: Final = 6
+CALLED_AT_MOST: Final = 40
+"""Calls, and nesting around them, that are followed at once; deeper ones when the caller is done."""
+DEPTH_MAX: Final = 100
+"""Nesting of statements and expressions that is followed."""
+
+_OPENING: Final = frozenset(("exec", "interpreter_mode"))
+"""What lets other texts assign globals of the program."""
+
+_COMPARING: Final = frozenset(("__eq__", "__ne__", "__lt__", "__le__", "__gt__", "__ge__", "__contains__"))
+"""Methods of classes that may return anything from a comparison."""
+
+Locals = dict[Variable, Value]
+
+
+class GivenUp(Exception):
+    """The program is nested too deep, or takes too long."""
+
+
+class Loop:
+    """A loop around what is evaluated: where its trail begins, and the states of those who leave it."""
+
+    __slots__ = ("breaks", "continues", "mark")
+
+    def __init__(self, mark: int) -> None:
+        self.mark = mark
+        self.breaks: list[Locals] = []
+        self.continues: list[Locals] = []
+
+
+class State:
+    """Holds what is known of one program while it is evaluated.
+
+    Args:
+        symbols: of its text.
+        presets: names of globals that have a value before the program begins.
+
+    Attributes:
+        values: what each expression is.
+    """
+
+    def __init__(self, symbols: Symbols, presets: Collection[str] = ()) -> None:
+        self.symbols = symbols
+        self.presets = presets
+        self.values: dict[ast.AST, Value] = {}
+        self.sites = Sites()
+        self._functions: dict[Scope, Function] = {}
+        self._variables: dict[tuple[Scope | None, str], Variable] = {}
+        self._names: dict[Scope, dict[str, Variable | None]] = {}
+        self._literals: dict[ast.AST, Value] = {}
+        self._heads: dict[ast.AST, Locals] = {}
+        self._builtins: dict[str, Value] = {}
+        self._results: dict[ast.AST, Value] = {}
+        self._waiting: deque[Function] = deque()
+        self._queued: set[Function] = set()
+        self._active: list[Function] = []
+        self._depth = 0
+        self._is_lazy = False
+        # Of the function that is evaluated.
+        self._function = self._function_of(symbols.body)
+        self._scope = symbols.body
+        self._state: Locals = {}
+        self._trail: list[tuple[Variable, Value | None]] = []
+        self._loops: list[Loop] = []
+        self._attempts: list[Locals] = []
+        self._has_classes = any(
+            scope.kind == "class" and not _COMPARING.isdisjoint(scope.bindings) for scope in symbols.scopes
+        )
+        self._has_foreign_writers = self._find_foreign_writers()
+
+    def _changed(self, readers: Collection[Function]) -> None:
+        for reader in readers:
+            if reader not in self._queued:
+                self._queued.add(reader)
+                self._waiting.append(reader)
+
+    # ---------------------------------------------------------------- names
+
+    def _find_foreign_writers(self) -> bool:
+        """Return whether other texts may assign globals of the program."""
+        if self.symbols.parsed.kind in (SECONDARY, LINE):
+            return True
+        return any(name in scope.reads for scope in self.symbols.scopes for name in _OPENING)
+
+    def _function_of(self, scope: Scope) -> Function:
+        found = self._functions.get(scope)
+        if found is None:
+            found = self._functions[scope] = Function(scope)
+        return found
+
+    def owner(self, scope: Scope) -> Function:
+        """Return the function whose code a scope is part of."""
+        while scope.kind in ("comprehension", "class") and scope.parent is not None:
+            scope = scope.parent
+        return self._function_of(scope)
+
+    def variable(self, name: str, scope: Scope) -> Variable | None:
+        """Return the variable that a name is in a scope; None for what the program does not bind."""
+        names = self._names.get(scope)
+        if names is None:
+            names = self._names[scope] = {}
+        if name in names:
+            return names[name]
+        home = scope.home(name)
+        found: Variable | None
+        if home is None and name not in self.symbols.global_names:
+            found = None
+        else:
+            found = self._variables.get((home, name)) or self._new_variable(home, name)
+        names[name] = found
+        return found
+
+    def _new_variable(self, home: Scope | None, name: str) -> Variable:
+        if home is None:
+            variable = Variable(name, None, True)
+            is_foreign = self._has_foreign_writers or name in self.presets
+            if is_foreign or not self.symbols.global_bindings(name):
+                variable.cell.add(UNKNOWN)
+        else:
+            owner = self.owner(home)
+            variable = Variable(name, owner, self.symbols.is_nonlocal_inside(name, home))
+        self._variables[home, name] = variable
+        return variable
+
+    def _mark_open_functions(self) -> None:
+        """Mark the functions whose callers are not all known."""
+        symbols = self.symbols
+        for scope in symbols.scopes:
+            if scope.kind == "lambda":
+                self._function_of(scope).is_open = True
+            if scope.kind != "function" or not isinstance(scope.node, ast.FunctionDef):
+                continue
+            function, node, outer = self._function_of(scope), scope.node, scope.parent
+            if outer is None:
+                continue
+            if outer.kind == "class" or node.decorator_list:
+                function.is_open = True
+                continue
+            reads = symbols.reads_of(node.name, outer.home(node.name))
+            function.is_open = not all(self._is_followed(read) for read in reads)
+
+    def _is_followed(self, read: ast.Name) -> bool:
+        """Return whether a use of a function calls it, or starts it as a thread."""
+        above = self.symbols.parent(read)
+        if isinstance(above, ast.Call):
+            if above.func is read:
+                return True
+            is_start = isinstance(above.func, ast.Name) and above.func.id == THREAD_STARTER
+            return is_start and bool(above.args) and above.args[0] is read
+        return isinstance(above, ast.Compare)
+
+    # ---------------------------------------------------------------- functions
+
+    def _argument(self, function: Function, name: str) -> Value:
+        """Return what a parameter can be."""
+        arguments = function.arguments
+        if arguments is not None:
+            if arguments.vararg is not None and arguments.vararg.arg == name:
+                return Value(TUPLE, constants=())
+            if arguments.kwarg is not None and arguments.kwarg.arg == name:
+                return Value(DICT, constants=())
+        outer = function.scope.parent
+        is_first = next(iter(function.scope.parameters), None) == name
+        if outer is not None and outer.kind == "class" and is_first:
+            return Value(OBJECT, constants=(), refs=(OwnClass(outer, True),))
+        if function.is_open:
+            return UNKNOWN
+        cell = function.parameters.get(name)
+        if cell is None:
+            cell = function.parameters[name] = Cell()
+        return cell.value
+
+    def _changed_result(self, function: Function, value: Value) -> None:
+        if function.is_open and (value.sites or value.shape is not None):
+            self._escape(value)
+        if function.result.add(value):
+            self._changed(function.result.readers)
+
+    # ---------------------------------------------------------------- state
+
+    def _assign(self, variable: Variable, value: Value) -> None:
+        cell = variable.cell
+        if cell.value is not value and cell.add(value) and cell.readers:
+            self._changed(cell.readers)
+        if variable.owner is self._function and not variable.is_shared:
+            self._set(variable, value)
+            if self._attempts:
+                attempt = self._attempts[-1]
+                attempt[variable] = join(attempt.get(variable, BOTTOM), value)
+
+    def _set(self, variable: Variable, value: Value) -> None:
+        state = self._state
+        self._trail.append((variable, state.get(variable)))
+        state[variable] = value
+
+    def _changes(self, mark: int) -> Locals:
+        """Return what was set since a mark of the trail."""
+        state = self._state
+        return {variable: state[variable] for variable, _ in self._trail[mark:]}
+
+    def _undo(self, mark: int) -> None:
+        """Take back what was set since a mark of the trail."""
+        trail, state = self._trail, self._state
+        while len(trail) > mark:
+            variable, old = trail.pop()
+            if old is None:
+                del state[variable]
+            else:
+                state[variable] = old
+
+    def _merge(self, branches: Sequence[Locals]) -> None:
+        """Go on with the join of what branches have set; the state is that before them."""
+        if not branches:
+            return
+        if len(branches) == 1:
+            for variable, value in branches[0].items():
+                self._set(variable, value)
+            return
+        state = self._state
+        for variable in {variable: None for branch in branches for variable in branch}:
+            before = state.get(variable, BOTTOM)
+            joined = BOTTOM
+            for branch in branches:
+                joined = join(joined, branch.get(variable, before))
+            if joined is not before:
+                self._set(variable, joined)
+
+    def _read(self, variable: Variable) -> Value:
+        if variable.owner is self._function and not variable.is_shared and not self._is_lazy:
+            value = self._state.get(variable)
+            if value is not None:
+                return value
+        cell = variable.cell
+        cell.readers.add(self._function)
+        return cell.value
+
+    def _escape(self, value: Value) -> None:
+        """Note that unknown code gets a value, and may change the lists in it."""
+        if value.sites or value.shape is not None:
+            sites = reach(value)
+            if sites:
+                self._changed(self.sites.open(sites))
+
+    # ---------------------------------------------------------------- what others do
+
+    def expression(self, node: ast.expr) -> Value:
+        """Return what an expression is, and note it."""
+        raise NotImplementedError
+
+    def _evaluate(self, function: Function) -> None:
+        """Evaluate the body of a function."""
+        raise NotImplementedError
+
+    def _store(self, owner: Value, index: int | None, value: Value, *, grows: bool) -> None:
+        """Note that something is put into a list or dict."""
+        if not owner.kinds & MUTABLE:
+            return
+        if owner.kinds & OBJECT or owner.shape is None:
+            self._escape(value)
+        readers = self.sites.store(owner, index, value, grows=grows)
+        if readers:
+            self._changed(readers)

@@ -1,0 +1,109 @@
+"""Writes what a description says, for people."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Final
+
+from elitescript.values.description import (
+    ANY,
+    BOOL,
+    BYTES,
+    CHANNEL,
+    COMMANDED,
+    DICT,
+    FLOAT,
+    FUNCTION,
+    INT,
+    LATE,
+    LIST,
+    MEASURED,
+    NONE,
+    NUMBER,
+    OBJECT,
+    RANGE,
+    ROW,
+    SET,
+    SIGNAL,
+    TEXT,
+    TUPLE,
+    Value,
+)
+
+_NAMES: Final = {
+    BOOL: "bool",
+    INT: "int",
+    FLOAT: "float",
+    TEXT: "str",
+    BYTES: "bytes",
+    LIST: "list",
+    TUPLE: "tuple",
+    DICT: "dict",
+    SET: "set",
+    RANGE: "range",
+    FUNCTION: "function",
+    OBJECT: "object",
+    NONE: "None",
+}
+_ORIGINS: Final = (
+    (MEASURED, "measured"),
+    (COMMANDED, "commanded"),
+    (CHANNEL, "sent by a peer"),
+    (SIGNAL, "a signal"),
+)
+ROLES: Final = {
+    "joints": "joint positions",
+    "pose": "pose",
+    "tcp": "TCP offset",
+    "joint speeds": "joint speeds",
+    "tool velocity": "tool speed",
+    "centre of gravity": "centre of gravity",
+    "thread handle": "thread handle",
+    "count": "count",
+}
+"""Words for roles that are not units."""
+
+
+def words(value: Value) -> str:
+    """Return what a description says, such as `int 1…3` or `pose, measured`; empty if it says nothing."""
+    if not value.kinds or value.kinds == ANY:
+        return ""
+    parts = [_kinds(value)]
+    parts += [word for bit, word in _ORIGINS if value.must & bit]
+    if value.may & LATE and value.must & SIGNAL:
+        parts.append("may have no value yet")
+    return ", ".join(parts)
+
+
+def _kinds(value: Value) -> str:
+    names = [name for kind, name in _NAMES.items() if value.kinds & kind]
+    role = ROLES.get(value.role, "")
+    if role and value.kinds & (ROW | NUMBER):
+        names = [role, *(["None"] if value.kinds & NONE else [])]
+    elif value.shape is not None and value.kinds in (LIST, TUPLE):
+        names = [f"{names[0]}{_length(value)}"]
+    text = " or ".join(names)
+    if value.constants is not None and 0 < len(value.constants) <= 4 and not value.kinds & ~(NUMBER | TEXT | NONE):
+        return " or ".join(map(repr, value.constants))
+    if not value.kinds & ~NUMBER and not role:
+        text += _range(value.low, value.high)
+        text += f" {value.role}" if value.role else ""
+    return text
+
+
+def _length(value: Value) -> str:
+    shape = value.shape
+    assert shape is not None
+    if shape.least == shape.most:
+        return f" of {shape.most:g}"
+    return "" if shape.least == 0 and shape.most == inf else f" of{_range(shape.least, shape.most)}"
+
+
+def _range(low: float, high: float) -> str:
+    if low == -inf and high == inf:
+        return ""
+    if high == inf:
+        return f" >= {low:g}"
+    if low == -inf:
+        return f" <= {high:g}"
+    return f" {low:g}" if low == high else f" {low:g}…{high:g}"
