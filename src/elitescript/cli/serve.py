@@ -556,7 +556,7 @@ class ServeLog:
         words = "ended by an alarm" if what == "alarm" else what
         name = shown_word(event.name) or "a program without a name"
         by = f", replaced by {shown_word(successor)}" if successor else ""
-        self._out.write(f"{self._tag(robot)}{seconds(event.tick):10.3f} s  [{words}] {name}{by}\n")
+        self._out.write(f"{self._tag(robot)}{seconds(event.tick):10.3f} s  [{shown_word(words)}] {name}{by}\n")
         self._out.flush()
 
     def studio(self, robot: str, line: str) -> None:

@@ -153,7 +153,9 @@ class TextRunReport:
             self._line(event.tick, shown(event.text.rstrip("\n")))
         elif isinstance(event, Popup):
             note = " (confirmed at once: nobody is there to press the button)" if event.is_confirmed_at_once else ""
-            self._line(event.tick, f"[popup, {event.level}] {shown(event.title)}: {shown(event.text)}{note}")
+            self._line(
+                event.tick, f"[popup, {shown_word(event.level)}] {shown(event.title)}: {shown(event.text)}{note}"
+            )
         elif isinstance(event, Warned):
             self._warned(event)
         elif isinstance(event, DeviceNoted) and event.is_warning:
@@ -168,8 +170,9 @@ class TextRunReport:
             self._alarm(event)
         elif isinstance(event, SignalChanged):
             if "signals" in self._logs:
+                name = shown_word(event.name)
                 by = event.by if event.by != "program" or not event.line else f"line {event.line}"
-                self._line(event.tick, f"[signal] {event.name} = {shown(str(event.value))} ({shown_word(by)})")
+                self._line(event.tick, f"[signal] {name} = {shown(str(event.value))} ({shown_word(by)})")
         elif isinstance(event, ChannelActivity) and "channels" in self._logs:
             data = f" {event.data!r}" if event.data else ""
             where = f" (line {event.line})" if event.line else ""
@@ -179,7 +182,7 @@ class TextRunReport:
         if (event.code, event.line) in self._reported:
             return
         role = "error" if event.severity == "error" else "warning"
-        kind = self._palette.paint(role, f"{event.severity} {event.code}".rstrip())
+        kind = self._palette.paint(role, shown_word(f"{event.severity} {event.code}".rstrip()))
         where = f"line {event.line}: " if event.line else ""
         self._problem(event.tick, f"{kind}: {where}{shown(event.text)}")
         if event.hint:
@@ -196,7 +199,7 @@ class TextRunReport:
         thread = "" if alarm.thread in ("", "main") else f", thread {shown_word(alarm.thread)}"
         where = f" in line {alarm.line}{thread}" if alarm.line else thread
         paint = self._palette.paint
-        kind = paint("alarm", f"ALARM {alarm.code}")
+        kind = paint("alarm", f"ALARM {shown_word(alarm.code)}")
         self._problem(alarm.tick, f"{kind}{where}: {shown_word(alarm.class_name)}: {shown(alarm.text)}")
         if alarm.source_line.strip():
             around, cut = excerpt(alarm.source_line, min(alarm.column, len(alarm.source_line)))
