@@ -71,6 +71,10 @@ def test_what_is_printed_is_the_same_but_for_line_ends(text):
     assert printed(printed(text)) == printed(text)
 
 
+def test_what_is_printed_has_no_commands_behind_marks_of_lines():
+    assert printed("a\n| ::b\nE    ::c\n|::d") == "a\n| :\\x3ab\nE    :\\x3ac\n|::d"
+
+
 def test_own_colours_and_line_ends_are_printed():
     text = "\x1b[1;31merror\x1b[0m\tx\r\ny\n"
     assert printed(text, has_colors=True) == text

@@ -47,8 +47,8 @@ _WORD: Final = rf"[A-Za-z_.\-{_IGNORED}]*"
 _ANYWHERE: Final = rf"(?P<anywhere>#[{_IGNORED}]*)#(?={_WORD}\[)"
 """Commands such as `##[error]`, `##vso[task.setvariable]` and `##teamcity[`."""
 
-_BEGIN: Final = rf"(?P<begin>^[{_BLANK}]*:[{_IGNORED}]*):"
-"""Commands such as `::error::`."""
+_BEGIN: Final = rf"(?P<begin>^(?:\| |E   )?[{_BLANK}]*:[{_IGNORED}]*):"
+"""Commands such as `::error::`, also behind `FURTHER` and what pytest puts before the lines of an error."""
 
 _LONE_HALF: Final = (
     r"\\u[dD][89abAB][0-9a-fA-F]{2}\\u[dD][c-fC-F][0-9a-fA-F]{2}|\\u(?P<half>[dD][89a-fA-F][0-9a-fA-F]{2})|\\."

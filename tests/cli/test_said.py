@@ -69,7 +69,7 @@ def _raw(text: str) -> str:
 
 def renamed(call: Call) -> Call:
     """Return a call whose programs have a name of a stranger."""
-    names = {name: f"a\x1b[2J\n::error::##[x]\u202e{name}" for name in call.files if name.endswith(".script")}
+    names = {name: f"a\x1b[2J\n::error::##[x]\u202e\udce9{name}" for name in call.files if name.endswith(".script")}
     if "--case" in call.words:
         names = {}
     words = tuple(names.get(word, word) for word in call.words)

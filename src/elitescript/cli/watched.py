@@ -103,12 +103,10 @@ def watch_for_crashes() -> bool:
     if int(mark):
         import _thread
         import faulthandler
-        from io import TextIOWrapper
-
         faulthandler.enable(file=int(mark), all_threads=False)
-        if isinstance(sys.stdout, TextIOWrapper):
-            # The contents of a buffer are lost in a crash.
-            sys.stdout.reconfigure(line_buffering=True)
+        # The contents of a buffer are lost in a crash.
+        if (reconfigure := getattr(sys.stdout, "reconfigure", None)) is not None:
+            reconfigure(line_buffering=True)
         # By default threads would get the same stack as this process.
         _thread.stack_size(8 << 20)
     return True
