@@ -86,7 +86,7 @@ def printed(text: str, *, has_colors: bool = False) -> str:
         has_colors: whether colours of `OWN_COLORS` stay.
     """
     # Most lines end here; print() writes the line end alone.
-    if text == "\n" or _is_plain(text.removesuffix("\n")):
+    if text == "\n" or _is_plain(text.replace("\n", " ")):
         return text
     own = rf"(?P<own>\x1b\[(?:{'|'.join(OWN_COLORS)})m)|" if has_colors else ""
     return _acting(_LONE, own).sub(_escaped, text)
@@ -94,7 +94,7 @@ def printed(text: str, *, has_colors: bool = False) -> str:
 
 def printed_json(text: str) -> str:
     """Return JSON that a command prints with what acts as escapes of JSON; its values are the same."""
-    if _is_plain(text.removesuffix("\n")):
+    if _is_plain(text.replace("\n", " ")):
         return text
     return _acting_in_json().sub(_json_escaped, text)
 

@@ -103,6 +103,7 @@ def watch_for_crashes() -> bool:
     if int(mark):
         import _thread
         import faulthandler
+
         faulthandler.enable(file=int(mark), all_threads=False)
         # The contents of a buffer are lost in a crash.
         if (reconfigure := getattr(sys.stdout, "reconfigure", None)) is not None:

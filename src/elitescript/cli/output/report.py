@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable
 from typing import Any, Final
 
-from elitescript.cli.output.screen import palette_of, rendered
+from elitescript.cli.output.screen import palette_of, rendered, shown_line_writer
 from elitescript.controller.views.warning_limit import MOST
 from elitescript.errors import UsageError
 from elitescript.json_records import jsonlines
@@ -119,6 +119,7 @@ class TextRunReport:
     def __init__(self, out: Writable, err: Writable, logs: Collection[str] = ()) -> None:
         self._logs = frozenset(logs)
         self._out = out
+        self._write_line = shown_line_writer(out)
         self._err = err
         self._palette = palette_of(err)
         self._start_s = 0.0
@@ -189,7 +190,8 @@ class TextRunReport:
             print(self._palette.paint("hint", f"{'':14}hint: {shown(event.hint)}"), file=self._err)
 
     def _line(self, tick: int, text: str) -> None:
-        print(f"{seconds(tick):10.3f} s  {text}", file=self._out)
+        """Write a line of standard output; the texts in it have been shown."""
+        self._write_line(f"{seconds(tick):10.3f} s  {text}\n")
 
     def _problem(self, tick: int, text: str) -> None:
         self._out.flush()

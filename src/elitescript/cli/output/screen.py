@@ -14,13 +14,13 @@ from contextlib import contextmanager
 from functools import partial
 from typing import Any, Final, TextIO
 
-from elitescript.language.diagnostics import Diagnostic, Severity, render
-from elitescript.language.text.source import SourceFile
 from elitescript.shown import printed, printed_json, shown, visible
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from elitescript.cli.output.writable import Writable
+    from elitescript.language.diagnostics import Diagnostic
+    from elitescript.language.text.source import SourceFile
 
 COLORS: Final = ("auto", "always", "never")
 """Values of `--color`."""
@@ -82,6 +82,9 @@ def palette_of(stream: object) -> Palette:
 
 def rendered(problem: Diagnostic, source: SourceFile | None, palette: Palette) -> str:
     """Return a finding as text: severity, code, caret and hint in colours."""
+    # Imported late: every command has this module, and few have findings.
+    from elitescript.language.diagnostics import Severity, render
+
     text = shown(str(problem)) if source is None else render(problem, source.name, source.line(problem.line))
     if not palette.is_colored:
         return text
@@ -96,6 +99,11 @@ def rendered(problem: Diagnostic, source: SourceFile | None, palette: Palette) -
         elif row.startswith("hint: "):
             rows[index] = palette.paint("hint", row)
     return "\n".join(rows)
+
+
+def shown_line_writer(stream: Writable) -> Callable[[str], object]:
+    """Return what writes lines of a stream whose texts have been shown already: nothing looks at them once more."""
+    return stream.write_shown if isinstance(stream, ScreenStream) else stream.write
 
 
 class StatusLine:
@@ -145,6 +153,9 @@ class ScreenStream:
         palette: of reports.
         status: the line on the same terminal; None if there is none.
         made: makes of a text what is written.
+
+    Attributes:
+        write_shown: writes a line whose texts have been shown already.
     """
 
     def __init__(
@@ -158,14 +169,19 @@ class ScreenStream:
         self._made = made
         self.palette = palette
         self.status = status
+        # Without a status line there is nothing to do before.
+        self.write_shown: Callable[[str], int] = target.write if status is None else self._write
 
     def write(self, text: str) -> int:
         """Erase the status line, then write a text."""
+        self._write(self._made(text))
+        return len(text)
+
+    def _write(self, text: str) -> int:
         if self.status is not None and text:
             self.status.erase()
             self.status.is_at_line_start = text.endswith("\n")
-        self._target.write(self._made(text))
-        return len(text)
+        return self._target.write(text)
 
     def flush(self) -> None:
         """Flush the stream."""
