@@ -20,7 +20,7 @@ from elitescript.lint.program import AnalysedProgram
 from elitescript.records import NamedTuple
 from elitescript.robot import VirtualRobot
 from elitescript.runtime.environment import TASK_PATH, relative_name
-from elitescript.shown import shown, shown_word
+from elitescript.shown import printable, shown, shown_word
 
 if TYPE_CHECKING:
     import argparse
@@ -112,7 +112,7 @@ def _file(named: Named) -> Verdict:
 def _line(name: str, named: Named, verdict: Verdict) -> str:
     answer = {True: "yes", False: "no", None: "?"}[verdict.reached]
     place = f"{shown_word(name)}:{named.line}:{named.column}"
-    return f"{place}: {named.kind} {shown_word(verdict.target)}: {answer}: {shown(verdict.why)}"
+    return f"{place}: {named.kind} {printable(verdict.target)}: {answer}: {shown(verdict.why)}"
 
 
 def _json(name: str, named: Named, verdict: Verdict) -> str:

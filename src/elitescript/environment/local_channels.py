@@ -183,9 +183,9 @@ class LocalChannels:
         from elitescript.environment.addresses import HOST_MAX, place_of
         from elitescript.messages.enums import ChannelError
         from elitescript.messages.inputs import ChannelOpened
-        from elitescript.shown import shown_word
+        from elitescript.shown import printable
 
-        place = place_of(shown_word(address[:HOST_MAX]), port)
+        place = place_of(printable(address[:HOST_MAX]), port)
         if place not in self.refused and len(self.refused) >= PEERS_MAX:
             place = NOT_COUNTED
         self.refused[place] = self.refused.get(place, 0) + 1

@@ -34,7 +34,7 @@ from elitescript.environment.addresses import (
 from elitescript.environment.network_option import COMMAND_LINE, Way
 from elitescript.errors import UsageError
 from elitescript.records import NamedTuple
-from elitescript.shown import shown_word
+from elitescript.shown import printable
 
 OPTION: Final = "--network"
 _SHOWN: Final = 80
@@ -114,7 +114,7 @@ class Reach:
         return self._refused(name, port, f"{what} {kind}", str(address))
 
     def _refused(self, name: str, port: int, why: str, host: str) -> Decision:
-        shown = shown_word(name if len(name) <= _SHOWN else f"{name[:_SHOWN]}...")
+        shown = printable(name if len(name) <= _SHOWN else f"{name[:_SHOWN]}...")
         fix = place_of(host, port) if self._can_allow(host, port) else ""
         hint = f"; `{self.allowing([fix])}` allows it" if fix else ""
         reason = why + hint
