@@ -24,6 +24,7 @@ from elitescript.runtime.program import Program
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.values.description import holds
 from elitescript.values.program import Values
+from elitescript.values.words import words
 
 LOOKS_AT_ALL = os.environ.get("ELITESCRIPT_SOUND") == "all"
 ONE_IN = 1 if LOOKS_AT_ALL else 16
@@ -122,7 +123,7 @@ class Witness:
         self.known += value.is_known
         if not holds(value, real):
             where = f"{described.unit.source.name}, line {frame.f_lineno}: {name} is {real!r:.80}"
-            self.outside.append(f"{where}, but {value!r} was said of it\n{described.unit.source.text}")
+            self.outside.append(f"{where}, but {words(value)!r} was said of it\n{described.unit.source.text}")
 
 
 WITNESS = Witness()

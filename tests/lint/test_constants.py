@@ -17,7 +17,7 @@ def value(text: str):
     """The value of the last call's only argument."""
     symbols = Symbols(parse(SourceFile("<test>", source(text))))
     scope, call = [(scope, call) for scope in symbols.scopes for call in scope.calls if _called(call) == "textmsg"][-1]
-    return Constants(Values(symbols)).value(call.args[0], scope)
+    return Constants(lambda: Values(symbols)).value(call.args[0], scope)
 
 
 def _called(call: ast.Call) -> str:

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import ast
-from typing import Any, Final
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.language.symbols import Scope
-from elitescript.values.description import LIST, TUPLE, Value
-from elitescript.values.program import Values
+
+if TYPE_CHECKING:
+    from elitescript.values.description import Value
+    from elitescript.values.program import Values
+
+_EXACT_KINDS: Final = (bool, int, float, str, bytes, type(None))
 
 
 class Unknown:
@@ -23,16 +28,24 @@ UNKNOWN: Final = Unknown()
 
 
 class Constants:
-    """Values of expressions of one program."""
+    """Values of expressions of one program.
+
+    Args:
+        values: returns the descriptions; called when an expression is no literal, because evaluating a program takes
+            longer than reading literals.
+    """
 
     __slots__ = ("_values",)
 
-    def __init__(self, values: Values) -> None:
+    def __init__(self, values: Callable[[], Values]) -> None:
         self._values = values
 
     def value(self, node: ast.expr, scope: Scope) -> Any:
         """Return the value of an expression, or an `Unknown`. A list or tuple may hold `Unknown` elements."""
-        value = self.plain(self._values.evaluated(node, scope))
+        literal = _literal(node)
+        if literal is not UNKNOWN:
+            return literal
+        value = self.plain(self._values().evaluated(node, scope))
         if isinstance(value, (list, tuple)) and value and all(item is UNKNOWN for item in value):
             return UNKNOWN
         return value
@@ -41,13 +54,28 @@ class Constants:
         """Return the only value that a description allows, or an `Unknown`."""
         if value.has_constant:
             return value.constant
-        shape = value.shape
-        if value.kinds not in (LIST, TUPLE) or shape is None or shape.items is None:
+        items = value.items
+        if items is None:
             return UNKNOWN if value.node is None else Unknown(self._text(value.node))
-        items = [self.plain(item) for item in shape.items]
-        return items if value.kinds == LIST else tuple(items)
+        found = [self.plain(item) for item in items]
+        return found if value.is_list else tuple(found)
 
     def _text(self, node: ast.expr) -> str:
-        symbols = self._values.symbols
+        symbols = self._values().symbols
         line, column, end_line, end_column = symbols.range_of(node)
         return symbols.parsed.source.line(line)[column - 1 : end_column - 1] if line == end_line else "..."
+
+
+def _literal(node: ast.expr) -> Any:
+    """Return the value of a literal; `UNKNOWN` for anything else."""
+    if isinstance(node, ast.Constant):
+        return node.value if isinstance(node.value, _EXACT_KINDS) else UNKNOWN
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) and isinstance(node.operand, ast.Constant):
+        number = node.operand.value
+        return -number if type(number) in (int, float) else UNKNOWN
+    if isinstance(node, (ast.List, ast.Tuple)):
+        items = [_literal(element) for element in node.elts]
+        if any(item is UNKNOWN for item in items):
+            return UNKNOWN
+        return items if isinstance(node, ast.List) else tuple(items)
+    return UNKNOWN

@@ -6,7 +6,7 @@ import ast
 import re
 from collections.abc import Collection, Iterator
 from functools import cached_property
-from typing import Final, TypeVar
+from typing import TYPE_CHECKING, Final, TypeVar
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.plausibility import JUDGES, KINDS, ArmFacts, Doubt, mistaken
@@ -24,7 +24,9 @@ from elitescript.lint.constants import Constants
 from elitescript.lint.refusals import ArgumentRefusal, refuse
 from elitescript.messages.profile import Profile, release_of
 from elitescript.records import NamedTuple
-from elitescript.values.program import Values
+
+if TYPE_CHECKING:
+    from elitescript.values.program import Values
 
 _MOST_SUGGESTIONS: Final = 20
 """Limit of unknown names of one program for which similar names are searched."""
@@ -114,12 +116,15 @@ class AnalysedProgram:
     @cached_property
     def values(self) -> Values:
         """What each expression is, in any run."""
+        # Short programs do without: everything is written where it is used.
+        from elitescript.values.program import Values
+
         return Values(self.symbols, self.presets)
 
     @cached_property
     def constants(self) -> Constants:
         """Values of expressions that are certain."""
-        return Constants(self.values)
+        return Constants(lambda: self.values)
 
     # The tree
 
@@ -308,7 +313,7 @@ class AnalysedProgram:
                     continue
                 value = self.constants.value(node, called.scope)
                 reported = list(JUDGES[meaning](value, self.arm))
-                if meaning in KINDS:
+                if meaning in KINDS and not isinstance(node, (ast.List, ast.Tuple)):
                     other = mistaken(meaning, self.values.of(node).role)
                     reported += [] if other is None else [other]
                 for doubt in reported:

@@ -206,17 +206,22 @@ class Value:
         assert self.constants is not None
         return self.constants[0]
 
+    @property
+    def is_list(self) -> bool:
+        """Whether it is a list in any case."""
+        return self.kinds == LIST
+
+    @property
+    def items(self) -> tuple[Value, ...] | None:
+        """Its elements, one by one, if it is a list or tuple in any case, and they are known."""
+        return None if self.shape is None or self.kinds not in (LIST, TUPLE) else self.shape.items
+
     def but(self, **changes: Any) -> Value:
         """Return a description that differs in some attributes."""
         made: Value = object.__new__(Value)
         for slot in Value.__slots__:
             setattr(made, slot, changes[slot] if slot in changes else getattr(self, slot))
         return made
-
-    def __repr__(self) -> str:
-        from elitescript.values.words import words
-
-        return f"<{words(self)}>"
 
 
 BOTTOM: Final = Value(0, constants=(), may=0, must=NOWHERE)
