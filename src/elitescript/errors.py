@@ -90,6 +90,11 @@ _ROWS: Final = (
     Code("W235", "warning", "blend radius longer than half of the move", is_tolerated=True),
     Code("W236", "warning", "target that the arm cannot reach", is_tolerated=True),
     Code("W237", "warning", "joint positions where a pose belongs, or the reverse", is_tolerated=True),
+    Code("W240", "warning", "comparison that is never, or always, true"),
+    Code("W241", "warning", "condition that is always true, or not what it seems"),
+    Code("W242", "warning", "measured values compared exactly"),
+    Code("W243", "warning", "lists joined where numbers were meant"),
+    Code("W244", "warning", "time that looks like milliseconds"),
     Code("W250", "warning", "negative blend radius"),
     Code("W260", "warning", "write to an address that mirrors the robot"),
     # What a run alone can find.

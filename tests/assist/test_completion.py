@@ -279,7 +279,7 @@ class TestItems:
             ("x = [0, 0, 0, 0, 0, 1]\nmovej(x)\n¦", "joints [0, 0, 0, 0, 0, 1]"),
             ("x = input_value\n¦", "variable"),
             ("def f(x):\n  ¦\nend\n", "parameter of f"),
-            ("for x in (1, 2):\n  ¦\nend\n", "loop variable"),
+            ("for x in (1, 2):\n  ¦\nend\n", "loop variable: int"),
             ("import math as x\n¦", "module math"),
         ],
     )

@@ -45,7 +45,7 @@ def shown(document: Document, line: int) -> list[str]:
             "import math\nx = math.sin(math.pi)\n",
             2,
             [
-                "x variable modification",
+                "x variable modification readonly",
                 "math namespace defaultLibrary",
                 "sin function defaultLibrary",
                 "math namespace defaultLibrary",

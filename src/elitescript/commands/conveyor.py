@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 
 from elitescript.commands.definition.quantities import Bool, Choice, Integer, Number, Pose, Real, Vector, shown
 from elitescript.commands.definition.registry import command
-from elitescript.commands.definition.results import COMPUTED, MEASURED
+from elitescript.commands.definition.results import COMPUTED, SIGNAL
 from elitescript.errors import ArgumentRangeError
 from elitescript.messages.enums import PulseDecoder
 from elitescript.messages.machine import DecodePulses, PrepareEncoder, SetEncoderCount
@@ -40,7 +40,7 @@ def encoder_enable_set_tick_count(
 
 
 @command(family="motion", manual="2.1.21", arguments=_ARGUMENTS)
-def encoder_get_tick_count(robot: Robot, encoder_index: _EncoderIndex) -> Annotated[Real, MEASURED]:
+def encoder_get_tick_count(robot: Robot, encoder_index: _EncoderIndex) -> Annotated[Real, SIGNAL]:
     """Return the count of an encoder.
 
     An encoder that no program has prepared counts from 0 in the range of signed 32 bits (*assumed*: as the

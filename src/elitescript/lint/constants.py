@@ -71,7 +71,7 @@ def _literal(node: ast.expr) -> Any:
     if isinstance(node, ast.Constant):
         return node.value if isinstance(node.value, _EXACT_KINDS) else UNKNOWN
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) and isinstance(node.operand, ast.Constant):
-        number = node.operand.value
+        number: Any = node.operand.value
         return -number if type(number) in (int, float) else UNKNOWN
     if isinstance(node, (ast.List, ast.Tuple)):
         items = [_literal(element) for element in node.elts]

@@ -21,13 +21,15 @@ from elitescript.language.policy import is_dunder
 from elitescript.language.symbols import Resolution, Scope, Symbols
 from elitescript.lint.arguments import Arguments, arrange
 from elitescript.lint.constants import Constants
-from elitescript.lint.refusals import ArgumentRefusal, refuse
+from elitescript.lint.refusals import ArgumentRefusal, refuse, refuse_description
 from elitescript.messages.profile import Profile, release_of
 from elitescript.records import NamedTuple
 
 if TYPE_CHECKING:
+    from elitescript.errors import ScriptError
     from elitescript.values.program import Values
 
+_SIX: Final = 6
 _MOST_SUGGESTIONS: Final = 20
 """Limit of unknown names of one program for which similar names are searched."""
 
@@ -80,6 +82,18 @@ class Doubted(NamedTuple):
     param: Param
     whole: ast.expr
     scope: Scope
+
+
+class JoinedLists(NamedTuple):
+    """A sum or product of lists where numbers were meant.
+
+    Attributes:
+        words: what it gives.
+        hint: what to write instead.
+    """
+
+    words: str
+    hint: str
 
 
 class AnalysedProgram:
@@ -296,10 +310,50 @@ class AnalysedProgram:
                 # A placeholder stands there in place of the author's text.
                 if any(span[:2] <= mistake < span[2:] for mistake in mistakes):
                     continue
-                error = refuse(param, self.constants.value(node, called.scope))
-                if error is not None:
+                error = refuse(param, self.constants.value(node, called.scope)) or self._refused_kind(param, node)
+                if error is not None and not self._is_joined(node):
                     found.append(ArgumentRefusal(called.command, param, node, error))
         return tuple(found)
+
+    def _refused_kind(self, param: Param, node: ast.expr) -> ScriptError | None:
+        """Return the error that a parameter raises for every value that an expression can have."""
+        if isinstance(node, (ast.Constant, ast.List, ast.Tuple)):
+            return None
+        return refuse_description(param, self.values.of(node), ast.unparse(node))
+
+    def _is_joined(self, node: ast.expr) -> bool:
+        """Return whether a value is one of `joined_lists`: one cause is one finding."""
+        if isinstance(node, (ast.Constant, ast.List, ast.Tuple)):
+            return False
+        return self.values.of(node).node in self.joined_lists
+
+    @cached_property
+    def joined_lists(self) -> dict[ast.AST, JoinedLists]:
+        """Sums and products of poses, joint positions and their like, by their node."""
+        found: dict[ast.AST, JoinedLists] = {}
+        for node in self.nodes(ast.BinOp):
+            if not isinstance(node.op, (ast.Add, ast.Mult)):
+                continue
+            from elitescript.values.description import INT
+            from elitescript.values.results import LIST_ROLES
+
+            sides = [self.values.of(side) for side in (node.left, node.right)]
+            # A list that is gone through may be as long as it likes.
+            above = self.symbols.parent(node)
+            if isinstance(above, (ast.For, ast.comprehension)) or not any(side.role in LIST_ROLES for side in sides):
+                continue
+            if isinstance(node.op, ast.Add):
+                is_offset = any(
+                    isinstance(side, ast.List) and len(side.elts) == _SIX for side in (node.left, node.right)
+                )
+                if is_offset and all(side.is_list for side in sides):
+                    hint = "pose_trans adds an offset in the frame of the pose, pose_add in that of the base"
+                    if not any(side.role == "pose" for side in sides):
+                        hint = "add element by element: [a + b for a, b in zip(p, q)]"
+                    found[node] = JoinedLists("12 numbers", hint)
+            elif any(side.has_constant and side.kinds == INT and side.constant > 1 for side in sides):
+                found[node] = JoinedLists("the same numbers again", "multiply element by element: [2 * a for a in p]")
+        return found
 
     @cached_property
     def doubts(self) -> tuple[Doubted, ...]:

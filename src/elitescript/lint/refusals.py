@@ -7,7 +7,7 @@ by stand-ins that fit, and only what is wrong with the rest is reported.
 from __future__ import annotations
 
 import ast
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.commands.definition.quantities import (
     Boolean,
@@ -22,9 +22,12 @@ from elitescript.commands.definition.quantities import (
     Vector,
 )
 from elitescript.commands.definition.registry import Command, Param
-from elitescript.errors import ScriptError
+from elitescript.errors import ArgumentTypeError, ScriptError
 from elitescript.lint.constants import Unknown
 from elitescript.records import NamedTuple
+
+if TYPE_CHECKING:
+    from elitescript.values.description import Value
 
 
 class ArgumentRefusal(NamedTuple):
@@ -61,6 +64,49 @@ def refuse(param: Param, value: Any) -> ScriptError | None:
     except ScriptError as error:
         return error
     return None
+
+
+def refuse_description(param: Param, value: Value, text: str) -> ScriptError | None:
+    """Return the error that a parameter raises for all values that a description allows; None if it may accept one.
+
+    Args:
+        param: the parameter.
+        value: the description.
+        text: the expression, which stands for the value in the message.
+    """
+    if not value.is_known or (value.constants and value.has_constant):
+        return None
+    kinds = [name for name, bit in _SAMPLES.items() if value.kinds & bit]
+    if not kinds or value.kinds & ~sum(_SAMPLES.values()):
+        return None
+    errors = []
+    for name in kinds:
+        error = refuse(param, _sample(name, text))
+        if error is None or error.default_code != ArgumentTypeError.default_code:
+            break
+        errors.append(error)
+    else:
+        return errors[0]
+    return None
+
+
+_SAMPLES: Final = {"str": 8, "bytes": 16, "bool": 1, "int": 2, "float": 4}
+"""Kinds of which one value is refused for its type if all are; see `values.description`."""
+
+
+def _sample(name: str, text: str) -> Any:
+    """Return a value of a type that a message shows as its source text."""
+    base: dict[str, tuple[type, Any]] = {
+        "str": (str, "x"),
+        "bytes": (bytes, b"x"),
+        "int": (int, 1),
+        "float": (float, 1.0),
+    }
+    if name == "bool":
+        return True
+    kind, inner = base[name]
+    made = type(name, (kind,), {"__repr__": lambda self: text})
+    return made(inner)
 
 
 class _StandIn:

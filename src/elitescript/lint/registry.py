@@ -37,6 +37,9 @@ class Finding(NamedTuple):
     fix: Fix | None = None
 
 
+_SHOWN: Final = 60
+"""Characters of an expression that a message repeats."""
+
 Check = Callable[["AnalysedProgram"], Iterable[Finding]]
 
 
@@ -87,6 +90,12 @@ def doubt_findings(program: AnalysedProgram, code: str) -> Iterator[Finding]:
         doubt = doubted.doubt
         if doubt.code == code:
             yield Finding(doubted.node, doubt.text, doubt.hint, unit_fix(program, doubted))
+
+
+def shown_source(program: AnalysedProgram, node: ast.AST) -> str:
+    """Return what is written there, on one line and shortened, in backquotes."""
+    text = " ".join(ast.unparse(node).split())
+    return f"`{text if len(text) <= _SHOWN else text[: _SHOWN - 3] + '...'}`"
 
 
 @cache

@@ -41,7 +41,7 @@ from elitescript.values.description import (
     unknown_of,
 )
 from elitescript.values.references import Library, Made, Method, ModuleType, Name, Own, OwnClass
-from elitescript.values.results import result_of
+from elitescript.values.results import POSITION, result_of
 from elitescript.values.state import CALL_DEPTH_MAX, CALLED_AT_MOST
 from elitescript.values.store import Cell, Function
 
@@ -217,6 +217,8 @@ class Calls(Conditions):
         result = self._results.get(node)
         if result is None or len(self._results) > 100_000:
             result = self._results[node] = result_of(command, self.sites.of(node))
+        if command.name == "modbus_get_signal_status" and args:
+            return self.signals.narrowed(result, args[0])
         counted_by = command.details.result.counted_by
         if counted_by and result.shape is not None:
             return _counted(result, args[0] if args and is_certain else UNKNOWN)
@@ -251,7 +253,7 @@ class Calls(Conditions):
             ]
             return row(LIST, items, self.sites.of(node)).but(role=template.role)
         if isinstance(result, (bool, int, float, str)):
-            role = command.details.returns.unit
+            role = POSITION if -1 in command.details.result.special else command.details.returns.unit
             made = constant(result, may or 1, must or 1)
             return made.but(role=role) if role else made
         return None

@@ -49,6 +49,7 @@ from elitescript.values.description import (
 )
 from elitescript.values.operators import Impossible, checked
 from elitescript.values.references import Library
+from elitescript.values.results import POSITION
 
 READERS: Final = frozenset(
     """
@@ -396,7 +397,7 @@ _TEXT_METHODS: Final[dict[str, Value]] = {
         ),
         SOME_TEXT,
     ),
-    **dict.fromkeys(("find", "rfind"), Value(INT, -1, inf)),
+    **dict.fromkeys(("find", "rfind"), Value(INT, -1, inf, None, POSITION)),
     **dict.fromkeys(("count", "index", "rindex"), SOME_COUNT),
     **dict.fromkeys(
         (

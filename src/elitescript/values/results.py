@@ -52,6 +52,9 @@ _ORIGINS: Final = {
 HANDLE: Final = "thread handle"
 """Role of what `start_thread` returns."""
 
+POSITION: Final = "position or -1"
+"""Role of where something was found; -1 if it was not."""
+
 ELEMENT_ROLES: Final = {"m, rad": ("m", "m", "m", "rad", "rad", "rad"), "m/s, rad/s": ("m/s",) * 3 + ("rad/s",) * 3}
 """Roles of the elements of a list whose elements have two units."""
 
@@ -80,6 +83,8 @@ def result_of(command: Command, sites: frozenset[int]) -> Value:
     described = of_quantity(returns, sites, may, origin)
     if result.origin == "handle":
         return described.but(role=HANDLE)
+    if -1 in result.special:
+        return described.but(role=POSITION)
     return described
 
 

@@ -22,6 +22,7 @@ from elitescript.values.description import (
     reach,
 )
 from elitescript.values.references import OwnClass
+from elitescript.values.signals import Signals
 from elitescript.values.store import Cell, Function, Sites, Variable
 
 EVALUATIONS_MAX: Final = 40
@@ -93,6 +94,7 @@ class State:
         self._trail: list[tuple[Variable, Value | None]] = []
         self._loops: list[Loop] = []
         self._attempts: list[Locals] = []
+        self.signals = Signals(symbols)
         self._has_classes = any(
             scope.kind == "class" and not _COMPARING.isdisjoint(scope.bindings) for scope in symbols.scopes
         )

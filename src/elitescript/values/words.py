@@ -29,6 +29,7 @@ from elitescript.values.description import (
     TUPLE,
     Value,
 )
+from elitescript.values.results import POSITION
 
 _NAMES: Final = {
     BOOL: "bool",
@@ -60,6 +61,7 @@ ROLES: Final = {
     "centre of gravity": "centre of gravity",
     "thread handle": "thread handle",
     "count": "count",
+    POSITION: POSITION,
 }
 """Words for roles that are not units."""
 
@@ -78,6 +80,9 @@ def words(value: Value) -> str:
 def _kinds(value: Value) -> str:
     names = [name for kind, name in _NAMES.items() if value.kinds & kind]
     role = ROLES.get(value.role, "")
+    unit = "" if role else value.role
+    if value.role == POSITION and value.low >= 0:
+        role = ""
     if role and value.kinds & (ROW | NUMBER):
         names = [role, *(["None"] if value.kinds & NONE else [])]
     elif value.shape is not None and value.kinds in (LIST, TUPLE):
@@ -87,7 +92,7 @@ def _kinds(value: Value) -> str:
         return " or ".join(map(repr, value.constants))
     if not value.kinds & ~NUMBER and not role:
         text += _range(value.low, value.high)
-        text += f" {value.role}" if value.role else ""
+        text += f" {unit}" if unit else ""
     return text
 
 
@@ -103,7 +108,11 @@ def _range(low: float, high: float) -> str:
     if low == -inf and high == inf:
         return ""
     if high == inf:
-        return f" >= {low:g}"
+        return f" >= {_number(low)}"
     if low == -inf:
-        return f" <= {high:g}"
-    return f" {low:g}" if low == high else f" {low:g}…{high:g}"
+        return f" <= {_number(high)}"
+    return f" {_number(low)}" if low == high else f" {_number(low)}…{_number(high)}"
+
+
+def _number(number: float) -> str:
+    return str(int(number)) if number == int(number) and abs(number) < 1e15 else f"{number:g}"

@@ -1,0 +1,24 @@
+"""Lists joined or repeated where numbers were meant.
+
+`+` puts one list behind the other, `*` repeats a list: a pose and an offset are twelve numbers then.
+
+    def job():
+      p = get_actual_tcp_pose()
+      movel(p + [0, 0, 0.05, 0, 0, 0])            # W243: pose_trans or pose_add
+    end
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from elitescript.lint.program import AnalysedProgram
+from elitescript.lint.registry import Finding, rule, shown_source
+
+
+@rule(code="W243", since="0.3")
+def joined_lists(program: AnalysedProgram) -> Iterator[Finding]:
+    """Report sums and products of poses and joint positions."""
+    for node, joined in program.joined_lists.items():
+        text = f"{shown_source(program, node)} joins lists: {joined.words}"
+        yield Finding(node, text, joined.hint)

@@ -1,0 +1,49 @@
+from __future__ import annotations
+
+import pytest
+
+from tests.lint.checking import body
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        "if socket_read_string() == 1:\n  halt()\nend",
+        "if 1 == socket_read_string():\n  halt()\nend",
+        "s = socket_read_string()\nif s != 5:\n  halt()\nend",
+        'if get_standard_digital_in(0) == "True":\n  halt()\nend',
+        'if read_input_integer_register(0) == "5":\n  halt()\nend',
+        "if get_actual_tcp_pose() == 0:\n  halt()\nend",
+        'if socket_open("1.2.3.4", 80) == "OK":\n  halt()\nend',
+        "if socket_read_ascii_float(3) == [1.0, 2.0, 3.0]:\n  halt()\nend",
+        "if to_str(3) == 3:\n  halt()\nend",
+        'if get_flag(0) is "on":\n  halt()\nend',
+        'modbus_add_signal("1.2.3.4", 255, 0, 2, "a")\nv = modbus_get_signal_status("a")\nif v < 0:\n  halt()\nend',
+        'modbus_add_signal("1.2.3.4", 255, 0, 0, "a")\nif modbus_get_signal_status("a") == "on":\n  halt()\nend',
+        "if read_port_register(3) > 70000:\n  halt()\nend",
+        'def state():\n  return get_flag(0)\nend\nif state() == "on":\n  halt()\nend',
+    ],
+)
+def test_it_is_found(lines):
+    assert [problem.split()[0] for problem in body(*lines.split("\n"))] == ["W240"]
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        'if socket_read_string() == "1":\n  halt()\nend',
+        "if get_standard_digital_in(0) == 1:\n  halt()\nend",
+        "if get_flag(0) == None:\n  halt()\nend",
+        "debug = False\nif debug == True:\n  halt()\nend",
+        "most = 0.15\nif 0.2 > most:\n  halt()\nend",
+        'x = None\nif get_flag(0):\n  x = "a"\nend\nif x == "a":\n  halt()\nend',
+        'if 1 == "a":\n  halt()\nend',
+        'v = modbus_get_signal_status("a")\nif v < 0:\n  halt()\nend',
+        "v = read_port_register(3)\nif v > 32767:\n  v = v - 65536\nend\nif v < -40000:\n  halt()\nend",
+        "v = read_port_register(3)\nif v > 5:\n  return\nend\nif v <= 5:\n  halt()\nend",
+        'i = str_find(socket_read_string(), "a")\nif i == -1:\n  halt()\nend',
+        'def f(x):\n  if x == 1:\n    halt()\n  end\nend\ng = f\ng("a")',
+    ],
+)
+def test_what_almost_is_one_is_not_found(lines):
+    assert body(*lines.split("\n")) == []
