@@ -77,9 +77,9 @@ def test_trace_returns_rows_of_the_window():
     ("window", "text"),
     [
         ((0.3, 0.1, 0.1), "no stretch"),
-        ((0, 1, 0), "step_s"),
+        ((0, 1, 0), "step_s must be > 0 s"),
         ((0, 100, 0.004), "too many"),
-        ((-1, 1, 0.1), "no stretch"),
+        ((-1, 1, 0.1), "from_s must be >= 0 s, got -1"),
     ],
 )
 def test_a_window_that_makes_no_sense_is_refused(window, text):

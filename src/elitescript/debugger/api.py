@@ -141,6 +141,8 @@ class Stop:
         exception: at which it stopped, if it did.
         line: of `thread`; 0 without one.
         result: at the end `finished`, `alarm`, `stopped`, `time_limit` or `stuck`; empty before.
+        unevaluated: breakpoints that stop here since their condition, or what they watch, cannot be evaluated: number
+            and reason of each. A breakpoint does so once, until it is set again.
     """
 
     reason: str
@@ -153,6 +155,7 @@ class Stop:
     exception: ExceptionInfo | None = None
     line: int = 0
     result: str = ""
+    unevaluated: tuple[tuple[int, str], ...] = ()
 
 
 # ---------------------------------------------------------------- breakpoints
@@ -165,8 +168,9 @@ class LineBreakpoint:
     Args:
         line: moved down to the next line that begins a statement.
         column: 0 for the first statement of the line.
-        condition: expression; stops only where it is true.
-        hit_condition: `3` (the third time), `>= 3`, `> 3`, `<= 3`, `< 3`, `== 3`, or `% 3` (each third time).
+        condition: expression without effects; stops only where it is true, and once where it cannot be evaluated.
+        hit_condition: `3` (the third time), `>= 3`, `> 3`, `<= 3`, `< 3`, `== 3`, or `% 3` (each third time). Passes
+            where the condition cannot be evaluated do not count.
         log_message: text with `{expression}`, written instead of a stop.
     """
 

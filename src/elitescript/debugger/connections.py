@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 from elitescript.devices.outside import OutsideChannels
 from elitescript.messages.inputs import ChannelEvent
@@ -21,14 +21,16 @@ class KeptNetwork:
         opened: the channel that each request to connect got.
         refused: what was not let through, in words, if that was asked for.
         requests: how many requests the network has had.
+        said: what was said before peers were reached, each with the number of the request.
         until: last tick up to which events are kept.
     """
 
-    __slots__ = ("arrived", "live", "opened", "refused", "requests", "until")
+    __slots__ = ("arrived", "live", "opened", "refused", "requests", "said", "until")
 
     def __init__(self, channels: OutsideChannels) -> None:
         self.live = channels
         self.refused = ""
+        self.said: list[tuple[int, str]] = []
         self.arrived: list[tuple[int, tuple[ChannelEvent, ...]]] = []
         self.opened: list[int] = []
         self.requests = 0
@@ -42,11 +44,13 @@ class KeptChannels:
 
     Args:
         network: see `KeptNetwork`.
+        say: receives a sentence before each peer is reached: the same at the same place of each execution.
     """
 
-    __slots__ = ("_network", "_next", "_opened", "_requests")
+    __slots__ = ("_network", "_next", "_opened", "_requests", "say")
 
-    def __init__(self, network: KeptNetwork) -> None:
+    def __init__(self, network: KeptNetwork, say: Callable[[str], None]) -> None:
+        self.say = say
         self._network = network
         self._next = 0
         self._opened = 0
@@ -64,9 +68,17 @@ class KeptChannels:
         """Count a request; return whether the network has not had it."""
         self._requests += 1
         if self._requests <= self._network.requests:
+            for number, text in self._network.said:
+                if number == self._requests:
+                    self.say(text)
             return False
         self._network.requests = self._requests
+        self._network.live.say = self._say_first
         return True
+
+    def _say_first(self, text: str) -> None:
+        self._network.said.append((self._requests, text))
+        self.say(text)
 
     def _channel(self, made: int | None) -> int:
         network = self._network

@@ -47,7 +47,16 @@ from elitescript.debugger.api import (
 from elitescript.debugger.inputs import Input, apply_input
 from elitescript.debugger.looking import RESULT, CallFrame, Look, Names
 from elitescript.debugger.places import CountedText, Places
-from elitescript.debugger.rules import NO_RULES, CodeRule, DataRule, Rules, Watch, hit_condition
+from elitescript.debugger.rules import (
+    NO_RULES,
+    CodeRule,
+    DataRule,
+    Rules,
+    Watch,
+    hit_condition,
+    short,
+    unevaluated,
+)
 from elitescript.debugger.source import Source
 from elitescript.debugger.telling import exception_of, filled, logged, output_of, running_text
 from elitescript.debugger.values import shown, type_name
@@ -264,6 +273,10 @@ class Engine:
     def variables(self, reference: int, kind: str, start: int, count: int) -> tuple[Variable, ...]:
         """See `DebugSession.variables`."""
         return self._look.variables(reference, kind, start, count)
+
+    def child(self, reference: int, name: str) -> Variable:
+        """Return the child of a scope or a value by its name."""
+        return self._look.child(reference, name)
 
     def evaluate(self, text: str, frame: int) -> Variable:
         """Return the value of an expression, without any effect; see `DebugSession.evaluate`."""
@@ -532,9 +545,14 @@ class Engine:
     def _code_stops(self, number: int, strand: Strand) -> list[Stop]:
         found = []
         for rule in self._rules.code:
-            if number not in rule.numbers or not self._is_true(rule.condition, strand):
+            if number not in rule.numbers:
                 continue
-            if not self._counts(rule.id):
+            try:
+                if not self._holds(rule.condition, strand) or not self._counts(rule.id):
+                    continue
+            except DebugError as error:
+                what = f"the condition of line {self.places.statement(number).line}"
+                found += self._unevaluated(rule.id, rule.reason, unevaluated(what, rule.condition, error))
                 continue
             if rule.log_message:
                 if self._goal.heeds and not self._goal.last:
@@ -547,14 +565,17 @@ class Engine:
         self._hits[rule] = self._hits.get(rule, 0) + 1
         return self._conditions[rule](self._hits[rule])
 
-    def _is_true(self, condition: str, strand: Strand | None) -> bool:
+    def _holds(self, condition: str, strand: Strand | None) -> bool:
         if not condition:
             return True
         look = self._new_look()
-        try:
-            return bool(look.value(condition, self._innermost(look, strand)))
-        except DebugError:
-            return False
+        return look.holds(condition, self._innermost(look, strand))
+
+    def _unevaluated(self, rule: int, reason: str, text: str) -> list[Stop]:
+        """Return the stop of a breakpoint that cannot be evaluated; none if it was said before."""
+        if rule in self._rules.said or not self._goal.heeds:
+            return []
+        return [self._stop(reason, text, hits=(rule,), unevaluated=((rule, text),))]
 
     @staticmethod
     def _innermost(look: Look, strand: Strand | None) -> CallFrame | None:
@@ -578,9 +599,20 @@ class Engine:
         self._values = values
         found = []
         for (rule, watch), old, new in zip(self._watches, before, values, strict=True):
+            if watch.error is not None:
+                text = unevaluated("what the data breakpoint watches", watch.data_id, watch.error)
+                found += self._unevaluated(rule.id, DATA_BREAKPOINT, text)
+                continue
             if old == new or (watch.stops_when_true and new != "True"):
                 continue
-            if not self._is_true(rule.condition, self._running) or not self._counts(rule.id) or not self._goal.heeds:
+            try:
+                if not self._holds(rule.condition, self._running) or not self._counts(rule.id):
+                    continue
+            except DebugError as error:
+                text = unevaluated(f"the condition of {short(watch.data_id)}", rule.condition, error)
+                found += self._unevaluated(rule.id, DATA_BREAKPOINT, text)
+                continue
+            if not self._goal.heeds:
                 continue
             change = self._change(watch, old, new, previous)
             by = f" by {change.thread_name}" if change.thread_name else ""
@@ -888,7 +920,9 @@ def _merged(stops: list[Stop]) -> Stop:
     best = min(stops, key=lambda stop: _WEIGHT.get(stop.reason, 0))
     hits = tuple(hit for stop in stops for hit in stop.hits)
     changes = tuple(change for stop in stops for change in stop.changes)
-    return replace(best, hits=hits, changes=changes) if len(stops) > 1 else best
+    problems = tuple(problem for stop in stops for problem in stop.unevaluated)
+    text = "; ".join(dict.fromkeys((best.text, *(reason for _, reason in problems))))
+    return replace(best, text=text, hits=hits, changes=changes, unevaluated=problems) if len(stops) > 1 else best
 
 
 _WEIGHT: Final = {EXCEPTION: 0, BREAKPOINT: 1, DATA_BREAKPOINT: 1, STEP: 3, GOTO: 4, PAUSE: 5}

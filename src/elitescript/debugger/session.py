@@ -39,13 +39,11 @@ from elitescript.debugger.api import (
 )
 from elitescript.debugger.calls import calls_by_statement
 from elitescript.debugger.engine import INTO, OUT, OVER, Engine, Goal
-from elitescript.debugger.expressions import parsed
 from elitescript.debugger.inputs import Input
 from elitescript.debugger.looking import ROBOT_VALUES
-from elitescript.debugger.rules import CodeRule, DataRule, Rules, Watch, hit_condition
+from elitescript.debugger.rules import CodeRule, DataRule, Rules, Watch, checked
 from elitescript.debugger.snapshots import snapshots
 from elitescript.debugger.source import Source
-from elitescript.debugger.telling import filled
 from elitescript.errors import did_you_mean
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.parser import parse
@@ -244,6 +242,7 @@ class DebugSession:
         self._heard = 0
         self._logged = None
         self._furthest = Position(0, 0, 0, BEFORE_STATEMENT)
+        self._rules = replace(self._rules, said=frozenset())
         self._replace_engine(self._new_engine(is_heard=True))
         return self._to_entry() if stop_on_entry else self.resume()
 
@@ -309,11 +308,11 @@ class DebugSession:
     def _data_rule(self, request: DataBreakpoint) -> tuple[DataRule | None, BreakpointState]:
         identity = self._new_id()
         try:
-            hit_condition(request.hit_condition)
+            checked(request)
             watch = self._watch(request.data_id)
         except DebugError as error:
             return None, BreakpointState(identity, False, str(error))
-        rule = DataRule(identity, watch.data_id, request.condition, request.hit_condition)
+        rule = DataRule(identity, watch.data_id, request.condition.strip(), request.hit_condition)
         return rule, BreakpointState(identity, True)
 
     def _watch(self, data_id: str) -> Watch:
@@ -369,9 +368,7 @@ class DebugSession:
         """
         try:
             if reference:
-                data_id = next(
-                    (child.data_id for child in self.variables(reference) if child.name == name and child.data_id), ""
-                )
+                data_id = self._engine.child(reference, name).data_id
                 if not data_id:
                     return DataInfo(
                         None, f"{name} cannot be watched: only signals, program globals, robot mode, safety"
@@ -423,7 +420,7 @@ class DebugSession:
             reference: of the scope or value.
             kind: `named` or `indexed`; both if empty.
             start: index of the first one.
-            count: how many; all if 0.
+            count: how many; if 0, those that there is room for. What is left out is counted in a last row.
         """
         return self._engine.variables(reference, kind, start, count)
 
@@ -582,9 +579,23 @@ class DebugSession:
         assert stop is not None
         self._is_pausing = False
         self._stop = stop
+        self._say_unevaluated(stop)
         if self._furthest.is_before(stop.position):
             self._furthest = stop.position
         return stop
+
+    def _say_unevaluated(self, stop: Stop) -> None:
+        """Say of each breakpoint that cannot be evaluated why it has stopped; it does not again."""
+        if not stop.unevaluated:
+            return
+        if self._on_output is not None:
+            names = {thread.id: thread.name for thread in self._engine.threads()}
+            for _, text in stop.unevaluated:
+                name = names.get(stop.thread, "")
+                self._on_output(Output("important", text, stop.line, name, stop.position, stop.time_s))
+        said = self._rules.said | {number for number, _ in stop.unevaluated}
+        self._rules = replace(self._rules, said=said)
+        self._engine.set_rules(self._rules)
 
     def _to_entry(self) -> Stop:
         """Go to the stop before the first statement."""
@@ -677,6 +688,8 @@ class DebugSession:
         """Make a change here, and begin a new branch of history."""
         if self._engine.is_over:
             raise DebugError("the run is over: go back to change something")
+        if self._snapshots.forks and self._source.may_connect(change.text):
+            self._leave_copies()
         handles, heard = self._engine.handles(), self._heard
         # What it says itself is new, also where an earlier branch has said something.
         self._heard = self._engine.outputs
@@ -696,6 +709,16 @@ class DebugSession:
         self._snapshots.forget_from(here)
         return value
 
+    def _leave_copies(self) -> None:
+        """Go on in this process: copies would share a connection, or make it anew."""
+        handles = self._engine.handles()
+        self._snapshots.close()
+        self._snapshots = snapshots(self._hear, forks=False)
+        self._again()
+        self._engine.show_again(handles)
+        if self._on_output is not None:
+            self._on_output(Output("console", REAL_NETWORK, 0, "", self._stop.position, self._stop.time_s))
+
     def _again(self) -> None:
         """Come to the present stop anew, since something has been done that does not count."""
         position = self._stop.position
@@ -710,7 +733,9 @@ class DebugSession:
 
     def _set_rules(self) -> None:
         lines = [rule for rules in self._lines.values() for rule in rules]
-        self._rules = Rules((*lines, *self._functions), (*self._data, *self._typed), self._filters)
+        code, data = (*lines, *self._functions), (*self._data, *self._typed)
+        # Breakpoints that are set again have new numbers.
+        self._rules = Rules(code, data, self._filters, self._rules.said)
         self._engine.set_rules(self._rules)
         self._has_stale_hits = self._rules.count_hits and self._engine.count > 0
 
@@ -738,10 +763,7 @@ class DebugSession:
         if not below:
             return None, BreakpointState(identity, False, "there is no statement in this line or below it")
         try:
-            hit_condition(request.hit_condition)
-            for text in (request.condition, *_expressions(request.log_message)):
-                if text:
-                    parsed(text)
+            checked(request)
         except DebugError as error:
             return None, BreakpointState(identity, False, str(error))
         first = min(row.line for row in below)
@@ -753,7 +775,7 @@ class DebugSession:
             identity,
             BREAKPOINT,
             frozenset(item.number for item in same if item.column == row.column),
-            request.condition,
+            request.condition.strip(),
             request.hit_condition,
             request.log_message,
         )
@@ -765,9 +787,7 @@ class DebugSession:
         functions = [function for text in self._texts for function in text.probes.functions]
         own = [function for function in functions if name in (function.name, function.name.rpartition(".")[2])]
         try:
-            hit_condition(request.hit_condition)
-            if request.condition:
-                parsed(request.condition)
+            checked(request)
         except DebugError as error:
             return None, BreakpointState(identity, False, str(error))
         numbers = frozenset(function.number for function in own if function.number >= 0)
@@ -779,24 +799,13 @@ class DebugSession:
                 numbers |= calls_by_statement(text.name, text.text, text.probes.statements).get(name, frozenset())
         if not numbers:
             return None, BreakpointState(identity, False, f"no statement of the program calls {name!r}")
-        rule = CodeRule(identity, FUNCTION_BREAKPOINT, numbers, request.condition, request.hit_condition)
+        rule = CodeRule(identity, FUNCTION_BREAKPOINT, numbers, request.condition.strip(), request.hit_condition)
         return rule, BreakpointState(identity, True, "", line)
 
 
 def _heard(engine: Engine) -> Engine:
     engine.is_heard = True
     return engine
-
-
-def _expressions(message: str) -> list[str]:
-    found: list[str] = []
-
-    def note(text: str) -> str:
-        found.append(text)
-        return ""
-
-    filled(message, note)
-    return found
 
 
 def _global_names(texts: Iterable[tuple[str, str]]) -> tuple[frozenset[str], frozenset[str]]:

@@ -10,15 +10,16 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from elitescript.devices.world import World
-from elitescript.environment.start_values import check_presets
+from elitescript.environment.start_values import check_presets, sorted_settings
 from elitescript.errors import UsageError
 from elitescript.json_records.events import record_of
 from elitescript.json_records.jsonlines import plain
+from elitescript.kernel.options import UNTIL, accepted
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.options import Options
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import CheckResult, compile_checked
-from elitescript.messages.signals import SIGNALS, Value
+from elitescript.messages.signals import Value
 from elitescript.plotting.events import moves
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
@@ -54,24 +55,32 @@ def run(request: Mapping[str, Any]) -> dict[str, Any]:
 
 def trace(request: Mapping[str, Any]) -> dict[str, Any]:
     """Run a program; return rows of the time between `from_s` and `to_s`, and how it ended."""
-    begin, end, step = (float(request[name]) for name in ("from_s", "to_s", "step_s"))
-    if not 0.0 <= begin <= end:
+    begin, end = (float(accepted(UNTIL, request[name], name)) for name in ("from_s", "to_s"))
+    step = float(request["step_s"])
+    if not begin <= end:
         raise UsageError(f"from_s and to_s: from {begin:g} to {end:g} s is no stretch of time")
     if not step > 0.0:
         raise UsageError(f"step_s must be > 0 s, got {step:g}")
-    if (end - begin) / step > ROWS_MAX:
+    if not (end - begin) / step <= ROWS_MAX:
         raise UsageError(f"{(end - begin) / step:.0f} rows are too many: at most {ROWS_MAX}; take a larger step_s")
     return _run(request, (begin, end, step))
 
 
 def start_values(request: Mapping[str, Any]) -> tuple[dict[str, Value], dict[str, Any]]:
     """Return the signals and the program globals that have a value before the program begins."""
-    levels: dict[str, Value] = {}
-    presets: dict[str, Any] = {}
-    for name, value in dict(request.get("set") or {}).items():
-        (levels if name.partition("[")[0] in SIGNALS or "[" in name else presets)[name] = value
-    check_presets(presets, request["text"])
+    levels, presets = sorted_settings(request.get("set") or {}, "set")
+    check_presets(presets, request["text"], "set")
     return levels, presets
+
+
+def until_of(request: Mapping[str, Any]) -> float | None:
+    """Return the limit of robot time that a request names, s; None for none.
+
+    Raises:
+        UsageError: it is no time.
+    """
+    until_s = request.get("until_s")
+    return None if until_s is None else float(accepted(UNTIL, until_s, "until_s"))
 
 
 def world_of(request: Mapping[str, Any]) -> World:
@@ -136,7 +145,7 @@ def _run(request: Mapping[str, Any], window: tuple[float, float, float] | None) 
     if window is not None:
         begin, end, step = window
         rows = {"trace": True, "trace_step_s": step, "trace_window_s": (begin, end)}
-    until_s = request.get("until_s")
+    until_s = until_of(request)
     clock = _Clock(float(request.get("wall_s", WALL_S)))
     made = robot.run(
         checked.unit, presets=presets, until_s=UNTIL_S if until_s is None else until_s, watch=clock.watch, **rows
