@@ -119,7 +119,7 @@ def test_each_kind_of_breakpoint_does(kind: str, forks: bool) -> None:
         stop = session.start()
         assert stop.reason == kind.partition(" of ")[0].partition(" with ")[0].partition(" where ")[0]
         assert "cannot be evaluated" in stop.text and stop.hits == (state.id,)
-        assert [number for number, _ in stop.unevaluated] == [state.id]
+        assert [item.breakpoint for item in stop.unevaluated] == [state.id]
         assert said(outputs) == [stop.text]
         assert session.resume().reason == END
         assert len(said(outputs)) == 1

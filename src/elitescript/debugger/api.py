@@ -126,6 +126,20 @@ class ExceptionInfo:
     thread_name: str
 
 
+class Unevaluated(NamedTuple):
+    """A breakpoint that stops, once until it is set again, since its condition or what it watches cannot be evaluated.
+
+    Attributes:
+        breakpoint: its number.
+        text: why.
+        is_given_up: whether it took too long, and is not evaluated any more.
+    """
+
+    breakpoint: int
+    text: str
+    is_given_up: bool
+
+
 @record
 class Stop:
     """Where a run has stopped, and why.
@@ -141,8 +155,7 @@ class Stop:
         exception: at which it stopped, if it did.
         line: of `thread`; 0 without one.
         result: at the end `finished`, `alarm`, `stopped`, `time_limit` or `stuck`; empty before.
-        unevaluated: breakpoints that stop here since their condition, or what they watch, cannot be evaluated: number
-            and reason of each. A breakpoint does so once, until it is set again.
+        unevaluated: breakpoints that stop here since they cannot be evaluated.
     """
 
     reason: str
@@ -155,7 +168,7 @@ class Stop:
     exception: ExceptionInfo | None = None
     line: int = 0
     result: str = ""
-    unevaluated: tuple[tuple[int, str], ...] = ()
+    unevaluated: tuple[Unevaluated, ...] = ()
 
 
 # ---------------------------------------------------------------- breakpoints

@@ -42,8 +42,10 @@ from elitescript.debugger.api import (
     State,
     Stop,
     ThreadInfo,
+    Unevaluated,
     Variable,
 )
+from elitescript.debugger.expressions import TooLong
 from elitescript.debugger.inputs import Input, apply_input
 from elitescript.debugger.looking import RESULT, CallFrame, Look, Names
 from elitescript.debugger.places import CountedText, Places
@@ -178,6 +180,8 @@ class Engine:
         self._candidates: frozenset[int] = frozenset()
         self._hits: dict[int, int] = {}
         self._conditions: dict[int, Callable[[int], bool]] = {}
+        self._slow: dict[int, DebugError] = {}
+        """Of breakpoints whose condition took too long since the run goes on, by their numbers."""
         self._watches: list[tuple[DataRule, Watch]] = []
         self._values: list[str] = []
         self._cause: tuple[int, str, int] = (0, "", 0)
@@ -334,7 +338,11 @@ class Engine:
         names = Names(self._controller, host, self._new_look(), None)
         program = host.program
         globals_ = None if program is None else program.globals
-        return [watch.text(self._controller, globals_, names) for _, watch in self._watches]
+        given_up = self._rules.given_up
+        return [
+            "" if rule.id in given_up else watch.text(self._controller, globals_, names)
+            for rule, watch in self._watches
+        ]
 
     # ---------------------------------------------------------------- going on
 
@@ -347,6 +355,7 @@ class Engine:
         """Go on until the goal stops it; return the stop. With `last`, go to its position and return the last hit."""
         self._goal, self._found = goal, None
         self._step_has_ended = False
+        self._slow.clear()
         if goal.step and goal.step != INTO:
             self._candidates = self._numbers_of_stack(goal)
         if goal.step:
@@ -545,14 +554,14 @@ class Engine:
     def _code_stops(self, number: int, strand: Strand) -> list[Stop]:
         found = []
         for rule in self._rules.code:
-            if number not in rule.numbers:
+            if number not in rule.numbers or rule.id in self._rules.given_up:
                 continue
             try:
-                if not self._holds(rule.condition, strand) or not self._counts(rule.id):
+                if not self._holds(rule, strand) or not self._counts(rule.id):
                     continue
             except DebugError as error:
                 what = f"the condition of line {self.places.statement(number).line}"
-                found += self._unevaluated(rule.id, rule.reason, unevaluated(what, rule.condition, error))
+                found += self._unevaluated(rule, rule.reason, what, rule.condition, error)
                 continue
             if rule.log_message:
                 if self._goal.heeds and not self._goal.last:
@@ -565,17 +574,27 @@ class Engine:
         self._hits[rule] = self._hits.get(rule, 0) + 1
         return self._conditions[rule](self._hits[rule])
 
-    def _holds(self, condition: str, strand: Strand | None) -> bool:
-        if not condition:
+    def _holds(self, rule: CodeRule | DataRule, strand: Strand | None) -> bool:
+        if not rule.condition:
             return True
+        if rule.id in self._slow:
+            raise self._slow[rule.id]
         look = self._new_look()
-        return look.holds(condition, self._innermost(look, strand))
+        try:
+            return look.holds(rule.condition, self._innermost(look, strand))
+        except TooLong as error:
+            self._slow[rule.id] = error
+            raise
 
-    def _unevaluated(self, rule: int, reason: str, text: str) -> list[Stop]:
-        """Return the stop of a breakpoint that cannot be evaluated; none if it was said before."""
-        if rule in self._rules.said or not self._goal.heeds:
+    def _unevaluated(
+        self, rule: CodeRule | DataRule, reason: str, what: str, text: str, error: DebugError
+    ) -> list[Stop]:
+        """Return the stop of a breakpoint that cannot be evaluated; none if it was said. See `rules.unevaluated`."""
+        if rule.id in self._rules.said or not self._goal.heeds:
             return []
-        return [self._stop(reason, text, hits=(rule,), unevaluated=((rule, text),))]
+        text = unevaluated(what, text, error)
+        found = Unevaluated(rule.id, text, isinstance(error, TooLong))
+        return [self._stop(reason, text, hits=(rule.id,), unevaluated=(found,))]
 
     @staticmethod
     def _innermost(look: Look, strand: Strand | None) -> CallFrame | None:
@@ -599,18 +618,20 @@ class Engine:
         self._values = values
         found = []
         for (rule, watch), old, new in zip(self._watches, before, values, strict=True):
+            if rule.id in self._rules.given_up:
+                continue
             if watch.error is not None:
-                text = unevaluated("what the data breakpoint watches", watch.data_id, watch.error)
-                found += self._unevaluated(rule.id, DATA_BREAKPOINT, text)
+                what = "what the data breakpoint watches"
+                found += self._unevaluated(rule, DATA_BREAKPOINT, what, watch.data_id, watch.error)
                 continue
             if old == new or (watch.stops_when_true and new != "True"):
                 continue
             try:
-                if not self._holds(rule.condition, self._running) or not self._counts(rule.id):
+                if not self._holds(rule, self._running) or not self._counts(rule.id):
                     continue
             except DebugError as error:
-                text = unevaluated(f"the condition of {short(watch.data_id)}", rule.condition, error)
-                found += self._unevaluated(rule.id, DATA_BREAKPOINT, text)
+                what = f"the condition of {short(watch.data_id)}"
+                found += self._unevaluated(rule, DATA_BREAKPOINT, what, rule.condition, error)
                 continue
             if not self._goal.heeds:
                 continue
@@ -921,7 +942,7 @@ def _merged(stops: list[Stop]) -> Stop:
     hits = tuple(hit for stop in stops for hit in stop.hits)
     changes = tuple(change for stop in stops for change in stop.changes)
     problems = tuple(problem for stop in stops for problem in stop.unevaluated)
-    text = "; ".join(dict.fromkeys((best.text, *(reason for _, reason in problems))))
+    text = "; ".join(dict.fromkeys((best.text, *(problem.text for problem in problems))))
     return replace(best, text=text, hits=hits, changes=changes, unevaluated=problems) if len(stops) > 1 else best
 
 

@@ -17,6 +17,8 @@ from elitescript.debugger.api import DebugError
 
 STEPS_MAX: Final = 200_000
 """Most nodes that one expression may take."""
+CONDITION_STEPS_MAX: Final = 50_000
+"""Most nodes that a condition may take, or what a data breakpoint watches: they are computed again and again."""
 SIZE_MAX: Final = 1_000_000
 """Most elements of a text or list that an expression makes, and digits of a number."""
 
@@ -95,6 +97,10 @@ Call = Callable[[str, tuple[Any, ...], dict[str, Any]], Any]
 
 class MissingName(DebugError):
     """A name that nothing has where an expression is computed."""
+
+
+class TooLong(DebugError):
+    """An expression that takes more steps than it may."""
 
 
 class Refusal(DebugError):
@@ -213,7 +219,7 @@ class _Computation:
     def value(self, node: ast.expr) -> Any:
         self._left -= 1
         if self._left < 0:
-            raise DebugError("the expression takes too long")
+            raise TooLong("the expression takes too long")
         compute = getattr(self, f"_{type(node).__name__}", None)
         if compute is None:
             raise Refusal(f"{_described(node)} may change something")

@@ -46,8 +46,10 @@ from elitescript.debugger.api import (
     State,
     Stop,
     ThreadInfo,
+    Unevaluated,
     Variable,
 )
+from elitescript.debugger.expressions import TooLong
 from elitescript.debugger.inputs import Input as UserChange
 from elitescript.debugger.inputs import apply_input
 from elitescript.debugger.living_breakpoints import Breakpoint, LivingBreakpoints, Text
@@ -532,7 +534,7 @@ class LivingDebugger:
             is_hit = self._holds(item, strand) and item.is_hit()
         except DebugError as error:
             what = f"the condition of line {self._last_line}"
-            self._unevaluated(item, unevaluated(what, item.condition, error), strand, news)
+            self._unevaluated(item, what, item.condition, error, strand, news)
             return
         if is_hit:
             if item.log_message:
@@ -578,7 +580,9 @@ class LivingDebugger:
             tuple(item.change for item in news if item.change is not None),
             next((item.exception for item in news if item.exception is not None), None),
             first.exception.line if first.exception is not None else 0 if shown is None else shown.line,
-            unevaluated=tuple((item.breakpoint, item.unevaluated) for item in news if item.unevaluated),
+            unevaluated=tuple(
+                Unevaluated(item.breakpoint, item.unevaluated, False) for item in news if item.unevaluated
+            ),
         )
         self._look_now = self._fresh_look()
         self._tell("stopped", stop=self._stop)
@@ -658,8 +662,8 @@ class LivingDebugger:
             item.value = new
             assert item.watch is not None
             if item.watch.error is not None and can_stop:
-                text = unevaluated("what the data breakpoint watches", item.watch.data_id, item.watch.error)
-                self._unevaluated(item, text, strand, self._news)
+                what = "what the data breakpoint watches"
+                self._unevaluated(item, what, item.watch.data_id, item.watch.error, strand, self._news)
                 continue
             if old == new or (item.watch.stops_when_true and new != "True") or self._stop is not None:
                 continue
@@ -668,8 +672,8 @@ class LivingDebugger:
             try:
                 is_hit = self._holds(item, strand) and item.is_hit()
             except DebugError as error:
-                text = unevaluated(f"the condition of {short(item.watch.data_id)}", item.condition, error)
-                self._unevaluated(item, text, strand, self._news)
+                what = f"the condition of {short(item.watch.data_id)}"
+                self._unevaluated(item, what, item.condition, error, strand, self._news)
                 continue
             if is_hit:
                 change = self._change(item.watch.data_id, old, new, last)
@@ -687,21 +691,27 @@ class LivingDebugger:
     def _watched(self, item: Breakpoint) -> str:
         """Return the present value of what a data breakpoint watches, as text."""
         assert item.watch is not None
+        if item.is_given_up:
+            item.watch.error = None
+            return ""
         program = self._host.program
         names = Names(self._controller, self._host, self._fresh_look(), None)
         return item.watch.text(self._controller, None if program is None else program.globals, names, STEPS_MAX)
 
     def _holds(self, item: Breakpoint, strand: Strand | None) -> bool:
-        if not item.condition:
-            return True
+        if not item.condition or item.is_given_up:
+            return not item.is_given_up
         look = self._fresh_look()
         return look.holds(item.condition, _innermost(look, strand))
 
-    def _unevaluated(self, item: Breakpoint, text: str, strand: Strand | None, news: list[_News]) -> None:
-        """Stop at a breakpoint that cannot be evaluated, and say why; once."""
+    def _unevaluated(
+        self, item: Breakpoint, what: str, text: str, error: DebugError, strand: Strand | None, news: list[_News]
+    ) -> None:
+        """Stop at a breakpoint that cannot be evaluated, and say why; once. See `rules.unevaluated`."""
         if item.is_said or self._stop is not None:
             return
-        item.is_said = True
+        item.is_said, item.is_given_up = True, isinstance(error, TooLong)
+        text = unevaluated(what, text, error)
         name, line = ("", 0) if strand is None else (strand.name, self._last_line)
         self._tell("output", output=Output("important", text, line, name, self._position(AFTER_TICK), self._time_s))
         news.append(_News(item.reason, text, item.id, unevaluated=text))
@@ -782,7 +792,7 @@ class _Look(Look):
     """What a living robot shows, a thread that has failed included, which waits meanwhile."""
 
     failed: Strand | None = None
-    steps_max = STEPS_MAX
+    steps_max = condition_steps_max = STEPS_MAX
 
     def _is_failed(self, strand: Strand) -> bool:
         return self._error is not None and strand is self.failed

@@ -82,6 +82,7 @@ class Breakpoint:
         value: of what a data breakpoint watches, when it was seen last.
         is_refused: whether it can never stop.
         is_said: whether it has stopped since it cannot be evaluated, which it does only once.
+        is_given_up: whether it took too long, and is not evaluated any more.
     """
 
     __slots__ = (
@@ -89,6 +90,7 @@ class Breakpoint:
         "condition",
         "hits",
         "id",
+        "is_given_up",
         "is_refused",
         "is_said",
         "log_message",
@@ -111,7 +113,7 @@ class Breakpoint:
         self.state = BreakpointState(number, False, "no program has it yet")
         self.value = ""
         self.watch: Watch | None = None
-        self.is_said = self.is_refused = False
+        self.is_said = self.is_given_up = self.is_refused = False
         self._counts: Callable[[int], bool] = lambda hits: False
         try:
             checked(request)

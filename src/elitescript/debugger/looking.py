@@ -12,6 +12,7 @@ from elitescript.commands.catalogue import CATALOGUE
 from elitescript.controller.controller import Controller
 from elitescript.debugger.api import DebugError, Frame, Scope, ThreadInfo, Variable
 from elitescript.debugger.expressions import (
+    CONDITION_STEPS_MAX,
     SIZE_MAX,
     STEPS_MAX,
     Indexed,
@@ -106,9 +107,11 @@ class Look:
 
     Attributes:
         steps_max: most nodes that one expression may take.
+        condition_steps_max: most nodes that a condition may take.
     """
 
     steps_max = STEPS_MAX
+    condition_steps_max = CONDITION_STEPS_MAX
 
     def __init__(
         self, controller: Controller, host: ScriptHost, places: Places, error: BaseException | None = None
@@ -260,7 +263,7 @@ class Look:
             self._keep((parent, name, frame), ("", self.value(name, call), call, name))
         else:
             count = len(self._shown)
-            self.child(parent, name)
+            self.child(parent, name, room=1)  # what it says is not shown
             if len(self._shown) == count:
                 raise DebugError("it holds nothing any more")
 
@@ -412,8 +415,13 @@ class Look:
             raise DebugError(f"{name} cannot be named in an expression")
         return shown_as.evaluate_name, self._held(reference)[2]
 
-    def child(self, reference: int, name: str) -> Variable:
+    def child(self, reference: int, name: str, room: int = TEXT_MAX) -> Variable:
         """Return the child of a scope or a value by its name, also where it is one of those that are left out.
+
+        Args:
+            reference: of the scope or value.
+            name: of the child.
+            room: characters that its text may have, about.
 
         Raises:
             DebugError: there is none.
@@ -422,18 +430,23 @@ class Look:
         child = child_named(value, name)
         if child is None:
             raise DebugError(f"there is no {name} here")
-        return self._child(reference, group, child, call, expression)
+        return self._child(reference, group, child, call, expression, room)
 
     # ---------------------------------------------------------------- expressions
 
-    def value(self, text: str, call: CallFrame | None) -> Any:
+    def value(self, text: str, call: CallFrame | None, steps_max: int = 0) -> Any:
         """Return the value of an expression, without any effect.
+
+        Args:
+            text: of the expression.
+            call: whose variables it sees.
+            steps_max: most nodes that it may take; 0 for as many as any expression.
 
         Raises:
             DebugError: it has none, or is refused.
         """
         names = Names(self._controller, self._host, self, call)
-        value = computed(parsed(text), names.value, names.call, self.steps_max)
+        value = computed(parsed(text), names.value, names.call, steps_max or self.steps_max)
         if isinstance(value, Named):
             return value.pose
         if isinstance(value, Indexed | Pure):
@@ -446,7 +459,7 @@ class Look:
         Raises:
             DebugError: it has no value, or is refused.
         """
-        return not condition or truth(self.value(condition, call))
+        return not condition or truth(self.value(condition, call, self.condition_steps_max))
 
 
 class Names:

@@ -10,7 +10,15 @@ from typing import Any, Final
 
 from elitescript.controller.controller import Controller
 from elitescript.debugger.api import ALARM_FILTER, DataBreakpoint, DebugError, FunctionBreakpoint, LineBreakpoint
-from elitescript.debugger.expressions import STEPS_MAX, MissingName, Refusal, computed, parsed, truth, variables_of
+from elitescript.debugger.expressions import (
+    CONDITION_STEPS_MAX,
+    MissingName,
+    Refusal,
+    computed,
+    parsed,
+    truth,
+    variables_of,
+)
 from elitescript.debugger.telling import filled
 from elitescript.debugger.values import shown
 from elitescript.errors import UsageError
@@ -71,12 +79,14 @@ class Rules:
         code, data: breakpoints.
         filters: of exceptions.
         said: numbers of the breakpoints that have stopped since they could not be evaluated, and do so only once.
+        given_up: those of them that took too long, and are not evaluated any more.
     """
 
     code: tuple[CodeRule, ...] = ()
     data: tuple[DataRule, ...] = ()
     filters: frozenset[str] = frozenset((ALARM_FILTER,))
     said: frozenset[int] = frozenset()
+    given_up: frozenset[int] = frozenset()
 
     @property
     def count_hits(self) -> bool:
@@ -184,7 +194,7 @@ class Watch:
             self.is_of_motion = self.stops_when_true
 
     def text(
-        self, controller: Controller, globals_: ProgramGlobals | None, names: Any, steps_max: int = STEPS_MAX
+        self, controller: Controller, globals_: ProgramGlobals | None, names: Any, steps_max: int = CONDITION_STEPS_MAX
     ) -> str:
         """Return the present value as text; empty for none.
 

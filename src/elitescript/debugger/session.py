@@ -242,7 +242,7 @@ class DebugSession:
         self._heard = 0
         self._logged = None
         self._furthest = Position(0, 0, 0, BEFORE_STATEMENT)
-        self._rules = replace(self._rules, said=frozenset())
+        self._rules = replace(self._rules, said=frozenset(), given_up=frozenset())
         self._replace_engine(self._new_engine(is_heard=True))
         return self._to_entry() if stop_on_entry else self.resume()
 
@@ -590,11 +590,12 @@ class DebugSession:
             return
         if self._on_output is not None:
             names = {thread.id: thread.name for thread in self._engine.threads()}
-            for _, text in stop.unevaluated:
-                name = names.get(stop.thread, "")
-                self._on_output(Output("important", text, stop.line, name, stop.position, stop.time_s))
-        said = self._rules.said | {number for number, _ in stop.unevaluated}
-        self._rules = replace(self._rules, said=said)
+            name = names.get(stop.thread, "")
+            for item in stop.unevaluated:
+                self._on_output(Output("important", item.text, stop.line, name, stop.position, stop.time_s))
+        said = self._rules.said | {item.breakpoint for item in stop.unevaluated}
+        given_up = self._rules.given_up | {item.breakpoint for item in stop.unevaluated if item.is_given_up}
+        self._rules = replace(self._rules, said=said, given_up=given_up)
         self._engine.set_rules(self._rules)
 
     def _to_entry(self) -> Stop:
@@ -735,7 +736,7 @@ class DebugSession:
         lines = [rule for rules in self._lines.values() for rule in rules]
         code, data = (*lines, *self._functions), (*self._data, *self._typed)
         # Breakpoints that are set again have new numbers.
-        self._rules = Rules(code, data, self._filters, self._rules.said)
+        self._rules = Rules(code, data, self._filters, self._rules.said, self._rules.given_up)
         self._engine.set_rules(self._rules)
         self._has_stale_hits = self._rules.count_hits and self._engine.count > 0
 

@@ -28,7 +28,7 @@ _KEY_MAX: Final = 500
 """Characters of the name of a child of a dict."""
 _SORTED_MAX: Final = 1000
 """Items of a set that is shown in the order of their texts; larger ones in that of the set."""
-_KEYS_COMPARED_MAX: Final = 10_000
+_KEYS_COMPARED_MAX: Final = 1000
 """Keys of a dict that are compared as text with the name of a child."""
 _DEPTH_MAX: Final = 6
 
