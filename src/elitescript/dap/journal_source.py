@@ -83,6 +83,14 @@ class JournalSource:
         """See `debugger.source.Source.may_connect`: nothing that is connected is real."""
         return False
 
+    @property
+    def requests(self) -> int:
+        """See `debugger.source.Source.requests`."""
+        return 0
+
+    def forget_requests(self, requests: int) -> None:
+        """See `debugger.source.Source.forget_requests`."""
+
     def begin(
         self,
         probe: Probe | None,

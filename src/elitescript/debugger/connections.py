@@ -18,7 +18,7 @@ class KeptNetwork:
     Attributes:
         live: the network.
         arrived: events by the tick in which they were taken in.
-        opened: the channel that each request to connect got.
+        opened: requests to connect, and the channel that each got.
         refused: what was not let through, in words, if that was asked for.
         requests: how many requests the network has had.
         said: what was said before peers were reached, each with the number of the request.
@@ -32,9 +32,20 @@ class KeptNetwork:
         self.refused = ""
         self.said: list[tuple[int, str]] = []
         self.arrived: list[tuple[int, tuple[ChannelEvent, ...]]] = []
-        self.opened: list[int] = []
+        self.opened: list[tuple[int, int]] = []
         self.requests = 0
         self.until = -1
+
+    def forget(self, requests: int) -> None:
+        """Forget the requests behind a number, which have come to nothing, and close what they have opened."""
+        if self.requests <= requests:
+            return
+        self.requests = requests
+        self.said = [(number, text) for number, text in self.said if number <= requests]
+        for number, channel in self.opened:
+            if number > requests:
+                self.live.close(channel)
+        self.opened = [(number, channel) for number, channel in self.opened if number <= requests]
 
 
 class KeptChannels:
@@ -83,9 +94,9 @@ class KeptChannels:
     def _channel(self, made: int | None) -> int:
         network = self._network
         if made is not None:
-            network.opened.append(made)
+            network.opened.append((self._requests, made))
         self._opened += 1
-        return network.opened[self._opened - 1] if self._opened <= len(network.opened) else 0
+        return network.opened[self._opened - 1][1] if self._opened <= len(network.opened) else 0
 
     def open(self, address: str, port: int, timeout_s: float) -> int:
         return self._channel(self._network.live.open(address, port, timeout_s) if self._is_new() else None)

@@ -691,13 +691,14 @@ class DebugSession:
             raise DebugError("the run is over: go back to change something")
         if self._snapshots.forks and self._source.may_connect(change.text):
             self._leave_copies()
-        handles, heard = self._engine.handles(), self._heard
+        handles, heard, requests = self._engine.handles(), self._heard, self._source.requests
         # What it says itself is new, also where an earlier branch has said something.
         self._heard = self._engine.outputs
         try:
             value = self._engine.change(change, name)
         except DebugError:
             self._heard = heard
+            self._source.forget_requests(requests)
             self._again()
             self._engine.show_again(handles)
             raise

@@ -80,6 +80,13 @@ class Source(Protocol):
         """Return whether a text that the user has run at a stop may make a real connection."""
 
     @property
+    def requests(self) -> int:
+        """How much its executions have asked of real connections, in this process."""
+
+    def forget_requests(self, requests: int) -> None:
+        """Forget what was asked since `requests` was so many: what has asked was taken back."""
+
+    @property
     def may_fork(self) -> bool: ...
 
     @property
@@ -191,6 +198,16 @@ class ProgramSource:
     def may_connect(self, text: str) -> bool:
         """See `Source.may_connect`."""
         return self._may_be_real and any(row.kind != FILE and name in text for name, row in COMMANDS.items())
+
+    @property
+    def requests(self) -> int:
+        """See `Source.requests`."""
+        return 0 if self._network is None else self._network.requests
+
+    def forget_requests(self, requests: int) -> None:
+        """See `Source.forget_requests`."""
+        if self._network is not None:
+            self._network.forget(requests)
 
     def begin(
         self,
