@@ -122,8 +122,13 @@ def checked(request: LineBreakpoint | FunctionBreakpoint | DataBreakpoint) -> No
     """
     hit_condition(request.hit_condition)
     texts = [request.condition]
+
+    def note(text: str) -> str:
+        texts.append(text)
+        return ""
+
     if isinstance(request, LineBreakpoint):
-        filled(request.log_message, lambda text: texts.append(text) or "")
+        filled(request.log_message, note)
     for text in texts:
         if text.strip():
             parsed(text)

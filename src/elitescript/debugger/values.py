@@ -41,6 +41,7 @@ _SEQUENCES: Final = (list, tuple, bytes, bytearray)
 _SETS: Final = (set, frozenset)
 _INDEX_DIGITS: Final = 12
 _QUOTED_MIN: Final = 20
+_QUOTES: Final = 3
 _BRACKETS: Final[dict[type, tuple[str, str]]] = {
     list: ("[", "]"),
     tuple: ("(", ")"),
@@ -189,9 +190,9 @@ def _entry_named(value: dict[Any, Any], name: str) -> Child | None:
         wanted = None
     if _literal_of(wanted):
         kind = type(wanted)
-        for key in value:
+        for key, item in value.items():
             if type(key) is kind and key == wanted:
-                return _entry(key, value[key])
+                return _entry(key, item)
     for key, item in islice(value.items(), _KEYS_COMPARED_MAX):
         if shown(key, _KEY_MAX) == name:
             return _entry(key, item)
@@ -287,7 +288,7 @@ def _quoted(value: str | bytes | bytearray, room: int) -> str:
     """Return a text in quotes; of a long one the begin."""
     kept = min(len(value), room)
     text = repr(value[:kept])
-    if len(text) > room and len(value) > _QUOTED_MIN:
+    if len(text) > room + _QUOTES and len(value) > _QUOTED_MIN:
         # What is written as an escape takes more room.
         kept = max(kept * room // len(text), _QUOTED_MIN)
         text = repr(value[:kept])
