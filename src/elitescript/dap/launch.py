@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.dap.messages import WRONG_ARGUMENTS, Arguments, RequestError
-from elitescript.dap.sources import Sources
+from elitescript.dap.sources import Sources, path_of
 from elitescript.debugger.api import BreakpointState, LineBreakpoint, Output, Place
 from elitescript.debugger.session import DebugSession
 from elitescript.debugger.source import ProgramSource
@@ -73,7 +73,7 @@ class Launched:
     def __init__(
         self, arguments: Arguments, sources: Sources, on_output: Callable[[Output], None], *, forks: bool
     ) -> None:
-        program = arguments.text("program")
+        program = path_of(arguments.text("program"))
         if not program:
             arguments.refuse("program", "the path of a program", "")
         self.arguments = arguments

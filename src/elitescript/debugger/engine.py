@@ -45,7 +45,7 @@ from elitescript.debugger.api import (
     Unevaluated,
     Variable,
 )
-from elitescript.debugger.expressions import TooLong
+from elitescript.debugger.expressions import TooLong, short
 from elitescript.debugger.inputs import Input, apply_input
 from elitescript.debugger.looking import RESULT, CallFrame, Look, Names
 from elitescript.debugger.places import CountedText, Places
@@ -56,7 +56,6 @@ from elitescript.debugger.rules import (
     Rules,
     Watch,
     hit_condition,
-    short,
     unevaluated,
 )
 from elitescript.debugger.source import Source

@@ -75,6 +75,9 @@ _MOST: Final = {
 _MAKING: Final = (ast.BinOp, ast.Call, ast.JoinedStr)
 _FILLED: Final = (str, bytes, bytearray, list, tuple)
 
+_SHORT: Final = 100
+"""Characters of a text of the user in a text that says what is wrong with it."""
+
 _FOREIGN: Final = "an operation with an object of the program"
 _LARGE: Final = f"it has more than {SIZE_MAX:,} elements"
 
@@ -128,7 +131,13 @@ def parsed(text: str) -> ast.expr:
         return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         reason = error.msg if isinstance(error, SyntaxError) else "it cannot be read"
-        raise DebugError(f"{text.strip()!r} is no expression: {reason}") from None
+        raise DebugError(f"{short(text)!r} is no expression: {reason}") from None
+
+
+def short(text: str) -> str:
+    """Return a text of the user as one line, cut."""
+    line = " ".join(text.split())
+    return line if len(line) <= _SHORT else f"{line[:_SHORT]}…"
 
 
 def variables_of(tree: ast.expr) -> frozenset[str]:

@@ -49,13 +49,13 @@ from elitescript.debugger.api import (
     Unevaluated,
     Variable,
 )
-from elitescript.debugger.expressions import TooLong
+from elitescript.debugger.expressions import TooLong, short
 from elitescript.debugger.inputs import Input as UserChange
 from elitescript.debugger.inputs import apply_input
 from elitescript.debugger.living_breakpoints import Breakpoint, LivingBreakpoints, Text
 from elitescript.debugger.looking import CallFrame, Look, Names
 from elitescript.debugger.places import Places
-from elitescript.debugger.rules import Watch, short, unevaluated
+from elitescript.debugger.rules import Watch, unevaluated
 from elitescript.debugger.telling import exception_of, filled, logged, output_of
 from elitescript.errors import ScriptError, UsageError
 from elitescript.language.compiler import CompiledUnit

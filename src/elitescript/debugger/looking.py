@@ -22,6 +22,7 @@ from elitescript.debugger.expressions import (
     computed,
     is_plain,
     parsed,
+    short,
     truth,
 )
 from elitescript.debugger.places import Places
@@ -55,6 +56,7 @@ LOCALS: Final = "Locals"
 GLOBALS: Final = "Globals"
 ROBOT: Final = "Robot"
 SIGNALS_GROUP: Final = "signals"
+OF_ROBOT: Final = "of the robot"
 LEFT_OUT: Final = "…"
 """Name of the row that says how many children are left out."""
 
@@ -369,14 +371,18 @@ class Look:
             inner, is_settable = name, True
             data_id = name if group == GLOBALS else ""
         elif group == ROBOT:
-            inner = name if name in ROBOT_NAMES else ""
+            # A variable of the program by that name is what the name means.
+            is_hidden = name in self.locals_of(call) or name in self.globals_of(call)
+            inner = name if name in ROBOT_NAMES and not is_hidden else ""
             data_id = {"robot_mode": "robot mode", "safety": "safety"}.get(name, "")
         elif group == SIGNALS_GROUP:
             inner, is_settable, data_id = name, True, name
         elif expression and path:
             inner = expression + path
-            is_settable = path.startswith("[") and expression not in ROBOT_NAMES
-        held = SIGNALS_GROUP if group == ROBOT and name == SIGNALS_GROUP else ""
+            is_settable = group != OF_ROBOT
+        held = group if group == OF_ROBOT else ""
+        if group == ROBOT:
+            held = SIGNALS_GROUP if name == SIGNALS_GROUP else OF_ROBOT
         way = parent, name, 0
         return self.variable(
             name, value, call, inner, held, way=way, data_id=data_id, is_settable=is_settable, room=room
@@ -413,6 +419,8 @@ class Look:
         shown_as = self.child(reference, name)
         if not shown_as.evaluate_name:
             raise DebugError(f"{name} cannot be named in an expression")
+        if not shown_as.is_settable:
+            raise DebugError(f"{name} is a value of the robot, which cannot be set")
         return shown_as.evaluate_name, self._held(reference)[2]
 
     def child(self, reference: int, name: str, room: int = TEXT_MAX) -> Variable:
@@ -429,7 +437,7 @@ class Look:
         group, value, call, expression = self._held(reference)
         child = child_named(value, name)
         if child is None:
-            raise DebugError(f"there is no {name} here")
+            raise DebugError(f"there is no {short(name)!r} here")
         return self._child(reference, group, child, call, expression, room)
 
     # ---------------------------------------------------------------- expressions
@@ -499,7 +507,7 @@ class Names:
             if signal.size == 1:
                 return self._controller.read(name, 0)
             return Indexed(lambda index: self._point(name, index))
-        raise MissingName(f"there is no variable {name!r} here")
+        raise MissingName(f"there is no variable {short(name)!r} here")
 
     def _point(self, name: str, index: Any) -> Any:
         if type(index) is not int or not 0 <= index < SIGNALS[name].size:

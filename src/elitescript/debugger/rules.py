@@ -16,6 +16,7 @@ from elitescript.debugger.expressions import (
     Refusal,
     computed,
     parsed,
+    short,
     truth,
     variables_of,
 )
@@ -28,8 +29,6 @@ from elitescript.runtime.program_globals import ProgramGlobals
 
 ROBOT_MODE: Final = "robot mode"
 SAFETY: Final = "safety"
-
-_SHORT: Final = 100
 
 _SIGNS: Final[dict[str, Callable[[int, int], bool]]] = {
     ">=": operator.ge,
@@ -144,12 +143,6 @@ def unevaluated(what: str, text: str, error: DebugError) -> str:
     """
     reason = f"it may change nothing: {error.reason}" if isinstance(error, Refusal) else str(error)
     return f"{what} cannot be evaluated: {short(text)}: {reason} (said once)"
-
-
-def short(text: str) -> str:
-    """Return a text of the user as one line, cut."""
-    line = " ".join(text.split())
-    return line if len(line) <= _SHORT else f"{line[:_SHORT]}…"
 
 
 class Watch:
