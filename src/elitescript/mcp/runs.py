@@ -9,6 +9,7 @@ import time
 from collections.abc import Mapping
 from typing import Any, Final
 
+from elitescript.debugger.values import more, shown
 from elitescript.devices.world import World
 from elitescript.environment.start_values import check_presets, sorted_settings
 from elitescript.errors import UsageError
@@ -31,6 +32,8 @@ MOVES_MAX: Final = 200
 ROWS_MAX: Final = 500
 VALUE_MAX: Final = 2000
 """Characters of a text or of the value of a variable."""
+ITEMS_MAX: Final = 500
+"""Items of a global that is given as it is."""
 UNTIL_S: Final = 3600.0
 """Most virtual time of a run that names none, s."""
 WALL_S: Final = 10.0
@@ -203,7 +206,7 @@ def _outcome(run: Run) -> dict[str, Any]:
         "moves_left_out": max(0, len(stretches) - MOVES_MAX),
         "signal_changes": [_short(record) for record in signals[-MESSAGES_MAX:]],
         "signal_changes_left_out": max(0, len(signals) - MESSAGES_MAX),
-        "globals": {name: _short_value(value) for name, value in plain(run.globals).items()},
+        "globals": {name: _global(value) for name, value in run.globals.items()},
         "signals": plain(dict(run.signals)),
         "joints": list(run.joints),
         "tcp_pose": list(run.tcp_pose),
@@ -214,11 +217,18 @@ def _short(record: dict[str, Any]) -> dict[str, Any]:
     return {name: _short_value(value) for name, value in plain(record).items()}
 
 
+def _global(value: Any) -> Any:
+    """Return the value of a global; of a large one what the debugger shows of it."""
+    if isinstance(value, (list, tuple, dict, set, frozenset, bytes, bytearray)) and len(value) > ITEMS_MAX:
+        return {"repr": shown(value, VALUE_MAX)}
+    return _short_value(plain(value))
+
+
 def _short_value(value: Any) -> Any:
     """Return a plain value, or the begin of its text if that is long."""
     if isinstance(value, (list, dict)):
         text = str(value)
-        return value if len(text) <= VALUE_MAX else {"repr": text[:VALUE_MAX] + "..."}
+        return value if len(text) <= VALUE_MAX else {"repr": text[:VALUE_MAX] + more(len(text) - VALUE_MAX)}
     if isinstance(value, str) and len(value) > VALUE_MAX:
-        return value[:VALUE_MAX] + "..."
+        return value[:VALUE_MAX] + more(len(value) - VALUE_MAX)
     return value
