@@ -785,3 +785,17 @@ def test_a_program_is_found_by_each_of_its_names(client, tmp_path, way):
     assert client.stop_of(seq)["body"]["reason"] == "breakpoint"
     client.request("restart", arguments={"program": name})
     assert client.stop()["body"]["reason"] == "breakpoint"
+
+
+def test_a_step_into_a_target_does_not_set_other_breakpoints_again(client, tmp_path):
+    text = "def cell():\n  def f(k):\n    return k\n  end\n  for i in range(3):\n    x = f(i)\n  end\nend\n"
+    client.initialize()
+    seq = client.launch(program(tmp_path, text))
+    client.request("setFunctionBreakpoints", breakpoints=[{"name": "f", "condition": "kk > 1"}])
+    assert "'kk'" in client.stop_of(seq)["body"]["text"]
+    for _ in range(2):
+        while client.line() != 6:
+            client.go("next")
+        target = client.request("stepInTargets", frameId=client.stack()[0]["id"])["targets"][0]["id"]
+        stop = client.go("stepIn", targetId=target)["body"]
+        assert (stop["reason"], client.line()) == ("step", 3)

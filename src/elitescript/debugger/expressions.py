@@ -10,6 +10,7 @@ from __future__ import annotations
 import ast
 import operator
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 from types import WrapperDescriptorType
 from typing import Any, Final
 
@@ -121,8 +122,9 @@ class Refusal(DebugError):
         self.reason = reason
 
 
+@lru_cache(maxsize=64)
 def parsed(text: str) -> ast.expr:
-    """Return the tree of an expression.
+    """Return the tree of an expression; it is not changed. A condition is asked for again and again.
 
     Raises:
         DebugError: it is none.

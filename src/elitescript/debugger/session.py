@@ -276,12 +276,19 @@ class DebugSession:
         self._set_rules()
         return tuple(states)
 
-    def set_function_breakpoints(self, requests: Sequence[FunctionBreakpoint]) -> tuple[BreakpointState, ...]:
+    def set_function_breakpoints(
+        self, requests: Sequence[FunctionBreakpoint], *, are_known: bool = False
+    ) -> tuple[BreakpointState, ...]:
         """Replace the breakpoints of functions and commands.
 
         A name that is an expression, such as `tcp.z < 0.1`, stops when it becomes true, as a data breakpoint does:
         editors let people type the names of functions, but not what data breakpoints watch.
+
+        Args:
+            requests: in their order.
+            are_known: whether the first ones are those that are set, as they are; what was said of them is not again.
         """
+        before = [*self._functions, *self._typed]
         self._functions, self._typed, states = [], [], []
         for request in requests:
             if _NAME.fullmatch(request.name.strip()):
@@ -292,8 +299,19 @@ class DebugSession:
                 typed, state = self._data_rule(watched)
                 self._typed += [typed] if typed is not None else []
             states.append(state)
+        if are_known:
+            self._keep_said(before)
         self._set_rules()
         return tuple(states)
+
+    def _keep_said(self, before: Sequence[CodeRule | DataRule]) -> None:
+        """Give breakpoints of functions that are set anew what was said of the same ones before."""
+        numbers = {replace(rule, id=0): rule.id for rule in before}
+        now = [(rule.id, numbers.get(replace(rule, id=0), 0)) for rule in (*self._functions, *self._typed)]
+        rules = self._rules
+        said = rules.said | {number for number, known in now if known in rules.said}
+        given_up = rules.given_up | {number for number, known in now if known in rules.given_up}
+        self._rules = replace(rules, said=said, given_up=given_up)
 
     def set_data_breakpoints(self, requests: Sequence[DataBreakpoint]) -> tuple[BreakpointState, ...]:
         """Replace the data breakpoints."""
