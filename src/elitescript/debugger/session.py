@@ -288,7 +288,7 @@ class DebugSession:
             requests: in their order.
             are_known: whether the first ones are those that are set, as they are; what was said of them is not again.
         """
-        before = [*self._functions, *self._typed]
+        before: list[CodeRule | DataRule] = [*self._functions, *self._typed]
         self._functions, self._typed, states = [], [], []
         for request in requests:
             if _NAME.fullmatch(request.name.strip()):
@@ -306,8 +306,9 @@ class DebugSession:
 
     def _keep_said(self, before: Sequence[CodeRule | DataRule]) -> None:
         """Give breakpoints of functions that are set anew what was said of the same ones before."""
-        numbers = {replace(rule, id=0): rule.id for rule in before}
-        now = [(rule.id, numbers.get(replace(rule, id=0), 0)) for rule in (*self._functions, *self._typed)]
+        numbers = {_without_number(rule): rule.id for rule in before}
+        rows: list[CodeRule | DataRule] = [*self._functions, *self._typed]
+        now = [(rule.id, numbers.get(_without_number(rule), 0)) for rule in rows]
         rules = self._rules
         said = rules.said | {number for number, known in now if known in rules.said}
         given_up = rules.given_up | {number for number, known in now if known in rules.given_up}
@@ -826,6 +827,10 @@ class DebugSession:
 def _heard(engine: Engine) -> Engine:
     engine.is_heard = True
     return engine
+
+
+def _without_number(rule: CodeRule | DataRule) -> CodeRule | DataRule:
+    return replace(rule, id=0)
 
 
 def _global_names(texts: Iterable[tuple[str, str]]) -> tuple[frozenset[str], frozenset[str]]:
