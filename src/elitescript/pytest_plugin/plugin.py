@@ -282,7 +282,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
     return ScriptFile.from_parent(parent, path=file_path, **_node_id(file_path, parent))
 
 
-def _node_id(path: Path, parent: pytest.Collector) -> dict[str, str]:
+def _node_id(path: Path, parent: pytest.Collector) -> dict[str, Any]:
     """Return the id of a file that reports can hold, if its name is none; otherwise nothing: pytest makes one."""
     name = str(path)
     if name.isascii() and name.isprintable():
