@@ -5,6 +5,7 @@ import { runState } from "../src/app/state.ts";
 import { Studio } from "../src/model/studio.ts";
 import type { ControllerState, FromSource, ToSource } from "../src/source/messages.ts";
 import type { Listener, Source } from "../src/source/source.ts";
+import { moment } from "./fake.ts";
 
 class Controller implements Source {
   readonly sent: ToSource[] = [];
@@ -35,9 +36,8 @@ function connected(abilities: Extract<FromSource, { type: "hello" }>["abilities"
 
 test("the state of the run says live only while there is a connection", () => {
   const { studio } = connected();
-  const moment = { t: 0, line: 0, joints: [0, 0, 0, 0, 0, 0], tcp_pose: [0, 0, 0, 0, 0, 0], globals: [], signals: {}, threads: [] };
   const shown = (link: ControllerState["link"], t: number) => {
-    studio.message({ type: "moment", moment: { ...moment, t }, controller: { ...STATE, link } } as FromSource);
+    studio.message({ type: "moment", moment: moment(t), controller: { ...STATE, link } });
     return [runState(studio).kind, runState(studio).text];
   };
   assert.deepEqual([runState(studio).kind, runState(studio).text], ["none", "connecting"]);
