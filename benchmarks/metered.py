@@ -25,7 +25,7 @@ LOOPS: Final = {
     "a refused `movel`": "movel([2.0, 0, 0.3, 3.14, 0, 0])",
     "a refused `re.match`": 're.match("(", "")',
 }
-ROUNDS: Final = 9
+ROUNDS: Final = 5
 
 
 def kernel_with(call: str, *, is_metered: bool) -> Kernel:
