@@ -47,6 +47,7 @@ def steps(name: str, lines: int) -> list[list[Any]]:
     """Return name, wall and CPU time (s) of each step, in this process; then the peak of its memory in MB."""
     from elitescript.kernel.compiling import Job, compiled_job
     from elitescript.language.parser import syntax_tree
+    from elitescript.language.probes import ATTACH_PROBES
     from elitescript.language.text.dialect import translate
     from elitescript.language.text.source import SourceFile
     from elitescript.messages.profile import profile
@@ -56,7 +57,8 @@ def steps(name: str, lines: int) -> list[list[Any]]:
 
     text = text_of(name, lines)
     source = SourceFile("<client>", text)
-    job = Job(1, "<client>", text, None, False, 0, 0, ())
+    # A debugger may come to a served robot, so its statements are numbered.
+    job = Job(1, "<client>", text, "program", False, ATTACH_PROBES, 1, ())
     compiled_job(job._replace(text=text_of(name, 100)), profile(), load_model("CS66"))
     found: dict[str, Time] = {}
     made: dict[str, Any] = {}
