@@ -8,9 +8,10 @@ from __future__ import annotations
 import gc
 import os
 import sys
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from functools import partial
 
+from elitescript.cli.output import streams
 from elitescript.cli.watched import MARK, can_watch, run_watched
 from elitescript.observer import COVERAGE_VARIABLE
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Callable, Sequence
     from contextlib import AbstractContextManager
-    from typing import Any, Never
+    from typing import Any, Final, Never
 
 USAGE = 2
 """Exit code of an invalid call."""
@@ -33,6 +34,25 @@ HASH_SEED = "0"
 _RUNNING = ("run", "plot", "serve", "replay", "sweep", "audit", "shadow")
 """Commands that run programs."""
 
+_CLEANS_UP = ("run", "plot", "sweep")
+"""Commands that have something to do when SIGTERM or SIGHUP ends them, and are not kept from it by a program: another
+process watches it."""
+
+WITHOUT_READER: Final[dict[str, streams.WithoutReader]] = {
+    "run": streams.ENDS,
+    "sweep": streams.ENDS,
+    "mcp": streams.ENDS,
+    "serve": streams.STOPS,
+    "devices": streams.STOPS,
+    "record": streams.STOPS,
+    "shadow": streams.STOPS,
+    "studio": streams.STOPS,
+}
+"""What commands that may go on for ever do when nobody reads their output any more; all others go on to their end."""
+
+_SIGPIPE = 128 + 13
+"""Exit code of a process that SIGPIPE has ended, as shells count it."""
+
 _AT_WORK = frozenset(("elitescript.world_file", "_lsprof", "bdb"))
 """Modules that have something to do when a call is over."""
 
@@ -43,25 +63,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _run(list(argv))
     # Hardly anything that is made while modules load can be freed: to look for it takes a tenth of the start.
     gc.disable()
+    arguments = sys.argv[1:]
     if None in (sys.stdin, sys.stdout, sys.stderr):
-        _open_closed_streams()
-    code = _run(sys.argv[1:], is_process=True)
+        streams.open_closed_streams()
+    streams.open_streams(WITHOUT_READER.get(arguments[0] if arguments else "", streams.GOES_ON))
+    code = _written(arguments, _run(arguments, is_process=True))
     _leave(code)
     return code
-
-
-def _open_closed_streams() -> None:
-    """Open the null device for standard streams that the caller has closed (`>&-`).
-
-    The next file that is opened would get their number, and what is printed would go there.
-    """
-    for number, name in enumerate(("stdin", "stdout", "stderr")):
-        if getattr(sys, name) is None:
-            null = os.open(os.devnull, os.O_RDWR)
-            if null != number:
-                os.dup2(null, number)
-                os.close(null)
-            setattr(sys, name, os.fdopen(number, "w" if number else "r", closefd=False))
 
 
 def _run(arguments: list[str], *, is_process: bool = False) -> int:
@@ -69,8 +77,42 @@ def _run(arguments: list[str], *, is_process: bool = False) -> int:
         if is_process and arguments[:1] and arguments[0] in _RUNNING and _needs_another_process(arguments):
             return _run_again(arguments)
         return _run_here(arguments, is_process=is_process)
-    except KeyboardInterrupt:
-        return INTERRUPTED
+    except KeyboardInterrupt as stop:
+        from elitescript.environment.stop_signals import exit_code_of
+
+        return exit_code_of(stop)
+    except Exception as error:
+        if not is_process:
+            raise
+        from elitescript.cli.internal_error import sentence
+
+        _say(arguments, sentence(error))
+        return USAGE
+
+
+def _written(arguments: list[str], code: int) -> int:
+    """Write what is left for the standard streams; return the exit code of a call that has ended with a code."""
+    failure = streams.failure_of_streams()
+    if streams.has_lost_reader():
+        return code if WITHOUT_READER.get(arguments[0], streams.GOES_ON) == streams.GOES_ON else _SIGPIPE
+    if failure is None:
+        return code
+    if code != USAGE:
+        # Else it has been said.
+        _say(arguments, os_error_text(failure))
+    return code if code and failure.filename == streams.ERROR else USAGE
+
+
+def _say(arguments: list[str], text: str) -> None:
+    with suppress(OSError):
+        print(f"{' '.join(['elitescript', *arguments[:1]])}: {text}", file=sys.stderr)
+
+
+def os_error_text(error: OSError) -> str:
+    """Return what a system error says: the name first."""
+    if error.filename is None or error.strerror is None:
+        return error.strerror or str(error)
+    return f"{error.filename}: {error.strerror}"
 
 
 def _leave(code: int) -> None:
@@ -116,17 +158,8 @@ def _run_here(arguments: list[str], start_again: Callable[[], Never] | None = No
         options.parsed = program_of_any_seed(options)
         if options.parsed is None:
             start_again()
-    try:
-        with _screen(options):
-            return _answered(options, is_process=is_process)
-    except BrokenPipeError:
-        # The reader has closed the pipe (`| head`), which is no error.
-        sys.stderr = None
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
-    except OSError as error:
-        print(f"elitescript {options.command}: {error}", file=sys.stderr)
-        return USAGE
+    with _screen(options):
+        return _answered(options, is_process=is_process)
 
 
 def _answered(options: argparse.Namespace, *, is_process: bool) -> int:
@@ -138,10 +171,8 @@ def _answered(options: argparse.Namespace, *, is_process: bool) -> int:
     except (ProgramError, ElitescriptError) as error:
         print(f"elitescript {options.command}: {error}", file=sys.stderr)
         return USAGE if isinstance(error, UsageError) else 3 if isinstance(error, ProgramError) else 1
-    except BrokenPipeError:
-        raise
     except OSError as error:
-        print(f"elitescript {options.command}: {error}", file=sys.stderr)
+        print(f"elitescript {options.command}: {os_error_text(error)}", file=sys.stderr)
         return USAGE
 
 
@@ -166,6 +197,10 @@ def _dispatch(options: argparse.Namespace, *, is_process: bool) -> int:
         count_programs(folder)
     command: Callable[[argparse.Namespace], int]
     command = getattr(import_module(f"elitescript.cli.{options.command}"), options.command)
+    if is_process and options.command in _CLEANS_UP:
+        from elitescript.environment.stop_signals import leave_by_signals
+
+        leave_by_signals()
     if is_process:
         # What is loaded stays, and need not be looked at again.
         gc.freeze()

@@ -22,6 +22,7 @@ from elitescript.environment.network_option import COMMAND_LINE
 from elitescript.environment.process import limit_memory
 from elitescript.environment.program_file import refused_source, source_of
 from elitescript.environment.start_values import check_presets, parse_settings
+from elitescript.environment.stop_signals import handled_signals
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
 from elitescript.language.parser import parse
 from elitescript.messages.events import DeviceNoted
@@ -35,9 +36,6 @@ if TYPE_CHECKING:
 
 DOES_NOT_COMPILE: Final = 3
 NO_FILE: Final = "FILE is missing: name a program"
-
-INTERRUPTED: Final = 130
-"""Ctrl-C, as shells count it."""
 
 HINT_AFTER_S: Final = 5.0
 """Interval of wall time after which a run without a status line reports its place."""
@@ -105,8 +103,8 @@ def run(options: argparse.Namespace) -> int:
                     report.event(DeviceNoted(robot.tick, "world", str(error), is_warning=True))
                     report.end(robot.current, is_interrupted=False, overruns=None)
                 raise
-    report.end(result, is_interrupted=interrupted.happened, overruns=None if pace is None else pace.overruns)
-    return INTERRUPTED if interrupted.happened else EXIT_CODES[result.state]
+    report.end(result, is_interrupted=bool(interrupted.number), overruns=None if pace is None else pace.overruns)
+    return interrupted.exit_code or EXIT_CODES[result.state]
 
 
 def _run_case(options: argparse.Namespace, report: RunReport) -> int:
@@ -129,16 +127,16 @@ def _run_case(options: argparse.Namespace, report: RunReport) -> int:
             handlers.append(stack.enter_context(_InterruptHandler(robot)))
 
         played = replay.play(trace=trace or None, on_event=report.event, before=before)
-        is_interrupted = bool(handlers) and handlers[0].happened
+        stopped = handlers[0].exit_code if handlers else 0
     said = CaseReport(replay, played)
     if options.json:
         print(said.text(), flush=True)
     if played.run is None:
         raise UsageError(played.words)
-    report.end(played.run, is_interrupted=is_interrupted, overruns=None)
+    report.end(played.run, is_interrupted=bool(stopped), overruns=None)
     if not options.json:
         print(*said.lines(), sep="\n", file=sys.stderr)
-    return INTERRUPTED if is_interrupted else EXIT_CODES[played.run.state]
+    return stopped or EXIT_CODES[played.run.state]
 
 
 def _trace(options: argparse.Namespace, robot: VirtualRobot, stack: ExitStack) -> Trace | Literal[False]:
@@ -200,21 +198,31 @@ class _Watch:
 
 
 class _InterruptHandler:
-    """Ends the program at its next checkpoint after Ctrl-C, and the process at once after a second one."""
+    """Ends the program at its next checkpoint after Ctrl-C or another signal to stop, and the process at once after a
+    second Ctrl-C.
+
+    Attributes:
+        number: of the signal; 0 if none has come.
+    """
 
     def __init__(self, robot: VirtualRobot) -> None:
         self._robot = robot
-        self.happened = False
-        self._previous: Any = None
+        self.number = 0
+        self._previous: dict[int, Any] = {}
         self._timer: Any = None
 
+    @property
+    def exit_code(self) -> int:
+        """Exit code of a run that a signal has ended, as shells count it; 0 if none has come."""
+        return 128 + self.number if self.number else 0
+
     def __enter__(self) -> _InterruptHandler:
-        self._previous = signal.signal(signal.SIGINT, self._handle)
+        self._previous = {number: signal.signal(number, self._handle) for number in handled_signals()}
         return self
 
-    def _handle(self, _number: int, _frame: FrameType | None) -> None:
-        self.happened = True
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    def _handle(self, number: int, _frame: FrameType | None) -> None:
+        self.number = number
+        signal.signal(number, signal.SIG_DFL)
         self._robot.interrupt()
         # Few runs are interrupted, and importing threads takes time.
         from threading import Timer
@@ -235,4 +243,5 @@ class _InterruptHandler:
     def __exit__(self, *_: object) -> None:
         if self._timer is not None:
             self._timer.cancel()
-        signal.signal(signal.SIGINT, self._previous)
+        for number, handler in self._previous.items():
+            signal.signal(number, handler)
