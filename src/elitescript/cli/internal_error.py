@@ -9,7 +9,7 @@ from traceback import extract_tb
 from typing import Final
 
 from elitescript import __version__
-from elitescript.errors import printable
+from elitescript.shown import printable
 
 PLACES_MAX: Final = 12
 """Calls that are named, innermost first."""
