@@ -23,10 +23,9 @@ if TYPE_CHECKING:
     from typing import Any, Final, Never
 
 USAGE = 2
-"""Exit code of an invalid call."""
+"""Exit code of an invalid call, and of one that could not do what it was to; 1 is what came of a command."""
 
-INTERRUPTED = 130
-"""Exit code after Ctrl-C, as shells count it."""
+DOES_NOT_COMPILE = 3
 
 HASH_SEED = "0"
 """The order of a set of strings depends on it, so every process has the same."""
@@ -164,14 +163,14 @@ def _run_here(arguments: list[str], start_again: Callable[[], Never] | None = No
 
 def _answered(options: argparse.Namespace, *, is_process: bool) -> int:
     """Run a command; print what it raises, where texts of others do not drive a terminal, and return its exit code."""
-    from elitescript.errors import ElitescriptError, ProgramError, UsageError
+    from elitescript.errors import ElitescriptError, ProgramError
     from elitescript.shown import shown
 
     try:
         return _dispatch(options, is_process=is_process)
     except (ProgramError, ElitescriptError) as error:
         print(f"elitescript {options.command}: {shown(str(error))}", file=sys.stderr)
-        return USAGE if isinstance(error, UsageError) else 3 if isinstance(error, ProgramError) else 1
+        return DOES_NOT_COMPILE if isinstance(error, ProgramError) else USAGE
     except OSError as error:
         print(f"elitescript {options.command}: {shown(os_error_text(error))}", file=sys.stderr)
         return USAGE

@@ -23,7 +23,7 @@ from elitescript.environment.process import limit_memory
 from elitescript.environment.program_file import refused_source, source_of
 from elitescript.environment.start_values import check_presets, parse_settings
 from elitescript.environment.stop_signals import handled_signals
-from elitescript.errors import ElitescriptError, ProgramError, UsageError
+from elitescript.errors import ElitescriptError, InternalError, ProgramError, UsageError
 from elitescript.language.parser import parse
 from elitescript.messages.events import DeviceNoted
 from elitescript.paths import real_path
@@ -35,6 +35,8 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
 
+FAILED: Final = 1
+"""The program was run, and ended by an alarm or a device that has failed."""
 DOES_NOT_COMPILE: Final = 3
 NO_FILE: Final = "FILE is missing: name a program"
 
@@ -98,12 +100,15 @@ def run(options: argparse.Namespace) -> int:
         with _InterruptHandler(robot) as interrupted:
             try:
                 result = robot.run(unit, until_s=options.until, presets=presets, trace=trace, pace=pace, watch=watch)
+            except InternalError:
+                raise
             except ElitescriptError as error:
                 # A device beside the robot has failed: readers of records need that event, and the end.
                 if options.json and robot.current is not None:
                     report.event(DeviceNoted(robot.tick, "world", str(error), is_warning=True))
                     report.end(robot.current, is_interrupted=False, overruns=None)
-                raise
+                print(f"elitescript run: {shown(str(error))}", file=sys.stderr)
+                return FAILED
     report.end(result, is_interrupted=bool(interrupted.number), overruns=None if pace is None else pace.overruns)
     return interrupted.exit_code or EXIT_CODES[result.state]
 

@@ -14,8 +14,9 @@ from io import BufferedWriter, FileIO, TextIOWrapper
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Buffer
     from typing import Final, Literal
+
+    from _typeshed import ReadableBuffer
 
     WithoutReader = Literal["goes on", "ends", "stops"]
 
@@ -57,7 +58,7 @@ class StandardStream(FileIO):
         self._is_dropping = False
         self._without_reader = without_reader
 
-    def write(self, data: Buffer, /) -> int:
+    def write(self, data: ReadableBuffer, /) -> int:
         """Write all bytes.
 
         Raises:
