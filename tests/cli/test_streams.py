@@ -174,7 +174,7 @@ SITUATIONS: Final = {
 }
 
 QUICK: Final = (
-    ("no reader", "run --trace"),
+    ("no reader", "run --state"),
     ("no reader", "check json"),
     ("full disk", "check broken"),
     ("closed", "run --trace"),

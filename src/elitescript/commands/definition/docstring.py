@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
-from types import FunctionType, ModuleType
+from types import ModuleType
+from typing import Any
 
 from elitescript.records import NamedTuple
 
 
-def docstring_of(owner: FunctionType | ModuleType) -> str:
+def docstring_of(owner: Callable[..., Any] | ModuleType) -> str:
     """Return the docstring of a function of a module or of a module; empty if there is none.
 
     With `-OO` or `PYTHONOPTIMIZE=2` Python leaves it out of the code; then it is read from the source.
     """
     if owner.__doc__ is not None or sys.flags.optimize < 2:
         return owner.__doc__ or ""
-    if isinstance(owner, FunctionType):
-        return _written_in(owner.__code__.co_filename).get(owner.__name__, "")
-    return _written_in(owner.__file__ or "").get("", "")
+    if isinstance(owner, ModuleType):
+        return _written_in(owner.__file__ or "").get("", "")
+    return _written_in(owner.__code__.co_filename).get(owner.__name__, "")
 
 
 @cache
