@@ -16,8 +16,7 @@ from typing import Any, Final
 
 import pytest
 
-from elitescript.cli.main import WITHOUT_READER
-from elitescript.cli.output.streams import ENDS, GOES_ON, STOPS, StandardStream
+from elitescript.cli.output.streams import ENDS, GOES_ON, STOPS, WITHOUT_READER, StandardStream
 from elitescript.environment.stop_signals import Stopped
 from elitescript.records import NamedTuple
 from tests.cli.calls import CALLS, Call, beside, chosen, finish, of, prepare

@@ -11,7 +11,6 @@ import sys
 from contextlib import suppress
 from functools import partial
 
-from elitescript.cli.output import streams
 from elitescript.cli.watched import MARK, can_watch, run_watched
 from elitescript.observer import COVERAGE_VARIABLE
 
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Callable, Sequence
     from contextlib import AbstractContextManager
-    from typing import Any, Final, Never
+    from typing import Any, Never
 
 USAGE = 2
 """Exit code of an invalid call, and of one that could not do what it was to; 1 is what came of a command."""
@@ -37,21 +36,6 @@ _CLEANS_UP = ("run", "plot", "sweep")
 """Commands that have something to do when SIGTERM or SIGHUP ends them, and are not kept from it by a program: another
 process watches it."""
 
-WITHOUT_READER: Final[dict[str, streams.WithoutReader]] = {
-    "run": streams.ENDS,
-    "sweep": streams.ENDS,
-    "mcp": streams.ENDS,
-    "serve": streams.STOPS,
-    "devices": streams.STOPS,
-    "record": streams.STOPS,
-    "shadow": streams.STOPS,
-    "studio": streams.STOPS,
-}
-"""What commands that may go on for ever do when nobody reads their output any more; all others go on to their end."""
-
-_SIGPIPE = 128 + 13
-"""Exit code of a process that SIGPIPE has ended, as shells count it."""
-
 _AT_WORK = frozenset(("elitescript.world_file", "_lsprof", "bdb"))
 """Modules that have something to do when a call is over."""
 
@@ -63,10 +47,21 @@ def main(argv: Sequence[str] | None = None) -> int:
     # Hardly anything that is made while modules load can be freed: to look for it takes a tenth of the start.
     gc.disable()
     arguments = sys.argv[1:]
+    # Imported late: callers from Python keep their streams.
+    from elitescript.cli.output import streams
+
     if None in (sys.stdin, sys.stdout, sys.stderr):
         streams.open_closed_streams()
-    streams.open_streams(WITHOUT_READER.get(arguments[0] if arguments else "", streams.GOES_ON))
-    code = _written(arguments, _run(arguments, is_process=True))
+    streams.open_streams(arguments[0] if arguments else "")
+    code = _run(arguments, is_process=True)
+    failure = streams.failure_of_streams()
+    if streams.is_ended_with_reader(arguments[0] if arguments else ""):
+        code = streams.ENDED_WITH_READER
+    elif failure is not None:
+        if code != USAGE:
+            # Else it has been said.
+            _say(arguments, os_error_text(failure))
+        code = code if code and failure.filename == streams.ERROR else USAGE
     _leave(code)
     return code
 
@@ -80,6 +75,11 @@ def _run(arguments: list[str], *, is_process: bool = False) -> int:
         from elitescript.environment.stop_signals import exit_code_of
 
         return exit_code_of(stop)
+    except SystemExit as left:
+        # Help, version and usage are printed by then, or so it seems: see `main`.
+        if not is_process or not isinstance(left.code, int):
+            raise
+        return left.code
     except Exception as error:
         if not is_process:
             raise
@@ -87,19 +87,6 @@ def _run(arguments: list[str], *, is_process: bool = False) -> int:
 
         _say(arguments, sentence(error))
         return USAGE
-
-
-def _written(arguments: list[str], code: int) -> int:
-    """Write what is left for the standard streams; return the exit code of a call that has ended with a code."""
-    failure = streams.failure_of_streams()
-    if streams.has_lost_reader():
-        return code if WITHOUT_READER.get(arguments[0], streams.GOES_ON) == streams.GOES_ON else _SIGPIPE
-    if failure is None:
-        return code
-    if code != USAGE:
-        # Else it has been said.
-        _say(arguments, os_error_text(failure))
-    return code if code and failure.filename == streams.ERROR else USAGE
 
 
 def _say(arguments: list[str], text: str) -> None:

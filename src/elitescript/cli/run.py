@@ -22,8 +22,7 @@ from elitescript.environment.network_option import COMMAND_LINE
 from elitescript.environment.process import limit_memory
 from elitescript.environment.program_file import refused_source, source_of
 from elitescript.environment.start_values import check_presets, parse_settings
-from elitescript.environment.stop_signals import handled_signals
-from elitescript.errors import ElitescriptError, InternalError, ProgramError, UsageError
+from elitescript.errors import ElitescriptError, ProgramError, UsageError
 from elitescript.kernel.options import UNTIL, accepted
 from elitescript.language.parser import parse
 from elitescript.messages.events import DeviceNoted
@@ -101,13 +100,15 @@ def run(options: argparse.Namespace) -> int:
         with _InterruptHandler(robot) as interrupted:
             try:
                 result = robot.run(unit, until_s=options.until, presets=presets, trace=trace, pace=pace, watch=watch)
-            except InternalError:
-                raise
             except ElitescriptError as error:
+                from elitescript.devices.agenda import DeviceError
+
                 # A device beside the robot has failed: readers of records need that event, and the end.
                 if options.json and robot.current is not None:
                     report.event(DeviceNoted(robot.tick, "world", str(error), is_warning=True))
                     report.end(robot.current, is_interrupted=False, overruns=None)
+                if not isinstance(error, DeviceError):
+                    raise
                 print(f"elitescript run: {shown(str(error))}", file=sys.stderr)
                 return FAILED
     report.end(result, is_interrupted=bool(interrupted.number), overruns=None if pace is None else pace.overruns)
@@ -224,7 +225,10 @@ class _InterruptHandler:
         return 128 + self.number if self.number else 0
 
     def __enter__(self) -> _InterruptHandler:
-        self._previous = {number: signal.signal(number, self._handle) for number in handled_signals()}
+        # Of the others those are handled of which the process is to be left; see `leave_by_signals`.
+        others = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+        numbers = [signal.SIGINT, *(number for number in others if callable(signal.getsignal(number)))]
+        self._previous = {number: signal.signal(number, self._handle) for number in numbers}
         return self
 
     def _handle(self, number: int, _frame: FrameType | None) -> None:

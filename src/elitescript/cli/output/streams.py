@@ -27,6 +27,21 @@ ENDS: Final = "ends"
 STOPS: Final = "stops"
 """The same, but while it handles SIGTERM: it gets one, closes what it has open, and ends as by SIGPIPE."""
 
+WITHOUT_READER: Final[dict[str, WithoutReader]] = {
+    "run": ENDS,
+    "sweep": ENDS,
+    "mcp": ENDS,
+    "serve": STOPS,
+    "devices": STOPS,
+    "record": STOPS,
+    "shadow": STOPS,
+    "studio": STOPS,
+}
+"""What commands that may go on for ever do when nobody reads their output any more; all others go on to their end."""
+
+ENDED_WITH_READER: Final = 128 + 13
+"""Exit code of a process that SIGPIPE has ended, as shells count it."""
+
 OUTPUT: Final = "standard output"
 ERROR: Final = "standard error"
 _NAMES: Final = {1: OUTPUT, 2: ERROR}
@@ -102,8 +117,9 @@ class StandardStream(FileIO):
         signal.raise_signal(signal.SIGTERM)
 
 
-def open_streams(without_reader: WithoutReader) -> None:
+def open_streams(command: str) -> None:
     """Put a `StandardStream` below `sys.stdout` and `sys.stderr`; consoles of Windows stay as they are."""
+    without_reader = WITHOUT_READER.get(command, GOES_ON)
     for name, descriptor in (("stdout", 1), ("stderr", 2)):
         old = getattr(sys, name)
         buffer = getattr(old, "buffer", None)
@@ -152,8 +168,10 @@ def failure_of_streams() -> OSError | None:
     return None
 
 
-def has_lost_reader() -> bool:
-    """Return whether the reader of one of the streams has gone."""
+def is_ended_with_reader(command: str) -> bool:
+    """Return whether the reader of one of the streams has gone, which ends the command as by SIGPIPE."""
+    if WITHOUT_READER.get(command, GOES_ON) == GOES_ON:
+        return False
     return any(raw is not None and raw.has_no_reader for raw in map(_raw_of, (sys.stdout, sys.stderr)))
 
 
