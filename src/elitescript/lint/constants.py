@@ -35,13 +35,23 @@ class Constants:
             longer than reading literals.
     """
 
-    __slots__ = ("_values",)
+    __slots__ = ("_known", "_values")
 
     def __init__(self, values: Callable[[], Values]) -> None:
         self._values = values
+        self._known: dict[ast.expr, Any] = {}
+        """Of expressions that were asked for: several rules ask for each argument."""
 
     def value(self, node: ast.expr, scope: Scope) -> Any:
         """Return the value of an expression, or an `Unknown`. A list or tuple may hold `Unknown` elements."""
+        if type(node) is ast.Constant:
+            return node.value if isinstance(node.value, _EXACT_KINDS) else UNKNOWN
+        value = self._known.get(node, self)
+        if value is self:
+            value = self._known[node] = self._value(node, scope)
+        return value
+
+    def _value(self, node: ast.expr, scope: Scope) -> Any:
         literal = _literal(node)
         if literal is not UNKNOWN:
             return literal

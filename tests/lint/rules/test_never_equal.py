@@ -39,7 +39,7 @@ def test_it_is_found(lines):
         'x = None\nif get_flag(0):\n  x = "a"\nend\nif x == "a":\n  halt()\nend',
         'if 1 == "a":\n  halt()\nend',
         'v = modbus_get_signal_status("a")\nif v < 0:\n  halt()\nend',
-        "v = read_port_register(3)\nif v > 32767:\n  v = v - 65536\nend\nif v < -40000:\n  halt()\nend",
+        "v = read_port_register(3)\nif v > 32767:\n  v = v - 165536\nend\nif v < -40000:\n  halt()\nend",
         "v = read_port_register(3)\nif v > 5:\n  return\nend\nif v <= 5:\n  halt()\nend",
         'i = str_find(socket_read_string(), "a")\nif i == -1:\n  halt()\nend',
         'def f(x):\n  if x == 1:\n    halt()\n  end\nend\ng = f\ng("a")',
