@@ -184,7 +184,7 @@ class Calls(Conditions):
                     # A function among them gets the elements.
                     self._escape(calls.element_of(value) if value.kinds else value)
             current = [self.sites.now(value, self._function) for value in args]
-            return calls.call_builtin(name, current, bool(keywords), self.sites.of(node))
+            return calls.call_builtin(name, current, bool(keywords), self._site(node))
         for value in (*args, *keywords.values()):
             self._escape(value)
         if module:
@@ -200,7 +200,7 @@ class Calls(Conditions):
             return value
         if value.kinds & ~LIST or value.shape is None:
             return unknown_of(value)
-        return value.but(sites=self.sites.of(node))
+        return value.but(sites=self._site(node))
 
     def _call_command(
         self, node: ast.Call, command: Command, args: list[Value], keywords: dict[str, Value], is_certain: bool
@@ -216,7 +216,7 @@ class Calls(Conditions):
                 return folded
         result = self._results.get(node)
         if result is None or len(self._results) > 100_000:
-            result = self._results[node] = result_of(command, self.sites.of(node))
+            result = self._results[node] = result_of(command, self._site(node))
         if command.name == "modbus_get_signal_status" and args:
             return self.signals.narrowed(result, args[0])
         counted_by = command.details.result.counted_by
@@ -243,7 +243,7 @@ class Calls(Conditions):
         if isinstance(result, tuple):
             if not all(isinstance(number, (bool, int, float)) for number in result):
                 return None
-            template = result_of(command, self.sites.of(node))
+            template = result_of(command, self._site(node))
             roles: Sequence[Value] = ()
             if template.shape is not None and template.shape.items is not None:
                 roles = template.shape.items
@@ -251,7 +251,7 @@ class Calls(Conditions):
                 constant(number).but(role=roles[index].role if index < len(roles) else "")
                 for index, number in enumerate(result)
             ]
-            return row(LIST, items, self.sites.of(node)).but(role=template.role)
+            return row(LIST, items, self._site(node)).but(role=template.role)
         if isinstance(result, (bool, int, float, str)):
             role = POSITION if -1 in command.details.result.special else command.details.returns.unit
             made = constant(result, may or 1, must or 1)
@@ -317,7 +317,7 @@ class Calls(Conditions):
             for value in args:
                 if value.kinds & OBJECT:
                     self._escape(value)
-            return calls.text_method(owner, name, self.sites.of(node))
+            return calls.text_method(owner, name, self._site(node))
         if not kinds & ~(WHOLE | 4):
             return calls.number_method(name)
         if kinds == LIST and owner.shape is not None:
@@ -360,7 +360,7 @@ class Calls(Conditions):
             self._store(owner, None, BOTTOM, grows=True)
             return NOTHING
         if name == "copy":
-            return now.but(sites=self.sites.of(node))
+            return now.but(sites=self._site(node))
         if name in ("count", "index"):
             return SOME_COUNT
         self._escape(owner)
@@ -370,7 +370,7 @@ class Calls(Conditions):
 
     def _dict_method(self, node: ast.Call, owner: Value, name: str, args: list[Value]) -> Value:
         if name == "copy":
-            return owner.but(sites=self.sites.of(node) | owner.sites)
+            return owner.but(sites=self._site(node) | owner.sites)
         if name == "get" and owner.shape is not None and args:
             found = self.sites.now(owner, self._function)
             assert found.shape is not None

@@ -84,8 +84,9 @@ class Evaluation(Expressions):
         function.evaluations += 1
         if function.evaluations > EVALUATIONS_MAX:
             raise GivenUp
-        kept = (self._function, self._scope, self._state, self._trail, self._loops, self._attempts, self._is_lazy)
-        self._function, self._scope, self._is_lazy = function, function.scope, False
+        kept = (self._function, self._scope, self._is_lazy, self._repeated)
+        kept_state = (self._state, self._trail, self._loops, self._attempts)
+        self._function, self._scope, self._is_lazy, self._repeated = function, function.scope, False, 0
         self._state, self._trail, self._loops, self._attempts = {}, [], [], []
         self._active.append(function)
         node = function.scope.node
@@ -98,7 +99,8 @@ class Evaluation(Expressions):
         elif self.block(function.scope.statements):
             self._changed_result(function, NOTHING)
         self._active.pop()
-        self._function, self._scope, self._state, self._trail, self._loops, self._attempts, self._is_lazy = kept
+        self._function, self._scope, self._is_lazy, self._repeated = kept
+        self._state, self._trail, self._loops, self._attempts = kept_state
 
     # ---------------------------------------------------------------- statements
 
@@ -267,7 +269,9 @@ class Evaluation(Expressions):
             mark = len(self._trail)
             loop = Loop(mark)
             self._loops.append(loop)
+            self._repeated += 1
             is_reached = once()
+            self._repeated -= 1
             self._loops.pop()
             ends = [*loop.continues]
             if is_reached:

@@ -102,7 +102,7 @@ class Expressions(Calls):
         if left.sites or right.sites:
             left, right = self.sites.now(left, self._function), self.sites.now(right, self._function)
         makes_list = (left.kinds | right.kinds) & (LIST | DICT | SET)
-        found = binary(op, left, right, self.sites.of(node) if makes_list else NO_SITES, node if makes_list else None)
+        found = binary(op, left, right, self._site(node) if makes_list else NO_SITES, node if makes_list else None)
         if (left.kinds | right.kinds) & OBJECT:
             # The operator may be a method of the program.
             self._escape(left)
@@ -200,7 +200,7 @@ class Expressions(Calls):
 
     def _list(self, node: ast.List | ast.Tuple) -> Value:
         is_list = isinstance(node, ast.List)
-        site = self.sites.of(node) if is_list else NO_SITES
+        site = self._site(node) if is_list else NO_SITES
         items: list[Value] = []
         is_long = len(node.elts) > SIZE_MAX
         for part in node.elts:
@@ -229,7 +229,7 @@ class Expressions(Calls):
             if key is not None:
                 self._escape(self.expression(key))
         values = [self.expression(value) for value in node.values]
-        site = self.sites.of(node)
+        site = self._site(node)
         if None in node.keys:
             return Value(DICT, constants=(), sites=site | unknown_of(*values).sites)
         return shaped(DICT, Shape(None, join_all(values), 0, inf), site)
@@ -260,6 +260,7 @@ class Expressions(Calls):
                 self._scope = made or outer
                 # What a generator computes is computed later, when its variables may have changed.
                 self._is_lazy = was_lazy or isinstance(node, ast.GeneratorExp)
+                self._repeated += 1
             low, high = calls.length_of(every)
             least, most = least * low, 0 if 0 in (most, high) else most * high
             self._bind(generator.target, calls.element_of(every) if every.kinds else BOTTOM)
@@ -273,13 +274,14 @@ class Expressions(Calls):
         else:
             element = self.expression(node.elt)
         self._scope, self._is_lazy = outer, was_lazy
+        self._repeated -= 1
         self._take_back(mark)
         if isinstance(node, ast.ListComp):
-            return shaped(LIST, Shape(None, element, least if least == least else 0, most), self.sites.of(node))
+            return shaped(LIST, Shape(None, element, least if least == least else 0, most), self._site(node))
         if isinstance(node, ast.GeneratorExp):
             return Value(OBJECT, constants=(), shape=Shape(None, element), refs=None)
         if isinstance(node, ast.DictComp):
-            return shaped(DICT, Shape(None, element), self.sites.of(node))
+            return shaped(DICT, Shape(None, element), self._site(node))
         self._escape(element)
         return Value(SET, constants=())
 
@@ -338,7 +340,7 @@ class Expressions(Calls):
         shape = owner.shape
         if owner.kinds & ~ROW or shape is None:
             return unknown_of(owner)
-        site = self.sites.of(node) if owner.kinds & LIST else NO_SITES
+        site = self._site(node) if owner.kinds & LIST else NO_SITES
         bounds: list[Any] = [None if end is None else end.constant if end.has_constant else end for end in ends]
         if shape.items is not None and not any(isinstance(bound, Value) for bound in bounds):
             try:
@@ -364,7 +366,7 @@ class Expressions(Calls):
         elif isinstance(target, (ast.Tuple, ast.List)):
             self._unpack(target, value)
         elif isinstance(target, ast.Starred):
-            items = Value(LIST, constants=(), shape=Shape(None, value), sites=self.sites.of(target))
+            items = Value(LIST, constants=(), shape=Shape(None, value), sites=self._site(target))
             self._bind(target.value, items)
         elif isinstance(target, ast.Subscript):
             self._store_item(target, value)

@@ -86,6 +86,8 @@ class State:
         self._queued: set[Function] = set()
         self._active: list[Function] = []
         self._depth = 0
+        self._repeated = 0
+        """Loops and comprehensions around what is evaluated."""
         self._is_lazy = False
         # Of the function that is evaluated.
         self._function = self._function_of(symbols.body)
@@ -266,6 +268,13 @@ class State:
         cell.readers.add(self._function)
         return cell.value
 
+    def _site(self, node: ast.AST) -> frozenset[int]:
+        """Return the place that makes a list or dict here."""
+        sites = self.sites.of(node)
+        (site,) = self.sites.at(sites)
+        site.maker = None if self._repeated else self._function
+        return sites
+
     def _escape(self, value: Value) -> None:
         """Note that unknown code gets a value, and may change the lists in it."""
         if value.sites or value.shape is not None:
@@ -290,5 +299,9 @@ class State:
         if owner.kinds & OBJECT or owner.shape is None:
             self._escape(value)
         readers = self.sites.store(owner, index, value, grows=grows)
+        # What was read of a new list before it is changed has been right, unless it all comes again.
+        is_new = all(site.maker is self._function for site in self.sites.at(owner.sites))
+        if is_new and not self._repeated:
+            readers.discard(self._function)
         if readers:
             self._changed(readers)

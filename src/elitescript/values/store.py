@@ -117,14 +117,16 @@ class Site:
         stored: what is put in later, by index; by None where that is not known.
         has_grown: elements may be added or removed.
         is_open: unknown code may change it.
+        maker: the function that makes one list there each time it is called; None if it may make more.
     """
 
-    __slots__ = ("has_grown", "is_open", "readers", "stored")
+    __slots__ = ("has_grown", "is_open", "maker", "readers", "stored")
 
     def __init__(self) -> None:
         self.stored: dict[int | None, Cell] = {}
         self.has_grown = False
         self.is_open = False
+        self.maker: Function | None = None
         self.readers: set[Function] = set()
 
     @property
