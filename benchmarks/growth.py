@@ -145,9 +145,12 @@ def programs(lines: int) -> Iterator[Figure]:
     """
     from elitescript import VirtualRobot
     from elitescript.language.compiler import compile_task
+    from elitescript.language.parser import parse
+    from elitescript.language.symbols import Symbols
     from elitescript.language.text.source import SourceFile
     from elitescript.lint.engine import check_source
     from elitescript.messages.profile import profile
+    from elitescript.values.program import Values
 
     part = (
         "  movej([{k}, -1.4, -1.7, -1.6, 1.57, 0], a=1.4, v=1.05)\n"
@@ -169,6 +172,8 @@ def programs(lines: int) -> Iterator[Figure]:
     yield done("compile", lambda: units.append(compile_task(source)))
     yield held("compile", before)
     yield done("check", lambda: check_source(source, profile()))
+    symbols = Symbols(parse(source))
+    yield done("check: values of expressions", lambda: Values(symbols))
     yield done("start", lambda: begin(robot, units[0]))
 
 

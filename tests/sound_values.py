@@ -70,19 +70,23 @@ class Witness:
         seen: how many values were looked at.
         known: of how many of them something is said.
         outside: what was said and is not so.
+        is_on: programs are looked at.
     """
 
     def __init__(self) -> None:
         self.seen = 0
         self.known = 0
         self.outside: list[str] = []
+        self.is_on = True
         self._programs: dict[int, tuple[Program, dict[str, Described]]] = {}
         """By the identity of their globals. They are kept, so that no other gets the same."""
 
     def runs(self, program: Program, unit: CompiledUnit) -> None:
         """Note that a text begins to run."""
-        if crc32(unit.source.text.encode("utf-8", "surrogatepass")) % ONE_IN:
+        if not self.is_on or crc32(unit.source.text.encode("utf-8", "surrogatepass")) % ONE_IN:
             return
+        if not self._programs:
+            Scheduler.wait = _wait  # type: ignore[method-assign]
         _, units = self._programs.setdefault(id(program.globals.values), (program, {}))
         units[unit.source.name] = Described(unit, frozenset(program.globals.values))
 
@@ -103,6 +107,8 @@ class Witness:
 
     def forgets(self) -> None:
         """Forget the programs of a test."""
+        if self._programs:
+            Scheduler.wait = _WAIT  # type: ignore[method-assign]
         self._programs.clear()
         self.outside.clear()
 
@@ -127,27 +133,29 @@ class Witness:
 
 
 WITNESS = Witness()
+_WAIT, _BODY_OF = Scheduler.wait, Program.body_of
+
+
+def _wait(self: Scheduler, reason: str, until: int | None = None) -> bool:
+    WITNESS.looks(self)
+    return _WAIT(self, reason, until)
+
+
+def _body_of(self: Program, unit: CompiledUnit) -> Any:
+    WITNESS.runs(self, unit)
+    return _BODY_OF(self, unit)
 
 
 def pytest_configure() -> None:
     """Look at every program that runs from now on."""
-    waiting, running = Scheduler.wait, Program.body_of
-
-    def wait(self: Scheduler, reason: str, until: int | None = None) -> bool:
-        WITNESS.looks(self)
-        return waiting(self, reason, until)
-
-    def body_of(self: Program, unit: CompiledUnit) -> Any:
-        WITNESS.runs(self, unit)
-        return running(self, unit)
-
-    Scheduler.wait = wait  # type: ignore[method-assign]
-    Program.body_of = body_of  # type: ignore[method-assign]
+    Program.body_of = _body_of  # type: ignore[method-assign]
 
 
 @pytest.hookimpl(hookwrapper=True)
 def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
     """Fail a test in whose programs a value is outside of what was said of it."""
+    # Where calls are counted, those that look at values would be counted too.
+    WITNESS.is_on = "calls" not in item.name
     yield
     if WITNESS.outside:
         found = "\n".join(WITNESS.outside[:3])

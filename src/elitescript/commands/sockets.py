@@ -11,11 +11,11 @@ from typing import Annotated, Any, Final
 from elitescript.commands import socket_rules as rules
 from elitescript.commands.definition.context import Robot, Rule
 from elitescript.commands.definition.quantities import (
-    Any_,
     Bool,
     Either,
     Integer,
     Number,
+    Quantity,
     Str,
     Text,
     TimeOut,
@@ -24,8 +24,8 @@ from elitescript.commands.definition.quantities import (
 )
 from elitescript.commands.definition.registry import command
 from elitescript.commands.definition.results import DONE, RECEIVED, STATE, Result
-from elitescript.commands.strings import BUILT_IN, to_str
-from elitescript.errors import ArgumentRangeError, ArgumentTypeError
+from elitescript.commands.strings import to_str
+from elitescript.errors import ArgumentRangeError
 from elitescript.messages.signals import INT32_HIGH, INT32_LOW
 
 _DEFAULT_SOCKET: Final = "socket_0"
@@ -37,6 +37,26 @@ _ARGUMENTS: Final = {
     "timeout": "longest time to wait; 0 and less wait for ever.",
 }
 """Texts of arguments that several commands share."""
+
+
+class _Writable(Quantity):
+    """What `socket_send_string` can send: a text, or what `to_str` writes as the peer would read it."""
+
+    __slots__ = ()
+
+    def __init__(self) -> None:
+        super().__init__("str, number or list")
+
+    def coerce(self, value: Any) -> Any:
+        if not isinstance(value, (str, int, float, list)):
+            error = self.wrong_type(value, "a text, a number or a list")
+            if isinstance(value, (bytes, bytearray)):
+                error.hint = "socket_send_byte_list sends bytes, as a list of numbers: list(value)"
+            raise error
+        return value
+
+
+_Sent = Annotated[Any, _Writable()]
 _NumberCount = Annotated[int, Integer(1, 30)]
 _Ints = Annotated[tuple[int, ...], Vector(Integer(INT32_LOW, INT32_HIGH), None)]
 _Bytes = Annotated[tuple[int, ...], Vector(Integer(-1, 255), None)]
@@ -230,11 +250,12 @@ def socket_send_line(
 
 
 @command(family="socket", manual="5.1.12", arguments=_ARGUMENTS)
-def socket_send_string(robot: Robot, str: Any_, socket_name: Str = _DEFAULT_SOCKET) -> Annotated[Bool, DONE]:
+def socket_send_string(robot: Robot, str: _Sent, socket_name: Str = _DEFAULT_SOCKET) -> Annotated[Bool, DONE]:
     """Send a text as it is.
 
     Args:
-        str: the text, ASCII; other values are written as `to_str` does (*assumed*).
+        str: the text, ASCII; numbers, truth values and lists are written as `to_str` does (*assumed*). Bytes, None,
+            tuples and dicts are refused: they would go out as Python spells them.
 
     Returns:
         True if it was sent.
@@ -281,16 +302,5 @@ def _mark(words: str, argument: str) -> bytes:
 
 
 def _written(value: Any) -> str:
-    """Return a value as it is sent.
-
-    Raises:
-        ArgumentTypeError: not a value of a built-in type.
-    """
-    if isinstance(value, str):
-        return value
-    if isinstance(value, BUILT_IN):
-        return to_str(value)
-    kinds = "a value of a built-in type"
-    raise ArgumentTypeError(
-        f"str must be {kinds}, not {type(value).__name__}", argument="str", value=value, limit=kinds
-    )
+    """Return a value as it is sent."""
+    return value if isinstance(value, str) else to_str(value)

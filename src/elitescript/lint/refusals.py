@@ -74,8 +74,12 @@ def refuse_description(param: Param, value: Value, text: str) -> ScriptError | N
         value: the description.
         text: the expression, which stands for the value in the message.
     """
-    if not value.is_known or (value.constants and value.has_constant):
+    if not value.is_known or value.has_constant:
         return None
+    if value.is_list:
+        items = value.items
+        # How many elements there are can be wrong, whatever they are.
+        return None if items is None else refuse(param, [Unknown()] * len(items))
     kinds = [name for name, bit in _SAMPLES.items() if value.kinds & bit]
     if not kinds or value.kinds & ~sum(_SAMPLES.values()):
         return None
@@ -90,8 +94,11 @@ def refuse_description(param: Param, value: Value, text: str) -> ScriptError | N
     return None
 
 
-_SAMPLES: Final = {"str": 8, "bytes": 16, "bool": 1, "int": 2, "float": 4}
+_SAMPLES: Final = {"str": 8, "bytes": 16, "bool": 1, "int": 2, "float": 4, "None": 32, "dict": 256}
 """Kinds of which one value is refused for its type if all are; see `values.description`."""
+
+
+_PLAIN: Final[dict[str, Any]] = {"bool": True, "None": None, "dict": {}}
 
 
 def _sample(name: str, text: str) -> Any:
@@ -102,8 +109,8 @@ def _sample(name: str, text: str) -> Any:
         "int": (int, 1),
         "float": (float, 1.0),
     }
-    if name == "bool":
-        return True
+    if name in _PLAIN:
+        return _PLAIN[name]
     kind, inner = base[name]
     made = type(name, (kind,), {"__repr__": lambda self: text})
     return made(inner)

@@ -410,6 +410,9 @@ def _item(owner: Value, index: Value) -> Value:
     shape = owner.shape
     if shape is None:
         return unknown_of(owner)
+    if not index.kinds & WHOLE:
+        # An error; or, with an object, anything.
+        return UNKNOWN
     items = shape.items
     if items is None:
         element = shape.element
