@@ -8,7 +8,6 @@ or change something is refused with a text that says so.
 from __future__ import annotations
 
 import ast
-import operator
 from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from types import WrapperDescriptorType
@@ -16,6 +15,7 @@ from typing import Any, Final
 
 from elitescript.debugger.api import DebugError
 from elitescript.errors import did_you_mean
+from elitescript.values.plain import BINARY, COMPARISONS, UNARY
 
 STEPS_MAX: Final = 200_000
 """Most nodes that one expression may take."""
@@ -37,33 +37,8 @@ _HOLDERS: Final = frozenset(
     (list, tuple, set, frozenset, type({}.keys()), type({}.values()), type({}.items())),
 )
 
-_BINARY: Final[dict[type[ast.operator], Callable[[Any, Any], Any]]] = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-    ast.FloorDiv: operator.floordiv,
-    ast.Mod: operator.mod,
-    ast.Pow: operator.pow,
-    ast.LShift: operator.lshift,
-    ast.RShift: operator.rshift,
-    ast.BitOr: operator.or_,
-    ast.BitXor: operator.xor,
-    ast.BitAnd: operator.and_,
-}
-_UNARY: Final[dict[type[ast.unaryop], Callable[[Any], Any]]] = {
-    ast.UAdd: operator.pos,
-    ast.USub: operator.neg,
-    ast.Invert: operator.invert,
-    ast.Not: operator.not_,
-}
 _COMPARE: Final[dict[type[ast.cmpop], Callable[[Any, Any], Any]]] = {
-    ast.Eq: operator.eq,
-    ast.NotEq: operator.ne,
-    ast.Lt: operator.lt,
-    ast.LtE: operator.le,
-    ast.Gt: operator.gt,
-    ast.GtE: operator.ge,
+    **COMPARISONS,
     ast.In: lambda a, b: a in b,
     ast.NotIn: lambda a, b: a not in b,
 }
@@ -307,10 +282,10 @@ class _Computation:
     def _BinOp(self, node: ast.BinOp) -> Any:
         left, right = self._plain(node.left), self._plain(node.right)
         _refuse_too_large(node.op, left, right)
-        return _BINARY[type(node.op)](left, right)
+        return BINARY[type(node.op)](left, right)
 
     def _UnaryOp(self, node: ast.UnaryOp) -> Any:
-        return _UNARY[type(node.op)](self._plain(node.operand))
+        return UNARY[type(node.op)](self._plain(node.operand))
 
     def _BoolOp(self, node: ast.BoolOp) -> Any:
         value = None

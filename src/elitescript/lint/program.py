@@ -6,7 +6,7 @@ import ast
 import re
 from collections.abc import Collection, Iterator
 from functools import cached_property
-from typing import TYPE_CHECKING, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.plausibility import JUDGES, KINDS, ArmFacts, Doubt, mistaken
@@ -20,7 +20,7 @@ from elitescript.language.parser import Parsed
 from elitescript.language.policy import is_dunder
 from elitescript.language.symbols import Resolution, Scope, Symbols
 from elitescript.lint.arguments import Arguments, Placements, arrange
-from elitescript.lint.constants import Constants
+from elitescript.lint.constants import Constants, Unknown
 from elitescript.lint.refusals import ArgumentRefusal, refuse, refuse_description
 from elitescript.messages.profile import Profile, release_of
 from elitescript.records import NamedTuple
@@ -312,14 +312,23 @@ class AnalysedProgram:
                     span = self.span(node)
                     if any(span[:2] <= mistake < span[2:] for mistake in mistakes):
                         continue
-                error = refuse(param, self.constants.value(node, called.scope)) or self._refused_kind(param, node)
+                value = self.constants.value(node, called.scope)
+                error = refuse(param, value) or self._refused_kind(param, node, value)
                 if error is not None and not self._is_joined(node):
                     found.append(ArgumentRefusal(called.command, param, node, error))
         return tuple(found)
 
-    def _refused_kind(self, param: Param, node: ast.expr) -> ScriptError | None:
+    def least_number(self, node: ast.expr, scope: Scope) -> float | None:
+        """Return the least number that an expression can be; None if it may be anything else."""
+        value = self.constants.value(node, scope)
+        if isinstance(value, Unknown):
+            described = self.values.of(node)
+            return described.low if described.is_number else None
+        return value if isinstance(value, (int, float)) else None
+
+    def _refused_kind(self, param: Param, node: ast.expr, value: Any) -> ScriptError | None:
         """Return the error that a parameter raises for every value that an expression can have."""
-        if isinstance(node, (ast.Constant, ast.List, ast.Tuple)):
+        if not isinstance(value, Unknown):
             return None
         return refuse_description(param, self.values.of(node), ast.unparse(node))
 

@@ -6,7 +6,6 @@ One pass over the tree of `ast`. Nothing of the text is ever run: what is not in
 from __future__ import annotations
 
 import ast
-import operator
 from collections.abc import Callable, Collection, Sequence
 from math import isfinite
 from typing import Any, Final, NoReturn
@@ -47,6 +46,7 @@ from elitescript.properties.places import located, wrong_at
 from elitescript.properties.units import Unit, UnitsDiffer, common, power, product, unit, unit_text
 from elitescript.properties.verdicts import NOTHING, Needs, Undefined, plain
 from elitescript.records import NamedTuple
+from elitescript.values.plain import BINARY, COMPARISONS
 
 TEXT_MAX: Final = 2000
 """Characters of an expression."""
@@ -444,7 +444,7 @@ class _Reader:
         its_unit = self._common(node, (left, right))
         first, second = (self.as_number(left), self.as_number(right)) if not is_any else (left, right)
         a, b = first.value, second.value
-        compare = _SIGNS[type(sign)]
+        compare = COMPARISONS[type(sign)]
         if second.is_literal and type(sign) in _FAST:
             value = _FAST[type(sign)](a, second.constant)
         elif is_any:
@@ -673,15 +673,6 @@ _NOT_POSSIBLE: Final[dict[type, tuple[str, str]]] = {
     ast.Slice: ("a slice", ""),
 }
 
-_SIGNS: Final[dict[type, Callable[[Any, Any], bool]]] = {
-    ast.Eq: operator.eq,
-    ast.NotEq: operator.ne,
-    ast.Lt: operator.lt,
-    ast.LtE: operator.le,
-    ast.Gt: operator.gt,
-    ast.GtE: operator.ge,
-}
-
 _ORDERS: Final = frozenset({ast.Lt, ast.LtE, ast.Gt, ast.GtE})
 
 _FAST: Final[dict[type, Callable[[Value, Any], Value]]] = {
@@ -692,12 +683,7 @@ _FAST: Final[dict[type, Callable[[Value, Any], Value]]] = {
 }
 
 _OPERATORS: Final[dict[type, Callable[[Any, Any], Any]]] = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-    ast.FloorDiv: operator.floordiv,
-    ast.Mod: operator.mod,
+    **{sign: BINARY[sign] for sign in (ast.Add, ast.Sub, ast.Mult, ast.Div, ast.FloorDiv, ast.Mod)},
     ast.Pow: powered,
 }
 

@@ -47,7 +47,7 @@ from elitescript.values.description import (
     shaped,
     unknown_of,
 )
-from elitescript.values.operators import Impossible, checked
+from elitescript.values.plain import Impossible, checked
 from elitescript.values.references import Library
 from elitescript.values.results import POSITION
 

@@ -207,6 +207,11 @@ class Value:
         return self.constants[0]
 
     @property
+    def is_number(self) -> bool:
+        """Whether it is a number, or True or False, in any case."""
+        return bool(self.kinds) and not self.kinds & ~NUMBER
+
+    @property
     def is_list(self) -> bool:
         """Whether it is a list in any case."""
         return self.kinds == LIST

@@ -24,7 +24,7 @@ from elitescript.values.description import (
     Value,
     kind_of,
 )
-from elitescript.values.operators import OPPOSITE
+from elitescript.values.plain import OPPOSITE
 
 _CLASSES: Final = {kind.__name__: (bits if kind is not int else WHOLE) for kind, bits in TYPES.items()}
 """Kinds by the name of the class: a bool is an int."""

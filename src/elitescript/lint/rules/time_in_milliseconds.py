@@ -17,7 +17,6 @@ from typing import Final
 
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
-from elitescript.values.description import NUMBER
 
 _MOST_S: Final = 100
 _MOST_OF: Final = {"servoj": 1}
@@ -35,8 +34,8 @@ def time_in_milliseconds(program: AnalysedProgram) -> Iterator[Finding]:
         for param, node in arguments.given:
             if param.quantity.unit != "s" or called.command.name in _LONG or node in refused:
                 continue
-            value = program.values.of(node)
-            if value.kinds and not value.kinds & ~NUMBER and value.low >= most:
-                text = f"{called.command.name}: {param.name} is {value.low:g} s"
-                hint = f"{value.low:g} looks like milliseconds: {value.low:g} ms are {value.low / 1000:g} s"
+            time_s = program.least_number(node, called.scope)
+            if time_s is not None and time_s >= most:
+                text = f"{called.command.name}: {param.name} is {time_s:g} s"
+                hint = f"{time_s:g} looks like milliseconds: {time_s:g} ms are {time_s / 1000:g} s"
                 yield Finding(node, text, hint)

@@ -1,0 +1,214 @@
+"""Judges comparisons and conditions by the descriptions of their sides: the rules W240, W241 and W242.
+
+A module of its own, because short programs do without the evaluation that it needs.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+
+from elitescript.lint.program import AnalysedProgram
+from elitescript.lint.registry import Finding, shown_source
+from elitescript.values.description import (
+    FLOAT,
+    LIST,
+    MEASURED,
+    NONE,
+    NUMBER,
+    OUTSIDE,
+    ROW,
+    TEXT,
+    TUPLE,
+    WHOLE,
+    Value,
+)
+from elitescript.values.operators import are_of_other_kinds, compare, is_equal, truth
+from elitescript.values.results import POSITION
+from elitescript.values.words import words
+
+
+def never_equal(program: AnalysedProgram) -> Iterator[Finding]:
+    """Report comparisons whose outcome does not depend on what happens."""
+    for node in program.nodes(ast.Compare):
+        if len(node.ops) == 1:
+            yield from _comparison(program, node)
+
+
+def _comparison(program: AnalysedProgram, node: ast.Compare) -> Iterator[Finding]:
+    values = program.values
+    op, sides = node.ops[0], (node.left, node.comparators[0])
+    left, right = (values.of(side) for side in sides)
+    if not left.is_known or not right.is_known or NONE in (left.kinds, right.kinds):
+        return
+    if all(isinstance(side, ast.Constant) for side in sides):
+        return
+    if isinstance(op, (ast.Eq, ast.NotEq, ast.Is, ast.IsNot)):
+        if are_of_other_kinds(left, right):
+            yield Finding(node, _told(program, node, left, right), _advice(left, right))
+            return
+        are_lists = (left.kinds, right.kinds) in ((LIST, LIST), (TUPLE, TUPLE))
+        if are_lists and (left.must | right.must) & OUTSIDE and _differ_in_length(left, right):
+            hint = "lists are equal if they have the same number of equal elements"
+            yield Finding(node, _told(program, node, left, right), hint)
+            return
+    known = _by_range(program, node)
+    if known is not None:
+        side = next(side for side, value in zip(sides, (left, right), strict=True) if _is_from_outside(value))
+        text = f"{_said(program, side, values.of(side))}: {shown_source(program, node)} is "
+        yield Finding(node, f"{text}{'always' if known else 'never'} true", "compare it with a value that it can have")
+
+
+def _differ_in_length(left: Value, right: Value) -> bool:
+    a, b = left.shape, right.shape
+    if a is None or b is None or is_equal(left, right) is not False:
+        return False
+    return a.most < b.least or b.most < a.least
+
+
+def _is_from_outside(value: Value) -> bool:
+    return bool(value.must & OUTSIDE) or value.role == POSITION
+
+
+def _by_range(program: AnalysedProgram, node: ast.Compare) -> bool | None:
+    """Return the outcome of a comparison of numbers if a value from outside has a range that decides it."""
+    sides = []
+    for side in (node.left, node.comparators[0]):
+        value = program.values.of(side)
+        if isinstance(side, ast.Name):
+            # What conditions around it say does not count: they may be there twice for safety.
+            value = program.values.variable(side.id, program.symbols.scope_of(side))
+        if not value.kinds or value.kinds & ~NUMBER:
+            return None
+        sides.append(value)
+    left, right = sides
+    if not (_is_from_outside(left) or _is_from_outside(right)) or (left.must & right.must & OUTSIDE):
+        return None
+    outcome = compare(node.ops[0], left, right)
+    if outcome is None or not any(
+        isinstance(side, ast.Constant) or value.has_constant
+        for side, value in zip((node.left, node.comparators[0]), sides, strict=True)
+    ):
+        return None
+    return outcome
+
+
+def _said(program: AnalysedProgram, node: ast.expr, value: Value) -> str:
+    return f"{shown_source(program, node)} is {words(value)}"
+
+
+def _told(program: AnalysedProgram, node: ast.Compare, left: Value, right: Value) -> str:
+    """Return what is wrong with a comparison for equality."""
+    sides = [(node.left, left), (node.comparators[0], right)]
+    if isinstance(node.left, ast.Constant):
+        sides.reverse()
+    (one, value), (other, compared) = sides
+    outcome = "never equal to" if isinstance(node.ops[0], (ast.Eq, ast.Is)) else "always different from"
+    what = shown_source(program, other)
+    if not isinstance(other, ast.Constant):
+        what = f"{what}, which is {words(compared)}"
+    return f"{_said(program, one, value)}: {outcome} {what}"
+
+
+def _advice(left: Value, right: Value) -> str:
+    both = left.kinds | right.kinds
+    if both & TEXT and both & NUMBER:
+        if (left.must & OUTSIDE and left.kinds == TEXT) or (right.must & OUTSIDE and right.kinds == TEXT):
+            return "to_num turns a text into a number"
+        return "write the number, True or False without quotation marks"
+    if both & LIST:
+        return "compare an element of the list, `x[0]`"
+    return "compare it with a value of its own kind"
+
+
+def always_true(program: AnalysedProgram) -> Iterator[Finding]:
+    """Report conditions that are no question."""
+    conditions: list[ast.expr] = [statement.test for statement in program.nodes(ast.If)]
+    conditions += [statement.test for statement in program.nodes(ast.While)]
+    conditions += [choice.test for choice in program.nodes(ast.IfExp)]
+    while conditions:
+        node = conditions.pop()
+        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
+            conditions.append(node.operand)
+        elif isinstance(node, ast.BoolOp):
+            yield from _alternatives(program, node)
+            conditions += node.values
+        elif isinstance(node, ast.Compare):
+            yield from _position_as_truth(program, node)
+        else:
+            yield from _truth(program, node)
+
+
+def _alternatives(program: AnalysedProgram, node: ast.BoolOp) -> Iterator[Finding]:
+    """Yield the values that stand alone behind `or`: `x == 1 or 2`."""
+    first = node.values[0]
+    if not isinstance(node.op, ast.Or) or not isinstance(first, ast.Compare) or not isinstance(first.ops[0], ast.Eq):
+        return
+    for part in node.values[1:]:
+        if isinstance(part, ast.Constant) and part.value and not isinstance(part.value, bool):
+            left = ast.unparse(first.left)
+            text = f"{shown_source(program, part)} alone is always true"
+            yield Finding(part, text, f"write the comparison again: {left} == {ast.unparse(part)}")
+            return
+
+
+def _position_as_truth(program: AnalysedProgram, node: ast.Compare) -> Iterator[Finding]:
+    if len(node.ops) != 1 or not isinstance(node.ops[0], (ast.Eq, ast.NotEq, ast.Is, ast.IsNot)):
+        return
+    other = node.comparators[0]
+    if isinstance(other, ast.Constant) and isinstance(other.value, bool):
+        value = program.values.of(node.left)
+        if _is_position(value):
+            yield Finding(node, *_position_words(program, node.left))
+
+
+def _truth(program: AnalysedProgram, node: ast.expr) -> Iterator[Finding]:
+    if isinstance(node, (ast.Constant, ast.List, ast.Tuple)):
+        return
+    value = program.values.of(node)
+    if not value.is_known:
+        return
+    if _is_position(value):
+        yield Finding(node, *_position_words(program, node))
+    elif not value.kinds & ~ROW and value.must & OUTSIDE and truth(value) is True:
+        text = f"{shown_source(program, node)} is a list that is never empty, which is always true"
+        yield Finding(node, text, "ask for its first element, which says how many values came")
+
+
+def _is_position(value: Value) -> bool:
+    return value.role == POSITION and not value.kinds & ~WHOLE and (value.low < 0 or value.has_constant)
+
+
+def _position_words(program: AnalysedProgram, node: ast.expr) -> tuple[str, str]:
+    text = f"{shown_source(program, node)} is a position: 0 at the start, which is false; -1 for none, which is true"
+    return text, f"ask {ast.unparse(node)} >= 0"
+
+
+def measured_exactly(program: AnalysedProgram) -> Iterator[Finding]:
+    """Report `==` and `!=` with a measured value."""
+    for node in program.nodes(ast.Compare):
+        if len(node.ops) != 1 or not isinstance(node.ops[0], (ast.Eq, ast.NotEq)):
+            continue
+        sides = (node.left, node.comparators[0])
+        values = [program.values.of(side) for side in sides]
+        measured = [_is_measured(value) for value in values]
+        if any(measured) and not all(measured) and all(map(_has_numbers, values)):
+            side = sides[measured.index(True)]
+            text = f"{shown_source(program, side)} is measured, and never exactly equal to a planned value on an arm"
+            yield Finding(node, text, _nearness(values[0], side))
+
+
+def _is_measured(value: Value) -> bool:
+    return bool(value.must & MEASURED) and (value.kinds == FLOAT or not value.kinds & ~ROW)
+
+
+def _has_numbers(value: Value) -> bool:
+    return value.is_known and (not value.kinds & ~NUMBER or not value.kinds & ~ROW)
+
+
+def _nearness(value: Value, side: ast.expr) -> str:
+    if value.kinds & NUMBER:
+        return "ask whether the difference is small: abs(a - b) < 0.001"
+    if value.role == "pose":
+        return "ask whether the distance is small: point_dist(a, b) < 0.001"
+    return "ask whether each difference is small: all(abs(x - y) < 0.001 for x, y in zip(a, b))"
