@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from elitescript.errors import UsageError
-from elitescript.paths import real_path
+from elitescript.paths import is_program_name, real_path
 from elitescript.shown import encodable
 
 
@@ -35,7 +35,7 @@ class Folder:
 
         Args:
             name: relative to the folder, or absolute.
-            suffixes: one of which it must have.
+            suffixes: one of which it must have, in small or capital letters.
 
         Raises:
             UsageError: it is outside the folder, no ordinary file or of another kind.
@@ -43,7 +43,7 @@ class Folder:
         try:
             found = (self.path / self._given(name)).resolve()
             is_inside = found.is_relative_to(self.path)
-            if is_inside and found.suffix not in suffixes:
+            if is_inside and found.suffix.lower() not in suffixes:
                 raise UsageError(f"{name}: a file with the suffix {' or '.join(suffixes)} is needed")
             if is_inside and not found.is_file():
                 raise UsageError(f"{name}: there is no such file in {self.path}")
@@ -68,7 +68,7 @@ class Folder:
         return next((path for path in self._programs() if encodable(path) == name), name)
 
     def _programs(self) -> Iterator[str]:
-        for path in self.path.rglob("*.script"):
+        for path in self.path.rglob("*.*"):
             inside = path.relative_to(self.path)
-            if not any(part.startswith(".") for part in inside.parts):
+            if is_program_name(path.name) and not any(part.startswith(".") for part in inside.parts):
                 yield str(inside)
