@@ -63,9 +63,9 @@ class Steps:
     def go(self, request: Mapping[str, Any]) -> dict[str, Any]:
         """Let the run go on or back; return where it stops."""
         session, how = self._debugged, request["how"]
-        for name, ways in GOES_WITH.items():
-            if request.get(name) is not None and how not in ways:
-                raise UsageError(f"{name} goes with {', '.join(ways)}, not with {how}")
+        for name, fitting in GOES_WITH.items():
+            if request.get(name) is not None and how not in fitting:
+                raise UsageError(f"{name} goes with {', '.join(fitting)}, not with {how}")
         try:
             if how in THREAD_STEPS:
                 return self._stopped(THREAD_STEPS[how](session, _thread(request, session)))
