@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from elitescript.cli import record, serve, shadow, sweep
 from elitescript.cli.main import main
 from elitescript.cli.output.report import LOGS, TextRunReport
 from elitescript.cli.serve import ServeLog
@@ -68,16 +69,29 @@ def _raw(text: str) -> str:
 
 
 def renamed(call: Call) -> Call:
-    """Return a call whose programs have a name of a stranger."""
+    """Return a call whose programs, and what it writes, have names of a stranger."""
     names = {name: f"a\x1b[2J\n::error::##[x]\u202e\udce9{name}" for name in call.files if name.endswith(".script")}
     if "--case" in call.words:
         names = {}
+    names |= {name: f"b\x1b[2J\n::error::##[x]\u202e\udce9{name}" for name in call.writes}
     words = tuple(names.get(word, word) for word in call.words)
     files = {names.get(name, name): text for name, text in call.files.items()}
     return call._replace(words=words, files=files)
 
 
-SLOW = ("sweep", "sweep --out", "sweep --page", "sweep --minimise", "doctor", "doctor --json", "run --case")
+SLOW = (
+    "sweep",
+    "sweep alarm",
+    "audit --fit",
+    "audit --page",
+    "replay --trace",
+    "sweep --out",
+    "sweep --page",
+    "sweep --minimise",
+    "doctor",
+    "doctor --json",
+    "run --case",
+)
 """Those that take longer and print what others print, too."""
 
 
@@ -110,17 +124,17 @@ def test_nothing_that_a_command_prints_acts(call, tmp_path, monkeypatch, capfd):
         harmless(done.out, is_github="github" in call.words)
 
 
-@pytest.mark.parametrize("text", TEXTS.values(), ids=TEXTS)
 @pytest.mark.parametrize("is_json", [False, True], ids=["text", "json"])
-def test_a_text_is_shown_whole(text, is_json, tmp_path, monkeypatch, capfd):
-    program = f"def p():\n  textmsg({text!a})\nend\n"
-    call = of("run --json" if is_json else "run")._replace(files={"moves.script": program})
+def test_a_text_is_shown_whole(is_json, tmp_path, monkeypatch, capfd):
+    said = "".join(f"  textmsg({text!a})\n" for text in TEXTS.values())
+    call = of("run --json" if is_json else "run")._replace(files={"moves.script": f"def p():\n{said}end\n"})
     out = harmless(called(call, tmp_path, monkeypatch, capfd).out)
     if is_json:
-        (said,) = [row["text"] for row in map(json.loads, out.splitlines()) if row["type"] == "log"]
-        assert said == text
+        rows = [json.loads(line) for line in out.splitlines()]
+        assert [row["text"] for row in rows if row["type"] == "log"] == [*TEXTS.values()]
     else:
-        assert out.startswith(f"     0.000 s  {shown(text)}\n     0.000 s  finished")
+        lines = "".join(f"     0.000 s  {shown(text)}\n" for text in TEXTS.values())
+        assert out.startswith(f"{lines}     0.000 s  finished")
 
 
 # ---------------------------------------------------------------- every event, every line of `serve`
@@ -164,3 +178,9 @@ def test_no_text_about_a_client_or_a_robot_acts(kind):
     log.studio(ALL, "")
     log.studio(ALL, ALL)
     assert len(harmless(out.getvalue()).split("\n")) == 1 + 4 * ALL.count("\n") + 4 + ALL.count("\n")
+
+
+@pytest.mark.parametrize("say", [record._say, shadow._say, sweep._note, serve._warn], ids=lambda say: say.__module__)
+def test_no_text_of_a_note_acts(say, capsys):
+    say(ALL)
+    assert harmless(capsys.readouterr().err).count("\n| ") == ALL.count("\n")

@@ -686,6 +686,19 @@ def test_no_message_is_left_behind_wherever_another_one_interrupts_its_sending()
     assert 5 <= interrupted < 20
 
 
+def test_no_text_of_a_program_acts_in_the_console(client, tmp_path):
+    text = r"a\n::error::b ##[c] \x1b[2J \ud83d"
+    said = f'  textmsg("{text}")\n  popup("{text}", "{text}", False, False)\n  raise ValueError("{text}")\n'
+    client.initialize()
+    client.stop_of(client.launch(program(tmp_path, f"def cell():\n{said}end\n")))
+    shown = "a\n| :\\x3aerror::b #\\x23[c] \\x1b[2J \\ud83d\n"
+    assert [one for one in client.texts() if "error" in one] == [
+        shown,
+        f"{shown[:-1]}: {shown}",
+        f"R100 ValueError: {shown}",
+    ]
+
+
 class TestConditions:
     """What cannot be evaluated: what the client is told; see tests/debugger/test_conditions.py."""
 
@@ -695,7 +708,8 @@ class TestConditions:
         path = program(tmp_path, self.TEXT)
         stop = client.start(path, {"line": 4, "condition": "xx > 1"})["body"]
         assert (stop["reason"], stop["hitBreakpointIds"]) == ("breakpoint", [1])
-        text = "the condition of line 4 cannot be evaluated: xx > 1: there is no variable 'xx' here (said once)"
+        why = "there is no variable 'xx' here; did you mean 'x'?"
+        text = f"the condition of line 4 cannot be evaluated: xx > 1: {why} (said once)"
         assert (stop["description"], stop["text"]) == ("a condition that cannot be evaluated", text)
         (output,) = [body for body in client.bodies("output") if text in body["output"]]
         assert (output["category"], output["line"], output["source"]["path"]) == ("important", 4, str(path))
