@@ -96,12 +96,57 @@ def test_marker_before_ini_before_default(pytester):
     result.stdout.fnmatch_lines(["*after 7 s of robot time*", "*after 3.5 s of robot time*"])
 
 
-@pytest.mark.parametrize("value", ["soon", "-1", "nan"])
-def test_a_limit_that_is_no_number_is_refused(pytester, value):
-    pytester.makeini(f"[pytest]\nelitescript_wall_limit_s = {value}\n")
+@pytest.mark.parametrize("name", ["limit_s", "wall_limit_s"])
+@pytest.mark.parametrize("value", ["soon", "-1", "nan", "-inf", "true", "1_0 s"])
+def test_a_limit_that_is_no_number_is_refused(pytester, name, value):
+    pytester.makeini(f"[pytest]\nelitescript_{name} = {value}\n")
     result = run(pytester, "def test_it(robot):\n    robot.run(ENDLESS)\n")
     result.assert_outcomes(failed=1)
-    result.stdout.fnmatch_lines([f"*elitescript_wall_limit_s: write seconds, or 0 for no limit, not '{value}'"])
+    result.stdout.fnmatch_lines([f"*elitescript_{name}: write seconds, or 0 for no limit, not *{value}*"])
+
+
+@pytest.mark.parametrize("name", ["limit_s", "wall_limit_s"])
+@pytest.mark.parametrize("value", ["True", "False", "'5'", "b'5'", "''", "-1", "float('nan')", "-10**400", "[5]", "1j"])
+def test_a_limit_of_a_marker_that_is_no_number_is_refused(pytester, name, value):
+    text = f"""
+        @pytest.mark.elitescript({name}={value})
+        def test_it(robot):
+            robot.run("def p():\\n  x = 1\\nend\\n")
+        """
+    result = run(pytester, text)
+    result.assert_outcomes(failed=1)
+    result.stdout.fnmatch_lines([f"*@pytest.mark.elitescript({name}=): write seconds, or 0 for no limit, not *"])
+
+
+@pytest.mark.parametrize("value", ["0", "0.0", "inf", "1e300"])
+def test_no_limit(pytester, value):
+    pytester.makeini(f"[pytest]\nelitescript_limit_s = {value}\nelitescript_wall_limit_s = {value}\n")
+    # Beside a timer of another plugin too, where a thread waits.
+    text = f"""
+        import signal
+
+        def test_ini(robot):
+            assert robot.run("def p():\\n  sleep(4000)\\nend\\n").state == "finished"
+
+        @pytest.mark.elitescript(limit_s=float("{value}"), wall_limit_s=float("{value}"))
+        def test_marker(robot, monkeypatch):
+            monkeypatch.setattr("elitescript.pytest_plugin.limits._has_timers", lambda: False)
+            assert robot.run("def p():\\n  sleep(4000)\\nend\\n").state == "finished"
+        """
+    run(pytester, text).assert_outcomes(passed=2)
+
+
+def test_a_test_script_without_until_has_the_limit_of_all_runs(pytester):
+    pytester.makeini("[pytest]\nelitescript_limit_s = 7\n")
+    endless = "def test_it():\n  while True:\n    sleep(1)\n  end\nend\n"
+    for name, header in (("ini", ""), ("until", "until=5"), ("limit", "limit_s=3.5")):
+        (pytester.path / f"test_{name}.script").write_text(f"# elitescript: {header}\n{endless}" if header else endless)
+    (pytester.path / "test_none.script").write_text("# elitescript: limit_s=0\ndef test_it():\n  sleep(4000)\nend\n")
+    result = pytester.runpytest_inprocess("-p", "no:cacheprovider")
+    result.assert_outcomes(failed=3, passed=1)
+    text = result.stdout.str()
+    for seconds in ("7", "5", "3.5"):
+        assert f"still running after {seconds} s of robot time; another limit: `# elitescript: until=SECONDS`" in text
 
 
 def test_wall_time_counts_also_with_a_limit_of_robot_time(pytester):
