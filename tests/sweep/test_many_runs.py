@@ -57,7 +57,7 @@ def test_a_finished_table_belongs_to_its_settings(tmp_path: Path) -> None:
     more = sweep(PROGRAM, **arguments, runs=6, resume=True, on_progress=lambda *counts: seen.append(counts))
     assert seen[0][0] > 4
     assert (len(more), len(out.read_text().splitlines())) == (6, 7)
-    with pytest.raises(UsageError, match="was made with other settings: --seed 1, was 0"):
+    with pytest.raises(UsageError, match="was made with other settings: --seed 1 now, --seed 0 then"):
         sweep(PROGRAM, **arguments, runs=6, seed=1, resume=True)
 
 
