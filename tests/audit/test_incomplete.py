@@ -87,6 +87,16 @@ class TestEnds:
         assert (found.is_complete, found.ends) == (False, None)
         assert found.json()["begins"]["t"] == 0.0
 
+    @pytest.mark.parametrize("first", [30, 60, 90, 120, 200, 300])
+    def test_what_the_simulated_run_does_before_the_begin_is_not_counted(self, first):
+        whole = undisturbed(LOOP)
+        found = audit(rows_of(whole, slice(first, None)), LOOP)
+        assert found.agrees
+        for line in found.first.comparison.lines:
+            assert line.recorded_passes == line.simulated_passes, line
+            assert line.simulated_s == pytest.approx(line.recorded_s, abs=0.009)
+        assert found.json()["simulated_s"] == pytest.approx(found.json()["recorded_s"], abs=0.009)
+
     def test_without_a_state_the_line_says_whether_the_program_goes_on(self):
         whole = undisturbed(LOOP)
         whole = replace(whole, columns={name: its for name, its in whole.columns.items() if name != "runtime_state"})
