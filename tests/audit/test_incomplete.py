@@ -172,8 +172,20 @@ class TestCommand:
         (folder / "killed.mcap").write_bytes(data[:end])
         assert read_recording("killed.mcap").is_cut_off
         capsys.readouterr()
-        main(["audit", "killed.mcap"])
-        assert "the file of the recording is cut off" in capsys.readouterr().out
+        # The run is whole, but another one may have been behind it.
+        assert main(["audit", "killed.mcap"]) == 1
+        text = capsys.readouterr().out.splitlines()
+        assert text[1].startswith("the file of the recording is cut off")
+        assert text[2] == "agrees as far as it is recorded: target joints, times and signals"
+        assert main(["audit", "killed.mcap", "--partial"]) == 0
+        capsys.readouterr()
+        assert main(["audit", "killed.mcap", "--json"]) == 1
+        found = json.loads(capsys.readouterr().out)
+        assert (found["agrees"], found["complete"], found["ends"]["run"]) == (True, False, 1)
+        assert found["ends"]["t"] == found["recorded_s"]
+        (folder / "short.mcap").write_bytes(data[:300])
+        assert main(["audit", "short.mcap"]) == 2
+        assert "the recording has no rows: its file is cut off before the first" in capsys.readouterr().err
 
 
 class TestKept:
