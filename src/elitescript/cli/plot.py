@@ -30,6 +30,7 @@ from elitescript.plotting.sampling import Sampling
 from elitescript.plotting.trace_reader import SUFFIXES, read_trace
 from elitescript.robot import VirtualRobot
 from elitescript.run import EXIT_CODES
+from elitescript.shown import shown_word
 
 UNTIL_S: Final = 300.0
 """Default limit of robot time."""
@@ -104,7 +105,7 @@ def _write(target: Path, recording: Recording, compared: Recording | None = None
     step_s = max(recording.step_s, found.step_s)
     step = "" if step_s <= PERIOD_S else f", a row every {1000.0 * step_s:g} ms"
     other = "" if compared is None else f"; compared with {_in_words(compared)}"
-    print(f"{target}: {_in_words(recording)}{step}{other} ({target.stat().st_size / 1000:.0f} kB)")
+    print(f"{shown_word(str(target))}: {_in_words(recording)}{step}{other} ({target.stat().st_size / 1000:.0f} kB)")
 
 
 def _in_words(recording: Recording) -> str:

@@ -37,7 +37,7 @@ class TraceFile(AbstractContextManager["TraceFile"]):
         if why := why_no_file(path):
             raise UsageError(f"--trace {path}: it {why}")
         try:
-            self._file: TextIO = path.open("w", encoding="utf-8", newline="")
+            self._file: TextIO = path.open("w", encoding="utf-8", errors="backslashreplace", newline="")
         except OSError as error:
             raise UsageError(f"--trace {path}: {error.strerror or error}") from error
         if path.suffix == ".csv":
