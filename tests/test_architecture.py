@@ -285,9 +285,10 @@ class TestReads:
 
     OTHERS: ClassVar = {
         "cli/contact_findings.py": "what its own process writes to it",
-        "cli/main.py": "/dev/null",
+        "cli/output/streams.py": "/dev/null",
         "cli/output/trace_file.py": "writes",
         "cli/watched.py": "/proc of its own processes",
+        "commands/definition/docstring.py": "files of the package",
         "coverage/recording.py": "memory of its own processes",
         "dap/worker.py": "/dev/null",
         "environment/coverage_file.py": "memory of its own processes",

@@ -27,7 +27,7 @@ from elitescript.errors import UsageError
 from elitescript.kernel.arm import named_model
 from elitescript.kernel.kernel import Kernel
 from elitescript.kernel.option_signature import takes_options
-from elitescript.kernel.options import DEFAULTS, IN_VIRTUAL_TIME, check_keywords, robot_options
+from elitescript.kernel.options import DEFAULTS, IN_VIRTUAL_TIME, check_keywords, given_ticks, robot_options
 from elitescript.language.compiler import CompiledUnit, compile_task, compile_unit
 from elitescript.language.hash_order import may_hold_set
 from elitescript.language.options import SECONDARY, Options
@@ -36,7 +36,7 @@ from elitescript.messages.events import BARRED, UNDELIVERED, Alarm, Event, Signa
 from elitescript.messages.machine import AskSafety, PauseTask, ResumeTask, SetSpeedScale, StopTask
 from elitescript.messages.signals import Value
 from elitescript.messages.state import RobotState
-from elitescript.messages.timing import given_ticks, seconds, ticks_for
+from elitescript.messages.timing import seconds, ticks_for
 from elitescript.models.model import RobotModel
 from elitescript.observer import OBSERVATION
 from elitescript.run import NOT_DELIVERED, EndState, Look, Run

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Final
 
 from elitescript.kernel.kernel import Kernel
+from elitescript.kernel.options import given_ticks
 from elitescript.messages.events import DeviceNoted
-from elitescript.messages.timing import given_ticks
 from elitescript.protocol.transport import MemoryTransport
 
 EXPECT_S: Final = 1.0

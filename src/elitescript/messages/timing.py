@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from math import ceil, isnan, nan
-from typing import Any, Final
+from math import ceil, isnan
+from typing import Final
 
 from elitescript.errors import UsageError
 
@@ -46,22 +46,3 @@ def ticks_for(duration_s: float) -> int:
     if isnan(duration_s):
         raise UsageError("a duration must be a number of seconds, not nan")
     return max(0, ceil(min(duration_s, LONGEST_S) * TICKS_PER_S - _ROUNDING_TICKS))
-
-
-def given_ticks(duration_s: Any, name: str) -> int:
-    """Return the ticks of a time that a caller in Python gives, rounded up; infinity is as long as `LONGEST_S`.
-
-    Args:
-        duration_s: the time, s.
-        name: of the argument.
-
-    Raises:
-        UsageError: no number of at least 0; the text names the argument.
-    """
-    try:
-        number = nan if isinstance(duration_s, bool | str | bytes) else float(duration_s)
-    except (TypeError, ValueError, OverflowError):
-        number = nan
-    if not number >= 0.0:
-        raise UsageError(f"{name} must be a number of at least 0, in s, got {duration_s!r}")
-    return ticks_for(number)

@@ -12,9 +12,8 @@ from weakref import finalize
 
 from elitescript.environment.process import cores
 from elitescript.errors import UsageError
-from elitescript.kernel.options import OPTIONS, Section, Whole, accept, check_keywords
+from elitescript.kernel.options import OPTIONS, UNTIL, Section, Whole, accept, accepted, check_keywords
 from elitescript.messages.signals import Value
-from elitescript.messages.timing import given_ticks
 from elitescript.records import replace
 from elitescript.run import Run
 from elitescript.sweep.chaos.properties import properties_of
@@ -111,10 +110,10 @@ def sweep(
     """
     for name, given_s in (("until_s", until_s), ("step_s", step_s), ("max_wall_s", max_wall_s)):
         if given_s is not None:
-            given_ticks(given_s, name)
+            accepted(UNTIL, given_s, name)
     for name, count in (("runs", runs), ("jobs", jobs)):
         if count is not None:
-            _check(count, name, Whole(1))
+            accepted(Whole(1), count, name)
     checks = [ensure] if isinstance(ensure, str) or callable(ensure) else list(ensure)
     functions: dict[str, Callable[[Run], Any]] = {}
     table = None if out is None else Path(out)
@@ -244,13 +243,6 @@ class Sweep:
 
     def __repr__(self) -> str:
         return "\n".join(self.summary.lines())
-
-
-def _check(value: object, name: str, kind: Whole) -> None:
-    try:
-        kind.accept(value)
-    except UsageError as error:
-        raise UsageError(f"{name} {error}") from None
 
 
 def _variation(name: str, given: Variation | str | Sequence[Any]) -> Variation:
