@@ -90,8 +90,10 @@ def _run(arguments: list[str], *, is_process: bool = False) -> int:
 
 
 def _say(arguments: list[str], text: str) -> None:
+    from elitescript.shown import shown
+
     with suppress(OSError):
-        print(f"{' '.join(['elitescript', *arguments[:1]])}: {text}", file=sys.stderr)
+        print(shown(f"{' '.join(['elitescript', *arguments[:1]])}: {text}"), file=sys.stderr)
 
 
 def os_error_text(error: OSError) -> str:
