@@ -184,7 +184,7 @@ class ProgramError(ElitescriptError):
 
     def __init__(self, problems: tuple[Any, ...]) -> None:
         self.problems = problems
-        super().__init__("\n".join(str(problem) for problem in problems))
+        super().__init__("\n".join(shown(str(problem)) for problem in problems))
 
 
 class AlarmError(ElitescriptError):
