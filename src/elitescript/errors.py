@@ -185,7 +185,7 @@ class ProgramError(ElitescriptError):
     def __init__(self, problems: tuple[Any, ...], file: str = "") -> None:
         self.problems = problems
         self.file = file
-        super().__init__("\n".join(str(problem) for problem in problems))
+        super().__init__("\n".join(shown(str(problem)) for problem in problems))
 
 
 class AlarmError(ElitescriptError):
