@@ -43,6 +43,8 @@ def _called(call: ast.Call) -> str:
         ("'a' * 3", "aaa"),
         ("3 * 'a'", "aaa"),
         ("1 < 2", True),
+        ("f'a{1}{2.5}{True}'", "a12.5True"),
+        ("'10.0.0.' + str(5)", "10.0.0.5"),
     ],
 )
 def test_arithmetic_of_literals_is_certain(expression, expected):
@@ -62,7 +64,11 @@ def test_arithmetic_of_literals_is_certain(expression, expected):
         "x",
         "[*x]",
         "{}",
-        "f'{1}'",
+        "f'{1:d}'",
+        "f'{1!r}'",
+        "f'{x}'",
+        "str(x)",
+        "str([1])",
         "d2r('a')",
         "d2r(x)",
         "[0] * 100000",

@@ -43,6 +43,7 @@ from elitescript.values.description import (
     unknown_of,
 )
 from elitescript.values.operators import binary, compare, unary
+from elitescript.values.plain import LONGEST
 from elitescript.values.references import Method, ModuleType, Name, Own
 from elitescript.values.state import DEPTH_MAX, GivenUp
 
@@ -235,12 +236,22 @@ class Expressions(Calls):
         return shaped(DICT, Shape(None, join_all(values), 0, inf), site)
 
     def _text(self, node: ast.JoinedStr) -> Value:
+        parts: list[Value] = []
+        has_formats = False
         for part in node.values:
             if isinstance(part, ast.FormattedValue):
-                self.expression(part.value)
+                parts.append(self.expression(part.value))
                 if part.format_spec is not None:
                     self.expression(part.format_spec)
-        return SOME_TEXT
+                has_formats = has_formats or part.conversion != -1 or part.format_spec is not None
+            else:
+                parts.append(self.expression(part))
+        if any(not part.kinds for part in parts):
+            return BOTTOM
+        if has_formats or not all(part.has_constant for part in parts):
+            return SOME_TEXT
+        text = "".join(str(part.constant) for part in parts)
+        return constant(text) if len(text) <= LONGEST else SOME_TEXT
 
     def _lambda(self, node: ast.Lambda) -> Value:
         for default in (*node.args.defaults, *node.args.kw_defaults):
