@@ -43,6 +43,8 @@ def _comparison(program: AnalysedProgram, node: ast.Compare) -> Iterator[Finding
         return
     if all(isinstance(side, ast.Constant) for side in sides):
         return
+    if any(_may_be_written_elsewhere(program, side, value) for side, value in zip(sides, (left, right), strict=True)):
+        return
     if isinstance(op, (ast.Eq, ast.NotEq, ast.Is, ast.IsNot)):
         if are_of_other_kinds(left, right):
             yield Finding(node, _told(program, node, left, right), _advice(left, right))
@@ -54,9 +56,16 @@ def _comparison(program: AnalysedProgram, node: ast.Compare) -> Iterator[Finding
             return
     known = _by_range(program, node)
     if known is not None:
-        side = next(side for side, value in zip(sides, (left, right), strict=True) if _is_from_outside(value))
+        side = sides[0] if _is_from_outside(left) else sides[1]
         text = f"{_said(program, side, values.of(side))}: {shown_source(program, node)} is "
         yield Finding(node, f"{text}{'always' if known else 'never'} true", "compare it with a value that it can have")
+
+
+def _may_be_written_elsewhere(program: AnalysedProgram, node: ast.expr, value: Value) -> bool:
+    """Return whether another text, such as a secondary program, may give a global another value."""
+    if not isinstance(node, ast.Name) or value.must & OUTSIDE:
+        return False
+    return program.symbols.scope_of(node).home(node.id) is None
 
 
 def _differ_in_length(left: Value, right: Value) -> bool:

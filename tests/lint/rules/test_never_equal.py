@@ -43,6 +43,7 @@ def test_it_is_found(lines):
         "v = read_port_register(3)\nif v > 5:\n  return\nend\nif v <= 5:\n  halt()\nend",
         'i = str_find(socket_read_string(), "a")\nif i == -1:\n  halt()\nend',
         'def f(x):\n  if x == 1:\n    halt()\n  end\nend\ng = f\ng("a")',
+        "global command\ncommand = ''\nwhile command != 5:\n  sync()\nend",
     ],
 )
 def test_what_almost_is_one_is_not_found(lines):
