@@ -112,6 +112,9 @@ def test_expressions(expression, expected):
         ("global n\nn = 0\ndef f():\n  global n\n  n = 'a'\nend\ntextmsg(n)", "0 or 'a'"),
         ("global n\ntextmsg(n)", ""),
         ("global n\nn = 1\nexec('n = 2')\ntextmsg(n)", ""),
+        ("n = 1\ninterpreter_mode()\ntextmsg(n)", ""),
+        ("def f(a):\n  textmsg(a)\nend\nf(1)\neval('f(2)')", ""),
+        ("a = [1]\neval('a.append(2)')\ntextmsg(a)", "list"),
         # Lists.
         ("p = get_actual_tcp_pose()\np[2] = p[2] + 0.1\ntextmsg(p)", "pose"),
         ("p = get_actual_tcp_pose()\nfor i in range(6):\n  p[i] = 0\nend\ntextmsg(p)", "list of 6"),

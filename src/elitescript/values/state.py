@@ -35,8 +35,12 @@ CALLED_AT_MOST: Final = 40
 DEPTH_MAX: Final = 100
 """Nesting of statements and expressions that is followed."""
 
-_OPENING: Final = frozenset(("exec", "interpreter_mode"))
+_INTERPRETING: Final = "interpreter_mode"
+"""What lets other texts assign any variable that can be seen where it is called."""
+_EXECUTING: Final = ("exec", _INTERPRETING)
 """What lets other texts assign globals of the program."""
+_READING: Final = ("eval", *_EXECUTING)
+"""What lets other texts call functions of the program, and change its lists."""
 
 _COMPARING: Final = frozenset(("__eq__", "__ne__", "__lt__", "__le__", "__gt__", "__ge__", "__contains__"))
 """Methods of classes that may return anything from a comparison."""
@@ -101,6 +105,8 @@ class State:
             scope.kind == "class" and not _COMPARING.isdisjoint(scope.bindings) for scope in symbols.scopes
         )
         self._has_foreign_writers = self._find_foreign_writers()
+        self._has_interpreter = self._is_read(_INTERPRETING)
+        self._has_foreign_readers = self._is_read(*_READING)
 
     def _changed(self, readers: Collection[Function]) -> None:
         for reader in readers:
@@ -114,7 +120,11 @@ class State:
         """Return whether other texts may assign globals of the program."""
         if self.symbols.parsed.kind in (SECONDARY, LINE):
             return True
-        return any(name in scope.reads for scope in self.symbols.scopes for name in _OPENING)
+        return self._is_read(*_EXECUTING)
+
+    def _is_read(self, *names: str) -> bool:
+        """Return whether the program uses one of some names."""
+        return any(name in scope.reads for scope in self.symbols.scopes for name in names)
 
     def _function_of(self, scope: Scope) -> Function:
         found = self._functions.get(scope)
@@ -152,7 +162,10 @@ class State:
                 variable.cell.add(UNKNOWN)
         else:
             owner = self.owner(home)
-            variable = Variable(name, owner, self.symbols.is_nonlocal_inside(name, home))
+            is_shared = self._has_interpreter or self.symbols.is_nonlocal_inside(name, home)
+            variable = Variable(name, owner, is_shared)
+            if self._has_interpreter:
+                variable.cell.add(UNKNOWN)
         self._variables[home, name] = variable
         return variable
 
@@ -167,7 +180,7 @@ class State:
             function, node, outer = self._function_of(scope), scope.node, scope.parent
             if outer is None:
                 continue
-            if outer.kind == "class" or node.decorator_list:
+            if outer.kind == "class" or node.decorator_list or self._has_foreign_readers:
                 function.is_open = True
                 continue
             reads = symbols.reads_of(node.name, outer.home(node.name))
@@ -213,6 +226,8 @@ class State:
     # ---------------------------------------------------------------- state
 
     def _assign(self, variable: Variable, value: Value) -> None:
+        if self._has_foreign_readers:
+            self._escape(value)
         cell = variable.cell
         if cell.value is not value and cell.add(value) and cell.readers:
             self._changed(cell.readers)
