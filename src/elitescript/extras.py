@@ -42,7 +42,7 @@ EXTRAS: Final = {
     "ssh": Extra("asyncssh", "2.20", ("asyncssh",), "--ssh"),
     "lsp": Extra("pygls", "2.1", ("pygls.lsp.server", "lsprotocol.types"), "elitescript lsp"),
     "mcp": Extra("mcp", "2.0", ("mcp.server.mcpserver",), "elitescript mcp"),
-    "studio": Extra("websockets", "15.0", ("websockets.asyncio.server",), "elitescript studio"),
+    "studio": Extra("websockets", "17.0", ("websockets.asyncio.server",), "elitescript studio"),
     "cluster": Extra("distributed", "2026.1", ("distributed",), "--dask"),
     "parquet": Extra(
         "pyarrow", "20.0", ("pyarrow", "pyarrow.parquet"), "a Parquet table", "CSV and JSON lines work without it"
