@@ -95,6 +95,7 @@ _ROWS: Final = (
     Code("W242", "warning", "measured values compared exactly"),
     Code("W243", "warning", "lists joined where numbers were meant"),
     Code("W244", "warning", "time that looks like milliseconds"),
+    Code("W245", "warning", "call of a value that is no function"),
     Code("W250", "warning", "negative blend radius"),
     Code("W260", "warning", "write to an address that mirrors the robot"),
     # What a run alone can find.

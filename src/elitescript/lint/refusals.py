@@ -94,7 +94,7 @@ def refuse_description(param: Param, value: Value, text: str) -> ScriptError | N
     return None
 
 
-_SAMPLES: Final = {"str": 8, "bytes": 16, "bool": 1, "int": 2, "float": 4, "None": 32, "dict": 256}
+_SAMPLES: Final = {"str": 8, "bytes": 16, "bool": 1, "int": 2, "float": 4, "None": 32, "dict": 256, "function": 2048}
 """Kinds of which one value is refused for its type if all are; see `values.description`."""
 
 
@@ -109,6 +109,8 @@ def _sample(name: str, text: str) -> Any:
         "int": (int, 1),
         "float": (float, 1.0),
     }
+    if name == "function":
+        return type(name, (), {"__repr__": lambda self: text, "__call__": lambda self: None})()
     if name in _PLAIN:
         return _PLAIN[name]
     kind, inner = base[name]

@@ -212,6 +212,11 @@ class Value:
         return bool(self.kinds) and not self.kinds & ~NUMBER
 
     @property
+    def is_callable(self) -> bool:
+        """Whether it may be a function or an object that can be called."""
+        return bool(self.kinds & (FUNCTION | OBJECT))
+
+    @property
     def is_list(self) -> bool:
         """Whether it is a list in any case."""
         return self.kinds == LIST

@@ -15,6 +15,7 @@ from tests.lint.checking import body, marked, only
         ("movej([0, 'a', 0, 0, 0, 0])", 9),
         ("movej(5)", 9),
         ("movej(get_flag(1))", 9),
+        ("stop_thread(print)", 15),
         ("movej(socket_read_ascii_float(3))", 9),
         ("sleep(socket_read_string())", 9),
         ("sleep(movej([0, 0, 0, 0, 0, 0]))", 9),

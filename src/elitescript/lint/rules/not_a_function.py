@@ -1,0 +1,34 @@
+"""A call of a value that is no function: a variable hides a function of the same name.
+
+`list`, `str`, `max` and `sum` are functions until a program gives their names to something else.
+
+    def job():
+      list = [1, 2, 3]
+      copy = list(range(3))                       # W245: the variable `list` cannot be called
+    end
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+
+from elitescript.language.symbols import Resolution
+from elitescript.lint.program import AnalysedProgram
+from elitescript.lint.registry import Finding, rule
+
+
+@rule(code="W245", since="0.3")
+def not_a_function(program: AnalysedProgram) -> Iterator[Finding]:
+    """Report calls of numbers, texts and lists."""
+    for scope in program.symbols.scopes:
+        for call in scope.calls:
+            function = call.func
+            if not isinstance(function, ast.Name) or scope.resolve(function.id) is Resolution.BUILTIN:
+                continue
+            value = program.values.of(function)
+            if value.is_known and not value.is_callable and not program.is_tried(call):
+                from elitescript.values.words import words
+
+                text = f"`{function.id}` is {words(value)} here, and cannot be called"
+                yield Finding(function, text, "give the variable another name than the function")
