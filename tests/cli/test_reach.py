@@ -137,8 +137,8 @@ def test_what_is_not_written_as_a_value_is_said_to_be_unknown(tmp_path, capsys):
         ('socket_open("192.168.1.{}".format(n), 4)', "'192.168.1.{}'.format(n), 4", None),
         # What `eval` below computes may change a list.
         ("socket_open(hosts[1], 5)", "hosts[1], 5", None),
-        ("socket_open(where(), 6)", "where(), 6", None),
-        ("socket_open(changed, 7)", "changed, 7", None),
+        ("socket_open(where(), 6)", "c:6", False),
+        ("socket_open(changed, 7)", "b:7", False),
         ('socket_open(*["192.168.1.5", 8])', "*['192.168.1.5', 8]", None),
         ('socket_open("192.168.1.5", *[9])', "'192.168.1.5', *[9]", None),
         ('socket_open(**{"address": "a"})', "**{'address': 'a'}", None),
