@@ -106,8 +106,10 @@ def _sentence(error: Exception) -> str:
 
 
 def _say(arguments: list[str], text: str) -> None:
+    from elitescript.shown import shown
+
     with suppress(OSError):
-        print(f"{' '.join(['elitescript', *arguments[:1]])}: {text}", file=sys.stderr)
+        print(shown(f"{' '.join(['elitescript', *arguments[:1]])}: {text}"), file=sys.stderr)
 
 
 def os_error_text(error: OSError) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -64,7 +65,7 @@ def write_pages(
         if not text:
             return ""
         _write(folder / file, text)
-        return f"{quote(folder.name)}/{file}"
+        return f"{quote(os.fsencode(folder.name))}/{file}"
 
     for finding in findings:
         run = finding.first.choices.run
