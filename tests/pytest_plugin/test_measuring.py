@@ -299,6 +299,12 @@ class TestReports:
         assert result.ret == pytest.ExitCode.TESTS_FAILED
         result.stdout.fnmatch_lines(["FAIL: 93.33% of lines and branches*--script-cov-fail-under asks for 93.4%"])
 
+    @pytest.mark.parametrize("value", ["nan", "100.1", "most"])
+    def test_a_limit_that_is_no_percentage_is_refused(self, pytester, cell, value):
+        result = run(pytester, HERE, f"--script-cov-fail-under={value}")
+        assert result.ret == pytest.ExitCode.USAGE_ERROR
+        result.stderr.fnmatch_lines([f"*--script-cov-fail-under: write a number from 0 to 100, not '{value}'*"])
+
     def test_what_no_test_has_met(self, pytester, cell):
         (cell / "cell.toml").write_text(
             '[[tcp]]\nname = "camera"\nport = 5000\n\n[[fault]]\nkind = "refuse"\non = "camera"\nat_s = 0.1\n'

@@ -69,7 +69,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
     group.addoption(
         "--script-cov-fail-under",
-        type=float,
+        type=_percent,
         metavar="PERCENT",
         help="fail if less of lines and branches of all reported programs was run",
     )
@@ -85,6 +85,17 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
     for name, text in _INI.items():
         parser.addini(name, text)
+
+
+def _percent(text: str) -> float:
+    """Return a percentage of the command line."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = -1.0
+    if not 0.0 <= number <= 100.0:
+        raise pytest.UsageError(f"--script-cov-fail-under: write a number from 0 to 100, not {text!r}")
+    return number
 
 
 def pytest_configure(config: pytest.Config) -> None:
