@@ -229,6 +229,16 @@ class TestPaths:
         result.assert_outcomes(passed=1)
         assert (pytester.path / "lcov.info").read_text() == LCOV
 
+    def test_a_link_is_the_program_that_it_leads_to(self, pytester, cell):
+        (cell / "alias.script").symlink_to("cell.script")
+        (cell / "far").mkdir()
+        (cell / "far" / "round").symlink_to("..", target_is_directory=True)
+        (cell / "UNUSED2.SCRIPT").write_text("def unused2():\n  sleep(1)\nend\n")
+        run(pytester, HERE, "--script-cov=programs", "--script-cov-report=json:a.json").assert_outcomes(passed=1)
+        found = json.loads((pytester.path / "a.json").read_text())
+        shown = [program["file"] for program in found["programs"]]
+        assert shown == ["programs/UNUSED2.SCRIPT", "programs/cell.script", "programs/unused.script"]
+
     def test_several_files(self, pytester, cell):
         words = ("--script-cov=programs/unused.script", "--script-cov=programs/cell.script")
         result = run(pytester, HERE, *words, "--script-cov-report=lcov:lcov.info")
@@ -285,6 +295,25 @@ class TestReports:
             "functions_hit": 1,
             "percent": 93.33,
         }
+
+    @pytest.mark.parametrize("by", ["variable", "git"])
+    def test_services_find_files_from_the_root_of_the_repository(self, pytester, cell, monkeypatch, by):
+        top = pytester.path.parent
+        inner = f"{pytester.path.name}/programs/cell.script"
+        if by == "variable":
+            monkeypatch.setenv("GITHUB_WORKSPACE", str(top))
+        else:
+            (top / ".git").mkdir()
+        try:
+            kinds = ("xml:a.xml", "lcov:a.info", "json:a.json")
+            run(pytester, HERE, *(f"--script-cov-report={kind}" for kind in kinds)).assert_outcomes(passed=1)
+        finally:
+            if by == "git":
+                (top / ".git").rmdir()
+        xml = (pytester.path / "a.xml").read_text()
+        assert f'filename="{inner}"' in xml
+        assert f"<source>{top.resolve()}</source>" in xml
+        assert f"SF:{inner}\n" in (pytester.path / "a.info").read_text()
 
     def test_a_session_that_a_failure_ends_has_its_reports(self, pytester, cell):
         test = HERE + "    assert 0\ndef test_never(): pass\n"

@@ -174,7 +174,8 @@ def _answered(options: argparse.Namespace, *, is_process: bool) -> int:
     try:
         return _dispatch(options, is_process=is_process)
     except (ProgramError, ElitescriptError) as error:
-        print(f"elitescript {options.command}: {shown(str(error))}", file=sys.stderr)
+        place = f"{error.file}: " if isinstance(error, ProgramError) and error.file else ""
+        print(f"elitescript {options.command}: {shown(place + str(error))}", file=sys.stderr)
         return DOES_NOT_COMPILE if isinstance(error, ProgramError) else USAGE
     except OSError as error:
         print(f"elitescript {options.command}: {shown(os_error_text(error))}", file=sys.stderr)
@@ -287,8 +288,9 @@ def _parsed(arguments: list[str]) -> argparse.Namespace:
 
 def _no_command(word: str, known: list[str]) -> str:
     from elitescript.errors import did_you_mean
+    from elitescript.paths import is_program_name
 
-    if word.endswith(".script"):
+    if is_program_name(word):
         return f"{word!r} is no command; to run it: elitescript run {word}"
     return f"{word!r} is no command{did_you_mean(word, known)}; there are {', '.join(known)}"
 

@@ -63,8 +63,8 @@ def reach(options: argparse.Namespace) -> int:
             continue
         try:
             source = SourceFile.from_bytes(text.name, text.data)
-        except (UnicodeDecodeError, ProgramError):
-            print(f"elitescript check: {shown_word(text.name)} is no text", file=sys.stderr)
+        except ProgramError as error:
+            print(f"elitescript check: {shown_word(text.name)}: {error}", file=sys.stderr)
             code = code or BROKEN
             continue
         parsed = parse(source, Options(strict=robot.options.strict))

@@ -9,11 +9,11 @@ from typing import Any, Final
 
 from elitescript.client.rtsi_messages import OutputLayout
 from elitescript.errors import UsageError
+from elitescript.extras import require
 from elitescript.paths import MOVED, REMOVED
 from elitescript.protocol.binary import Number
 from elitescript.recorder import channels
 from elitescript.recorder.channels import CHANGES, DASHBOARD, EVENTS, PRIMARY, SLOW
-from elitescript.recorder.extra import check_mcap
 from elitescript.recorder.facts import CLOCK, CONNECTED, STATES
 from elitescript.recorder.mcap_file import files_of, rotated
 from elitescript.recorder.protobuf import RowLayout
@@ -67,7 +67,7 @@ class McapSink:
         rotation: Rotation | None = None,
         say: Callable[[str], None] = lambda text: None,
     ) -> None:
-        check_mcap()
+        require("mcap")
         if not path.name:
             raise UsageError(f"{path} is no name of a file")
         if not path.parent.is_dir():
