@@ -241,10 +241,10 @@ def assert_true(call: Call, name: str, folder: Path) -> None:
     written = [file for file in call.writes if (folder / "w" / file).exists()]
     if expected == call.code:
         assert written == list(call.writes)
-    whole = reference(call, folder / "whole") if written else {}
-    for file in written:
-        if file.endswith((".csv", ".json", ".html")):
-            assert (folder / "w" / file).read_bytes() == whole[file]
+    same = [file for file in written if file.endswith((".csv", ".json", ".html"))]
+    whole = reference(call, folder / "whole") if same else {}
+    for file in same:
+        assert (folder / "w" / file).read_bytes() == whole[file]
 
 
 def reference(call: Call, folder: Path) -> dict[str, bytes]:
