@@ -29,6 +29,8 @@ DOES_NOT_COMPILE = 3
 HASH_SEED = "0"
 """The order of a set of strings depends on it, so every process has the same."""
 
+_NO_MEMORY = "there is not enough memory"
+
 _RUNNING = ("run", "plot", "serve", "replay", "sweep", "audit", "shadow")
 """Commands that run programs."""
 
@@ -53,7 +55,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     if None in (sys.stdin, sys.stdout, sys.stderr):
         streams.open_closed_streams()
     streams.open_streams(arguments[0] if arguments else "")
-    code = _run(arguments, is_process=True)
+    try:
+        code = _run(arguments, is_process=True)
+    except (MemoryError, SystemError):
+        # Without any memory Python fails wherever it is.
+        os.write(2, f"elitescript: {_NO_MEMORY}\n".encode())
+        os._exit(USAGE)
     failure = streams.failure_of_streams()
     if streams.is_ended_with_reader(arguments[0] if arguments else ""):
         code = streams.ENDED_WITH_READER
@@ -83,10 +90,19 @@ def _run(arguments: list[str], *, is_process: bool = False) -> int:
     except Exception as error:
         if not is_process:
             raise
+        _say(arguments, _sentence(error))
+        return USAGE
+
+
+def _sentence(error: Exception) -> str:
+    """Return what to say of an exception that no command has handled."""
+    try:
         from elitescript.cli.internal_error import sentence
 
-        _say(arguments, sentence(error))
-        return USAGE
+        return os_error_text(error) if isinstance(error, OSError) else sentence(error)
+    except Exception:
+        # With hardly any memory not even that can be loaded.
+        return _NO_MEMORY
 
 
 def _say(arguments: list[str], text: str) -> None:
