@@ -6,7 +6,7 @@ a bug of this library and is never swallowed.
 
 `CODES` is the only table of codes, severities and titles. Codes E0xx and E1xx
 stop a program from starting, E3xx are findings against the command catalogue, W2xx are
-warnings, R are alarms at run time.
+warnings, N2xx notes on what a sound program may have, R are alarms at run time.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class Code(NamedTuple):
 
     code: str
     severity: str
-    """`error` or `warning`; an alarm at run time is an error."""
+    """`error`, `warning` or `note`; an alarm at run time is an error."""
     title: str
     is_tolerated: bool = False
     """A warning without `--strict` and an error with it, whatever `severity` is."""
@@ -96,8 +96,23 @@ _ROWS: Final = (
     Code("W243", "warning", "lists joined where numbers were meant"),
     Code("W244", "warning", "time that looks like milliseconds"),
     Code("W245", "warning", "call of a value that is no function"),
+    Code("W246", "warning", "channel that nothing opens"),
+    Code("W247", "warning", "another server under the name of an open channel"),
+    Code("W248", "warning", "line end as the mark in front of a text"),
+    Code("W249", "warning", "MODBUS signal that cannot be used like this"),
     Code("W250", "warning", "negative blend radius"),
+    Code("W251", "warning", "MODBUS signal added in the loop that reads it"),
+    Code("W252", "warning", "address that no device has"),
+    Code("W253", "warning", "serial port that is not set up for the command"),
+    Code("W254", "warning", "thread handle used as a value"),
+    Code("W255", "warning", "tool pin that is set and is no output"),
+    Code("W256", "warning", "variable that has no value yet"),
+    Code("W257", "warning", "variable that one branch alone gives a value"),
+    Code("W258", "warning", "variable that hides that of the enclosing program"),
     Code("W260", "warning", "write to an address that mirrors the robot"),
+    # What a sound program may have, and what is worth knowing all the same.
+    Code("N221", "note", "encoder that is tracked and not set up"),
+    Code("N222", "note", "thread that the end of the program ends"),
     # What a run alone can find.
     Code("W270", "warning", "something that a program gave away and that did not arrive"),
     Code("W271", "warning", "write to an output that follows the state of the task"),

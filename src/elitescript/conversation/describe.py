@@ -140,15 +140,20 @@ def _shown_findings(found: Sequence[Diagnostic]) -> tuple[list[Message], dict[st
             if size <= FINDINGS_BYTES_MAX:
                 shown[index] = made
                 continue
-        severity = str(found[index].severity)
+        severity = _severity(found[index])
         left_out[severity] = left_out.get(severity, 0) + 1
     return [shown[index] for index in sorted(shown)], left_out
+
+
+def _severity(found: Diagnostic) -> str:
+    """Return the severity of a finding as the page names it, which is that of editors: a note is information."""
+    return "information" if found.severity is Severity.NOTE else str(found.severity)
 
 
 def problem(found: Diagnostic) -> Message:
     """Return one finding, with its repair if that is certainly what the author meant; a long one is left out whole."""
     made: Message = {
-        "severity": str(found.severity),
+        "severity": _severity(found),
         "code": found.code,
         "text": cut_text(found.text),
         "hint": cut_text(found.hint),

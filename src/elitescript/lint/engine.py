@@ -13,7 +13,7 @@ from elitescript.language.options import Options
 from elitescript.language.parser import Parsed, parse
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.program import AnalysedProgram, Span
-from elitescript.lint.registry import Finding, Rule, all_rules
+from elitescript.lint.registry import Finding, Rule, loaded_rules, rules_for
 from elitescript.lint.suppression import without_suppressed
 from elitescript.messages.profile import Profile
 from elitescript.records import NamedTuple
@@ -122,7 +122,8 @@ def problems_of(program: AnalysedProgram) -> tuple[Diagnostic, ...]:
 
 def _findings(program: AnalysedProgram) -> list[Diagnostic]:
     """Return what the rules find."""
-    rules = [rule for rule in all_rules() if not (rule.needs_all_lines and program.parsed.has_errors)]
+    rules = rules_for(program.source.text)
+    rules = [rule for rule in rules if not (rule.needs_all_lines and program.parsed.has_errors)]
     return [_located(finding, rule, program) for rule in rules for finding in rule.check(program)]
 
 
@@ -154,7 +155,7 @@ def _merged(problems: Iterable[Diagnostic]) -> list[Diagnostic]:
         places.setdefault((problem.line, problem.column), {}).setdefault(problem.code, problem)
         if problem.is_error and problem.code.startswith("E1") and problem.code not in _BESIDE_SYNTAX:
             refused_lines.add(problem.line)
-    lesser = {rule.code: rule.instead_of for rule in all_rules()}
+    lesser = {rule.code: rule.instead_of for rule in loaded_rules()}
     kept = []
     for found in places.values():
         dropped = {code for other in found for code in lesser.get(other, ())}

@@ -19,6 +19,7 @@ _KINDS: Final = {
     "catch it, and `run --strict` refuses it.",
     "R1": "An alarm: the program ends on this line, unless it catches the exception.",
     "W2": "The program starts.",
+    "N2": "The program starts; a sound program may have it.",
 }
 
 

@@ -48,7 +48,7 @@ class Flow:
             )
         if isinstance(node, ast.Assert):
             return not isinstance(node.test, ast.Constant) or bool(node.test.value)
-        return not (isinstance(node, ast.Expr) and isinstance(node.value, ast.Call) and self._never_returns(node.value))
+        return not (isinstance(node, ast.Expr) and isinstance(node.value, ast.Call) and self.never_returns(node.value))
 
     def _try_passes(self, node: ast.Try, depth: int) -> bool:
         if not self.reaches_end(node.finalbody, depth):
@@ -57,7 +57,7 @@ class Flow:
             return True
         return any(self.reaches_end(handler.body, depth) for handler in node.handlers)
 
-    def _never_returns(self, call: ast.Call) -> bool:
+    def never_returns(self, call: ast.Call) -> bool:
         """Return whether a call ends the program: `halt()`, or a function that always comes to it."""
         if not isinstance(call.func, ast.Name):
             return False

@@ -12,10 +12,10 @@ if TYPE_CHECKING:
     from elitescript.lint.program import AnalysedProgram
 
 
-def declare_global(program: AnalysedProgram, name: str, scope: Scope) -> Fix:
-    """Return the repair that declares a name global in a scope."""
+def declare(program: AnalysedProgram, word: str, name: str, scope: Scope) -> Fix:
+    """Return the repair that declares a name `global` or `nonlocal` in a scope."""
     where = f" in `{scope.name}`" if scope.name else ""
-    return Fix(f"declare `{name}` global{where}", (_first(program, f"global {name}", scope),), safe=False)
+    return Fix(f"declare `{name}` {word}{where}", (_first(program, f"{word} {name}", scope),), safe=False)
 
 
 def import_module(program: AnalysedProgram, name: str) -> Fix:

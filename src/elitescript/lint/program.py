@@ -27,6 +27,8 @@ from elitescript.records import NamedTuple
 
 if TYPE_CHECKING:
     from elitescript.errors import ScriptError
+    from elitescript.lint.assignment import Assignments
+    from elitescript.lint.called import CalledCommands
     from elitescript.values.program import Values
 
 _SIX: Final = 6
@@ -299,6 +301,20 @@ class AnalysedProgram:
         """The arguments of `command_calls`, in order."""
         known: Placements = {}
         return tuple(arrange(found.command, found.call, known) for found in self.command_calls)
+
+    @cached_property
+    def assignments(self) -> Assignments:
+        """The variables that are read without a value."""
+        from elitescript.lint.assignment import Assignments
+
+        return Assignments(self)
+
+    @cached_property
+    def called(self) -> CalledCommands:
+        """The calls of commands by name."""
+        from elitescript.lint.called import CalledCommands
+
+        return CalledCommands(self)
 
     @cached_property
     def refusals(self) -> tuple[ArgumentRefusal, ...]:

@@ -99,14 +99,38 @@ def shown_source(program: AnalysedProgram, node: ast.AST) -> str:
     return f"`{text if len(text) <= _SHOWN else text[: _SHOWN - 3] + '...'}`"
 
 
+_WORDS: Final[dict[str, tuple[str, ...]]] = {}
+"""Words of which a text has at least one where a rule can find anything, by file: other texts do not load it."""
+
+
 @cache
-def all_rules() -> tuple[Rule, ...]:
-    """Return every rule, by code."""
+def _files() -> tuple[str, ...]:
+    """Return the names of the files of all rules."""
     from elitescript.lint import rules
 
     # `pkgutil` would import `inspect`, which takes longer than a third of the rules.
-    for folder in rules.__path__:
-        for path in sorted(Path(folder).iterdir()):
-            if path.suffix == ".py" and not path.stem.startswith("_"):
-                import_module(f"{rules.__name__}.{path.stem}")
-    return tuple(_RULES[code] for code in sorted(_RULES))
+    paths = [path for folder in rules.__path__ for path in Path(folder).iterdir()]
+    return tuple(sorted(path.stem for path in paths if path.suffix == ".py" and not path.stem.startswith("_")))
+
+
+def rules_for(text: str) -> list[Rule]:
+    """Return the rules that can find anything in a text, by code."""
+    return _loaded(tuple(name for name in _files() if any(word in text for word in _WORDS.get(name, ("",)))))
+
+
+def loaded_rules() -> Iterable[Rule]:
+    """Return the rules that any text has needed by now."""
+    return _RULES.values()
+
+
+def all_rules() -> list[Rule]:
+    """Return every rule, by code."""
+    return _loaded(_files())
+
+
+@cache
+def _loaded(files: tuple[str, ...]) -> list[Rule]:
+    from elitescript.lint import rules
+
+    names = {import_module(f"{rules.__name__}.{name}").__name__ for name in files}
+    return [_RULES[code] for code in sorted(_RULES) if _RULES[code].check.__module__ in names]

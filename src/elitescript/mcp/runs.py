@@ -16,7 +16,7 @@ from elitescript.errors import UsageError
 from elitescript.json_records.events import record_of
 from elitescript.json_records.jsonlines import plain
 from elitescript.kernel.options import UNTIL, accepted
-from elitescript.language.diagnostics import Diagnostic
+from elitescript.language.diagnostics import Diagnostic, Severity
 from elitescript.language.options import Options
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import CheckResult, compile_checked
@@ -116,7 +116,7 @@ def _findings(checked: CheckResult) -> dict[str, Any]:
     return {
         "starts": not checked.is_refused,
         "errors": sum(problem.is_error for problem in problems),
-        "warnings": sum(not problem.is_error for problem in problems),
+        "warnings": sum(problem.severity is Severity.WARNING for problem in problems),
         "problems": [_finding(problem) for problem in problems[:FINDINGS_MAX]],
         "problems_left_out": max(0, len(problems) - FINDINGS_MAX),
     }

@@ -22,7 +22,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from elitescript.language.symbols import Scope
-from elitescript.lint.insertions import declare_global
+from elitescript.lint.insertions import declare
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -45,7 +45,7 @@ def missing_global(program: AnalysedProgram) -> Iterator[Finding]:
                     program.name_span(first.node, name),
                     f"`{name}` is a local variable here; {_place(owner)} declares it global",
                     f"write `global {name}` at the start of {_place(scope)}, or use another name",
-                    declare_global(program, name, scope),
+                    declare(program, "global", name, scope),
                 )
 
 

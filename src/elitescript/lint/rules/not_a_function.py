@@ -13,6 +13,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
+from elitescript.commands.catalogue import CATALOGUE
 from elitescript.language.symbols import Resolution
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
@@ -20,15 +21,18 @@ from elitescript.lint.registry import Finding, rule
 
 @rule(code="W245", since="0.3")
 def not_a_function(program: AnalysedProgram) -> Iterator[Finding]:
-    """Report calls of numbers, texts and lists."""
+    """Report calls of numbers, texts and lists; W203 tells of commands, and None stands for a function to come."""
     for scope in program.symbols.scopes:
         for call in scope.calls:
             function = call.func
             if not isinstance(function, ast.Name) or scope.resolve(function.id) is Resolution.BUILTIN:
                 continue
             value = program.values.of(function)
-            if value.is_known and not value.is_callable and not program.is_tried(call):
-                from elitescript.values.words import words
+            if not value.is_known or value.is_callable or program.is_tried(call):
+                continue
+            from elitescript.values.description import NONE
+            from elitescript.values.words import words
 
+            if not value.kinds & NONE and CATALOGUE.get(function.id) is None:
                 text = f"`{function.id}` is {words(value)} here, and cannot be called"
                 yield Finding(function, text, "give the variable another name than the function")

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from elitescript.language.advice.unknown_names import WORDS, owner_of
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.modules import AVAILABLE
-from elitescript.lint.insertions import declare_global, import_module
+from elitescript.lint.insertions import declare, import_module
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -33,5 +33,5 @@ def unknown_name(program: AnalysedProgram) -> Iterator[Finding]:
         elif use.name in AVAILABLE:
             fix = import_module(program, use.name)
         elif (owner := owner_of(use.name, program.symbols)) is not None:
-            fix = declare_global(program, use.name, owner)
+            fix = declare(program, "global", use.name, owner)
         yield Finding(use.node, f"the name `{use.name}` is not defined", hint, fix)

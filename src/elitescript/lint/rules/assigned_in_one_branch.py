@@ -1,0 +1,55 @@
+"""A variable that only one branch gives a value, and that is read in any case: an alarm (`NameError`) on other days.
+
+Found are variables that an `if` without `else` assigns, where its condition depends on an input, a register, a sensor
+or a peer. Where the reading has a condition of its own, the program may know what it does.
+
+    def job():
+      if get_standard_digital_in(0):
+        part = 1
+      end
+      textmsg(part)              # W257: without the input it has no value
+      if get_standard_digital_in(1):
+        speed = 0.1
+      else:
+        speed = 0.2
+      end
+      textmsg(speed)             # fine
+    end
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+
+from elitescript.lint.placing import conditions
+from elitescript.lint.program import AnalysedProgram
+from elitescript.lint.registry import Finding, rule
+
+
+@rule(code="W257", since="0.3", needs_all_lines=True)
+def assigned_in_one_branch(program: AnalysedProgram) -> Iterator[Finding]:
+    """Report the first such reading of each variable."""
+    symbols = program.symbols
+    for found in program.assignments.found:
+        branch = found.branch
+        if branch is None or program.is_tried(found.node) or not _depends_on_outside(program, branch.test):
+            continue
+        around = conditions(symbols, branch)
+        if all(condition in around for condition in conditions(symbols, found.node)):
+            text = f"the variable `{found.node.id}` has a value only if {_shown(branch.test)}, line {branch.lineno}"
+            yield Finding(found.node, text, "give it a value in front of the `if`, or in an `else`")
+
+
+def _shown(node: ast.expr) -> str:
+    text = " ".join(ast.unparse(node).split())
+    return f"`{text if len(text) <= 60 else text[:57] + '...'}`"
+
+
+def _depends_on_outside(program: AnalysedProgram, test: ast.expr) -> bool:
+    from elitescript.values.description import OUTSIDE
+
+    return any(
+        isinstance(node, (ast.Name, ast.Call, ast.Subscript)) and program.values.of(node).must & OUTSIDE
+        for node in ast.walk(test)
+    )

@@ -1,0 +1,70 @@
+"""A channel that nothing opens, in a program that opens another one: its name is misspelt or left out.
+
+Without a name a command uses the channel `socket_0`. A text that opens no channel may be a part of a program that does,
+and names that are computed may be any: both are left alone.
+
+    def job():
+      socket_open("192.168.1.20", 5000, "camera")
+      socket_send_line("where?", 0, "camera")     # fine
+      s = socket_read_string("camra")             # W246: is `camera` meant?
+      n = socket_read_ascii_float(3)              # W246: the name is left out
+    end
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from typing import Final
+
+from elitescript.language.advice.unknown_names import nearest
+from elitescript.language.diagnostics import Edit, Fix
+from elitescript.lint.called import Called
+from elitescript.lint.program import AnalysedProgram
+from elitescript.lint.registry import Finding, rule
+
+_OPEN: Final = "socket_open"
+_NAME: Final = "socket_name"
+USUAL: Final = "socket_0"
+"""Name of the channel where none is given."""
+_TEXTS: Final = ("str", "name", "var_name", "value")
+"""Parameters for what is sent, which stand before the name."""
+
+
+@rule(code="W246", since="0.3", needs_all_lines=True)
+def channel_not_open(program: AnalysedProgram) -> Iterator[Finding]:
+    """Report each use of such a name."""
+    called = program.called
+    opened: set[str] = set()
+    for found in called.of(_OPEN):
+        names = called.texts(found, _NAME, USUAL)
+        if not names:
+            return
+        opened.update(name or USUAL for name in names)
+    if not opened or called.are_passed_on(_OPEN) or program.shares_globals:
+        return
+    for found in called:
+        if not found.name.startswith("socket_") or found.name == _OPEN:
+            continue
+        names = tuple(name or USUAL for name in called.texts(found, _NAME, USUAL))
+        if names and opened.isdisjoint(names):
+            yield _told(program, found, names[0], opened)
+
+
+def _told(program: AnalysedProgram, found: Called, name: str, opened: set[str]) -> Finding:
+    node = found.given.get(_NAME)
+    listed = ", ".join(repr(other) for other in sorted(opened)[:4])
+    if node is None:
+        text = f"{found.name}: no channel is named, and nothing opens the usual one, {USUAL!r}"
+        return Finding(found.call, text, f"name the channel: {listed}")
+    text = f"{found.name}: nothing opens a channel {name!r}"
+    if any(program.called.texts(found, param, "")[:1] in ((other,) for other in opened) for param in _TEXTS):
+        return Finding(node, text, "what is sent comes first, the name of the channel behind it")
+    if not name.strip("\r\n"):
+        return Finding(node, text, f"the name comes first: suffix={name!r} is the mark behind the text")
+    meant = nearest(name, opened)
+    hint = f"is {meant!r} meant?" if meant else f"opened here: {listed}"
+    fix = None
+    if meant and isinstance(node, ast.Constant):
+        fix = Fix(f"write {meant!r}", (Edit(*program.span(node), f'"{meant}"'),), safe=False)
+    return Finding(node, text, hint, fix)

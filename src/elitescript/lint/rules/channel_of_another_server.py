@@ -1,0 +1,62 @@
+"""A second server under the name of a channel that is still open.
+
+`socket_open` keeps a channel that stands, and returns True: what is sent then goes to the first server. A second
+address that is only tried if the first one fails is left alone, and so is a channel that is closed anywhere.
+
+    def job():
+      socket_open("192.168.1.20", 5000)           # the camera
+      socket_open("192.168.1.50", 6000)           # W247: the name still stands for the camera
+      socket_open("192.168.1.60", 7000, "plc")    # fine: a name of its own
+    end
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from elitescript.language.scopes import Scope
+from elitescript.lint.called import Called
+from elitescript.lint.program import AnalysedProgram
+from elitescript.lint.registry import Finding, rule
+from elitescript.lint.rules.channel_not_open import USUAL
+
+_OPEN: Final = "socket_open"
+_CLOSE: Final = "socket_close"
+_NAME: Final = "socket_name"
+
+
+@rule(code="W247", since="0.3")
+def channel_of_another_server(program: AnalysedProgram) -> Iterator[Finding]:
+    """Report each `socket_open` of another address."""
+    called = program.called
+    opens = called.of(_OPEN)
+    if len(opens) < 2 or called.are_passed_on(_CLOSE):
+        return
+    closed: set[str] = set()
+    for found in called.of(_CLOSE):
+        names = called.texts(found, _NAME, USUAL)
+        if not names:
+            return
+        closed.update(name or USUAL for name in names)
+    first: dict[tuple[str, Scope], tuple[Called, str, int]] = {}
+    for found in sorted(opens, key=lambda one: (one.call.lineno, one.call.col_offset)):
+        names, addresses = called.texts(found, _NAME, USUAL), called.texts(found, "address", "")
+        port = called.number(found, "port")
+        if len(names) != 1 or len(addresses) != 1 or port is None:
+            continue
+        name = names[0] or USUAL
+        key = (name, found.scope)
+        older = first.setdefault(key, (found, addresses[0], port))
+        if name in closed or older[1:] == (addresses[0], port) or not _is_behind(program, older[0], found):
+            continue
+        text = f"socket_open: the channel {name!r} stands for {older[1]}:{older[2]} since line {older[0].call.lineno}"
+        yield Finding(found.call, text, "give each server a name of its own, the third argument")
+
+
+def _is_behind(program: AnalysedProgram, first: Called, second: Called) -> bool:
+    """Return whether a call always follows another one, and does not depend on how that ended."""
+    from elitescript.lint.placing import conditions
+
+    around = conditions(program.symbols, first.call)
+    return all(condition in around for condition in conditions(program.symbols, second.call))

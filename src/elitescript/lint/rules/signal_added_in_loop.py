@@ -1,0 +1,58 @@
+"""A MODBUS signal that is added in the loop that reads it: it never gets a value.
+
+Adding a signal again makes a new one, which has no value before the device has answered.
+
+    def job():
+      modbus_add_signal("192.168.1.50", 255, 0, 2, "level")      # fine here
+      while True:
+        modbus_add_signal("192.168.1.50", 255, 1, 2, "angle")    # W251: add it once, before the loop
+        textmsg(modbus_get_signal_status("angle"))
+        sleep(0.5)
+      end
+    end
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from typing import Final
+
+from elitescript.lint.called import Called
+from elitescript.lint.placing import loops
+from elitescript.lint.program import AnalysedProgram
+from elitescript.lint.registry import Finding, rule
+
+_NAME: Final = "signal_name"
+_ADD: Final = "modbus_add_signal"
+_READ: Final = "modbus_get_signal_status"
+_DELETE: Final = "modbus_delete_signal"
+
+
+@rule(code="W251", since="0.3")
+def signal_added_in_loop(program: AnalysedProgram) -> Iterator[Finding]:
+    """Report each such call."""
+    called = program.called
+    uses: dict[tuple[str, ast.AST], dict[str, list[Called]]] = {}
+    adds = called.of(_ADD, "modbus_add_rw_signal")
+    for found in (*adds, *called.of(_READ, _DELETE)):
+        names = called.texts(found, _NAME, "")
+        loop = next(loops(program.symbols, found.call), None)
+        if len(names) == 1 and loop is not None:
+            uses.setdefault((names[0], loop), {}).setdefault(found.name, []).append(found)
+    for (name, _), by_command in uses.items():
+        if _READ not in by_command or _DELETE in by_command:
+            continue
+        first = min(found.call.lineno for found in by_command[_READ])
+        for found in adds:
+            if found in by_command.get(found.name, ()) and not _waits_between(program, found.call, first):
+                text = f"{found.name}: {name!r} is added again in each turn of the loop that reads it, and has no value yet"
+                yield Finding(found.call, text, "add it once, in front of the loop")
+
+
+def _waits_between(program: AnalysedProgram, call: ast.Call, line: int) -> bool:
+    """Return whether anything waits behind a call, in lines before another one."""
+    return any(
+        found.command.waits and found.call.lineno in range(call.lineno, line) and found.call is not call
+        for found in program.command_calls
+    )
