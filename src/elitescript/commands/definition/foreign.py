@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 FOREIGN: Final = {
+    "delay": "sleep",
     "get_actual_tcp_force": "get_tcp_force",
     "get_analog_in": "get_standard_analog_in",
     "get_analog_out": "get_standard_analog_out",
@@ -33,5 +34,6 @@ FOREIGN: Final = {
     "socket_read_line": "socket_read_string",
     "str_sub_string": "str_sub",
     "to_string": "to_str",
+    "wait": "sleep",
 }
 """Names that other languages have, and the commands that do the same."""

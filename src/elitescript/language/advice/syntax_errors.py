@@ -126,6 +126,7 @@ _AT_PLACE: Final = (
     (r".*\bthen\b", "`then` does not exist here", "end the line with `:`"),
     (r"end[ \t]+\w", "`end` stands alone on its line", "one `end` closes every kind of block"),
     (r"//|/\*", "a comment begins with `#`", "write `#` in front of it"),
+    (r"(?:wait|delay|sleep)[ \t]+[\w.]", "the argument of a call stands in parentheses", "write sleep(0.5)"),
     (r"for\s*\(.*;.*;", "a `for` loop goes over a list or a range", "write `for i in range(3):`"),
     (r"foreach\b|for[ \t]+each\b", "a loop over a list is a `for`", "write `for item in items:`"),
     (r"(?:loop|repeat)\b", "loops are `while` and `for`", "write `for n in range(3):` or `while True:`"),
@@ -158,6 +159,8 @@ def explain(message: str, row: str, at: int = 0) -> tuple[str, str]:
         for pattern, text, hint in _AT_PLACE:
             if re.match(pattern, stripped):
                 return text, hint
+        if re.search(r"//[ \t]*\w+[ \t]*$", row[:at]):
+            return "a comment begins with `#`; `//` divides", "write `#` in place of `//`"
         words = re.match(r"([^\W\d]\w*)[ \t]+([^\W\d]\w*)", stripped)
         if words and not iskeyword(words[1]) and not iskeyword(words[2]):
             return f"something is missing between `{words[1]}` and `{words[2]}`", f"a call is written {words[1]}(...)"

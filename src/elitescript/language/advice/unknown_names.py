@@ -36,6 +36,11 @@ OWN_PROGRAM: Final = (
 )
 """Hint about a name that may stand beside a program in what a client has sent."""
 
+_CLOSING: Final = frozenset(
+    "done end_for end_if end_while enddef endfor endfunction endif endthread endwhile endproc fi next wend".split()  # noqa: SIM905
+)
+"""Words that close a block in other languages."""
+
 _PLACEHOLDERS: Final = ("null", "unconfigured")
 """What the pendant's plug-ins write, as a line of its own, for something that is not set up (*observed*)."""
 
@@ -82,6 +87,12 @@ def advice(
     else:
         if name in _PLACEHOLDERS and isinstance(parent, ast.Expr):
             return "", "the pendant writes this for something that is not set up"
+        if name.lower() in _CLOSING and isinstance(parent, ast.Expr):
+            return "", "`end` closes every kind of block"
+        if isinstance(parent, ast.BinOp) and isinstance(parent.op, ast.FloorDiv) and parent.right is node:
+            return "", "a comment begins with `#`; `//` divides"
+        if name == "p" and isinstance(parent, ast.Subscript) and parent.value is node:
+            return "", "`p[...]` is a pose of URScript: leave the `p` out, a pose is a list"
         if name in WORDS:
             return WORDS[name], f"write {WORDS[name]}"
         if name in AVAILABLE:

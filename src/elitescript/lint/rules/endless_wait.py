@@ -1,0 +1,110 @@
+"""A loop that waits for a variable that nothing changes: no statement in it, no function, no other thread.
+
+An input that was read once, in front of the loop, keeps that value. A loop whose condition is certainly false is a part
+that is switched off, and one with the plain condition `running` may be meant to have no end: both are left alone.
+
+    def job():
+      go = get_standard_digital_in(0)
+      while not go:                               # W259: nothing in the loop reads the input again
+        sleep(0.1)
+      end
+      while not get_standard_digital_in(0):       # fine
+        sleep(0.1)
+      end
+    end
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from typing import Final
+
+from elitescript.language.symbols import Resolution
+from elitescript.lint.program import AnalysedProgram
+from elitescript.lint.registry import Finding, rule, shown_source
+from elitescript.values.description import OUTSIDE, SCALAR, Value
+from elitescript.values.operators import truth
+
+_FOREIGN: Final = frozenset(("exec", "eval", "interpreter_mode"))
+_PLAIN: Final = (
+    *(ast.Name, ast.Constant, ast.Compare, ast.BoolOp, ast.UnaryOp, ast.BinOp, ast.expr_context),
+    *(ast.cmpop, ast.boolop, ast.unaryop, ast.operator),
+)
+_LEAVING: Final = (ast.Break, ast.Return, ast.Raise, ast.Yield, ast.Assert)
+_WAITING: Final = frozenset(("sleep", "sync", "textmsg", "get_steptime", "print", "str"))
+"""What a loop calls that only waits."""
+
+
+@rule(code="W259", since="0.3", instead_of=("W204",), needs_all_lines=True)
+def endless_wait(program: AnalysedProgram) -> Iterator[Finding]:
+    """Report each such loop."""
+    if any(name in scope.reads for scope in program.symbols.scopes for name in _FOREIGN):
+        return
+    for loop in program.nodes(ast.While):
+        names = _names(loop.test)
+        if not names or truth(program.values.of(loop.test)) is False or not all(
+            _stays(program, name, loop) for name in names
+        ):
+            continue
+        values = [program.values.of(name) for name in names]
+        is_outside = any(value.must & OUTSIDE for value in values)
+        if not is_outside and (isinstance(loop.test, ast.Name) or not _only_waits(loop)):
+            continue
+        if not _leaves(program, loop):
+            yield _told(program, loop, names, values)
+
+
+def _told(program: AnalysedProgram, loop: ast.While, names: list[ast.Name], values: list[Value]) -> Finding:
+    listed = " and ".join(dict.fromkeys(f"`{name.id}`" for name in names))
+    text = f"nothing changes {listed} while this loop waits: {shown_source(program, loop.test)} stays as it is"
+    hint = "give it a new value in the loop, or in a thread"
+    if any(value.must & OUTSIDE for value in values):
+        hint = "read it again in each turn of the loop"
+    return Finding(program.header_span(loop), text, hint)
+
+
+def _names(test: ast.expr) -> list[ast.Name]:
+    """Return the names in a condition of plain variables; none if anything else is in it."""
+    nodes = list(ast.walk(test))
+    if not all(isinstance(node, _PLAIN) for node in nodes):
+        return []
+    return [node for node in nodes if isinstance(node, ast.Name)]
+
+
+def _stays(program: AnalysedProgram, node: ast.Name, loop: ast.While) -> bool:
+    """Return whether a variable keeps its value in a loop, whatever else runs."""
+    symbols = program.symbols
+    scope = symbols.scope_of(node)
+    home = scope.home(node.id)
+    value = program.values.of(node)
+    if home is None or home is not scope or value.kinds & ~SCALAR or node.id in scope.parameters:
+        return False
+    if symbols.is_nonlocal_inside(node.id, home) or node.id in program.presets:
+        return False
+    # A function that assigns a variable of its own instead is told by another rule.
+    if any(inner is not home and inner.has_local(node.id) for inner in home.walk()):
+        return False
+    last = loop.end_lineno or loop.lineno
+    return not any(loop.lineno <= binding.line <= last for binding in home.bindings[node.id])
+
+
+def _only_waits(loop: ast.While) -> bool:
+    calls = [node for statement in loop.body for node in ast.walk(statement) if isinstance(node, ast.Call)]
+    return all(isinstance(call.func, ast.Name) and call.func.id in _WAITING for call in calls)
+
+
+def _leaves(program: AnalysedProgram, loop: ast.While) -> bool:
+    """Return whether anything but its condition may end a loop."""
+    for statement in loop.body:
+        for node in ast.walk(statement):
+            if isinstance(node, _LEAVING):
+                return True
+            if isinstance(node, ast.Call):
+                if not isinstance(node.func, ast.Name):
+                    return True
+                if program.symbols.scope_of(node).resolve(node.func.id) is not Resolution.BUILTIN:
+                    return True
+                if node.func.id in ("halt", "exit", "quit"):
+                    return True
+    return program.is_tried(loop)

@@ -1,0 +1,118 @@
+"""Numbers of a reading that may have failed, which reach a move, an output or a register unasked.
+
+A reading of numbers returns first how many arrived. What did not come is nan or -1. Any condition that asks for the
+reading, or a `try` around the command, is enough.
+
+    def job():
+      socket_open("192.168.1.20", 5000)
+      r = socket_read_ascii_float(3)
+      movel([r[1], r[2], 0.4, 3.14159, 0, 0])     # W262: if r[0] == 3:
+      s = socket_read_ascii_float(2)
+      if s[0] == 2:
+        movel([s[1], s[2], 0.4, 3.14159, 0, 0])   # fine
+      end
+    end
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from typing import Final
+
+from elitescript.language.scopes import Scope
+from elitescript.lint.program import AnalysedProgram
+from elitescript.lint.registry import Finding, rule
+
+_READERS: Final = {
+    "socket_read_ascii_float": "nan",
+    "socket_read_binary_integer": "-1",
+    "socket_read_byte_list": "-1",
+}
+"""Readings that say first how many values arrived, and what stands in place of a value that did not."""
+_SINKS: Final = ("move", "servoj", "speed", "set_", "write_", "modbus_set_output_")
+
+Variable = tuple[str, Scope | None]
+
+
+@rule(code="W262", since="0.3", needs_all_lines=True)
+def unasked_reading(program: AnalysedProgram) -> Iterator[Finding]:
+    """Report the first use of each such reading."""
+    readings = [found for found in program.called.of(*_READERS) if found.call.lineno]
+    if not readings:
+        return
+    sinks = [found for found in program.called if found.name.startswith(_SINKS)]
+    for reading in readings:
+        names = _carriers(program, reading.call)
+        if names is None or _is_asked(program, names):
+            continue
+        for sink in sorted(sinks, key=lambda found: found.call.lineno):
+            if any(_carries(program, node, reading.call, names) for node in sink.given.values()):
+                if not program.is_tried(sink.call):
+                    fill = _READERS[reading.name]
+                    text = f"{sink.name}: {reading.name} of line {reading.call.lineno} may have failed: then it is {fill}"
+                    yield Finding(sink.call, text, "ask before how many values arrived, the first element")
+                break
+
+
+def _carries(program: AnalysedProgram, node: ast.AST, call: ast.Call, names: set[Variable]) -> bool:
+    """Return whether an expression has the reading in it, or a variable that holds something of it."""
+    for part in ast.walk(node):
+        if part is call:
+            return True
+        if isinstance(part, ast.Name) and (part.id, program.symbols.scope_of(part).home(part.id)) in names:
+            return True
+    return False
+
+
+def _carriers(program: AnalysedProgram, call: ast.Call) -> set[Variable] | None:
+    """Return the variables that hold a reading, or something that was computed of it; None if that is not certain."""
+    symbols = program.symbols
+    found: set[Variable] = set()
+    waiting: list[ast.AST] = [call]
+    while waiting:
+        node = waiting.pop()
+        for above in symbols.ancestors(node):
+            if isinstance(above, (ast.If, ast.While, ast.IfExp, ast.Assert, ast.Compare, ast.BoolOp, ast.Match)):
+                # Its body holds the statement; its test would ask.
+                if isinstance(above, (ast.If, ast.While)) and node not in _within(above.test):
+                    break
+                return None
+            if isinstance(above, (ast.Return, ast.Yield, ast.Lambda, ast.For, ast.comprehension, ast.AugAssign)):
+                return None
+            if isinstance(above, ast.Call) and above is not call and not _is_followed(program, above):
+                return None
+            if isinstance(above, ast.Assign):
+                for target in above.targets:
+                    if not isinstance(target, ast.Name):
+                        return None
+                    variable = (target.id, symbols.scope_of(target).home(target.id))
+                    if variable not in found:
+                        found.add(variable)
+                        waiting += symbols.reads_of(*variable)
+                break
+            if isinstance(above, ast.stmt):
+                break
+    return found
+
+
+def _within(node: ast.AST) -> set[ast.AST]:
+    return set(ast.walk(node))
+
+
+def _is_followed(program: AnalysedProgram, call: ast.Call) -> bool:
+    """Return whether a call takes a value and does not ask for it: a command, or a function that converts it."""
+    if not isinstance(call.func, ast.Name):
+        return False
+    name = call.func.id
+    scope = program.symbols.scope_of(call)
+    return program.command(name, scope) is not None or name in ("float", "int", "abs", "round", "list", "str")
+
+
+def _is_asked(program: AnalysedProgram, names: set[Variable]) -> bool:
+    """Return whether any variable with the reading is written elsewhere too, so that more than one value is in it."""
+    for name, home in names:
+        bindings = program.symbols.bindings(name, program.symbols.body) if home is None else home.bindings[name]
+        if len(bindings) > 1 and len({binding.line for binding in bindings}) > 1:
+            return True
+    return False

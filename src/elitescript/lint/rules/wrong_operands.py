@@ -1,0 +1,162 @@
+"""An operation that Python does not have for these values: an alarm (`TypeError`, `ZeroDivisionError`).
+
+A text and a number are not added, a list and a number neither, a text is not compared with a number by `<`, and `range`
+takes whole numbers.
+
+    def job():
+      textmsg("parts: " + 3)                      # W264: "parts: " + str(3), or textmsg("parts: ", 3)
+      if socket_read_string() > 5:                # W264: to_num(...) > 5
+        halt()
+      end
+      for x in range(0, 1, 0.1):                  # W264: [n / 10 for n in range(10)]
+        textmsg(x)
+      end
+      textmsg("parts: " + str(3))                 # fine
+    end
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from typing import Final
+
+from elitescript.language.symbols import Resolution
+from elitescript.lint.program import AnalysedProgram
+from elitescript.lint.registry import Finding, rule, shown_source
+from elitescript.values.description import (
+    BYTES,
+    DICT,
+    FLOAT,
+    FUNCTION,
+    INT,
+    LIST,
+    NONE,
+    NUMBER,
+    OBJECT,
+    RANGE,
+    ROW,
+    SET,
+    TEXT,
+    TUPLE,
+    WHOLE,
+    Value,
+)
+from elitescript.values.words import words
+
+_SAME: Final = ((NUMBER, NUMBER), (TEXT, TEXT), (BYTES, BYTES), (LIST, LIST), (TUPLE, TUPLE))
+_NUMBERS: Final = ((NUMBER, NUMBER),)
+_REPEATED: Final = TEXT | BYTES | ROW
+_ANYTHING: Final = 2 * OBJECT - 1
+_ALLOWED: Final[dict[type[ast.AST], tuple[tuple[int, int], ...]]] = {
+    ast.Add: _SAME,
+    ast.Sub: _NUMBERS,
+    ast.Mult: (*_NUMBERS, (_REPEATED, WHOLE), (WHOLE, _REPEATED)),
+    ast.Div: _NUMBERS,
+    ast.FloorDiv: _NUMBERS,
+    ast.Mod: (*_NUMBERS, (TEXT | BYTES, _ANYTHING)),
+    ast.Pow: _NUMBERS,
+    ast.Lt: _SAME,
+    ast.LtE: _SAME,
+    ast.Gt: _SAME,
+    ast.GtE: _SAME,
+}
+"""Kinds of the two sides that an operator takes."""
+_DIVIDING: Final = (ast.Div, ast.FloorDiv, ast.Mod)
+
+
+@rule(code="W264", since="0.3")
+def wrong_operands(program: AnalysedProgram) -> Iterator[Finding]:
+    """Report operations that always fail."""
+    for node in program.nodes(ast.BinOp):
+        if _is_zero(node) and not program.is_tried(node):
+            yield Finding(node, f"{shown_source(program, node)} divides by 0", "")
+            continue
+        yield from _operands(program, node, node.op, node.left, node.right)
+    for assignment in program.nodes(ast.AugAssign):
+        if isinstance(assignment.target, ast.Name):
+            yield from _operands(program, assignment, assignment.op, assignment.target, assignment.value)
+    for comparison in program.nodes(ast.Compare):
+        if len(comparison.ops) == 1:
+            yield from _operands(program, comparison, comparison.ops[0], comparison.left, comparison.comparators[0])
+    for call in program.nodes(ast.Call):
+        yield from _steps(program, call)
+
+
+def _is_zero(node: ast.BinOp) -> bool:
+    right = node.right
+    is_zero = isinstance(right, ast.Constant) and type(right.value) in (int, float) and right.value == 0
+    return is_zero and isinstance(node.op, _DIVIDING) and not isinstance(node.left, (ast.JoinedStr, ast.List)) and not (
+        isinstance(node.left, ast.Constant) and isinstance(node.left.value, (str, bytes))
+    )
+
+
+def _operands(
+    program: AnalysedProgram, node: ast.AST, op: ast.AST, left: ast.expr, right: ast.expr
+) -> Iterator[Finding]:
+    allowed = _ALLOWED.get(type(op))
+    if allowed is None or (isinstance(left, ast.Constant) and isinstance(right, ast.Constant) and left.value == right.value):
+        return
+    values = (program.values.of(left), program.values.of(right))
+    if not all(value.is_known and not value.kinds & (OBJECT | SET | DICT) for value in values):
+        return
+    one, other = values
+    if any(one.kinds & a and other.kinds & b for a, b in allowed) or program.is_tried(node):
+        return
+    if isinstance(op, ast.Sub) and (one.kinds | other.kinds) & LIST and not (one.kinds | other.kinds) & TEXT:
+        hint = "pose_sub, or element by element: [a - b for a, b in zip(p, q)]"
+    else:
+        hint = _advice(op, one, other)
+    what = f"{shown_source(program, left)} is {words(one)}, {shown_source(program, right)} is {words(other)}"
+    sign = _SIGNS[type(op)]
+    where = node if not isinstance(node, ast.AugAssign) else left
+    yield Finding(where, f"{what}: `{sign}` does not take them", hint)
+
+
+_SIGNS: Final[dict[type[ast.AST], str]] = {
+    ast.Add: "+",
+    ast.Sub: "-",
+    ast.Mult: "*",
+    ast.Div: "/",
+    ast.FloorDiv: "//",
+    ast.Mod: "%",
+    ast.Pow: "**",
+    ast.Lt: "<",
+    ast.LtE: "<=",
+    ast.Gt: ">",
+    ast.GtE: ">=",
+}
+
+
+def _advice(op: ast.AST, one: Value, other: Value) -> str:
+    both = one.kinds | other.kinds
+    if both & TEXT and both & NUMBER:
+        return "str(x) makes a text of a number" if isinstance(op, ast.Add) else "to_num(x) makes a number of a text"
+    if both & LIST and both & NUMBER:
+        return "take an element, x[0], or go through the list: [2 * a for a in p]"
+    if both & (NONE | FUNCTION):
+        return "does a function return nothing, or are its parentheses missing?"
+    return "make a list of it: list(x)" if both & RANGE else ""
+
+
+def _steps(program: AnalysedProgram, call: ast.Call) -> Iterator[Finding]:
+    """Yield arguments of `range` that are no whole numbers, and numbers that have no length."""
+    if not isinstance(call.func, ast.Name) or call.func.id not in ("range", "len"):
+        return
+    if program.symbols.scope_of(call).resolve(call.func.id) is not Resolution.BUILTIN:
+        return
+    if call.func.id == "len":
+        value = program.values.of(call.args[0]) if len(call.args) == 1 else None
+        if value is not None and value.kinds and not value.kinds & ~(NUMBER | NONE) and not program.is_tried(call):
+            yield Finding(call.args[0], f"{shown_source(program, call.args[0])} is {words(value)}, and has no length", "")
+        return
+    for node in call.args:
+        value = program.values.of(node)
+        if value.is_known and not value.kinds & (WHOLE | OBJECT | SET) and not program.is_tried(call):
+            hint = "int(x) makes a whole number; [n / 10 for n in range(10)] goes in steps of 0.1"
+            if value.kinds == LIST:
+                hint = "range(len(x)) counts the elements of a list"
+            elif value.kinds & ~(INT | FLOAT):
+                hint = ""
+            yield Finding(node, f"range takes whole numbers, and {shown_source(program, node)} is {words(value)}", hint)
+            return
