@@ -117,9 +117,13 @@ _ROWS: Final = (
     Code("W264", "warning", "operation that Python does not have"),
     Code("W265", "warning", "element that a list does not have"),
     Code("W266", "warning", "arguments that have changed places"),
+    Code("W267", "warning", "per cent where a fraction is meant"),
+    Code("W268", "warning", "number that the receiver cannot hold"),
     # What a sound program may have, and what is worth knowing all the same.
     Code("N221", "note", "encoder that is tracked and not set up"),
     Code("N222", "note", "thread that the end of the program ends"),
+    Code("N223", "note", "output behind a blended move"),
+    Code("N224", "note", "path that stops at each of its points"),
     # What a run alone can find.
     Code("W270", "warning", "something that a program gave away and that did not arrive"),
     Code("W271", "warning", "write to an output that follows the state of the task"),

@@ -167,10 +167,7 @@ class _Follower:
         if depth > _DEEPEST:
             self.names = set()
             return True
-        for statement in statements:
-            if not self.statement(statement, depth + 1):
-                return False
-        return True
+        return all(self.statement(statement, depth + 1) for statement in statements)
 
     def statement(self, node: ast.stmt, depth: int) -> bool:
         kind = type(node)

@@ -18,6 +18,7 @@ from elitescript.values.description import (
     NUMBER,
     OUTSIDE,
     ROW,
+    SET,
     TEXT,
     TUPLE,
     WHOLE,
@@ -40,6 +41,9 @@ def _comparison(program: AnalysedProgram, node: ast.Compare) -> Iterator[Finding
     op, sides = node.ops[0], (node.left, node.comparators[0])
     left, right = (values.of(side) for side in sides)
     if not left.is_known or not right.is_known or NONE in (left.kinds, right.kinds):
+        return
+    # `{{NAME}}` is a set in Python, and a place to fill in in a template.
+    if (left.kinds | right.kinds) & SET:
         return
     if all(isinstance(side, ast.Constant) for side in sides):
         return

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.commands.definition.plausibility import JUDGES, KINDS, ArmFacts, Doubt, mistaken
+from elitescript.commands.definition.plausibility import JUDGES, TAKEN_FOR_EACH_OTHER, ArmFacts, Doubt, mistaken
 from elitescript.commands.definition.registry import Command, Param
 from elitescript.commands.definition.reserved import GENERATED_PREFIXES
 from elitescript.commands.definition.vocabulary import vocabulary_of
@@ -32,6 +32,9 @@ if TYPE_CHECKING:
     from elitescript.values.program import Values
 
 _SIX: Final = 6
+_POSE_UNIT: Final = "m, rad"
+SURELY_LARGE: Final = 6.0
+"""A number of which neither metres nor radians are meant beside a coordinate or an angle."""
 _MOST_SUGGESTIONS: Final = 20
 """Limit of unknown names of one program for which similar names are searched."""
 
@@ -74,14 +77,14 @@ class Doubted(NamedTuple):
     Attributes:
         node: the expression that is doubtful: the argument, or an element of it.
         doubt: what is doubtful.
-        param: the parameter.
+        param: the parameter; None where no command takes it yet.
         whole: the argument.
         scope: where it stands.
     """
 
     node: ast.expr
     doubt: Doubt
-    param: Param
+    param: Param | None
     whole: ast.expr
     scope: Scope
 
@@ -390,18 +393,47 @@ class AnalysedProgram:
         for called, arguments in zip(self.command_calls, self.arguments, strict=True):
             for param, node in arguments.given:
                 meaning = param.quantity.meaning
+                is_transform = not meaning and param.quantity.unit == _POSE_UNIT
+                if is_transform:
+                    meaning = "pose"
                 if not meaning or node in refused:
                     continue
                 value = self.constants.value(node, called.scope)
-                reported = list(JUDGES[meaning](value, self.arm))
-                if meaning in KINDS and not isinstance(node, (ast.List, ast.Tuple)):
+                # Programs also compute with transforms in other units, but not with those of the arm.
+                is_judged = not is_transform or any(self._is_of_the_arm(other) for _, other in arguments.given)
+                reported = list(JUDGES[meaning](value, self.arm)) if is_judged else []
+                if meaning in TAKEN_FOR_EACH_OTHER and not isinstance(node, (ast.List, ast.Tuple)):
                     other = mistaken(meaning, self.values.of(node).role)
                     reported += [] if other is None else [other]
                 for doubt in reported:
                     text = f"{called.command.name}: {param.name}{doubt.text}"
                     doubt = doubt._replace(text=text)
                     found.append(Doubted(element(node, doubt.element), doubt, param, node, called.scope))
+        if self._has_large_numbers:
+            from elitescript.lint.element_doubts import element_doubts
+
+            found += element_doubts(self)
         return tuple(found)
+
+    def _is_of_the_arm(self, node: ast.expr) -> bool:
+        """Return whether a list is a reading or target of the arm, which is in metres."""
+        if isinstance(node, (ast.Constant, ast.List, ast.Tuple)):
+            return False
+        from elitescript.values.description import COMMANDED, MEASURED
+
+        value = self.values.of(node)
+        return value.role == "pose" and bool(value.must & (COMMANDED | MEASURED))
+
+    @property
+    def _has_large_numbers(self) -> bool:
+        """Whether any operator has a number beside it that is no length in metres."""
+        kinds: tuple[type[ast.expr] | type[ast.stmt], ...] = (ast.BinOp, ast.Compare, ast.Assign)
+        return any(
+            isinstance(part, ast.Constant) and isinstance(part.value, (int, float)) and abs(part.value) > SURELY_LARGE
+            for kind in kinds
+            for node in self.nodes(kind)
+            for part in ast.iter_child_nodes(node)
+        )
 
 
 def element(node: ast.expr, index: int | None) -> ast.expr:

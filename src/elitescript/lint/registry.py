@@ -99,7 +99,33 @@ def shown_source(program: AnalysedProgram, node: ast.AST) -> str:
     return f"`{text if len(text) <= _SHOWN else text[: _SHOWN - 3] + '...'}`"
 
 
-_WORDS: Final[dict[str, tuple[str, ...]]] = {}
+_WORDS: Final[dict[str, tuple[str, ...]]] = {
+    "assigned_in_one_branch": ("if",),
+    "changed_alias": ("=",),
+    "channel_not_open": ("socket_open",),
+    "channel_of_another_server": ("socket_open",),
+    "encoder_not_set_up": ("track_conveyor_",),
+    "ended_thread": ("start_thread",),
+    "endless_wait": ("while",),
+    "handle_as_value": ("start_thread",),
+    "hidden_variable": ("def ",),
+    "index_out_of_range": ("[", "="),
+    "line_end_as_prefix": ("socket_read_string",),
+    "modbus_signal": ("modbus_add_",),
+    "no_value_yet": ("=",),
+    "number_too_large": ("modbus_set_output_register", "socket_send_byte"),
+    "output_behind_blend": ("_out", "set_tool_digital", "write_"),
+    "per_cent": ("interpolate_pose",),
+    "serial_not_set_up": ("modbus_rtu", "modbus_read_", "modbus_write_"),
+    "signal_added_in_loop": ("modbus_add_",),
+    "stops_at_points": ("movel",),
+    "swallowed_refusals": ("except",),
+    "swapped_arguments": ("True", "False"),
+    "tool_pin_input": ("set_tool_digital_io_config",),
+    "unasked_reading": ("socket_read_",),
+    "unfit_address": ("socket_open", "modbus_"),
+    "wrong_operands": (*"+-*/%<>", "len", "range"),
+}
 """Words of which a text has at least one where a rule can find anything, by file: other texts do not load it."""
 
 

@@ -24,7 +24,7 @@ _SHORTEST_MM: Final = 1.0
 def unit_fix(program: AnalysedProgram, doubted: Doubted) -> Fix | None:
     """Return the repair of a value in other units; None if it is not written out as numbers."""
     doubt = doubted.doubt
-    if doubt.code not in _CONVERTED:
+    if doubt.code not in _CONVERTED or doubted.param is None:
         return None
     units = doubted.param.quantity.unit.split(", ")
     unit = units[-1] if doubt.element is not None and doubt.element >= 3 else units[0]

@@ -260,6 +260,10 @@ KINDS: Final = ("joints", "pose")
 """Meanings that are lists of six numbers, and taken for each other."""
 
 
+TAKEN_FOR_EACH_OTHER: Final = (*KINDS, "tcp")
+"""Meanings of parameters that get a list of the other kind by mistake."""
+
+
 def mistaken(meaning: str, kind: str) -> Doubt | None:
     """Return the doubt about a value that is of one kind where another belongs; None if it fits.
 
@@ -267,6 +271,8 @@ def mistaken(meaning: str, kind: str) -> Doubt | None:
         meaning: of the parameter.
         kind: of the value: `joints`, `pose`, or empty if unknown.
     """
+    if meaning == "tcp" and kind == "joints":
+        return Doubt("W237", " are joint positions, where the pose of a tool belongs", "set_tcp([0, 0, 0.1, 0, 0, 0])")
     if meaning == kind or meaning not in KINDS or kind not in KINDS:
         return None
     if meaning == "joints":

@@ -58,7 +58,7 @@ def _told(program: AnalysedProgram, found: Called, name: str, opened: set[str]) 
         text = f"{found.name}: no channel is named, and nothing opens the usual one, {USUAL!r}"
         return Finding(found.call, text, f"name the channel: {listed}")
     text = f"{found.name}: nothing opens a channel {name!r}"
-    if any(program.called.texts(found, param, "")[:1] in ((other,) for other in opened) for param in _TEXTS):
+    if any(not opened.isdisjoint(program.called.texts(found, param, "")) for param in _TEXTS):
         return Finding(node, text, "what is sent comes first, the name of the channel behind it")
     if not name.strip("\r\n"):
         return Finding(node, text, f"the name comes first: suffix={name!r} is the mark behind the text")

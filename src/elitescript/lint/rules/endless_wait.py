@@ -43,8 +43,10 @@ def endless_wait(program: AnalysedProgram) -> Iterator[Finding]:
         return
     for loop in program.nodes(ast.While):
         names = _names(loop.test)
-        if not names or truth(program.values.of(loop.test)) is False or not all(
-            _stays(program, name, loop) for name in names
+        if (
+            not names
+            or truth(program.values.of(loop.test)) is False
+            or not all(_stays(program, name, loop) for name in names)
         ):
             continue
         values = [program.values.of(name) for name in names]

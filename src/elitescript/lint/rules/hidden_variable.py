@@ -42,7 +42,12 @@ def hidden_variable(program: AnalysedProgram) -> Iterator[Finding]:
             if first.kind not in _ASSIGNMENTS or not scope.has_local(name) or name in scope.parameters:
                 continue
             home = scope.parent.home(name)
-            if home is None or home.kind == "class" or _is_used(name, scope) or not _is_read_by_others(name, scope, home):
+            if (
+                home is None
+                or home.kind == "class"
+                or _is_used(name, scope)
+                or not _is_read_by_others(name, scope, home)
+            ):
                 continue
             where = f"`{home.name}`" if home.name else "the program"
             text = f"`{name}` is a variable of its own here, and nothing reads it; that of {where} keeps its value"

@@ -28,15 +28,23 @@ def index_out_of_range(program: AnalysedProgram) -> Iterator[Finding]:
             continue
         index = program.values.of(node.slice)
         # A variable may be a switch, or be checked before.
-        if not index.has_constant or index.kinds != INT or any(isinstance(part, ast.Name) for part in ast.walk(node.slice)):
+        if (
+            not index.has_constant
+            or index.kinds != INT
+            or any(isinstance(part, ast.Name) for part in ast.walk(node.slice))
+        ):
             continue
         length = _length(program, node.value, written)
         if length is not None and not -length <= index.constant < length and not program.is_tried(node):
-            text = f"{shown_source(program, node.value)} has {length} elements, and none with the index {index.constant}"
+            text = (
+                f"{shown_source(program, node.value)} has {length} elements, and none with the index {index.constant}"
+            )
             yield Finding(node, text, f"the first is 0, the last {length - 1}" if length else "")
     for assignment in program.nodes(ast.Assign):
         for target in assignment.targets:
-            if not isinstance(target, (ast.Tuple, ast.List)) or any(isinstance(part, ast.Starred) for part in target.elts):
+            if not isinstance(target, (ast.Tuple, ast.List)) or any(
+                isinstance(part, ast.Starred) for part in target.elts
+            ):
                 continue
             length = _length(program, assignment.value, written)
             if length is not None and length != len(target.elts) and not program.is_tried(assignment):
@@ -54,6 +62,11 @@ def _length(program: AnalysedProgram, node: ast.expr, is_written: bool) -> int |
     """Return how many elements a list has in any case; None if that is not certain."""
     value = program.values.of(node)
     shape = value.shape
-    if value.kinds not in (LIST, TUPLE) or shape is None or shape.items is None or (shape.is_counted and not is_written):
+    if (
+        value.kinds not in (LIST, TUPLE)
+        or shape is None
+        or shape.items is None
+        or (shape.is_counted and not is_written)
+    ):
         return None
     return len(shape.items)

@@ -82,5 +82,9 @@ def _unfit(found: Called, node: ast.expr, name: str, kinds: set[int | None]) -> 
     wanted = _WRITERS[found.name]
     if kind is None or kind not in _KINDS or kind == wanted:
         return
-    hint = f"{_WRITER_OF[kind]} writes it" if kind in _WRITER_OF else "only coils, type 1, and registers, type 3, are written"
+    hint = (
+        f"{_WRITER_OF[kind]} writes it"
+        if kind in _WRITER_OF
+        else "only coils, type 1, and registers, type 3, are written"
+    )
     yield Finding(node, f"{found.name}: {name!r} is {_KINDS[kind]}, type {kind}", hint)

@@ -46,7 +46,7 @@ def signal_added_in_loop(program: AnalysedProgram) -> Iterator[Finding]:
         first = min(found.call.lineno for found in by_command[_READ])
         for found in adds:
             if found in by_command.get(found.name, ()) and not _waits_between(program, found.call, first):
-                text = f"{found.name}: {name!r} is added again in each turn of the loop that reads it, and has no value yet"
+                text = f"{found.name}: {name!r} is added again in each turn of the loop, and never gets a value"
                 yield Finding(found.call, text, "add it once, in front of the loop")
 
 

@@ -1,7 +1,7 @@
 """An endless loop that does nothing but move and swallow the refusal.
 
-A move that is refused takes no time. If it is refused once, it is refused in each turn: the loop never waits, and nothing
-says why the arm stands.
+A move that is refused takes no time. If it is refused once, it is refused in each turn: the loop never waits, and
+nothing says why the arm stands.
 
     def job():
       while True:

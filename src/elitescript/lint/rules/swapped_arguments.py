@@ -26,15 +26,10 @@ _INDICES: Final = ("n", "address", "port", "index", "encoder_index")
 def swapped_arguments(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such argument."""
     for found, arguments in zip(program.command_calls, program.arguments, strict=True):
-        if all(_is_truth(node) for _, node in arguments.given):
+        if all(_is_truth(program, node) for _, node in arguments.given):
             continue
         for param, node in arguments.given:
-            if param.name not in _INDICES or not isinstance(node, (ast.Constant, ast.Name, ast.Call)):
-                continue
-            if isinstance(node, ast.Constant):
-                if not isinstance(node.value, bool):
-                    continue
-            elif program.values.of(node).kinds != BOOL:
+            if param.name not in _INDICES or not _is_truth(program, node):
                 continue
             text = f"{found.command.name}: {param.name} is {ast.unparse(node)}, and a number belongs there"
             call = found.call
@@ -47,5 +42,8 @@ def swapped_arguments(program: AnalysedProgram) -> Iterator[Finding]:
             yield Finding(node, text, f"the number comes first: {found.command.signature}", fix)
 
 
-def _is_truth(node: ast.expr) -> bool:
-    return isinstance(node, ast.Constant) and isinstance(node.value, bool)
+def _is_truth(program: AnalysedProgram, node: ast.expr) -> bool:
+    """Return whether an argument is True or False in any case."""
+    if isinstance(node, ast.Constant):
+        return isinstance(node.value, bool)
+    return isinstance(node, (ast.Name, ast.Call)) and program.values.of(node).kinds == BOOL

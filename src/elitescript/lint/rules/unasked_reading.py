@@ -21,6 +21,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from elitescript.language.scopes import Scope
+from elitescript.lint.called import Called
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -41,28 +42,32 @@ def unasked_reading(program: AnalysedProgram) -> Iterator[Finding]:
     readings = [found for found in program.called.of(*_READERS) if found.call.lineno]
     if not readings:
         return
-    sinks = [found for found in program.called if found.name.startswith(_SINKS)]
+    refused = {refusal.node for refusal in program.refusals}
+    sinks = _sinks(program)
     for reading in readings:
         names = _carriers(program, reading.call)
-        if names is None or _is_asked(program, names):
+        if names is None:
             continue
-        for sink in sorted(sinks, key=lambda found: found.call.lineno):
-            if any(_carries(program, node, reading.call, names) for node in sink.given.values()):
-                if not program.is_tried(sink.call):
-                    fill = _READERS[reading.name]
-                    text = f"{sink.name}: {reading.name} of line {reading.call.lineno} may have failed: then it is {fill}"
-                    yield Finding(sink.call, text, "ask before how many values arrived, the first element")
-                break
+        reached = [sinks[part] for part in (reading.call, *names) if part in sinks]
+        sink = min(reached, key=lambda found: found.call.lineno, default=None)
+        if sink is not None and refused.isdisjoint(sink.given.values()) and not program.is_tried(sink.call):
+            text = f"{sink.name}: {reading.name} of line {reading.call.lineno} may have failed: then it is "
+            hint = "ask before how many values arrived, the first element"
+            yield Finding(sink.call, f"{text}{_READERS[reading.name]}", hint)
 
 
-def _carries(program: AnalysedProgram, node: ast.AST, call: ast.Call, names: set[Variable]) -> bool:
-    """Return whether an expression has the reading in it, or a variable that holds something of it."""
-    for part in ast.walk(node):
-        if part is call:
-            return True
-        if isinstance(part, ast.Name) and (part.id, program.symbols.scope_of(part).home(part.id)) in names:
-            return True
-    return False
+def _sinks(program: AnalysedProgram) -> dict[Variable | ast.Call, Called]:
+    """Return the first move, output or register that each variable, and each call, reaches."""
+    found: dict[Variable | ast.Call, Called] = {}
+    sinks = [called for called in program.called if called.name.startswith(_SINKS)]
+    for sink in sorted(sinks, key=lambda called: called.call.lineno):
+        for node in sink.given.values():
+            for part in ast.walk(node):
+                if isinstance(part, ast.Call):
+                    found.setdefault(part, sink)
+                elif isinstance(part, ast.Name):
+                    found.setdefault((part.id, program.symbols.scope_of(part).home(part.id)), sink)
+    return found
 
 
 def _carriers(program: AnalysedProgram, call: ast.Call) -> set[Variable] | None:
@@ -88,6 +93,8 @@ def _carriers(program: AnalysedProgram, call: ast.Call) -> set[Variable] | None:
                         return None
                     variable = (target.id, symbols.scope_of(target).home(target.id))
                     if variable not in found:
+                        if _has_other_values(program, *variable):
+                            return None
                         found.add(variable)
                         waiting += symbols.reads_of(*variable)
                 break
@@ -109,10 +116,7 @@ def _is_followed(program: AnalysedProgram, call: ast.Call) -> bool:
     return program.command(name, scope) is not None or name in ("float", "int", "abs", "round", "list", "str")
 
 
-def _is_asked(program: AnalysedProgram, names: set[Variable]) -> bool:
-    """Return whether any variable with the reading is written elsewhere too, so that more than one value is in it."""
-    for name, home in names:
-        bindings = program.symbols.bindings(name, program.symbols.body) if home is None else home.bindings[name]
-        if len(bindings) > 1 and len({binding.line for binding in bindings}) > 1:
-            return True
-    return False
+def _has_other_values(program: AnalysedProgram, name: str, home: Scope | None) -> bool:
+    """Return whether a variable is assigned in more than one place, so that it may hold something else."""
+    bindings = program.symbols.bindings(name, program.symbols.body) if home is None else home.bindings[name]
+    return len(bindings) > 1

@@ -67,7 +67,14 @@ _DIVIDING: Final = (ast.Div, ast.FloorDiv, ast.Mod)
 
 @rule(code="W264", since="0.3")
 def wrong_operands(program: AnalysedProgram) -> Iterator[Finding]:
-    """Report operations that always fail."""
+    """Report operations that always fail; what stands in broken lines is not the author's."""
+    broken = program.unread_lines
+    for finding in _found(program):
+        if not isinstance(finding.where, ast.expr) or finding.where.lineno not in broken:
+            yield finding
+
+
+def _found(program: AnalysedProgram) -> Iterator[Finding]:
     for node in program.nodes(ast.BinOp):
         if _is_zero(node) and not program.is_tried(node):
             yield Finding(node, f"{shown_source(program, node)} divides by 0", "")
@@ -86,8 +93,11 @@ def wrong_operands(program: AnalysedProgram) -> Iterator[Finding]:
 def _is_zero(node: ast.BinOp) -> bool:
     right = node.right
     is_zero = isinstance(right, ast.Constant) and type(right.value) in (int, float) and right.value == 0
-    return is_zero and isinstance(node.op, _DIVIDING) and not isinstance(node.left, (ast.JoinedStr, ast.List)) and not (
-        isinstance(node.left, ast.Constant) and isinstance(node.left.value, (str, bytes))
+    return (
+        is_zero
+        and isinstance(node.op, _DIVIDING)
+        and not isinstance(node.left, (ast.JoinedStr, ast.List))
+        and not (isinstance(node.left, ast.Constant) and isinstance(node.left.value, (str, bytes)))
     )
 
 
@@ -95,10 +105,12 @@ def _operands(
     program: AnalysedProgram, node: ast.AST, op: ast.AST, left: ast.expr, right: ast.expr
 ) -> Iterator[Finding]:
     allowed = _ALLOWED.get(type(op))
-    if allowed is None or (isinstance(left, ast.Constant) and isinstance(right, ast.Constant) and left.value == right.value):
+    if allowed is None or (
+        isinstance(left, ast.Constant) and isinstance(right, ast.Constant) and left.value == right.value
+    ):
         return
     values = (program.values.of(left), program.values.of(right))
-    if not all(value.is_known and not value.kinds & (OBJECT | SET | DICT) for value in values):
+    if not all(value.is_known and not value.kinds & (OBJECT | SET | DICT | FUNCTION) for value in values):
         return
     one, other = values
     if any(one.kinds & a and other.kinds & b for a, b in allowed) or program.is_tried(node):
@@ -134,8 +146,8 @@ def _advice(op: ast.AST, one: Value, other: Value) -> str:
         return "str(x) makes a text of a number" if isinstance(op, ast.Add) else "to_num(x) makes a number of a text"
     if both & LIST and both & NUMBER:
         return "take an element, x[0], or go through the list: [2 * a for a in p]"
-    if both & (NONE | FUNCTION):
-        return "does a function return nothing, or are its parentheses missing?"
+    if both & NONE:
+        return "does a function return nothing?"
     return "make a list of it: list(x)" if both & RANGE else ""
 
 
@@ -148,7 +160,9 @@ def _steps(program: AnalysedProgram, call: ast.Call) -> Iterator[Finding]:
     if call.func.id == "len":
         value = program.values.of(call.args[0]) if len(call.args) == 1 else None
         if value is not None and value.kinds and not value.kinds & ~(NUMBER | NONE) and not program.is_tried(call):
-            yield Finding(call.args[0], f"{shown_source(program, call.args[0])} is {words(value)}, and has no length", "")
+            yield Finding(
+                call.args[0], f"{shown_source(program, call.args[0])} is {words(value)}, and has no length", ""
+            )
         return
     for node in call.args:
         value = program.values.of(node)

@@ -1,0 +1,32 @@
+"""A number of per cent where a fraction is meant: `interpolate_pose` takes 0 for the first pose and 1 for the second.
+
+Beyond 1 the line goes on, so that 50 is a place fifty times as far away.
+
+    def job():
+      a = get_target_tcp_pose()
+      b = pose_add(a, [0, 0, 0.1, 0, 0, 0])
+      movel(interpolate_pose(a, b, 0.5))          # fine
+      movel(interpolate_pose(a, b, 50))           # W267
+    end
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+from elitescript.lint.program import AnalysedProgram
+from elitescript.lint.registry import Finding, rule
+
+_LEAST: Final = 2.0
+
+
+@rule(code="W267", since="0.3")
+def per_cent(program: AnalysedProgram) -> Iterator[Finding]:
+    """Report fractions of 2 and more."""
+    for found in program.called.of("interpolate_pose"):
+        node = found.given.get("alpha")
+        number = None if node is None else program.least_number(node, found.scope)
+        if node is not None and number is not None and number >= _LEAST:
+            hint = f"{number:g} looks like per cent: that is {number / 100:g}"
+            yield Finding(node, f"interpolate_pose: alpha is {number:g}; 1 is already the second pose", hint)
