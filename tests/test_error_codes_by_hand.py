@@ -12,6 +12,7 @@ FAMILIES = """
 E001-E099   error     what is no text of a program
 E101-E199   error     what keeps a program from starting
 W201-W299   warning   what suspects a mistake
+N201-N299   note      what a sound program may have, and is worth knowing
 E301-E399   error     what contradicts the catalogue of commands
 R100-R199   error     alarms while a program runs
 """
@@ -55,6 +56,37 @@ W218   warning   statement that does nothing
 W219   warning   result that is not used
 W220   warning   `return` that is missing on one path
 W221   warning   reading that a secondary program does not wait for
+W240   warning   comparison that is never, or always, true
+W241   warning   condition that is always true, or not what it seems
+W242   warning   measured values compared exactly
+W243   warning   lists joined where numbers were meant
+W244   warning   time that looks like milliseconds
+W245   warning   call of a value that is no function
+W246   warning   channel that nothing opens
+W247   warning   another server under the name of an open channel
+W248   warning   line end as the mark in front of a text
+W249   warning   MODBUS signal that cannot be used like this
+W251   warning   MODBUS signal added in the loop that reads it
+W252   warning   address that no device has
+W253   warning   serial port that is not set up for the command
+W254   warning   thread handle used as a value
+W255   warning   tool pin that is set and is no output
+W256   warning   variable that has no value yet
+W257   warning   variable that one branch alone gives a value
+W258   warning   variable that hides that of the enclosing program
+W259   warning   waiting loop that nothing ends
+W261   warning   loop that only swallows refusals
+W262   warning   reading that may have failed and is used unasked
+W263   warning   list that is changed under its other name
+W264   warning   operation that Python does not have
+W265   warning   element that a list does not have
+W266   warning   arguments that have changed places
+W267   warning   per cent where a fraction is meant
+W268   warning   number that the receiver cannot hold
+N221   note      encoder that is tracked and not set up
+N222   note      thread that the end of the program ends
+N223   note      output behind a blended move
+N224   note      path that stops at each of its points
 E301   error     unknown command
 E302   error     command of a newer firmware
 E303   error     wrong number or names of arguments

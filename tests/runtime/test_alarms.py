@@ -74,6 +74,15 @@ class TestWords:
         alarm = alarm_in("def job():\n  def f():\n    sleep = sleep + 1\n  f()\nend\n")
         assert (alarm.class_name, alarm.text) == ("UnboundLocalError", "the variable `sleep` has no value yet here")
 
+    @pytest.mark.parametrize("line", ["count = count + 1", "count += 1", "if count > 3:\n      count = 0\n    end"])
+    def test_the_hint_of_a_variable_without_a_value_names_that_of_the_enclosing_program(self, line):
+        alarm = alarm_in(f"def job():\n  count = 0\n  def f():\n    {line}\n  end\n  f()\nend\n")
+        assert "`nonlocal count` at the start of `f`" in alarm.details["hint"]
+
+    def test_without_one_around_it_the_hint_names_global(self):
+        alarm = alarm_in("def job():\n  def f():\n    count = count + 1\n  end\n  f()\nend\n")
+        assert "`global count`" in alarm.details["hint"]
+
     def test_a_command_of_a_newer_firmware_says_which(self):
         alarm = alarm_in("def job():\n  controller_timestamp()\nend\n", firmware="2.10")
         assert (alarm.code, alarm.class_name, alarm.line) == ("R105", "NameError", 2)

@@ -120,7 +120,7 @@ _WORDS: Final[dict[str, tuple[str, ...]]] = {
     "signal_added_in_loop": ("modbus_add_",),
     "stops_at_points": ("movel",),
     "swallowed_refusals": ("except",),
-    "swapped_arguments": ("True", "False"),
+    "swapped_arguments": ("set_", "write_"),
     "tool_pin_input": ("set_tool_digital_io_config",),
     "unasked_reading": ("socket_read_",),
     "unfit_address": ("socket_open", "modbus_"),

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping
 from types import CodeType, FrameType, TracebackType
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.commands.definition.quantities import shown
 from elitescript.commands.definition.registry import Catalogue
@@ -23,6 +23,9 @@ from elitescript.messages.events import Alarm
 from elitescript.messages.profile import Profile, release_of
 from elitescript.records import NamedTuple
 from elitescript.runtime.threads.strand import INNER_TEXTS, Strand
+
+if TYPE_CHECKING:
+    from elitescript.language.symbols import Symbols
 
 UNCAUGHT: Final = "R100"
 _MISCALLED: Final = ("R101", "R102", "R103")
@@ -264,20 +267,26 @@ def _advice(name: str, place: Place, known: Iterable[str], profile: Profile) -> 
     """Return the hint of `check` for the name in this place; in a text of `eval` a similar name."""
     from elitescript.language.advice.unknown_names import advice, nearest
 
-    # A long text takes too long to be read between two ticks.
-    if place.source is not None and not place.inner and len(place.source.text) < LONG_TEXT:
-        from elitescript.language.kinds import is_sent_program
-        from elitescript.language.parser import parse
-        from elitescript.language.symbols import Symbols
-
-        kind = PROGRAM if is_sent_program(place.source) else None
-        symbols = Symbols(parse(place.source, Options(kind=kind)))
+    symbols = _symbols_of(place)
+    if symbols is not None:
         for scope in symbols.scopes:
             for node in scope.reads.get(name, ()):
                 if symbols.place(node) == (place.line, place.column):
                     return advice(node, scope, symbols, vocabulary_of(profile))[1]
     meant = nearest(name, (item for item in (*place.names, *known) if item.isidentifier() and item[:2] != "__"))
     return f"is `{meant}` meant?" if meant else ""
+
+
+def _symbols_of(place: Place) -> Symbols | None:
+    """Return the names of the text of a place; None for a long one, which takes too long between two ticks."""
+    if place.source is None or place.inner or len(place.source.text) >= LONG_TEXT:
+        return None
+    from elitescript.language.kinds import is_sent_program
+    from elitescript.language.parser import parse
+    from elitescript.language.symbols import Symbols
+
+    kind = PROGRAM if is_sent_program(place.source) else None
+    return Symbols(parse(place.source, Options(kind=kind)))
 
 
 def _in_plain_words(class_name: str, text: str, place: Place) -> tuple[str, dict[str, Any]]:
@@ -287,7 +296,25 @@ def _in_plain_words(class_name: str, text: str, place: Place) -> tuple[str, dict
     frame = place.frame
     names = {} if frame is None else {**frame.f_globals, **frame.f_locals}
     words = plain_words(class_name, text, Scene(place.expression, "" if place.inner else place.source_line, names))
-    return words.text, {"hint": words.hint} if words.hint else {}
+    hint = words.hint
+    if class_name == "UnboundLocalError" and "`global " in hint:
+        hint = _nonlocal_hint(place) or hint
+    return words.text, {"hint": hint} if hint else {}
+
+
+def _nonlocal_hint(place: Place) -> str:
+    """Return the hint for a variable without a value if the enclosing program has one of that name; else nothing."""
+    symbols, name = _symbols_of(place), place.expression
+    if symbols is None:
+        return ""
+    for scope in symbols.scopes:
+        places = [symbols.place(node) for node in scope.reads.get(name, ())]
+        if (place.line, place.column) not in places or not scope.has_local(name) or scope.parent is None:
+            continue
+        if scope.parent.home(name) is not None:
+            where = f"`nonlocal {name}` at the start of `{scope.name}`"
+            return f"assign it before, or write {where} if that of the enclosing program is meant"
+    return ""
 
 
 _ADDRESS: Final = r" at 0x[0-9a-fA-F]{8,16}>"

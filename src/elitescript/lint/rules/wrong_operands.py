@@ -80,9 +80,6 @@ def _found(program: AnalysedProgram) -> Iterator[Finding]:
             yield Finding(node, f"{shown_source(program, node)} divides by 0", "")
             continue
         yield from _operands(program, node, node.op, node.left, node.right)
-    for assignment in program.nodes(ast.AugAssign):
-        if isinstance(assignment.target, ast.Name):
-            yield from _operands(program, assignment, assignment.op, assignment.target, assignment.value)
     for comparison in program.nodes(ast.Compare):
         if len(comparison.ops) == 1:
             yield from _operands(program, comparison, comparison.ops[0], comparison.left, comparison.comparators[0])
@@ -121,8 +118,7 @@ def _operands(
         hint = _advice(op, one, other)
     what = f"{shown_source(program, left)} is {words(one)}, {shown_source(program, right)} is {words(other)}"
     sign = _SIGNS[type(op)]
-    where = node if not isinstance(node, ast.AugAssign) else left
-    yield Finding(where, f"{what}: `{sign}` does not take them", hint)
+    yield Finding(node, f"{what}: `{sign}` does not take them", hint)
 
 
 _SIGNS: Final[dict[type[ast.AST], str]] = {

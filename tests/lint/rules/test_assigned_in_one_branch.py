@@ -1,0 +1,43 @@
+from __future__ import annotations
+
+import pytest
+
+from tests.lint.checking import body
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ("if get_standard_digital_in(0):", "  x = 1", "end", "textmsg(x)"),
+        ("n = read_input_integer_register(0)", "if n > 3:", "  x = 1", "end", "textmsg(x)"),
+        ("while True:", "  if get_standard_digital_in(0):", "    x = 1", "  end", "  textmsg(x)", "  sleep(1)", "end"),
+    ],
+    ids=str,
+)
+def test_it_is_found(lines):
+    assert [problem.split()[0] for problem in body(*lines)] == ["W257"]
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ("if get_standard_digital_in(0):", "  x = 1", "else:", "  x = 2", "end", "textmsg(x)"),
+        ("x = 0", "if get_standard_digital_in(0):", "  x = 1", "end", "textmsg(x)"),
+        ("a = get_standard_digital_in(0)", "if a:", "  x = 1", "end", "if a:", "  textmsg(x)", "end"),
+        (
+            "first = True",
+            "for i in range(3):",
+            "  if first:",
+            "    x = 1",
+            "    first = False",
+            "  end",
+            "  textmsg(x)",
+            "end",
+        ),
+        ("if not get_standard_digital_in(0):", "  halt()", "else:", "  x = 1", "end", "textmsg(x)"),
+        ("m = read_input_integer_register(0)", "if m == 1:", "  x = 1", "elif m == 2:", "  x = 2", "end", "textmsg(x)"),
+    ],
+    ids=str,
+)
+def test_what_almost_is_one_is_not_found(lines):
+    assert "W257" not in [problem.split()[0] for problem in body(*lines)]

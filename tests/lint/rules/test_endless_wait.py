@@ -1,0 +1,45 @@
+from __future__ import annotations
+
+import pytest
+
+from tests.lint.checking import body
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ("ready = False", "while not ready:", "  sleep(0.1)", "end"),
+        ("go = get_standard_digital_in(0)", "while not go:", "  sleep(0.1)", "end"),
+        ("v = read_input_integer_register(0)", "while v < 5:", "  sync()", "end"),
+    ],
+    ids=str,
+)
+def test_it_is_found(lines):
+    assert [problem.split()[0] for problem in body(*lines)] == ["W259"]
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ("n = 0", "while n < 5:", "  n = n + 1", "  sync()", "end"),
+        ("while not get_standard_digital_in(0):", "  sync()", "end"),
+        ("running = True", "while running:", "  sleep(1)", "end"),
+        ("debug = False", "while debug:", "  sleep(1)", "end"),
+        (
+            "ready = False",
+            "def w():",
+            "  nonlocal ready",
+            "  ready = True",
+            "end",
+            "start_thread(w, ())",
+            "while not ready:",
+            "  sync()",
+            "end",
+        ),
+        ("ready = False", "while not ready:", "  sleep(0.1)", "  if get_flag(0):", "    break", "  end", "end"),
+        ("q = [0]", "def w():", "  q[0] = 1", "end", "start_thread(w, ())", "while q[0] == 0:", "  sync()", "end"),
+    ],
+    ids=str,
+)
+def test_what_almost_is_one_is_not_found(lines):
+    assert "W259" not in [problem.split()[0] for problem in body(*lines)]

@@ -1,0 +1,42 @@
+from __future__ import annotations
+
+import pytest
+
+from tests.lint.checking import body
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ('textmsg("a" + 3)',),
+        ("for i in range(0, 1, 0.1):", "  textmsg(i)", "end"),
+        ("textmsg(5 / 0)",),
+        ("textmsg(3 % 0)",),
+        ('textmsg("x" + read_input_integer_register(0))',),
+        ("if socket_read_string() > 5:", "  halt()", "end"),
+        ("textmsg(len(5))",),
+        ("p = get_target_tcp_pose()", "d = p - [0, 0, 0.1, 0, 0, 0]", "textmsg(d)"),
+        ("p = get_target_tcp_pose()", "movel(p + 0.1)"),
+    ],
+    ids=str,
+)
+def test_it_is_found(lines):
+    assert [problem.split()[0] for problem in body(*lines)] == ["W264"]
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ('textmsg("a" + str(3))',),
+        ('textmsg("=" * 20)',),
+        ('textmsg("%d parts" % 3)',),
+        ("n = 0", "if n > 0:", "  textmsg(5 / n)", "end"),
+        ("try:", '  textmsg("a" + 3)', "except:", '  textmsg("no")', "end"),
+        ("textmsg([1] + [2])",),
+        ("textmsg(True + 1)",),
+        ("for i in range(len([1, 2])):", "  textmsg(i)", "end"),
+    ],
+    ids=str,
+)
+def test_what_almost_is_one_is_not_found(lines):
+    assert "W264" not in [problem.split()[0] for problem in body(*lines)]
