@@ -13,6 +13,7 @@ from functools import cache
 
 from elitescript.language.advice.foreign import read_foreign
 from elitescript.language.advice.python2 import read_escapes
+from elitescript.language.advice.typed_signs import read_wide_signs
 from elitescript.language.diagnostics import Diagnostic, diagnostic
 from elitescript.language.options import DEFAULT, LINE, Options
 from elitescript.language.text.blocks import read_blocks
@@ -66,6 +67,8 @@ def translate(source: SourceFile, options: Options = DEFAULT) -> Translation:
     draft = Draft(source, lexed, options, unfolding)
     for flaw in lexed.flaws:
         draft.report("E001", flaw.start, flaw.end, flaw.text, flaw.hint)
+    if lexed.wide_signs:
+        read_wide_signs(draft)
     read_blocks(draft)
     if "$" in lexed.masked:
         _marks(draft)

@@ -10,9 +10,6 @@ from keyword import iskeyword
 NAME = r"[^\W\d]\w*"
 """Pattern of an identifier."""
 
-WIDE_COLON = "\uff1a"
-"""The colon of Chinese keyboards, reported by its own rule."""
-
 OPERATOR_WORDS = frozenset(("and", "as", "else", "for", "from", "if", "import", "in", "is", "not", "or"))
 """Keywords that may follow a value."""
 
