@@ -13,6 +13,7 @@ from math import isfinite, pi
 from typing import Final
 
 from elitescript.errors import InvalidValueError
+from elitescript.text_encoding import decoded_from
 
 POINTS_MAX: Final = 1_000_000
 """Points of one file (*assumed*); more than an hour at 4 ms."""
@@ -82,7 +83,8 @@ def _text(data: bytes, name: str) -> str:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        hint = "it looks like UTF-16; save it as UTF-8" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else None
+        other = decoded_from(data)
+        hint = None if other is None else f"it looks like {other[1]}; save it as UTF-8"
         raise InvalidValueError(f"{name}, line {line}: the text is not UTF-8", value=name, hint=hint) from None
     return text.replace("\r\n", "\n").replace("\r", "\n")
 

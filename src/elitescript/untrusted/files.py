@@ -15,6 +15,7 @@ from typing import BinaryIO, Final
 from elitescript.errors import UsageError
 from elitescript.paths import STREAMS, kind_of, why_no_file
 from elitescript.records import NamedTuple
+from elitescript.text_encoding import GBK, UTF16, as_gbk
 
 _OPEN_FLAGS: Final = (
     os.O_RDONLY | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_NONBLOCK", 0)
@@ -168,15 +169,15 @@ class EncodingError(ValueError):
         why: without the place in lines.
         at: where, in bytes from 0.
         line: where, from 1.
-        is_utf_16: whether they are UTF-16.
+        encoding: in which they are, as `GBK`; empty if that is not known.
     """
 
-    def __init__(self, why: str, at: int, line: int, *, is_utf_16: bool = False) -> None:
+    def __init__(self, why: str, at: int, line: int, encoding: str = "") -> None:
         super().__init__(why)
         self.why = why
         self.at = at
         self.line = line
-        self.is_utf_16 = is_utf_16
+        self.encoding = encoding
 
 
 def plain_text(data: bytes) -> str:
@@ -187,12 +188,15 @@ def plain_text(data: bytes) -> str:
     """
     # Without a mark, every other byte of plain letters is 0.
     if data.startswith(_UTF16) or (len(data) >= 4 and b"\0\0" in (data[:4:2], data[1:4:2])):
-        raise EncodingError("it is UTF-16; save it as UTF-8", 0, 1, is_utf_16=True)
+        raise EncodingError("it is UTF-16; save it as UTF-8", 0, 1, UTF16)
     try:
         return data.removeprefix(_MARK).decode()
     except UnicodeDecodeError as error:
         at = error.start + len(data) - len(error.object)
-        raise EncodingError(f"{error.reason} at byte {at}", at, data.count(b"\n", 0, at) + 1) from None
+        line = data.count(b"\n", 0, at) + 1
+        if as_gbk(data) is not None:
+            raise EncodingError(f"it is {GBK}; save it as UTF-8", at, line, GBK) from None
+        raise EncodingError(f"{error.reason} at byte {at}", at, line) from None
 
 
 def without_mark(text: str) -> str:

@@ -18,6 +18,7 @@ from elitescript.runtime.connections.traffic import ChannelLog, Traffic
 from elitescript.runtime.environment import Channels
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Stopped
+from elitescript.text_encoding import likely_gbk
 
 CONNECT_TICKS: Final = 2 * TICKS_PER_S
 """Timeout of `socket_open`."""
@@ -29,6 +30,13 @@ _READ_LINE_END: Final = 'read it away with socket_read_string(suffix="\\n"), or 
 _OPEN_FIRST: Final = "open it with socket_open first; every socket has the name that socket_open gives it"
 _SHOWN: Final = 253
 """Most characters of an address or a name in a warning: those of a host name."""
+
+_READS: Final = 60
+"""Characters of a text that are shown in the encoding that it is in."""
+_SEND_UTF8: Final = (
+    "let the device send UTF-8, or read the bytes with socket_read_byte_list and decode them: "
+    'bytes(data[1:]).decode("gbk")'
+)
 
 NO_NETWORK: Final = "this run has no network"
 
@@ -181,6 +189,8 @@ class Sockets:
             self._tell_not_open(name, "read")
         else:
             looked = self._looking_for_line_end(name, connection, rule)
+            if isinstance(rule, Texts):
+                looked = self._looking_at_encoding(name, connection, looked)
             if (value := connection.read(looked, reason, timeout_s)) is not None:
                 connection.is_behind_numbers = isinstance(rule, Floats) and bool(value)
                 return value
@@ -208,3 +218,20 @@ class Sockets:
             return value, used
 
         return looking
+
+    def _looking_at_encoding(self, name: str, connection: ScriptConnection, rule: Rule) -> Rule:
+        """Return a rule for text, which warns once a connection of bytes that are GBK."""
+
+        def looking(data: bytearray, is_last: bool) -> tuple[Any, int]:
+            before = None if data.isascii() else bytes(data)
+            value, used = rule(data, is_last)
+            if before is not None and used and (reads := likely_gbk(before[:used])) is not None:
+                text = f"the text read from socket {name!r} is not UTF-8; as GBK it reads {_cut(reads.strip())!r}"
+                self._warn_once(f"encoding {connection.channel}", text, code="W275", hint=_SEND_UTF8)
+            return value, used
+
+        return looking
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= _READS else f"{text[:_READS]}..."
