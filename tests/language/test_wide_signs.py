@@ -8,7 +8,7 @@ import pytest
 from elitescript.errors import ProgramError
 from elitescript.language.compiler import compile_parsed
 from elitescript.language.parser import parse
-from elitescript.language.text.lexer import lex
+from elitescript.language.text.masked import lex
 from elitescript.language.text.source import SourceFile, apply_fixes
 from tests.language.random_programs import random_program
 

@@ -20,7 +20,6 @@ from elitescript.lint.fixing import Repair, repaired
 from elitescript.messages.profile import profile
 from elitescript.paths import real_path
 from elitescript.shown import shown, shown_word
-from elitescript.text_encoding import decoded_from
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -132,6 +131,8 @@ def _check(text: ProgramText, robot: RobotOptions, arm: ArmFacts | None, *, is_f
         source = SourceFile.from_bytes(text.name, text.data)
         written = before = text.data.decode("utf-8")
     except ProgramError as error:
+        from elitescript.text_encoding import decoded_from
+
         source = SourceFile.to_show(text.name, text.data)
         other = decoded_from(text.data) if is_fixed else None
         if other is None:

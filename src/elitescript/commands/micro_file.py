@@ -13,7 +13,6 @@ from math import isfinite, pi
 from typing import Final
 
 from elitescript.errors import InvalidValueError
-from elitescript.text_encoding import decoded_from
 
 POINTS_MAX: Final = 1_000_000
 """Points of one file (*assumed*); more than an hour at 4 ms."""
@@ -82,6 +81,8 @@ def _text(data: bytes, name: str) -> str:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
+        from elitescript.text_encoding import decoded_from
+
         line = data.count(b"\n", 0, error.start) + 1
         other = decoded_from(data)
         hint = None if other is None else f"it looks like {other[1]}; save it as UTF-8"

@@ -15,7 +15,6 @@ from typing import BinaryIO, Final
 from elitescript.errors import UsageError
 from elitescript.paths import STREAMS, kind_of, why_no_file
 from elitescript.records import NamedTuple
-from elitescript.text_encoding import GBK, UTF16, as_gbk
 
 _OPEN_FLAGS: Final = (
     os.O_RDONLY | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_NONBLOCK", 0)
@@ -188,12 +187,14 @@ def plain_text(data: bytes) -> str:
     """
     # Without a mark, every other byte of plain letters is 0.
     if data.startswith(_UTF16) or (len(data) >= 4 and b"\0\0" in (data[:4:2], data[1:4:2])):
-        raise EncodingError("it is UTF-16; save it as UTF-8", 0, 1, UTF16)
+        raise EncodingError("it is UTF-16; save it as UTF-8", 0, 1, "UTF-16")
     try:
         return data.removeprefix(_MARK).decode()
     except UnicodeDecodeError as error:
         at = error.start + len(data) - len(error.object)
         line = data.count(b"\n", 0, at) + 1
+        from elitescript.text_encoding import GBK, as_gbk
+
         if as_gbk(data) is not None:
             raise EncodingError(f"it is {GBK}; save it as UTF-8", at, line, GBK) from None
         raise EncodingError(f"{error.reason} at byte {at}", at, line) from None

@@ -9,8 +9,9 @@ from __future__ import annotations
 from typing import Final
 
 from elitescript.language.diagnostics import Fix
+from elitescript.language.text.lexer import WideSign
 from elitescript.language.text.rewriting import Draft
-from elitescript.language.text.wide_signs import WIDE_BLANK, WideSign
+from elitescript.language.text.wide_signs import WIDE_BLANK
 
 _TITLE: Final = "write plain signs"
 _HINT: Final = "switch the input method to English for code; the repair changes no string and no comment"

@@ -1,7 +1,7 @@
-"""Finds strings, comments, brackets and logical lines of a text.
+"""Finds strings, comments, brackets and logical lines of a text; `masked.lex` calls it.
 
 A *logical line* is Python's: physical lines joined by brackets, backslashes and triple quotes,
-without the comment behind it. `lex` finds them all and makes a *masked* copy of the text with
+without the comment behind it. `TextScanner` finds them all and makes a *masked* copy of the text with
 the same length, in which strings are runs of `"`, and comments, line ends inside a logical line
 and backslashes that continue one are blanks. Rules about the text read the masked copy, so quoted
 text never matches. Signs of an input method in code are read as the plain ones; see `wide_signs`.
@@ -15,18 +15,6 @@ from functools import cache
 from keyword import kwlist
 
 from elitescript.language.text.strings import formatted_end, prefix_start, string_end_pattern
-from elitescript.language.text.wide_signs import (
-    WIDE_BLANK,
-    WideSign,
-    blank_with_wide_signs,
-    has_wide_signs,
-    plain_of,
-    plain_word,
-    stand_in,
-    structure_with_wide_signs,
-    wide_closer,
-    wide_string_end,
-)
 from elitescript.records import NamedTuple
 
 TAB_WIDTH = 8
@@ -41,6 +29,20 @@ _MAX_RESCANS = 20
 # bracket above was never closed.
 _IN_EXPRESSIONS = "False None True and as async await elif else for from if in is lambda not or yield"
 _STATEMENT_WORDS = frozenset(kwlist).difference(_IN_EXPRESSIONS.split())
+
+
+class WideSign(NamedTuple):
+    """A sign of code that is not plain; see `wide_signs`.
+
+    Attributes:
+        start: its offset.
+        end: behind it.
+        plain: what it stands for; empty if that is not certain.
+    """
+
+    start: int
+    end: int
+    plain: str
 
 
 class Flaw(NamedTuple):
@@ -79,7 +81,7 @@ class LogicalLine:
 
 
 class Lexed:
-    """Result of `lex`."""
+    """Result of `masked.lex`."""
 
     __slots__ = ("flaws", "lines", "masked", "starts", "strings", "text", "wide_signs")
 
@@ -107,23 +109,13 @@ class Lexed:
         return self.masked[start:end]
 
 
-def lex(text: str) -> Lexed:
-    """Scan a text with LF line ends. Never fails: flaws are part of the result."""
-    return _TextScanner(text).scan()
-
-
 def indentation_width(blank: str) -> int:
     """Return the column, from 0, after leading blanks and tabs; a wide blank is two, a form feed starts again at 0."""
     if "\f" in blank:
         blank = blank.rpartition("\f")[2]
-    if WIDE_BLANK in blank:
-        blank = blank.replace(WIDE_BLANK, "  ")
+    if "\u3000" in blank:
+        blank = blank.replace("\u3000", "  ")
     return len(blank.expandtabs(TAB_WIDTH)) if "\t" in blank else len(blank)
-
-
-def _plain_indentation(blank: str) -> str:
-    """Return blanks and tabs of the same width as the blanks of an input method."""
-    return "".join("  " if sign == WIDE_BLANK else plain_of(sign) for sign in blank)
 
 
 @cache
@@ -142,14 +134,16 @@ def _word() -> re.Pattern[str]:
     return re.compile(r"[^\W\d]\w*")
 
 
-class _TextScanner:
-    __slots__ = ("blank", "broken", "fills", "is_wide", "lexed", "line", "rescans", "signs", "stack", "text")
+class TextScanner:
+    """Finds the logical lines of a text; `WideScanner` also reads signs of input methods."""
+
+    __slots__ = ("blank", "broken", "fills", "lexed", "line", "rescans", "search", "signs", "stack", "text")
 
     def __init__(self, text: str) -> None:
         self.text = text
         self.rescans = 0
-        self.is_wide = has_wide_signs(text)
-        self.blank = (blank_with_wide_signs() if self.is_wide else _blank()).match
+        self.blank = _blank().match
+        self.search = structure_pattern().search
         self.lexed = Lexed(text)
         starts = self.lexed.starts
         position = text.find("\n")
@@ -175,34 +169,27 @@ class _TextScanner:
             if first == "\n":
                 self.line += 1
                 position = start + 1
-            elif first == "#":
-                position = self._comment(start)
-            elif first == "\uff03":
-                self.signs.append(WideSign(start, start + 1, "#"))
+            elif first == "#" or (first == "\uff03" and self._notes_comment(start)):
                 position = self._comment(start)
             elif first == "\\" and text[start + 1 : start + 2] == "\n":
                 self._fill(start, start + 2, " ")
                 self.line += 1
                 position = start + 2
             else:
-                before = text[position:start]
-                logical = LogicalLine(start, self.line, indentation_width(before))
-                if self.is_wide and not before.isascii():
-                    self.signs.append(WideSign(position, start, _plain_indentation(before)))
+                logical = LogicalLine(start, self.line, indentation_width(text[position:start]))
                 if named := word(text, start):
-                    logical.word = plain_word(named.group()) if self.is_wide else named.group()
+                    logical.word = named.group()
+                self._begins(logical, position)
                 position = self._logical_line(logical)
                 lexed.lines.append(logical)
         lexed.masked = self._masked()
-        if self.signs:
-            lexed.wide_signs = self.signs
-            lexed.text = self._plain_text()
+        self._ends()
         lexed.flaws.sort()
         return lexed
 
     def _logical_line(self, logical: LogicalLine) -> int:
         """Read up to the end of the logical line; return where the next one may start."""
-        text, search = self.text, (structure_with_wide_signs() if self.is_wide else structure_pattern()).search
+        text, search = self.text, self.search
         stack = self.stack = []
         self.broken = False
         depth_at_line_start = 0
@@ -217,11 +204,10 @@ class _TextScanner:
             mark, at = found.group(), found.start()
             position = found.end()
             if not mark.isascii():
-                if (behind := self._wide(mark, at, depth_at_line_start)) >= 0:
-                    position = behind
-                    continue
-                mark = plain_of(mark)
-            if mark in "([{":
+                mark, position = self._wide(mark, at, depth_at_line_start)
+            if not mark:
+                pass
+            elif mark in "([{":
                 stack.append((mark, at))
             elif mark in ")]}":
                 self._close(mark, at)
@@ -252,13 +238,7 @@ class _TextScanner:
         # Comments are already in `fills`; the code ends before the last one and its blanks.
         if self.fills and self.fills[-1][1] == end and self.text[self.fills[-1][0]] in "#\uff03":
             end = self.fills[-1][0]
-        code = self.text[logical.start : end]
-        if self.is_wide:
-            size = len(code)
-            while size and stand_in(code[size - 1]) in " \t\f\\\n":
-                size -= 1
-        else:
-            size = len(code.rstrip(" \t\f\\\n"))
+        size = self._code_size(self.text[logical.start : end])
         logical.end = logical.start + max(1, size)
         logical.last_line = self.line
         logical.broken = self.broken
@@ -281,9 +261,7 @@ class _TextScanner:
         prefix = text[start:at].lower()
         body = at + len(quote)
         end = self._string_end(body, quote, "f" in prefix)
-        if self.is_wide and len(quote) == 1 and (closer := wide_closer(text, body, end, quote)) >= 0:
-            self.signs.append(WideSign(closer, closer + 1, quote))
-            end = closer + 1
+        end = self._closed(quote, body, end)
         if end < 0:
             hint = f"close it with {quote}"
             if len(quote) == 3:
@@ -362,7 +340,7 @@ class _TextScanner:
             start = starts[line]
             found = blank(text, start)
             code = found.end() if found else start
-            goes_on = plain_of(text[code : code + 1]) in ("", "\n", "#", ")", "]", "}")
+            goes_on = text[code : code + 1] in ("", "\n", "#", ")", "]", "}")
             if not goes_on and indentation_width(text[start:code]) <= logical.column:
                 while strings and strings[0][1] <= start:
                     del strings[0]
@@ -376,51 +354,29 @@ class _TextScanner:
         named = _word().match(self.text, found.end()) if found else None
         return named is not None and named.group() in _STATEMENT_WORDS
 
-    def _wide(self, mark: str, at: int, depth_at_line_start: int) -> int:
-        """Note a wide sign of code; return where reading goes on, -1 to read it as its plain form."""
-        end = at + len(mark)
-        if mark[0].isalnum() or mark[0] == "_" or mark[0] == "\uff3f":
-            if (plain := plain_word(mark)) != mark:
-                self._sign(at, end, plain, plain)
-            return end
-        if len(mark) == 2:
-            # An input method types the two dashes for the underscore.
-            self._sign(at, end, "_", "__")
-            return end
-        plain = plain_of(mark)
-        if plain in "'\"":
-            return self._wide_string(at, depth_at_line_start)
-        if plain in "#\\":
-            self.signs.append(WideSign(at, end, plain))
-            return -1
-        self._sign(at, end, plain, stand_in(mark))
-        return -1 if plain in "()[]{}" else end
+    # What differs in a text with wide signs
 
-    def _wide_string(self, at: int, depth_at_line_start: int) -> int:
-        text = self.text
-        start = prefix_start(text, at)
-        closer, end, quote = wide_string_end(text, at)
-        if end < 0:
-            line_end = text.find("\n", at)
-            end = len(text) if line_end < 0 else line_end
-            self.signs.append(WideSign(at, at + 1, ""))
-            self.broken = True
-            del self.stack[depth_at_line_start:]
-        else:
-            body = at + end - closer
-            self.signs += (WideSign(at, body, quote), WideSign(closer, end, quote))
-            if not quote:
-                self.broken = True
-            elif "\\" in text[body:closer] and "r" not in text[start:at].lower():
-                self.lexed.strings.append(StringToken(start, body, end))
-            self.line += text.count("\n", at, end)
-        self._fill(start, end, STRING_FILL)
+    def _begins(self, logical: LogicalLine, position: int) -> None:
+        """Note what is wide at the start of a logical line; its physical line starts at `position`."""
+
+    def _notes_comment(self, at: int) -> bool:
+        """Note a wide sign that begins a comment; return whether it does."""
+        return False
+
+    def _wide(self, mark: str, at: int, depth_at_line_start: int) -> tuple[str, int]:
+        """Note a wide sign; return the plain one that is read for it, if it counts here, and where reading goes on."""
+        raise AssertionError(mark)
+
+    def _code_size(self, code: str) -> int:
+        """Return the length of code without what may stand behind it."""
+        return len(code.rstrip(" \t\f\\\n"))
+
+    def _closed(self, quote: str, body: int, end: int) -> int:
+        """Return the end of a string that a plain mark has opened; `end` is where a plain one closes it."""
         return end
 
-    def _sign(self, start: int, end: int, plain: str, fill: str) -> None:
-        self.signs.append(WideSign(start, end, plain))
-        for at, character in enumerate(fill, start):
-            self._fill(at, at + 1, character)
+    def _ends(self) -> None:
+        """Finish `lexed`."""
 
     def _flaw(self, start: int, end: int, text: str, hint: str) -> None:
         self.broken = True
@@ -428,20 +384,6 @@ class _TextScanner:
 
     def _fill(self, start: int, end: int, character: str) -> None:
         self.fills.append((start, end, character))
-
-    def _plain_text(self) -> str:
-        parts = []
-        position = 0
-        for start, end, plain in self.signs:
-            parts.append(self.text[position:start])
-            old = self.text[start:end]
-            if len(plain) == end - start and (plain[0] not in "'\"" or len(plain) == 1):
-                parts.append(plain)
-            else:
-                parts.append("".join(map(stand_in, old)) if plain else old)
-            position = end
-        parts.append(self.text[position:])
-        return "".join(parts)
 
     def _masked(self) -> str:
         parts = []

@@ -9,7 +9,6 @@ from typing import Final
 from elitescript.errors import ProgramError
 from elitescript.language.diagnostics import Diagnostic, Fix, diagnostic
 from elitescript.records import field, record
-from elitescript.text_encoding import decoded_from
 from elitescript.untrusted.files import EncodingError, plain_text
 
 BOM = "\ufeff"
@@ -51,8 +50,13 @@ class SourceFile:
     @classmethod
     def to_show(cls, name: str, data: bytes) -> SourceFile:
         """Return a file that `from_bytes` may refuse: in the encoding that it is in, or with bytes replaced."""
-        other = decoded_from(data)
-        return cls(name, data.decode("utf-8", "replace") if other is None else other[0])
+        try:
+            return cls.from_bytes(name, data)
+        except ProgramError:
+            from elitescript.text_encoding import decoded_from
+
+            other = decoded_from(data)
+            return cls(name, data.decode("utf-8", "replace") if other is None else other[0])
 
     def line(self, n: int) -> str:
         """Return the line `n`, counted from 1, without its line end; empty outside the text."""
@@ -80,6 +84,8 @@ def apply_fixes(text: str, fixes: Iterable[Fix]) -> str:
 
 def _bad_byte(data: bytes, error: EncodingError) -> Diagnostic:
     lines = SourceFile("", data[: error.at].decode("utf-8")).lines
+    from elitescript.text_encoding import decoded_from
+
     line, column = len(lines), len(lines[-1]) + 1
     other = decoded_from(data) if error.encoding else None
     if other is None:

@@ -18,7 +18,6 @@ from elitescript.language.options import LINE, PROGRAM, SECONDARY
 from elitescript.language.text.lexer import structure_pattern
 from elitescript.language.text.strings import string_end_pattern
 from elitescript.records import record
-from elitescript.text_encoding import as_gbk
 
 SILENCE_S: Final = 0.1
 """After this long without a byte, an `end` counts although no line feed follows it. *Assumed.*"""
@@ -247,6 +246,8 @@ class UnitSplitter:
         try:
             return row.decode("utf-8")
         except UnicodeDecodeError:
+            from elitescript.text_encoding import as_gbk
+
             if not peek:
                 self._damaged = True
                 if not self._reads:

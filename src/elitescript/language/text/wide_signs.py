@@ -12,8 +12,6 @@ from functools import cache
 from keyword import iskeyword
 from typing import Final
 
-from elitescript.records import NamedTuple
-
 DOUBLE_QUOTES: Final = "\u201c\u201d\u201e\u201f\uff02"
 SINGLE_QUOTES: Final = "\u2018\u2019\u201a\u201b\uff07"
 _OPENING: Final = {"\u201c": "\u201d", "\u2018": "\u2019"}
@@ -57,20 +55,6 @@ _PLAIN: Final = {
 
 _SIGNS: Final = "".join(sign for sign, plain in _PLAIN.items() if not (plain.isalnum() or plain == "_"))
 _STATEMENT_WORDS: Final = ("end", "sec")
-
-
-class WideSign(NamedTuple):
-    """A sign of code that is not plain.
-
-    Attributes:
-        start: its offset.
-        end: behind it.
-        plain: what it stands for; empty if that is not certain.
-    """
-
-    start: int
-    end: int
-    plain: str
 
 
 def plain_of(sign: str) -> str:

@@ -14,7 +14,6 @@ from typing import Final
 
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.lint.registry import Finding, rule
-from elitescript.text_encoding import by_chance
 
 _SHOWN: Final = 60
 """Characters of a line that are shown in GBK."""
@@ -24,6 +23,10 @@ _SHOWN: Final = 60
 def gbk_by_chance(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the first line with such characters."""
     source = program.parsed.source
+    if source.text.isascii():
+        return
+    from elitescript.text_encoding import by_chance
+
     if (reads := by_chance(source.text)) is None:
         return
     number = next(n for n, line in enumerate(source.lines, 1) if not line.isascii())

@@ -36,7 +36,6 @@ from elitescript.protocol.primary.messages import (
 )
 from elitescript.protocol.primary.packets import ASSUMED, DOCUMENTED, STATE_PARTS, SUB_MESSAGES, pack_state
 from elitescript.records import NamedTuple
-from elitescript.text_encoding import by_chance
 
 SPACING_TICKS: Final = 7
 """Between two robot messages: with ten states they stay below 50 messages a second."""
@@ -65,6 +64,10 @@ def _encoding_warning(unit: Unit) -> str:
     """Return what is wrong with the encoding of a program; empty if nothing is."""
     if unit.damaged:
         return f"{_DAMAGED}; as GBK it reads `{unit.reads.strip()[:_READS]}`" if unit.reads else _DAMAGED
+    if unit.text.isascii():
+        return ""
+    from elitescript.text_encoding import by_chance
+
     if (reads := by_chance(unit.text)) is not None:
         line = next(line for line in reads.split("\n") if not line.isascii())
         return f"a program looks like GBK that is UTF-8 by chance; as GBK it reads `{line.strip()[:_READS]}`"

@@ -18,7 +18,6 @@ from elitescript.runtime.connections.traffic import ChannelLog, Traffic
 from elitescript.runtime.environment import Channels
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Stopped
-from elitescript.text_encoding import likely_gbk
 
 CONNECT_TICKS: Final = 2 * TICKS_PER_S
 """Timeout of `socket_open`."""
@@ -223,10 +222,14 @@ class Sockets:
         """Return a rule for text, which warns once a connection of bytes that are GBK."""
 
         def looking(data: bytearray, is_last: bool) -> tuple[Any, int]:
-            before = None if data.isascii() else bytes(data)
             value, used = rule(data, is_last)
-            if before is not None and used and (reads := likely_gbk(before[:used])) is not None:
-                text = f"the text read from socket {name!r} is not UTF-8; as GBK it reads {_cut(reads.strip())!r}"
+            if data.isascii() or not used:
+                return value, used
+            from elitescript.text_encoding import likely_gbk
+
+            if (reads := likely_gbk(bytes(data[:used]))) is not None:
+                shown = _cut(reads.strip())
+                text = f"the text read from socket {name!r} looks like GBK, not UTF-8: as GBK it reads {shown!r}"
                 self._warn_once(f"encoding {connection.channel}", text, code="W275", hint=_SEND_UTF8)
             return value, used
 

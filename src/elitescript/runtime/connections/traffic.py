@@ -13,7 +13,6 @@ from elitescript.commands.definition.context import Machine
 from elitescript.messages.events import BARRED, ChannelActivity, Warned
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand
-from elitescript.text_encoding import likely_gbk
 
 DATA_MAX: Final = 200
 """Most bytes, or characters, of a message that are shown."""
@@ -36,7 +35,11 @@ def shown(data: bytes) -> str:
     """Return bytes as text, cut to `DATA_MAX` of them."""
     part = data[:DATA_MAX]
     text = part.decode("utf-8", "backslashreplace")
-    reads = None if part.isascii() else likely_gbk(part)
+    reads = None
+    if not part.isascii():
+        from elitescript.text_encoding import likely_gbk
+
+        reads = likely_gbk(part)
     if not text.rstrip("\r\n").isprintable():
         text = text.translate(_CONTROLS)
     if reads is not None:
