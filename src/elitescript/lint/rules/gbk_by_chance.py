@@ -1,10 +1,12 @@
 """A text that was saved as GBK and is UTF-8 by chance.
 
 The bytes of `停止` in GBK are valid UTF-8 as well: they read as marks of scripts that no program mixes. The program
-runs, but its texts are those marks. `--fix` converts nothing, as both readings are possible.
+runs, but its texts are those marks. `--fix` converts nothing, as both readings are possible. `textmsg("停止")` in a file
+that was saved as UTF-8 is no finding, nor are texts in Latin, Greek, Cyrillic, Hebrew or Arabic letters.
 
-    textmsg("\u0221")              # W222: saved as GBK, it is 取
-    textmsg("取")             # saved as UTF-8: no finding
+    def job():
+      textmsg("\u0221")                 # W222: in GBK, these bytes are a Chinese character
+    end
 """
 
 from __future__ import annotations
