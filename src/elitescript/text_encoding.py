@@ -19,14 +19,14 @@ _SEEN: Final = 4_000
 """Bytes that are looked at to find UTF-16 without its mark."""
 
 _USUAL: Final = (
-    r"[\u00a1-\u017f]",
+    r"[\u00a1-\u017f\u01a0\u01a1\u01af\u01b0]",
     r"[\u0386-\u03ce]",
     r"[\u0401\u0410-\u044f\u0451\u0404\u0406\u0407\u0454\u0456\u0457\u0490\u0491]",
     r"[\u0531-\u0587]",
     r"[\u05d0-\u05ea]",
     r"[\u060c\u061b\u061f\u0621-\u064a\u0660-\u0669]",
 )
-"""Characters of scripts of two bytes in UTF-8 that texts hold: Latin, Greek, Cyrillic, Armenian, Hebrew, Arabic."""
+"""Characters of scripts of two bytes in UTF-8 that texts hold: Latin with Vietnamese, Greek, Cyrillic, Armenian, Hebrew, Arabic."""
 
 
 def decoded_from(data: bytes) -> tuple[str, str] | None:

@@ -223,6 +223,22 @@ _TEXTS: Final[dict[str, str]] = {
 
             textmsg("C:\\path")        # W210: write "C:\\\\path"
         """,
+    "W222": """
+        A text that was saved as GBK and is UTF-8 by chance. The bytes of `停止` in GBK are valid UTF-8 as well: they
+        read as marks of scripts that no program mixes. The program runs, but its texts are those marks. `--fix`
+        converts nothing, as both readings are possible. Texts in Latin, Greek, Cyrillic, Hebrew or Arabic letters are
+        no finding.
+
+            def job():
+              textmsg("\u0221")                 # W222: in GBK, these bytes are 取
+            end
+
+        The same text, saved as UTF-8:
+
+            def job():
+              textmsg("取")                # no finding
+            end
+        """,
     "R100": """
         An exception of Python that nothing caught. The text says what was wrong, with the values.
 
@@ -433,17 +449,6 @@ _TEXTS: Final[dict[str, str]] = {
 
             movel([0.4, -0.2, 0.01, 3.14, 0, 0])  # W273: gripper touches table, 12.0 mm deep at 1.204 s
         """,
-    "W275": """
-        A device sends text in GBK, as cameras of Chinese systems do. Programs read UTF-8 (*assumed*): other bytes
-        become U+FFFD, so that a comparison with a text is never true. The warning has what the bytes are in GBK; it
-        comes once a connection.
-
-            t = socket_read_string()           # W275, if the camera sends the bytes BA CF B8 F1
-            if t == "合格":                    # never true
-              textmsg("good")
-            end
-            data = socket_read_byte_list(4)    # no finding: bytes(data[1:]).decode("gbk") is the text
-        """,
     "W274": """
         A run connects to what its world or its test puts beside the robot, and to loopback addresses of this computer.
         Any other address is a real machine: it is left alone, and the program goes on as if no host were there.
@@ -462,6 +467,17 @@ _TEXTS: Final[dict[str, str]] = {
         - the studio: the button *Allow connections*
 
             socket_open("192.168.1.5", 502)    # W274: false after 2 s, as if no host were there
+        """,
+    "W275": """
+        A device sends text in GBK, as cameras of Chinese systems do. Programs read UTF-8 (*assumed*): other bytes
+        become U+FFFD, so that a comparison with a text is never true. The warning has what the bytes are in GBK; it
+        comes once a connection.
+
+            t = socket_read_string()           # W275, if the camera sends the bytes BA CF B8 F1
+            if t == "合格":                    # never true
+              textmsg("good")
+            end
+            data = socket_read_byte_list(4)    # no finding: bytes(data[1:]).decode("gbk") is the text
         """,
     "R150": """
         The program has requested more memory than the run may have. Make shorter lists and texts, or keep fewer of

@@ -72,6 +72,10 @@ def translate(source: SourceFile, options: Options = DEFAULT) -> Translation:
 
         read_wide_signs(draft)
     read_blocks(draft)
+    if not lexed.text.isascii():
+        from elitescript.language.advice.saved_as import read_gbk_by_chance
+
+        read_gbk_by_chance(draft)
     if "$" in lexed.masked:
         _marks(draft)
     read_foreign(draft)

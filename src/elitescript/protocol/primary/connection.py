@@ -61,17 +61,10 @@ _READS: Final = 60
 
 
 def _encoding_warning(unit: Unit) -> str:
-    """Return what is wrong with the encoding of a program; empty if nothing is."""
-    if unit.damaged:
-        return f"{_DAMAGED}; as GBK it reads `{unit.reads.strip()[:_READS]}`" if unit.reads else _DAMAGED
-    if unit.text.isascii():
+    """Return what is wrong with the bytes of a program; empty if nothing is."""
+    if not unit.damaged:
         return ""
-    from elitescript.text_encoding import by_chance
-
-    if (reads := by_chance(unit.text)) is not None:
-        line = next(line for line in reads.split("\n") if not line.isascii())
-        return f"a program looks like GBK that is UTF-8 by chance; as GBK it reads `{line.strip()[:_READS]}`"
-    return ""
+    return f"{_DAMAGED}; as GBK it reads `{unit.reads.strip()[:_READS]}`" if unit.reads else _DAMAGED
 
 
 class PrimaryPort(NamedTuple):
