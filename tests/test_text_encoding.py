@@ -1,6 +1,7 @@
 import pytest
 
 from elitescript.text_encoding import as_gbk, by_chance, decoded_from, likely_gbk
+from elitescript.untrusted.plain_text import EncodingError, plain_text
 
 
 @pytest.mark.parametrize("text", ["移动到原点", 'textmsg("开始")\r\n', "合格,1.5", "# 抓取位置速度"])
@@ -9,9 +10,18 @@ def test_gbk_is_recognised(text):
 
 
 @pytest.mark.parametrize("codec", ["utf-16", "utf-16-le", "utf-16-be"])
-def test_utf_16_is_recognised(codec):
-    text = "def job():\r\n  textmsg('好')\r\nend\r\n"
+@pytest.mark.parametrize("said", ["好", "开始", "一二三四五六七", "x"])
+def test_utf_16_is_recognised(codec, said):
+    """The lower byte of `开` and `一` is zero."""
+    text = f"# {said}\r\ndef job():\r\n  textmsg('{said}')\r\nend\r\n"
     assert decoded_from(text.encode(codec)) == (text, "UTF-16")
+    with pytest.raises(EncodingError, match="UTF-16"):
+        plain_text(text.encode(codec))
+
+
+@pytest.mark.parametrize("data", [b"def a():\n\xff\xfe\0", b"x = 1\n\0\0", b"\0" * 64, bytes(range(256))])
+def test_bytes_with_zeros_are_not(data):
+    assert decoded_from(data) is None
 
 
 @pytest.mark.parametrize("text", ["Grüße", "größer", "für Käse über", "naïve café", "x = 25 °C", "±5 µm"])

@@ -26,7 +26,10 @@ _USUAL: Final = (
     r"[\u05d0-\u05ea]",
     r"[\u060c\u061b\u061f\u0621-\u064a\u0660-\u0669]",
 )
-"""Characters of scripts of two bytes in UTF-8 that texts hold: Latin with Vietnamese, Greek, Cyrillic, Armenian, Hebrew, Arabic."""
+"""Characters of scripts of two bytes in UTF-8 that texts hold.
+
+Latin with Vietnamese, Greek, Cyrillic, Armenian, Hebrew, Arabic.
+"""
 
 
 def decoded_from(data: bytes) -> tuple[str, str] | None:
@@ -34,18 +37,24 @@ def decoded_from(data: bytes) -> tuple[str, str] | None:
 
     None: they are UTF-8, or nothing known.
     """
-    for mark, codec in _MARKS:
-        if data.startswith(mark):
-            return _text(data.removeprefix(mark), codec, UTF16)
-    if b"\0" in data[:_SEEN]:
-        part = data[:_SEEN]
-        for at, codec in ((1, "utf-16-le"), (0, "utf-16-be")):
-            # Programs are mostly ASCII, in which every other byte is zero.
-            if len(data) % 2 == 0 and part[at::2].count(0) * 2 > len(part[at::2]) and 0 not in part[1 - at :: 2]:
-                return _text(data, codec, UTF16)
-        return None
+    if (text := as_utf_16(data)) is not None:
+        return text, UTF16
     if (text := as_gbk(data)) is not None:
         return text, GBK
+    return None
+
+
+def as_utf_16(data: bytes) -> str | None:
+    """Return the text that bytes are in UTF-16; None if they have no mark of it and do not look like it."""
+    for mark, codec in _MARKS:
+        if data.startswith(mark):
+            return _text(data.removeprefix(mark), codec)
+    part = data[:_SEEN]
+    for at, codec in ((1, "utf-16-le"), (0, "utf-16-be")):
+        # Blanks, line ends and names are ASCII, whose upper byte is zero. Few characters have a lower byte of zero.
+        upper, lower = part[at::2].count(0), part[1 - at :: 2].count(0)
+        if upper * 4 > len(part) // 2 and lower * 8 <= upper and (text := _text(data, codec)) is not None:
+            return text
     return None
 
 
@@ -82,11 +91,12 @@ def likely_gbk(data: bytes) -> str | None:
     return None
 
 
-def _text(data: bytes, codec: str, name: str) -> tuple[str, str] | None:
+def _text(data: bytes, codec: str) -> str | None:
     try:
-        return data.decode(codec), name
+        text = data.decode(codec)
     except UnicodeDecodeError:
         return None
+    return None if "\0" in text else text
 
 
 def _likely(data: bytes, least: float = 0.75) -> str | None:

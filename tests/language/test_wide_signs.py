@@ -2,6 +2,7 @@
 """Signs of input methods: named, mended in code, left alone in strings and comments."""
 
 import random
+import time
 
 import pytest
 
@@ -71,6 +72,22 @@ def compiles(text: str) -> bool:
         ),
         ("def job():\n  x = 1\n　x = 2\nend\n", "def job():\n  x = 1\n  x = 2\nend\n"),
         ("x\u00a0=\u20021", "x = 1"),
+        # fields of formatted strings are code, what is around them and how they are written is text
+        ('x = f"{y，2}，{y：，.2f}："', 'x = f"{y,2}，{y:，.2f}："'),
+        ('x = f"{ y【０】 ！r｝"', 'x = f"{ y[0] !r}"'),
+        ('x = f"{{y，}} {y＋{1：2}[1]:{2＋3}}"', 'x = f"{{y，}} {y+{1:2}[1]:{2+3}}"'),
+        ("x = f'{d[“好，”]，“（”}'", 'x = f\'{d["好，"],"（"}\''),
+        ('x = f“{y，1}，{d["a，"]}”', "x = f'{y,1}，{d[\"a，\"]}'"),
+        ('x = f"""\n{y，\n1}"""', 'x = f"""\n{y,\n1}"""'),
+        # Traditional Chinese, Japanese
+        ("x = 「完成，「好」」", 'x = "完成，「好」"'),
+        ("x = 『完成』 ＋ ﹁好﹂ + 〝好〞", 'x = "完成" + "好" + "好"'),
+        ("x = f「{y，1}：」", 'x = f"{y,1}："'),
+        ("x = 「1、ー２」", "x = [1,-2]"),
+        ("x = y「0」", "x = y[0]"),
+        ("x = 1ー2 ー サーボ", "x = 1-2 - サーボ"),
+        ("x = y〖0〗 ⁄ 2 ∗ 3 ‐ 1", "x = y[0] / 2 * 3 - 1"),
+        ("——it = it——", "_it = it_"),
     ],
 )
 def test_signs_of_code_become_plain_ones(text, plain):
@@ -84,6 +101,8 @@ def test_signs_of_code_become_plain_ones(text, plain):
 @pytest.mark.parametrize(
     "text",
     [
+        'x = f"（{1}，{{，：}}「」"',
+        "サーボ = ｘ = 1",
         "x = '（，）“”'  # “说”，：",
         'x = """\n　（\n"""',
         "x = r'“' f'{1}：'  # ＃",
@@ -110,12 +129,24 @@ def test_wide_indentation_is_one_finding():
 
 def test_a_string_that_nothing_closes_has_no_repair_of_its_own():
     (one,) = findings("textmsg(“完成）")
-    assert "not closed" in one.text
+    assert "not certain where its string ends" in one.text
     assert one.fix is None
 
 
-@pytest.mark.parametrize("text", ["x = “a\\”", "x = “'\"'''\"\"\"”"])
-def test_a_text_that_no_plain_marks_hold_is_not_mended(text):
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x = “a\\”",
+        "x = “'\"'''\"\"\"”",
+        'x = “a" + "b”',
+        "x = 「a」",
+        "x = 「」",
+        "x = 「1",
+        "x = 1 —— 1",
+        'x = "他说：“好”',
+    ],
+)
+def test_what_is_not_certain_is_not_mended(text):
     assert findings(text)
     assert mended(text) == text
 
@@ -153,3 +184,14 @@ def test_strings_of_any_signs_in_wide_marks_keep_their_text(seed):
         wide = text.replace('"', "“", 1).replace('"', "”", 1).replace("[", "【", 1)
         assert mended(wide) == text
         assert mended(f"y（1）；{text}") == f"y(1);{text}"
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["x" * 40_000 + "（", "ー" * 40_000, "x = [" + "“a”，" * 10_000, "“" + '" , ' * 10_000, '"”)' * 10_000]
+    + ['f"' + field * 8_000 + '，"' for field in ("{x，", "{x:", "{x，}", "{x：{y}}")],
+)
+def test_a_long_line_takes_time_as_its_length(text):
+    began = time.process_time()
+    lex(text)
+    assert time.process_time() - began < 2.0

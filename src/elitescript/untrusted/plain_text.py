@@ -6,6 +6,8 @@ from typing import Final
 
 _UTF16: Final = (b"\xff\xfe", b"\xfe\xff")
 _MARK: Final = b"\xef\xbb\xbf"
+_SEEN: Final = 4_000
+"""Bytes in which a zero is looked for, as UTF-16 without a mark has."""
 
 
 class EncodingError(ValueError):
@@ -32,8 +34,7 @@ def plain_text(data: bytes) -> str:
     Raises:
         EncodingError: they are none.
     """
-    # Without a mark, every other byte of plain letters is 0.
-    if data.startswith(_UTF16) or (len(data) >= 4 and b"\0\0" in (data[:4:2], data[1:4:2])):
+    if data.startswith(_UTF16) or (b"\0" in data[:_SEEN] and _is_utf_16(data)):
         raise EncodingError("it is UTF-16; save it as UTF-8", 0, 1, "UTF-16")
     try:
         return data.removeprefix(_MARK).decode()
@@ -45,6 +46,12 @@ def plain_text(data: bytes) -> str:
         if as_gbk(data) is not None:
             raise EncodingError(f"it is {GBK}; save it as UTF-8", at, line, GBK) from None
         raise EncodingError(f"{error.reason} at byte {at}", at, line) from None
+
+
+def _is_utf_16(data: bytes) -> bool:
+    from elitescript.text_encoding import as_utf_16
+
+    return as_utf_16(data) is not None
 
 
 def without_mark(text: str) -> str:

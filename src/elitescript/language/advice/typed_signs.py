@@ -11,7 +11,7 @@ from typing import Final
 from elitescript.language.diagnostics import Fix
 from elitescript.language.text.lexer import WideSign
 from elitescript.language.text.rewriting import Draft
-from elitescript.language.text.wide_signs import WIDE_BLANK
+from elitescript.language.text.wide_signs import CORNERS, DASHES, LONG_VOWEL, WIDE_BLANK
 
 _TITLE: Final = "write plain signs"
 _HINT: Final = "switch the input method to English for code; the repair changes no string and no comment"
@@ -63,11 +63,20 @@ def _report(draft: Draft, signs: list[WideSign]) -> None:
     code = next((ord(sign) for sign in written if not sign.isascii()), 0)
     shown = "a blank" if written.isspace() else f"`{written}`"
     kind = "a full-width sign of an input method" if code >= 0x3000 else "a sign of an input method or word processor"
-    if written[:1].isalnum():
+    if written[:1].isalnum() and written != LONG_VOWEL:
         kind = "in full-width characters of an input method"
     text = f"{shown} (U+{code:04X}) is {kind}"
     if first.plain:
         text += ", not a plain blank" if first.plain == " " else f", not `{first.plain}`"
     else:
-        text += ", and its string is not closed by a sign that fits"
+        text += f", and {_unclear(written)}"
     draft.report("E001", first.start, first.end, text, _HINT, _fix(draft, signs))
+
+
+def _unclear(written: str) -> str:
+    """Return why it is not certain what a sign stands for."""
+    if written == DASHES:
+        return "can be `_` or a minus"
+    if written[0] in CORNERS:
+        return "can be a quotation mark or a square bracket"
+    return "it is not certain where its string ends"

@@ -261,7 +261,7 @@ class TextScanner:
         prefix = text[start:at].lower()
         body = at + len(quote)
         end = self._string_end(body, quote, "f" in prefix)
-        end = self._closed(quote, body, end)
+        end = self._closed(quote, body, end, "f" in prefix)
         if end < 0:
             hint = f"close it with {quote}"
             if len(quote) == 3:
@@ -371,7 +371,7 @@ class TextScanner:
         """Return the length of code without what may stand behind it."""
         return len(code.rstrip(" \t\f\\\n"))
 
-    def _closed(self, quote: str, body: int, end: int) -> int:
+    def _closed(self, quote: str, body: int, end: int, is_formatted: bool) -> int:
         """Return the end of a string that a plain mark has opened; `end` is where a plain one closes it."""
         return end
 

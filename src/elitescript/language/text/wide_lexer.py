@@ -5,24 +5,28 @@ from __future__ import annotations
 from elitescript.language.text.lexer import STRING_FILL, LogicalLine, StringToken, TextScanner, WideSign
 from elitescript.language.text.strings import prefix_start
 from elitescript.language.text.wide_signs import (
+    CORNERS,
+    DASHES,
     WIDE_BLANK,
     blank_with_wide_signs,
     plain_of,
+    plain_of_mark,
     plain_word,
     stand_in,
     structure_with_wide_signs,
-    wide_closer,
-    wide_string_end,
 )
+from elitescript.language.text.wide_strings import corner_brackets, wide_closer, wide_in_fields, wide_string_end
 
 
 class WideScanner(TextScanner):
     """See `TextScanner`."""
 
-    __slots__ = ()
+    __slots__ = ("corners",)
 
     def __init__(self, text: str) -> None:
         super().__init__(text)
+        self.corners: set[int] = set()
+        """Offsets of corner brackets that close a list."""
         self.blank = blank_with_wide_signs().match
         self.search = structure_with_wide_signs().search
 
@@ -42,8 +46,11 @@ class WideScanner(TextScanner):
             size -= 1
         return size
 
-    def _closed(self, quote: str, body: int, end: int) -> int:
-        if len(quote) == 1 and (closer := wide_closer(self.text, body, end, quote)) >= 0:
+    def _closed(self, quote: str, body: int, end: int, is_formatted: bool) -> int:
+        closer = wide_closer(self.text, body, end, quote) if len(quote) == 1 else -1
+        if is_formatted and (closer >= 0 or end >= 0):
+            self.signs += wide_in_fields(self.text, body, closer if closer >= 0 else end - len(quote), quote)
+        if closer >= 0:
             self.signs.append(WideSign(closer, closer + 1, quote))
             return closer + 1
         return end
@@ -56,15 +63,19 @@ class WideScanner(TextScanner):
     def _wide(self, mark: str, at: int, depth_at_line_start: int) -> tuple[str, int]:
         """See `TextScanner`."""
         end = at + len(mark)
-        if mark[0].isalnum() or mark[0] == "_" or mark[0] == "\uff3f":
-            if (plain := plain_word(mark)) != mark:
-                self._sign(at, end, plain, plain)
+        plain = plain_of_mark(mark)
+        if mark == DASHES:
+            if not _is_in_word(self.text, at, end):
+                return self._uncertain(at, end)
+            self._sign(at, end, plain, "__")
             return "", end
-        if len(mark) == 2:
-            # An input method types the two dashes for the underscore.
-            self._sign(at, end, "_", "__")
+        if plain == mark:
             return "", end
-        plain = plain_of(mark)
+        if len(mark) > 1:
+            self._sign(at, end, plain, plain)
+            return "", end
+        if mark in CORNERS:
+            return self._corner(at, depth_at_line_start)
         if plain in "'\"":
             return "", self._wide_string(at, depth_at_line_start)
         if plain in "#\\":
@@ -72,6 +83,24 @@ class WideScanner(TextScanner):
             return plain, end
         self._sign(at, end, plain, stand_in(mark))
         return (plain if plain in "()[]{}" else ""), end
+
+    def _corner(self, at: int, depth_at_line_start: int) -> tuple[str, int]:
+        plain = "]" if at in self.corners else ""
+        if not plain:
+            closer, plain = corner_brackets(self.text, at)
+            if plain == '"':
+                return "", self._wide_string(at, depth_at_line_start)
+            if not plain:
+                return self._uncertain(at, max(closer, at) + 1)
+            self.corners.add(closer)
+        self._sign(at, at + 1, plain, plain)
+        return plain, at + 1
+
+    def _uncertain(self, at: int, end: int) -> tuple[str, int]:
+        self.signs.append(WideSign(at, end, ""))
+        self.broken = True
+        self._fill(at, end, STRING_FILL)
+        return "", end
 
     def _wide_string(self, at: int, depth_at_line_start: int) -> int:
         text = self.text
@@ -85,7 +114,10 @@ class WideScanner(TextScanner):
             del self.stack[depth_at_line_start:]
         else:
             body = at + end - closer
-            self.signs += (WideSign(at, body, quote), WideSign(closer, end, quote))
+            self.signs.append(WideSign(at, body, quote))
+            if quote and "f" in text[start:at].lower():
+                self.signs += wide_in_fields(text, body, closer, quote)
+            self.signs.append(WideSign(closer, end, quote))
             if not quote:
                 self.broken = True
             elif "\\" in text[body:closer] and "r" not in text[start:at].lower():
@@ -112,6 +144,11 @@ class WideScanner(TextScanner):
             position = end
         parts.append(self.text[position:])
         return "".join(parts)
+
+
+def _is_in_word(text: str, start: int, end: int) -> bool:
+    before, behind = text[start - 1 : start], text[end : end + 1]
+    return any(sign.isalnum() or sign == "_" for sign in (before, behind))
 
 
 def _plain_indentation(blank: str) -> str:
