@@ -119,17 +119,15 @@ class TestUploads:
         assert (message["kind"], message["level"]) == (6, 1)
         assert "not UTF-8" in message["text"]
 
-    @pytest.mark.parametrize(("word", "said"), [("开始", "not UTF-8"), ("停止", "UTF-8 by chance")])
-    def test_a_program_in_gbk_runs_and_its_text_is_in_the_log(self, word, said):
+    def test_a_program_in_gbk_runs_and_its_text_is_in_the_log(self):
         connection = connect()
         run(connection, [0])
-        log, unit = connection.receive(f"def a():\n textmsg('{word}')\nend\n".encode("gbk"), output(1))
+        log, unit = connection.receive("def a():\n textmsg('开始')\nend\n".encode("gbk"), output(1))
         assert isinstance(unit, RunUnit)
         assert isinstance(log, AddLog)
         assert log.is_warning
-        assert said in log.text
-        assert f"as GBK it reads `textmsg('{word}')`" in log.text
-        assert said in told(connection, 1)["text"]
+        assert "as GBK it reads `textmsg('开始')`" in log.text
+        assert "as GBK it reads" in told(connection, 1)["text"]
         (unit,) = connection.receive("def a():\n textmsg('停止')\nend\n".encode(), output(2))
         assert isinstance(unit, RunUnit)
 

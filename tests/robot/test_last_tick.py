@@ -351,6 +351,11 @@ class TestTextInGbk:
         assert said == [(4, "W275"), (10, "W275")]
         assert f"as GBK it reads '{reads}'" in str(run.warnings[0])
 
+    @pytest.mark.parametrize("marks", ['prefix="合"', 'suffix="格"', 'suffix="\\r"'])
+    def test_it_is_a_warning_where_the_mark_is_not_found(self, marks):
+        run = self.run('socket_send_line("x")', f"print([socket_read_string({marks}, timeout=0.1)])")
+        assert [event.code for event in run.events if isinstance(event, Warned)] == ["W275"]
+
     def test_bytes_that_are_read_as_bytes_are_none(self):
         run = self.run('socket_send_line("x")', "d = socket_read_byte_list(8)", 'print(bytes(d[1:]).decode("gbk"))')
         assert (run.printed, run.warnings) == (["合格,1.5"], [])

@@ -195,7 +195,7 @@ class Sockets:
                 return value
         if not self._scheduler.caller.is_secondary:
             self._scheduler.wait(reason, self._scheduler.now + 1)
-        return rule(bytearray(), True)[0] if connection is None else connection.rest(rule)
+        return rule(bytearray(), True)[0] if connection is None else connection.rest(looked)
 
     def _tell_not_open(self, name: str, done: str) -> None:
         shown = name if len(name) <= _SHOWN else f"{name[:_SHOWN]}..."
@@ -223,13 +223,15 @@ class Sockets:
 
         def looking(data: bytearray, is_last: bool) -> tuple[Any, int]:
             value, used = rule(data, is_last)
-            if data.isascii() or not used:
+            # Of a time-out nothing is used: the mark that the text waits for was perhaps there, in the other encoding.
+            part = data[:used] if used or not is_last else data
+            if part.isascii():
                 return value, used
             from elitescript.text_encoding import likely_gbk
 
-            if (reads := likely_gbk(bytes(data[:used]))) is not None:
+            if (reads := likely_gbk(bytes(part))) is not None:
                 shown = _cut(reads.strip())
-                text = f"the text read from socket {name!r} looks like GBK, not UTF-8: as GBK it reads {shown!r}"
+                text = f"the text that came from socket {name!r} looks like GBK, not UTF-8: as GBK it reads {shown!r}"
                 self._warn_once(f"encoding {connection.channel}", text, code="W275", hint=_SEND_UTF8)
             return value, used
 
