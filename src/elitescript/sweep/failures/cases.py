@@ -41,7 +41,8 @@ from elitescript.environment.start_values import parse_settings
 from elitescript.errors import UsageError
 from elitescript.kernel.options import OPTIONS
 from elitescript.messages.signals import Value
-from elitescript.paths import real_path, write_page
+from elitescript.outputs.writing import write_file
+from elitescript.paths import real_path
 from elitescript.records import field, record
 from elitescript.sweep.chaos.applying import check, disturbance_of, in_order, settings_of
 from elitescript.sweep.chaos.kinds import KINDS, is_fault
@@ -282,7 +283,7 @@ def write_case(path: Path, case: Case, story: Sequence[str] = ()) -> None:
         UsageError: the file cannot be written.
     """
     try:
-        write_page(path, text_of(case, story))
+        write_file(path, text_of(case, story))
     except OSError as error:
         raise UsageError(f"{path}: {error.strerror or error}") from error
 

@@ -15,6 +15,7 @@ from typing import IO, Any, Final, cast
 from zlib import error as zlib_error
 
 from elitescript.errors import UsageError
+from elitescript.outputs.writing import Output
 from elitescript.paths import why_no_file
 from elitescript.records import record
 from elitescript.sweep.plans.plan import Plan
@@ -27,7 +28,7 @@ from elitescript.sweep.results.journal import (
     parts_of_head,
     plan_parts,
 )
-from elitescript.sweep.results.tables import FORMATS, complete
+from elitescript.sweep.results.tables import FORMATS
 
 PART: Final = ".part"
 """Behind the name of the table: the journal of a sweep that goes on, or was ended."""
@@ -145,7 +146,7 @@ class TableFiles:
         head = {"table": _FORMAT, "digest": _digest(self.table), "runs": journal.done, "failed": failed}
         try:
             with (
-                complete(self.kept) as file,
+                Output(self.kept) as file,
                 cast("IO[bytes]", gzip.GzipFile("", "wb", _LEVEL, file, 0)) as packed,
                 journal.path.open("rb") as rows,
             ):
