@@ -200,7 +200,7 @@ def _programs(value: str, flag: str) -> Iterator[Read]:
 
 READS: Final[dict[str, _Reads]] = {
     "program": _file("the program"),
-    "program or trace": _file("the file that is plotted"),
+    "program or trace": _file("the file that is to be plotted"),
     "compared": _file("the file that is compared"),
     "programs": _programs,
     "world": _world,

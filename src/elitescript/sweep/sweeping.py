@@ -8,7 +8,7 @@ from pathlib import Path
 from elitescript.sweep.engines.engine import Engine
 from elitescript.sweep.plans.plan import Plan, Row
 from elitescript.sweep.results.journal import Journal
-from elitescript.sweep.results.tables import output_of, write_table
+from elitescript.sweep.results.tables import write_table
 
 Progress = Callable[[int, int], None]
 """Called with the number of runs that are done, and of those that failed."""
@@ -87,7 +87,7 @@ class Sweeping:
             for _ in looked_at():
                 pass
         else:
-            write_table(output_of(out), self.plan, looked_at())
+            write_table(out, self.plan, looked_at())
 
     def _count(self, row: Row) -> None:
         self.done += 1

@@ -85,12 +85,13 @@ def values(row: Row, plan: Plan) -> tuple[Any, ...]:
     return (choices.run, choices.seed, *varied, row.state, row.time_s, *measures, *margins, row.failed, row.digest)
 
 
-def write_table(output: Output, plan: Plan, rows: Iterable[Row]) -> None:
+def write_table(target: Path | Output, plan: Plan, rows: Iterable[Row]) -> None:
     """Write a table in one pass; the file is there when it is complete, and not before.
 
     Raises:
         UsageError: the file cannot be written, or the library for its format is missing.
     """
+    output = target if isinstance(target, Output) else output_of(target)
     try:
         with output as file:
             _WRITERS[format_of(output.path)](file, plan, rows)
