@@ -260,6 +260,32 @@ def test_what_a_case_names_is_read_too(folder: Path, capsys: pytest.CaptureFixtu
         assert "(--case a.case.toml)" in said
 
 
+def test_what_a_program_names_in_its_task_folder_is_no_output(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("moves.script").write_text(
+        "# run --trace rows.csv\nimport os\ndef p():\n  f = open('/task/points.csv')\n"
+        "  load_micro_line_file('line.csv')\n"
+        "  os.remove('../out.csv')\n  os.remove('old.csv')\nend\n"
+    )
+    Path("tasks").mkdir()
+    Path("points.csv").write_text("1,2\n")
+    for call in (["run", "moves.script", "--trace"], ["sweep", "moves.script", "--runs", "2", "--out"]):
+        for name in ("points.csv", "line.csv", "old.csv"):
+            assert f"this is {name}, which the program names" in refusal([*call, name], folder, capsys)
+            said = refusal([*call, f"tasks/{name}", "--task-dir", "tasks"], folder, capsys)
+            assert f"this is {name}, which the program names" in said
+            assert is_accepted([*call, f"tasks/{name}"])
+        assert is_accepted([*call, "rows.csv"])
+        assert is_accepted([*call, "out.csv"])
+
+
+def test_files_beside_a_table_that_are_none_of_a_sweep_stay(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("t.csv.part", "t.csv.sweep"):
+        Path(name).write_text("mine")
+        said = refusal(["sweep", "moves.script", "--runs", "1", "--out", "t.csv"], folder, capsys)
+        assert f"{name} is there, and is none of a sweep" in said
+        Path(name).unlink()
+
+
 @pytest.mark.parametrize(
     ("call", "file"),
     [

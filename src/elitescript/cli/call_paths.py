@@ -12,10 +12,11 @@ from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 from typing import Any, Final
 
-from elitescript.errors import ElitescriptError, UsageError
+from elitescript.errors import ElitescriptError, ScriptError, UsageError
 from elitescript.outputs.call_paths import FILE, NEW, ORDINARY, PAGE, REWRITTEN, Read, Written, check_paths
 from elitescript.outputs.writing import Output
-from elitescript.paths import stream_of
+from elitescript.paths import real_path, stream_of
+from elitescript.untrusted.files import PROGRAM, read_text
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -52,6 +53,7 @@ def outputs_of(options: argparse.Namespace) -> Iterator[None]:
             written += rows
             if argument.writes in CLAIMED:
                 claimed.append((name, rows[0]))
+    reads += _named_by_programs(options, arguments, written)
     check_paths(reads, written, is_forced=getattr(options, "force", False))
     options.outputs = held
     with _ended_by_signals(held) if claimed else nullcontext():
@@ -75,6 +77,38 @@ def _reads(options: argparse.Namespace, arguments: dict[str, PathArgument], left
                 # What cannot be read is refused by what reads it.
                 with suppress(ElitescriptError, OSError, ValueError):
                     yield from read(text, argument.flag)
+
+
+def _named_by_programs(
+    options: argparse.Namespace, arguments: dict[str, PathArgument], written: list[Written]
+) -> Iterator[Read]:
+    """Yield the files of the task folder that a program names, as far as outputs are called so too."""
+    names = {Path(path).name for row in written if row.kind != REWRITTEN for path in (row.path, *row.beside)}
+    for argument, value in ((row, getattr(options, name, None)) for name, row in arguments.items()):
+        if argument.reads not in ("program", "program or trace") or not isinstance(value, str):
+            continue
+        with suppress(ElitescriptError, OSError, ValueError):
+            if _is_ordinary(value) and any(name in (text := read_text(value, PROGRAM)) for name in names if name):
+                folder = Path(getattr(options, "task_dir", None) or real_path(value).parent)
+                for name in _files_named_in(text, value):
+                    yield Read(folder / name, f"{argument.flag} {value}", f"{name}, which the program names")
+
+
+def _files_named_in(text: str, name: str) -> Iterator[str]:
+    """Yield the files of the task folder that a program names, as far as that is known before it runs."""
+    from elitescript.language.parser import parse
+    from elitescript.language.text.source import SourceFile
+    from elitescript.lint.outside import FILE as FILE_NAME
+    from elitescript.lint.outside import outside_names
+    from elitescript.lint.program import AnalysedProgram
+    from elitescript.messages.profile import profile
+    from elitescript.runtime.environment import relative_name
+
+    for named in outside_names(AnalysedProgram(parse(SourceFile(name, text)), profile())):
+        if named.kind == FILE_NAME and named.name:
+            # A path that leads out of the folder is refused when the program runs.
+            with suppress(ElitescriptError, ScriptError):
+                yield relative_name(named.name)
 
 
 @contextmanager

@@ -81,7 +81,7 @@ def check_paths(reads: Iterable[Read], writes: Iterable[Written], *, is_forced: 
             identities = _identities(path)
             for read, known in inputs:
                 if identities & known:
-                    raise UsageError(f"{called}: this is {read.noun} ({read.called}), which would be lost")
+                    raise UsageError(f"{called}: this is {read.noun} ({read.called}); it would be lost")
             for other, shown, known in outputs:
                 is_pair = other is not written and not other.kind == written.kind == REWRITTEN
                 if is_pair and identities & known:

@@ -24,6 +24,9 @@ from elitescript.untrusted.json_text import json_value
 LINE_MAX: Final = 1 << 28
 """Bytes of a line at most: those of 10,000 rows are some MB."""
 
+JOURNAL_BEGIN: Final = b'{"journal":'
+"""First bytes of every journal."""
+
 _FORMAT: Final = 1
 
 
