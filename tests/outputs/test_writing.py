@@ -327,6 +327,19 @@ def test_without_locks_files_are_written_too(old: Path, monkeypatch: pytest.Monk
     assert names(old.parent) == ["out.html"]
 
 
+def test_a_new_file_takes_no_place_of_another_one(old: Path) -> None:
+    first = Output(old.with_name("case"), is_new=True)
+    first.file.write(NEW)
+    old.with_name("case").write_bytes(OLD)
+    for output in (first, Output(old, is_new=True)):
+        with pytest.raises(WriteError) as caught:
+            output.finish()
+        assert caught.value.errno == errno.EEXIST
+    assert old.with_name("case").read_bytes() == OLD
+    write_file(old.with_name("free"), NEW, is_new=True)
+    assert names(old.parent) == ["case", "free", "out.html"]
+
+
 # ---------------------------------------------------------------- what is no ordinary file
 
 

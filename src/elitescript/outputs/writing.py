@@ -24,6 +24,9 @@ from elitescript.page import MARK
 from elitescript.paths import kind_of, real_path, stream_of
 from elitescript.untrusted.files import opened
 
+BESIDE: Final = ".elitescript"
+"""End of the names of files that are being written."""
+
 _OLD_PAGES: Final = (b" elitescript plot</title>", b"--missed-back: #ffebe9")
 """In the head of pages that had no mark yet."""
 
@@ -41,6 +44,8 @@ _FLAGS: Final = (
 )
 _NO_PLACE: Final = (errno.EACCES, errno.EPERM, errno.EROFS)
 """Errors of a folder in which nothing can be made, although a file in it may be overwritten."""
+_NO_MOVE: Final = (*_NO_PLACE, errno.EBUSY, errno.EXDEV, errno.ETXTBSY)
+"""Errors of a move onto a file that may be overwritten, such as one that is a mount of its own."""
 
 
 class WriteError(OSError):
@@ -67,6 +72,7 @@ class Output:
         mode: permissions of a new file, before the umask.
         waits_s: how long to wait for another process that writes it, s.
         is_synced: whether the disk has it when it takes its name, so that the power may fail.
+        is_new: whether a file that has come to be there is left: the error is `EEXIST`.
 
     Attributes:
         path: as it was given.
@@ -81,6 +87,7 @@ class Output:
         "_beside",
         "_descriptor",
         "_file",
+        "_is_new",
         "_is_synced",
         "_mode",
         "_real",
@@ -98,12 +105,14 @@ class Output:
         mode: int = 0o666,
         waits_s: float = 0.0,
         is_synced: bool = False,
+        is_new: bool = False,
     ) -> None:
         self.path = Path(path)
         self.called = called or str(path)
         self.is_partly_kept = False
         self._mode = mode
         self._is_synced = is_synced
+        self._is_new = is_new
         self._file: BinaryIO | None = None
         self._descriptor = -1
         """Of what is written, until a file object has it; -1 where nothing is open."""
@@ -295,6 +304,8 @@ class Output:
         if self._is_synced:
             os.fsync(descriptor)
         there = _status(real)
+        if there is not None and self._is_new:
+            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST))
         if there is not None and not stat.S_ISREG(there.st_mode):
             raise OSError(errno.EINVAL, f"it is {kind_of(there.st_mode)} now, not a file")
         if self._beside is not None and not self._owns(self._beside):
@@ -309,9 +320,8 @@ class Output:
                 self._move(self._beside, real)
                 self._beside = None
                 return
-            except OSError:
-                # Such as a file that is a mount of its own.
-                if there is None:
+            except OSError as error:
+                if there is None or error.errno not in _NO_MOVE:
                     raise
         if there is None:
             raise OSError(errno.ENOENT, "it was removed, and nothing can be made in its folder")
@@ -322,7 +332,10 @@ class Output:
         if os.name != "posix":
             # Other systems do not move a file that is open.
             self._close()
-        beside.replace(real)
+        if self._is_new:
+            _move_to_new(beside, real)
+        else:
+            beside.replace(real)
         if self._is_synced:
             sync(real.parent)
 
@@ -424,7 +437,24 @@ def _name_beside(name: str) -> str:
         from zlib import crc32
 
         name = f"{name[:48]}-{crc32(os.fsencode(name)):08x}"
-    return f".{name}.elitescript"
+    return f".{name}{BESIDE}"
+
+
+def _move_to_new(beside: Path, real: Path) -> None:
+    """Move a file to a name that no other file has, also if another process makes one at the same moment.
+
+    Raises:
+        FileExistsError: one has it.
+    """
+    try:
+        os.link(beside, real)
+    except FileExistsError:
+        raise
+    except OSError:
+        # Some file systems have no links.
+        beside.replace(real)
+        return
+    beside.unlink()
 
 
 def _lock(descriptor: int) -> None:

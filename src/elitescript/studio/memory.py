@@ -20,7 +20,7 @@ from time import time
 from typing import Any, Final
 
 from elitescript.errors import UsageError
-from elitescript.outputs.writing import write_file
+from elitescript.outputs.writing import BESIDE, write_file
 from elitescript.records import NamedTuple
 from elitescript.untrusted.files import Kind, read_bytes
 from elitescript.untrusted.json_text import JsonError, json_value
@@ -101,7 +101,7 @@ class Memory:
 
     def _sweep(self) -> None:
         """Remove what processes that were killed in the middle of a write have left."""
-        for path in (self._folder / "drafts").glob(".*.elitescript"):
+        for path in (self._folder / "drafts").glob(f".*{BESIDE}"):
             with suppress(OSError):
                 if time() - path.stat().st_mtime > UNFINISHED_S:
                     path.unlink()
