@@ -15,6 +15,7 @@ from collections.abc import Iterable
 from typing import Any, Final
 
 from elitescript.records import NamedTuple
+from elitescript.shown import shown, shown_word
 
 
 class Code(NamedTuple):
@@ -191,12 +192,13 @@ class AlarmError(ElitescriptError):
 
     def __init__(self, alarm: Any, program: str) -> None:
         self.alarm = alarm
-        lines = [f"{program}:{alarm.line}:{alarm.column}: {alarm.class_name}: {alarm.text}"]
+        place = f"{shown_word(program)}:{alarm.line}:{alarm.column}"
+        lines = [f"{place}: {shown_word(alarm.class_name)}: {shown(alarm.text)}"]
         if alarm.source_line:
-            lines.append(f"    {alarm.source_line.strip()}")
+            lines.append(f"    {shown(alarm.source_line.strip())}")
         if alarm.details.get("hint"):
-            lines.append(f"hint: {alarm.details['hint']}")
-        lines += [f"try: {hint}" for hint in alarm.details.get("hints", ())]
+            lines.append(f"hint: {shown(str(alarm.details['hint']))}")
+        lines += [f"try: {shown(str(hint))}" for hint in alarm.details.get("hints", ())]
         super().__init__("\n".join(lines))
 
 
@@ -316,8 +318,3 @@ class RpcError(ScriptError, RuntimeError):
     def __init__(self, text: str, *, fault: tuple[int, str] = (0, ""), **details: Any) -> None:
         super().__init__(text, **details)
         self.faultCode, self.faultString = fault
-
-
-def printable(text: str) -> str:
-    """Return a text of somebody else for a terminal: letters that are not shown, such as escape codes, are `?`."""
-    return "".join(letter if letter.isprintable() else "?" for letter in text)

@@ -162,7 +162,7 @@ class TestAgreement:
             recording, messages=(Message(end_s, end_s, "primary", data),), facts={"model": "\x1b]0;x\x07\nagrees"}
         )
         text = str(audit(told, LOOP, robot="CS66"))
-        assert "?[2Jx??agrees" in text
+        assert "\\x1b[2Jx\\r\n| agrees" in text
         assert "\nagrees" not in text
         assert text.replace("\n", "").isprintable()
 

@@ -103,7 +103,7 @@ def test_threads_are_on_the_page(folder, capsys):
 def test_half_a_surrogate_pair_is_a_page(folder, capsys):
     (folder / "job.script").write_text("textmsg('\\ud800')\n")
     assert main(["plot", "job.script"]) == 0
-    assert data_of(folder / "job.plot.html")["marks"][0]["text"] == "\ud800"
+    assert data_of(folder / "job.plot.html")["marks"][0]["text"] == r"\ud800"
 
 
 def test_a_program_without_an_end_is_cut_off(folder, capsys):

@@ -124,4 +124,4 @@ def test_no_text_leaves_its_place(folder, capsys):
     assert page.startswith("<title>a&lt;b&gt;&amp;.script</title>")
     assert (page.count("</script>"), page.count("<!--"), page.endswith("<p>end</p>")) == (1, 0, True)
     (event,) = said(recordings_of(folder / "x.html")[0], "events")[0]["list"]
-    assert event["text"] == "</script><!-- \u2028 @@recording@@ \ud800"
+    assert event["text"] == "</script><!-- \u2028 @@recording@@ \\ud800"

@@ -26,7 +26,7 @@ from elitescript.cli.output.screen import (
 )
 from elitescript.language.diagnostics import Severity, diagnostic
 from elitescript.language.text.source import SourceFile
-from elitescript.untrusted.escaping import OWN_COLORS
+from elitescript.shown import OWN_COLORS
 
 XTERM = {"TERM": "xterm"}
 SPEED = "\N{MULTIPLICATION SIGN} real time"
@@ -320,20 +320,14 @@ def test_errors_do_not_drive_a_terminal(on_terminal, tmp_path):
     assert r"[\x1b[2J] is not known" in text
 
 
-def test_a_pipe_gets_the_bytes_of_a_program(tmp_path, capsys, monkeypatch):
-    monkeypatch.delenv("GITHUB_ACTIONS", raising=False)
+@pytest.mark.parametrize("is_github", [False, True])
+def test_texts_of_programs_are_no_commands_of_runners(tmp_path, capsys, monkeypatch, is_github):
+    monkeypatch.setenv("GITHUB_ACTIONS", "true" if is_github else "")
     (tmp_path / "hostile.script").write_text(HOSTILE)
     assert main(["run", str(tmp_path / "hostile.script")]) == 0
     out = capsys.readouterr().out
-    assert "a\x1b]0;title\x07\x1b[2Jb\rALARM" in out
-    assert "x\n::error::y" in out
-
-
-def test_texts_of_programs_are_no_commands_of_github(tmp_path, capsys, monkeypatch):
-    monkeypatch.setenv("GITHUB_ACTIONS", "true")
-    (tmp_path / "hostile.script").write_text(HOSTILE)
-    assert main(["run", str(tmp_path / "hostile.script")]) == 0
-    assert "x\n\\::error::y" in capsys.readouterr().out
+    assert r"a\x1b]0;title\x07\x1b[2Jb\rALARM" in out
+    assert "x\n| :\\x3aerror::y" in out
     (tmp_path / "wrong.script").write_text("slep(1)\n")
     assert main(["check", "--format", "github", str(tmp_path / "wrong.script")]) == 3
     assert capsys.readouterr().out.startswith("::error ")

@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 
 from elitescript.cli import serve
-from elitescript.cli.ctl import shown
+from elitescript.cli.ctl import answer_lines
 from elitescript.cli.main import main
 from elitescript.cli.serve import chosen_ports
 from elitescript.errors import UsageError
@@ -290,7 +290,7 @@ def test_all_means_every_port() -> None:
 
 def test_answers_are_shown_for_people() -> None:
     clients = {"port": 1, "clients": [{"origin": "rtsi#1", "peer": "127.0.0.1:2", "missed_packages": 0}]}
-    assert shown({"ok": True, "result": {"rtsi": clients, "speed": 0.5, "joints": [1.0, 2], "on": True}}) == [
+    assert answer_lines({"ok": True, "result": {"rtsi": clients, "speed": 0.5, "joints": [1.0, 2], "on": True}}) == [
         "rtsi 1: rtsi#1 from 127.0.0.1:2",
         "speed = 0.5",
         "joints = [1, 2]",

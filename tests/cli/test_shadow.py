@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import importlib
 import json
 import threading
 from collections.abc import Iterator
@@ -13,6 +14,9 @@ import pytest
 from elitescript.cli.main import main
 from tests.recorder.controller import HOST, FakeController, closed_port, served, ticks
 
+module = importlib.import_module("elitescript.cli.shadow")
+TIMES = list(ticks(1.0, 300))
+LAST_S = TIMES[-1] - 1e-6
 PROGRAM = "def main():\n  sleep(0.2)\nend\nmain()\n"
 
 
@@ -34,7 +38,7 @@ def controller(line: int) -> Iterator[list[str]]:
         }
 
     async def serve() -> None:
-        async with served(FakeController(ticks(1.0, 300), values=values)) as target:
+        async with served(FakeController(TIMES, values=values)) as target:
             end = asyncio.Event()
             done.append((asyncio.get_running_loop(), end))
             words.extend([HOST, *(f"--port={name}={number}" for name, number in target.ports.items())])
@@ -53,21 +57,42 @@ def controller(line: int) -> Iterator[list[str]]:
 
 
 @pytest.fixture
+def whole(monkeypatch):
+    """Let a call end when the last row of the controller has been compared, however long that takes."""
+    is_over = []
+
+    class Followed(module.Shadow):
+        def take(self, item):
+            super().take(item)
+            if item.t >= LAST_S:
+                is_over[0].set()
+
+    async def ended(_session, _for_s):
+        is_over.append(asyncio.Event())
+        await is_over[0].wait()
+
+    monkeypatch.setattr(module, "Shadow", Followed)
+    monkeypatch.setattr(module, "ended", ended)
+
+
+@pytest.fixture
 def program(tmp_path):
     path = tmp_path / "cell.script"
     path.write_text(PROGRAM)
     return str(path)
 
 
+@pytest.mark.usefixtures("whole")
 def test_they_agree(program, capsys):
     with controller(2) as words:
-        assert main(["shadow", *words, "--program", program, "--for", "1"]) == 0
+        assert main(["shadow", *words, "--program", program]) == 0
     assert capsys.readouterr().out.endswith("1 run: no difference\n")
 
 
+@pytest.mark.usefixtures("whole")
 def test_they_part_in_lines_of_json(program, capsys):
     with controller(77) as words:
-        assert main(["shadow", *words, "--program", program, "--for", "1", "--json"]) == 1
+        assert main(["shadow", *words, "--program", program, "--json"]) == 1
     said = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert [its["type"] for its in said if its["type"] != "note"] == ["run", "difference", "end", "summary"]
     found = next(its for its in said if its["type"] == "difference")

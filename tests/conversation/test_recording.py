@@ -89,7 +89,7 @@ def test_hostile_texts_come_back():
     text = "</script><!-- \u2028 \ud800 \x00 \U0001f916"
     said = [{"type": "notice", "severity": "error", "text": text}]
     (found,) = read(recording([RecordedRun(said, [], {})]))
-    assert found["said"] == said
+    assert found["said"] == [{**said[0], "text": "</script><!-- \u2028 \\ud800 \x00 \U0001f916"}]
 
 
 @pytest.mark.parametrize("columns", [{"q9": [0.0]}, {"q1": [0.0, 1.0]}])

@@ -52,7 +52,7 @@ class TestLcov:
         )
 
     def test_a_name_stays_in_its_line(self):
-        assert "SF:a?b.script\n" in lcov([ProgramCoverage("a\nb.script", ())])
+        assert "SF:a\\nb.script\n" in lcov([ProgramCoverage("a\nb.script", ())])
 
 
 # Of coverage-04.dtd: the elements in each element, and the attributes that it must have.

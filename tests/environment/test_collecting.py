@@ -6,12 +6,11 @@ import asyncio
 import gc
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from time import sleep
 
 import pytest
 
 from elitescript.environment import collecting
-from elitescript.environment.collecting import Collector
+from elitescript.environment.collecting import QUIET_S, Collector
 
 
 @pytest.fixture
@@ -26,44 +25,75 @@ def collections(monkeypatch):
     return made, count
 
 
+class Clock:
+    """Takes the place of the clock of an event loop."""
+
+    def __init__(self) -> None:
+        self.now_s = 0.0
+
+    def time(self) -> float:
+        return self.now_s
+
+
 def run(*steps):
-    """Make a collector, and do one thing after the other, each followed by so many seconds."""
+    """Make a collector, and do one thing after the other, each followed by so many seconds of a clock of its own.
+
+    A step gets the collector and the clock, which it moves if it takes time.
+    """
 
     async def go_on():
+        loop, clock = asyncio.get_running_loop(), Clock()
+        loop.time = clock.time
         collector = Collector()
         for step, wait_s in steps:
-            step(collector)
-            await asyncio.sleep(wait_s)
+            step(collector, clock)
+            for _ in range(2):
+                # A timer whose time has come is due when the loop has looked at its clock, and then runs.
+                await asyncio.sleep(0)
+            clock.now_s += wait_s
+            for _ in range(2):
+                await asyncio.sleep(0)
         collector.close()
 
     asyncio.run(go_on())
 
 
-def test_it_collects_in_a_pause_if_there_is_something(collections, monkeypatch):
+def a_message(collector, _clock):
+    collector.message_came()
+
+
+def test_it_collects_in_a_pause_if_there_is_something(collections):
     made, count = collections
-    monkeypatch.setattr(collecting, "QUIET_S", 0.01)
-    run((Collector.message_came, 0.02))
+    run((a_message, 2.0 * QUIET_S))
     assert made == [0]
     count[0] = collecting.OBJECTS_MIN + 1
-    run((Collector.message_came, 0.02))
-    assert made == [0, count[0], count[0]]
+    run((a_message, 0.9 * QUIET_S))
+    assert made == [0, count[0]]
+    run((a_message, 1.1 * QUIET_S))
+    assert made == [0, count[0], count[0], count[0]]
 
 
-def test_not_right_behind_a_long_answer(collections, monkeypatch):
+def test_not_right_behind_a_long_answer(collections):
     made, count = collections
-    monkeypatch.setattr(collecting, "QUIET_S", 0.005)
     count[0] = collecting.OBJECTS_MIN + 1
-    run((Collector.message_came, 0.0), (lambda collector: sleep(0.02), 0.0), (lambda collector: made.append(-1), 0.02))
+
+    def answer(_collector, clock):
+        clock.now_s += 4.0 * QUIET_S
+
+    def note(_collector, _clock):
+        made.append(-1)
+
+    run((a_message, 0.0), (answer, 0.0), (note, 1.1 * QUIET_S))
     assert made[1:] == [-1, count[0]]
 
 
 def test_messages_put_it_off_but_not_for_ever(collections):
     made, count = collections
     count[0] = collecting.OBJECTS_MAX
-    run(*[(Collector.message_came, 0.0)] * 3)
+    run(*[(a_message, 0.0)] * 3)
     assert len(made) == 1
     count[0] += 1
-    run((Collector.message_came, 0.0))
+    run((a_message, 0.0))
     assert len(made) == 3
 
 

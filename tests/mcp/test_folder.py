@@ -1,3 +1,5 @@
+import os
+
 import pytest
 
 from elitescript.errors import UsageError
@@ -59,3 +61,17 @@ def test_programs_are_listed_by_name_without_hidden_folders(folder):
 def test_a_folder_must_be_one(tmp_path):
     with pytest.raises(UsageError, match="no folder"):
         Folder(tmp_path / "nothing")
+
+
+def test_a_program_is_found_by_the_name_that_it_is_listed_by(tmp_path):
+    inside, outside = tmp_path / "in", tmp_path / "out.script"
+    inside.mkdir()
+    outside.write_text("")
+    name = os.fsdecode(b"b\xe9d.script")
+    (inside / name).write_text("")
+    (inside / os.fsdecode(b"l\xe9.script")).symlink_to(outside)
+    folder = Folder(inside)
+    assert folder.programs(9) == ([r"b\udce9d.script", r"l\udce9.script"], 2)
+    assert folder.file(r"b\udce9d.script", ".script") == folder.path / name
+    with pytest.raises(UsageError, match="is outside"):
+        folder.file(r"l\udce9.script", ".script")

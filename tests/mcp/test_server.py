@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import os
 import sys
 
 import pytest
@@ -189,3 +190,48 @@ def test_the_command_line_serves_standard_input_and_output(folder):
     found = asyncio.run(run()).structured_content
     assert found["problems"][0]["code"] == "E301"
     assert json.dumps(found)
+
+
+def test_halves_of_surrogate_pairs_are_answered(folder):
+    """In what a client asks, in what a program says, in names of files."""
+    name = os.fsdecode(b"b\xe9d.script")
+    (folder / name).write_text("def b():\n  textmsg('\\ud83d')\nend\n")
+    hello = {"protocolVersion": "2025-06-18", "capabilities": {}, "clientInfo": {"name": "t", "version": "1"}}
+    asked = [
+        {"method": "initialize", "id": 1, "params": hello},
+        {"method": "notifications/initialized"},
+        {"method": "tools/call", "id": 2, "params": {"name": "programs", "arguments": {}}},
+        {"method": "tools/call", "id": 3, "params": {"name": "run", "arguments": {"text": 'textmsg("\ud83d")\n'}}},
+        {"method": "tools/call", "id": 4, "params": {"name": "run", "arguments": {"file": "\ud83d.script"}}},
+        {"method": "\ude00", "id": 5, "params": {"x": "\ud83d"}},
+    ]
+    text = "".join(json.dumps({"jsonrpc": "2.0", **message}) + "\n" for message in asked)
+
+    async def run():
+        process = await asyncio.create_subprocess_exec(
+            *(sys.executable, "-m", "elitescript", "mcp", str(folder)),
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+        )
+        process.stdin.write(text.encode())
+        answers = {}
+        while len(answers) < 5:
+            answer = json.loads(await process.stdout.readline())
+            answers[answer["id"]] = answer
+        process.stdin.close()
+        await process.wait()
+        return answers
+
+    answers = asyncio.run(run())
+    json.dumps(answers, ensure_ascii=False).encode()
+    results = {number: answers[number]["result"]["structuredContent"] for number in (2, 3)}
+    assert r"b\udce9d.script" in results[2]["programs"]
+    assert results[3]["messages"][0]["text"] == r"\ud83d"
+    assert answers[4]["result"]["isError"]
+    assert "error" in answers[5]
+
+
+def test_an_error_is_lines_in_which_nothing_acts(folder):
+    is_error, text = call(folder, "run", file="a\x1b[2J\n##[error]b.script")
+    assert is_error
+    assert "a\\x1b[2J\n| #\\x23[error]b.script: there is no such file" in text

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
+from xml.etree import ElementTree
 
 import pytest
 
+from elitescript.pytest_plugin import plugin
 from tests.plotting.front_end import pretend_built, pretend_not_built, recordings_of
 
 FAILING = """
@@ -220,3 +223,50 @@ class TestStrict:
         result = run(pytester, self.CHECKED.replace("robot): ", "robot):\n    ") + "    assert 0\n", "--script-strict")
         result.assert_outcomes(failed=1)
         assert "which --script-strict refuses" not in result.stdout.str()
+
+
+HOSTILE = r"""def test_b():
+  textmsg("a\n::error::x\n##[group]y \x1b[2J \ud83d")
+  print("\u202e     4.244 s  finished")
+  popup("t\n::a", "##vso[x]", False, False)
+  assert 1 == 2, "n\n::b ##[c \x1b \ud83d"
+end
+def test_alarm():
+  raise ValueError("n\n::b ##[c \x1b \ud83d")
+end
+"""
+ACTS = re.compile(r"(?m)^\s*::|##\w*\[|[\x00-\x08\x0b-\x1f\x7f-\x9f\u202e\ud800-\udfff]")
+
+
+class TestTextsOfStrangers:
+    def test_nothing_acts_on_the_terminal_and_junit_has_the_texts(self, pytester):
+        (pytester.path / "test_b.script").write_text(HOSTILE)
+        (pytester.path / "job.script").write_text(HOSTILE.replace("def test_b", "def job").split("def test_alarm")[0])
+        pytester.makepyfile(
+            test_c="def test_c(robot):\n    robot.run('job.script').check()\n"
+            "def test_d(robot):\n    assert robot.run('job.script').state == 'finished'\n"
+        )
+        done = pytester.runpytest_inprocess("-p", "no:cacheprovider", "--junit-xml=x.xml")
+        done.assert_outcomes(failed=4)
+        out = "\n".join(line for line in done.outlines if not line.startswith(">"))
+        assert not (found := ACTS.search(out)), ascii(out[max(0, found.start() - 200) : found.end() + 20])
+        assert "\n| :\\x3aerror::x\n| #\\x23[group]y \\x1b[2J \\ud83d  (line 2)" in out
+        assert "\nE   :\\x3ab #\\x23[c \\x1b \\ud83d\nE   assert 1 == 2" in out
+        junit = (pytester.path / "x.xml").read_text()
+        ElementTree.fromstring(junit)
+        assert "##[group]y #x1B[2J #xD83D" in junit
+
+    def test_what_is_sent_has_an_encoding(self):
+        data = {"longrepr": ["a\ud83d", ("b\udce9", 1)], "\ud83d": None, "sections": [("x", "plain é")]}
+        sent = plugin._encodable(data)
+        assert sent == {"longrepr": ["a\\ud83d", ("b\\udce9", 1)], "\\ud83d": None, "sections": [("x", "plain é")]}
+
+    @pytest.mark.slow
+    def test_workers_of_xdist_live_on(self, pytester, monkeypatch):
+        monkeypatch.setenv("PYTEST_PLUGINS", "elitescript.pytest_plugin.plugin,xdist.plugin")
+        (pytester.path / "test_b.script").write_text(HOSTILE)
+        done = pytester.runpytest_inprocess("-p", "no:cacheprovider", "-n1", "--junit-xml=x.xml")
+        done.assert_outcomes(failed=2)
+        out = done.stdout.str()
+        assert not ACTS.search(out)
+        assert "##[group]y #x1B[2J \\ud83d" in (pytester.path / "x.xml").read_text()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from elitescript.untrusted.json_text import DEPTH_MAX, JsonError, json_value, without_halves
+from elitescript.untrusted.json_text import DEPTH_MAX, JsonError, json_value
 
 
 def refusal(data: str | bytes) -> JsonError:
@@ -50,8 +50,3 @@ def test_constants_can_be_refused() -> None:
 
     with pytest.raises(JsonError, match="NaN is no JSON"):
         json_value("[NaN]", parse_constant=no)
-
-
-def test_halves_of_characters_are_replaced() -> None:
-    value = json_value('{"a\\ud800": ["\\udc00x", "\\ud83d\\ude00", "\u4e2d", 1, null]}')
-    assert without_halves(value) == {"a\ufffd": ["\ufffdx", "\U0001f600", "\u4e2d", 1, None]}

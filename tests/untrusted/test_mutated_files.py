@@ -24,9 +24,10 @@ from elitescript.recorder.writing import write_recording
 from elitescript.robot import VirtualRobot
 from elitescript.services.journal.replay import Replay
 from elitescript.services.journal.writer import JournalReader
+from elitescript.shown import shown
 from elitescript.sweep.chaos.profile import profile_of
 from elitescript.sweep.failures.cases import read_case
-from elitescript.untrusted.escaping import markdown_text, terminal_text
+from elitescript.untrusted.escaping import markdown_text
 from elitescript.untrusted.files import PROFILE, read_text
 from elitescript.world_file import load_world_file
 from tests.recorder.test_mcap_file import recording
@@ -82,7 +83,7 @@ def read_state(path: Path) -> None:
 
 def read_text_of_program(path: Path) -> None:
     source = source_of(path)
-    assert "\x1b" not in terminal_text(source.text)
+    assert "\x1b" not in shown(source.text)
     markdown_text(source.text)
     parse(source)
 

@@ -18,13 +18,14 @@ from elitescript.audit.settings import MASS, TCP, setter_lines, setting_pairs
 from elitescript.audit.simulation import Cell, Simulated, cell_of, simulate
 from elitescript.audit.words import audit_as_json, audit_in_words
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.errors import UsageError, printable
+from elitescript.errors import UsageError
 from elitescript.kernel.options import ROBOT_SECTION
 from elitescript.language.text.source import SourceFile
 from elitescript.models.model import is_model_file, load_model
 from elitescript.protocol.primary.messages import SCRIPT_EXCEPTION
 from elitescript.recorder.recording import Recording
 from elitescript.records import record, replace
+from elitescript.shown import shown_word
 from elitescript.untrusted.files import WORLD, text_of
 from elitescript.world_file import closed_world, tables_of, world_text
 
@@ -304,7 +305,7 @@ def _program(recording: Recording, program: str | Path | SourceFile | None) -> s
         raise UsageError("the recording holds no program; name the one that ran (--program FILE)")
     if len(names) > 1:
         raise UsageError(
-            f"the recording holds {printable(', '.join(names))}; name the program that ran (--program FILE)"
+            f"the recording holds {shown_word(', '.join(names))}; name the program that ran (--program FILE)"
         )
     # Bytes of a file are text of UTF-8, as those that are read from the disk.
     return SourceFile(f"<{names[0]}>", recording.attachments[names[0]].decode("utf-8", "replace"))

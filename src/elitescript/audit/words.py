@@ -9,9 +9,9 @@ from typing import Any, Final
 
 from elitescript.audit.differences import Finding, Largest
 from elitescript.audit.findings import AuditedRun, AuditFindings, Cut
-from elitescript.errors import printable
 from elitescript.json_records.jsonlines import plain
 from elitescript.messages.signals import Value
+from elitescript.shown import shown
 
 SHOWN: Final = 6
 """Rows of each list; what is left out is counted."""
@@ -21,7 +21,7 @@ def audit_in_words(audit: AuditFindings) -> str:
     """Return the audit for people."""
     lines = [*_head(audit), *_arm(audit), *_run(audit.first), *_others(audit), *_fit(audit), *_rest(audit)]
     # Texts of the controller are among them.
-    return "\n".join(map(printable, lines))
+    return "\n".join(map(shown, lines))
 
 
 def audit_as_json(audit: AuditFindings) -> dict[str, Any]:

@@ -19,6 +19,7 @@ from elitescript.language.text.source import SourceFile
 from elitescript.models.datafile import parsed, read_text
 from elitescript.models.model import is_model_file
 from elitescript.page import NOT_BUILT, is_built
+from elitescript.shown import shown
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -116,7 +117,7 @@ def given_program(path: str | None) -> SourceFile | None:
 def print_problems(command: str, path: str | None, error: ProgramError) -> None:
     """Print what is wrong in a program: the file of a path, or one that came from elsewhere."""
     if path is None:
-        print(f"elitescript {command}: the program that was found: {error}", file=sys.stderr)
+        print(f"elitescript {command}: the program that was found: {shown(str(error))}", file=sys.stderr)
         return
     source = refused_source(Path(path))
     for problem in error.problems:

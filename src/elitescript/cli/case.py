@@ -10,6 +10,7 @@ from elitescript.codec.json_text import to_text
 from elitescript.errors import UsageError
 from elitescript.kernel.options import OPTIONS
 from elitescript.records import NamedTuple
+from elitescript.shown import shown
 from elitescript.sweep.failures.shrinking import is_same
 from elitescript.sweep.replay import Played, Replay
 
@@ -46,7 +47,7 @@ def replay_of(options: argparse.Namespace) -> Replay:
         raise UsageError(f"{given[0]} does not go with --case: what the case says holds; edit {options.case}")
     replay = Replay(Path(options.case), options.file)
     if replay.note:
-        print(f"elitescript {options.command}: note: {replay.note}", file=sys.stderr)
+        print(f"elitescript {options.command}: note: {shown(replay.note)}", file=sys.stderr)
     return replay
 
 

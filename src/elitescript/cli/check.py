@@ -19,6 +19,7 @@ from elitescript.lint.engine import check_source
 from elitescript.lint.fixing import Repair, repaired
 from elitescript.messages.profile import profile
 from elitescript.paths import real_path
+from elitescript.shown import shown, shown_word
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ def check(options: argparse.Namespace) -> int:
         report.file(checked)
         if text.data is None and text.is_named:
             code = NOT_FOUND
-            print(f"elitescript check: {text.why_not}", file=sys.stderr)
+            print(f"elitescript check: {shown(text.why_not)}", file=sys.stderr)
         elif code == 0 and any(problem.is_error for problem in checked.problems):
             code = FOUND_ERRORS
     report.end()
@@ -116,7 +117,7 @@ def _with_contacts(checked: CheckedFile, text: ProgramText, options: argparse.Na
     folder = None if text.path is None else real_path(text.path).parent
     contacts, why_less = contact_findings(checked.source, folder, options.world, options_from(options))
     if why_less:
-        print(f"elitescript check: {checked.name}: {why_less}", file=sys.stderr)
+        print(f"elitescript check: {shown_word(checked.name)}: {shown(why_less)}", file=sys.stderr)
     return checked._replace(problems=in_order([*checked.problems, *contacts]))
 
 

@@ -12,6 +12,7 @@ from elitescript.errors import UsageError, did_you_mean
 from elitescript.json_records import jsonlines
 from elitescript.services.control.channel import PLAY, address_of, ask
 from elitescript.services.control.verbs import VERBS
+from elitescript.shown import shown
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -46,14 +47,14 @@ def ctl(options: argparse.Namespace) -> int:
     if options.json:
         print(jsonlines.line(answer))
     elif answer["ok"]:
-        for line in shown(answer):
-            print(line)
+        for line in answer_lines(answer):
+            print(shown(line))
     else:
-        print(f"elitescript ctl: {with_verbs(answer['error'])}", file=sys.stderr)
+        print(f"elitescript ctl: {shown(with_verbs(answer['error']))}", file=sys.stderr)
     return 0 if answer["ok"] else REFUSED
 
 
-def shown(answer: dict[str, Any]) -> list[str]:
+def answer_lines(answer: dict[str, Any]) -> list[str]:
     """Return an answer as lines of text."""
     if "result" not in answer:
         return [str(answer.get("text", "done"))]

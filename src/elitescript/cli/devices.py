@@ -13,6 +13,7 @@ from elitescript.environment.line_bindings import parse_bindings
 from elitescript.errors import UsageError
 from elitescript.json_records import jsonlines
 from elitescript.services.device_server import DeviceServer
+from elitescript.shown import shown, shown_word
 from elitescript.world_file import load_world_file
 
 TYPE_CHECKING = False
@@ -42,7 +43,7 @@ def devices(options: argparse.Namespace) -> int:
             level = "warning" if is_problem else "info"
             line = jsonlines.line({"type": "device", "t": round(passed_s, 3), "level": level, "text": text})
         else:
-            line = f"{passed_s:10.3f} s  {text}"
+            line = f"{passed_s:10.3f} s  {shown(text)}"
         print(line, file=stream, flush=True)
 
     asyncio.run(_serve(DeviceServer(found.world, options.host, numbers, parse_bindings(options.serial), say), options))
@@ -55,7 +56,7 @@ async def _serve(server: DeviceServer, options: argparse.Namespace) -> None:
     if options.json:
         print(jsonlines.line({"type": "ready", "host": options.host, "devices": server.places}), flush=True)
     else:
-        print(f"ready on {options.host}: {', '.join(server.places)}", flush=True)
+        print(f"ready on {options.host}: {shown_word(', '.join(server.places))}", flush=True)
     running = asyncio.create_task(server.run())
     waiting = asyncio.create_task(stop.wait())
     try:

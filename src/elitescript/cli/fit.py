@@ -18,6 +18,7 @@ from elitescript.messages.motion import Six
 from elitescript.models.datafile import parsed, read_text
 from elitescript.models.model import RobotModel, is_model_file, load_model
 from elitescript.outputs.writing import Output
+from elitescript.shown import shown, shown_word
 from elitescript.untrusted import files as untrusted_files
 
 TYPE_CHECKING = False
@@ -47,7 +48,7 @@ def fit(options: argparse.Namespace) -> int:
     else:
         _print(model, fitted)
         if options.out is not None:
-            print(f"{options.out}: an arm file for --robot", file=sys.stderr)
+            print(f"{shown_word(options.out)}: an arm file for --robot", file=sys.stderr)
     return DIFFERS if fitted.differs else AGREES
 
 
@@ -91,11 +92,11 @@ def _write_arm(output: Output, robot: str, model: RobotModel, fitted: LengthFit)
 def _print(model: RobotModel, fitted: LengthFit) -> None:
     count = f"{fitted.used} point{'' if fitted.used == 1 else 's'}"
     print(f"{model.name} against {count} with joints and pose:")
-    print("\n".join(table(fitted.parameters)))
+    print(*map(shown, table(fitted.parameters)), sep="\n")
     before, after = 1e3 * fitted.rms_before, 1e3 * fitted.rms_after
     print(f"positions: {before:.6g} mm rms from the model, {after:.6g} mm with what was found")
     for words in fitted.words:
-        print(f"- {words}")
+        print(f"- {shown(words)}")
     for words in fitted.left_out:
-        print(f"- left out: {words}")
+        print(f"- left out: {shown(words)}")
     print("they differ" if fitted.differs else "they agree")

@@ -12,6 +12,7 @@ from elitescript.cli.output.screen import progress_on
 from elitescript.cli.program_texts import ProgramText, program_texts, rewrite, write_out
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.text.source import SourceFile
+from elitescript.shown import shown, shown_word
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ def fmt(options: argparse.Namespace) -> int:
         if text.data is None:
             refused += 1
             is_missing |= text.is_named
-            print(f"elitescript fmt: {text.name}: {text.why_not}", file=sys.stderr)
+            print(f"elitescript fmt: {shown_word(text.name)}: {shown(text.why_not)}", file=sys.stderr)
             continue
         result = _formatted(text.name, text.data, is_pendant=options.pendant)
         if result.problems:
@@ -48,10 +49,10 @@ def fmt(options: argparse.Namespace) -> int:
         kept += not is_changed and not result.problems and not result.is_left
         if options.diff:
             if is_changed:
-                write_out(_difference(text, result.text))
+                sys.stdout.write(_difference(text, result.text))
         elif options.check:
             if is_changed:
-                print(f"{text.name}: not formatted", file=sys.stderr)
+                print(f"{shown_word(text.name)}: not formatted", file=sys.stderr)
         elif text.path is None:
             write_out(data)
         elif is_changed:
@@ -75,14 +76,15 @@ def _formatted(name: str, data: bytes, *, is_pendant: bool) -> Formatted:
         raise
 
 
-def _difference(text: ProgramText, new: str) -> bytes:
-    """Return what changes, as a unified diff that `patch` can apply."""
+def _difference(text: ProgramText, new: str) -> str:
+    """Return what changes, as a unified diff. `patch` can apply it unless characters of the text had to be escaped."""
     from difflib import unified_diff
 
     assert text.data is not None
     old = text.data.decode("utf-8").split("\n")
-    rows = unified_diff(_rows(old), _rows(new.split("\n")), text.name, text.name)
-    return "".join(row if row.endswith("\n") else f"{row}\n\\ No newline at end of file\n" for row in rows).encode()
+    name = shown_word(text.name)
+    rows = unified_diff(_rows(old), _rows(new.split("\n")), name, name)
+    return "".join(row if row.endswith("\n") else f"{row}\n\\ No newline at end of file\n" for row in rows)
 
 
 def _rows(pieces: list[str]) -> list[str]:

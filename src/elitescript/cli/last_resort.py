@@ -21,6 +21,7 @@ from typing import Final
 
 from elitescript.environment.process import place_in_trace
 from elitescript.environment.stop_signals import STOP_SIGNALS, handled_signals
+from elitescript.shown import shown
 
 REACTED: Final = b"\0"
 """Written by the process itself when one of its handlers runs."""
@@ -130,4 +131,4 @@ def _where(process: int, traced: int) -> str:
 
 def _print(name: str, text: str) -> None:
     with suppress(OSError):
-        os.write(sys.stderr.fileno(), f"{name}: {text}\n".encode())
+        os.write(sys.stderr.fileno(), f"{name}: {shown(text)}\n".encode())

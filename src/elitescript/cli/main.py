@@ -8,7 +8,6 @@ from __future__ import annotations
 import gc
 import os
 import sys
-from contextlib import nullcontext
 from functools import partial
 
 from elitescript.cli.watched import MARK, can_watch, run_watched
@@ -132,29 +131,26 @@ def _run_here(arguments: list[str], start_again: Callable[[], Never] | None = No
 def _answered(options: argparse.Namespace, *, is_process: bool) -> int:
     """Run a command; print what it raises, where texts of others do not drive a terminal, and return its exit code."""
     from elitescript.errors import ElitescriptError, ProgramError, UsageError
+    from elitescript.shown import shown
 
     try:
         return _dispatch(options, is_process=is_process)
     except (ProgramError, ElitescriptError) as error:
-        print(f"elitescript {options.command}: {error}", file=sys.stderr)
+        print(f"elitescript {options.command}: {shown(str(error))}", file=sys.stderr)
         return USAGE if isinstance(error, UsageError) else 3 if isinstance(error, ProgramError) else 1
     except BrokenPipeError:
         raise
     except OSError as error:
-        print(f"elitescript {options.command}: {error}", file=sys.stderr)
+        print(f"elitescript {options.command}: {shown(str(error))}", file=sys.stderr)
         return USAGE
 
 
 def _screen(options: argparse.Namespace) -> AbstractContextManager[None]:
-    """Return what gives a command colours and a status line, and keeps texts of others off terminals and GitHub."""
-    color = getattr(options, "color", None)
-    is_shown = sys.stdout.isatty() or sys.stderr.isatty() or os.environ.get("GITHUB_ACTIONS") == "true"
-    if color != "always" and not is_shown:
-        return nullcontext()
-    from elitescript.cli.output.screen import on_screen
+    """Return what lets nothing act that a command prints, and gives it colours and a status line."""
+    from elitescript.cli.output.screen import GITHUB, JSON, TEXT, on_screen
 
-    writes_commands = getattr(options, "format", None) == "github"
-    return on_screen(color or "never", writes_commands=writes_commands)
+    form = getattr(options, "format", None) or (JSON if getattr(options, "json", False) else TEXT)
+    return on_screen(getattr(options, "color", None) or "never", form if form in (GITHUB, TEXT) else JSON)
 
 
 def _dispatch(options: argparse.Namespace, *, is_process: bool) -> int:
@@ -280,6 +276,7 @@ def _parser(command: str) -> tuple[argparse.ArgumentParser, argparse._SubParsers
     from elitescript import __version__
     from elitescript.cli.arguments import COMMANDS
     from elitescript.cli.plain_call import OMITTED
+    from elitescript.shown import printed
 
     class Parser(argparse.ArgumentParser):
         def add_argument(self, *flags: Any, **settings: Any) -> argparse.Action:
@@ -289,6 +286,10 @@ def _parser(command: str) -> tuple[argparse.ArgumentParser, argparse._SubParsers
                 if name not in ("reads", "writes")
             }
             return super().add_argument(*flags, **known)
+
+        def _print_message(self, message: str, file: Any = None) -> None:
+            # It quotes words of the call, which may be names of files that others gave.
+            super()._print_message(printed(message), file)
 
     parser = Parser(
         prog="elitescript",

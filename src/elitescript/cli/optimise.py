@@ -6,10 +6,10 @@ import sys
 from collections.abc import Iterable
 from typing import Any, Final
 
-from elitescript.cli.output.screen import progress_on
+from elitescript.cli.output.screen import palette_of, progress_on, rendered
 from elitescript.errors import ProgramError, UsageError
-from elitescript.language.diagnostics import render
 from elitescript.language.text.source import SourceFile
+from elitescript.shown import shown
 from elitescript.sweep.chaos.properties import properties_of
 from elitescript.sweep.engines.engine import Engine
 from elitescript.sweep.optimise import Candidate, Change, Outcome, Search, check_search, optimise
@@ -93,7 +93,7 @@ def search_values(options: argparse.Namespace, plan: Plan, engine: Engine, files
         data = outcome_data(outcome)
         print(json_line(data, data.values()))
     else:
-        print("\n".join(report(outcome, options.file)))
+        print(*map(shown, report(outcome, options.file)), sep="\n")
     return NONE_HOLDS if outcome.best is None else FOUND
 
 
@@ -226,7 +226,7 @@ def _commonest(texts: Iterable[str]) -> str:
 def _print_problems(problems: Iterable[Any], plan: Plan) -> None:
     source = SourceFile(plan.program_name, plan.program)
     for problem in problems:
-        print(render(problem, source.name, source.line(problem.line)), file=sys.stderr)
+        print(rendered(problem, source, palette_of(sys.stderr)), file=sys.stderr)
 
 
 # ---------------------------------------------------------------- JSON

@@ -31,6 +31,7 @@ from elitescript.plotting.sampling import Sampling
 from elitescript.plotting.trace_reader import SUFFIXES, read_trace
 from elitescript.robot import VirtualRobot
 from elitescript.run import EXIT_CODES
+from elitescript.shown import shown_word
 
 UNTIL_S: Final = 300.0
 """Default limit of robot time."""
@@ -93,7 +94,7 @@ def _write(output: Output, recording: Recording, compared: Recording | None = No
     size = f"{len(found.text) / 1000:.0f} kB"
     # Not into a page that goes to standard output.
     stream = sys.stdout if output.is_file else sys.stderr
-    print(f"{output.path}: {_in_words(recording)}{step}{other} ({size})", file=stream)
+    print(f"{shown_word(str(output.path))}: {_in_words(recording)}{step}{other} ({size})", file=stream)
 
 
 def _in_words(recording: Recording) -> str:

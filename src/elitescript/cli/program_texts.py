@@ -11,6 +11,7 @@ from typing import Final
 from elitescript.environment.program_file import SUFFIX
 from elitescript.errors import UsageError
 from elitescript.records import NamedTuple
+from elitescript.shown import shown, shown_word
 from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes, read_standard_input
 
 STANDARD_INPUT: Final = "-"
@@ -43,7 +44,8 @@ def program_texts(names: Iterable[str], command: str) -> Iterator[ProgramText]:
     """
 
     def refuse(error: OSError) -> None:
-        print(f"elitescript {command}: {error.filename}: {error.strerror or error}; it is left out", file=sys.stderr)
+        name, why = shown_word(str(error.filename)), error.strerror or shown(str(error))
+        print(f"elitescript {command}: {name}: {why}; it is left out", file=sys.stderr)
 
     seen: set[str] = set()
     for name in names:

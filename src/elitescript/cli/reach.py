@@ -11,7 +11,7 @@ from elitescript.cli.robot_options import options_from
 from elitescript.environment.addresses import place_of
 from elitescript.environment.line_bindings import parse_bindings
 from elitescript.environment.network_option import COMMAND_LINE
-from elitescript.errors import ProgramError, ScriptError, printable
+from elitescript.errors import ProgramError, ScriptError
 from elitescript.language.options import Options
 from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
@@ -20,6 +20,7 @@ from elitescript.lint.program import AnalysedProgram
 from elitescript.records import NamedTuple
 from elitescript.robot import VirtualRobot
 from elitescript.runtime.environment import TASK_PATH, relative_name
+from elitescript.shown import printable, shown, shown_word
 
 if TYPE_CHECKING:
     import argparse
@@ -57,18 +58,19 @@ def reach(options: argparse.Namespace) -> int:
     count = left = 0
     for text in program_texts(options.files, "check"):
         if text.data is None:
-            print(f"elitescript check: {text.why_not}", file=sys.stderr)
+            print(f"elitescript check: {shown(text.why_not)}", file=sys.stderr)
             code = NOT_FOUND
             continue
         try:
             source = SourceFile.from_bytes(text.name, text.data)
         except (UnicodeDecodeError, ProgramError):
-            print(f"elitescript check: {text.name} is no text", file=sys.stderr)
+            print(f"elitescript check: {shown_word(text.name)} is no text", file=sys.stderr)
             code = code or BROKEN
             continue
         parsed = parse(source, Options(strict=robot.options.strict))
         if parsed.has_errors:
-            print(f"elitescript check: {text.name} has errors; what stands there is not listed", file=sys.stderr)
+            name = shown_word(text.name)
+            print(f"elitescript check: {name} has errors; what stands there is not listed", file=sys.stderr)
             code = code or BROKEN
         for named in outside_names(AnalysedProgram(parsed, robot.profile)):
             verdict = verdict_on(named, robot)
@@ -109,7 +111,8 @@ def _file(named: Named) -> Verdict:
 
 def _line(name: str, named: Named, verdict: Verdict) -> str:
     answer = {True: "yes", False: "no", None: "?"}[verdict.reached]
-    return f"{name}:{named.line}:{named.column}: {named.kind} {printable(verdict.target)}: {answer}: {verdict.why}"
+    place = f"{shown_word(name)}:{named.line}:{named.column}"
+    return f"{place}: {named.kind} {printable(verdict.target)}: {answer}: {shown(verdict.why)}"
 
 
 def _json(name: str, named: Named, verdict: Verdict) -> str:

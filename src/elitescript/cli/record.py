@@ -11,9 +11,10 @@ from typing import Final
 from elitescript.cli.listening import check_fetching, check_host, check_positive, chosen_ports, ended, fetched
 from elitescript.cli.output.screen import ScreenStream, StatusLine
 from elitescript.environment.allowance import shown_size
-from elitescript.errors import UsageError, printable
+from elitescript.errors import UsageError
 from elitescript.recorder.session import PORTS, Session, Target
 from elitescript.recorder.storing import McapSink, Rotation
+from elitescript.shown import shown, shown_word
 from elitescript.untrusted.files import ARM, PROGRAM, WORLD, read_bytes
 
 TYPE_CHECKING = False
@@ -83,7 +84,7 @@ async def _show_status(session: Session, sink: McapSink, status: StatusLine) -> 
 
 def _summary(session: Session, sink: McapSink) -> str:
     if not sink.files:
-        return f"{sink.path}: ended before anybody answered, nothing is recorded"
+        return f"{shown_word(str(sink.path))}: ended before anybody answered, nothing is recorded"
     pace = session.pace
     files = f" in {sink.files} files" if sink.files > 1 else ""
     restarts = f", the controller's time began anew {pace.restarts} x" if pace.restarts else ""
@@ -91,8 +92,8 @@ def _summary(session: Session, sink: McapSink) -> str:
     # That they came without gaps is no comfort where rows are lost with their file.
     gaps = "" if sink.losses and not pace.gaps else f", {_gaps(session)}"
     rows = f"{pace.rows:,} rows at {pace.rate_hz:g} Hz{gaps}{repeated}{restarts}"
-    lost = "".join(f"\n{words}" for words in sink.losses)
-    return f"{sink.path}: {rows}; {shown_size(sink.size)}{files}{lost}"
+    lost = "".join(f"\n{shown(words)}" for words in sink.losses)
+    return f"{shown_word(str(sink.path))}: {rows}; {shown_size(sink.size)}{files}{lost}"
 
 
 def _gaps(session: Session) -> str:
@@ -104,7 +105,7 @@ def _gaps(session: Session) -> str:
 
 
 def _say(text: str) -> None:
-    print(printable(f"elitescript record: {text}"), file=sys.stderr, flush=True)
+    print(f"elitescript record: {shown(text)}", file=sys.stderr, flush=True)
 
 
 def _rotation(text: str | None) -> Rotation:

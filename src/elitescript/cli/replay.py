@@ -19,6 +19,7 @@ from elitescript.messages.outputs import Output
 from elitescript.messages.timing import seconds, ticks_for
 from elitescript.services.journal.replay import Replay
 from elitescript.services.journal.writer import JournalReader
+from elitescript.shown import shown
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ def replay(options: argparse.Namespace) -> int:
     logs = parse_logs(options.log)
     report = JsonRunReport(sys.stdout) if options.json else TextRunReport(sys.stdout, sys.stderr, logs)
     for hint in _hints(reader):
-        print(f"note: {hint}", file=sys.stderr)
+        print(f"note: {shown(hint)}", file=sys.stderr)
 
     if options.trace_signals is not None and not options.trace:
         raise UsageError("--trace-signals goes with --trace")
@@ -56,7 +57,7 @@ def replay(options: argparse.Namespace) -> int:
             if trace is not None:
                 trace.write(_row(output, signals))
     if reader.note:
-        print(f"note: {reader.note}", file=sys.stderr)
+        print(f"note: {shown(reader.note)}", file=sys.stderr)
     _conclude(session, is_json=options.json)
     return 0 if session.difference is None else DIFFERS
 
@@ -95,7 +96,7 @@ def _conclude(session: Replay, *, is_json: bool) -> None:
     else:
         sys.stdout.flush()
         differs = palette_of(sys.stderr).paint("alarm", "differs")
-        text = f"{differs} from the journal first at tick {difference.tick}: {difference.text}"
+        text = f"{differs} from the journal first at tick {difference.tick}: {shown(difference.text)}"
         print(f"{seconds(difference.tick):10.3f} s  {text}", file=sys.stderr)
 
 

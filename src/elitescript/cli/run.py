@@ -28,6 +28,7 @@ from elitescript.messages.events import DeviceNoted
 from elitescript.paths import real_path
 from elitescript.robot import VirtualRobot
 from elitescript.run import EXIT_CODES
+from elitescript.shown import shown
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -137,7 +138,7 @@ def _run_case(options: argparse.Namespace, report: RunReport) -> int:
         raise UsageError(played.words)
     report.end(played.run, is_interrupted=is_interrupted, overruns=None)
     if not options.json:
-        print(*said.lines(), sep="\n", file=sys.stderr)
+        print(*map(shown, said.lines()), sep="\n", file=sys.stderr)
     return INTERRUPTED if is_interrupted else EXIT_CODES[played.run.state]
 
 

@@ -52,6 +52,7 @@ from elitescript.services.robots import numbered_path, probe_jail, robot_link, s
 from elitescript.services.server import ServeSession
 from elitescript.services.state_keeper import StateKeeper
 from elitescript.services.time.lockstep import TIMEOUT_S as LOCKSTEP_TIMEOUT_S
+from elitescript.shown import shown, shown_word
 
 if TYPE_CHECKING:
     import argparse
@@ -364,7 +365,7 @@ def _check_host(options: argparse.Namespace, robots: int) -> None:
 
 
 def _warn(text: str) -> None:
-    print(f"WARNING: {text}", file=sys.stderr, flush=True)
+    print(f"WARNING: {shown(text)}", file=sys.stderr, flush=True)
 
 
 def _why_not_jailed(options: argparse.Namespace) -> str:
@@ -451,7 +452,7 @@ class ServeLog:
                 tag = f'{{"robot":{jsonlines.line({"": name})[4:-1]},' if self._are_several else "{"
                 self._reports[name] = JsonRunReport(TaggedStream(out, "{", tag))
             else:
-                tag = f"{name}: " if self._are_several else ""
+                tag = self._tag(name)
                 self._reports[name] = TextRunReport(TaggedStream(out, "", tag), TaggedStream(err, "", tag), logs)
 
     def ready(
@@ -529,9 +530,8 @@ class ServeLog:
             head = {"type": "serve", "robot": what.robot, "what": what.kind, "level": level, "text": what.text}
             self._record({**head, **details})
         elif what.is_problem or what.kind == DEVICE:
-            tag = f"{what.robot}: " if self._are_several else ""
             stream = self._err if what.is_problem else self._out
-            stream.write(f"{tag}{seconds(what.tick):10.3f} s  {what.text}\n")
+            stream.write(f"{self._tag(what.robot)}{seconds(what.tick):10.3f} s  {shown(what.text)}\n")
             stream.flush()
 
     def _task(self, robot: str, event: TaskLoaded | TaskStateChanged) -> None:
@@ -553,12 +553,10 @@ class ServeLog:
                 self._out.write(line)
             self._out.flush()
             return
-        tag = f"{robot}: " if self._are_several else ""
         words = "ended by an alarm" if what == "alarm" else what
-        name = event.name or "a program without a name"
-        self._out.write(
-            f"{tag}{seconds(event.tick):10.3f} s  [{words}] {name}{f', replaced by {successor}' if successor else ''}\n"
-        )
+        name = shown_word(event.name) or "a program without a name"
+        by = f", replaced by {shown_word(successor)}" if successor else ""
+        self._out.write(f"{self._tag(robot)}{seconds(event.tick):10.3f} s  [{shown_word(words)}] {name}{by}\n")
         self._out.flush()
 
     def studio(self, robot: str, line: str) -> None:
@@ -569,7 +567,7 @@ class ServeLog:
             self._record({"type": "studio", "robot": robot, "address": address})
         else:
             said = f"{line} {robot}" if line and self._are_several else line
-            stream.write(f"{said or f'the studio of {robot} has ended; the robot goes on'}\n")
+            stream.write(f"{shown(said or f'the studio of {robot} has ended; the robot goes on')}\n")
             stream.flush()
 
     def library(self, text: str) -> None:
@@ -577,8 +575,12 @@ class ServeLog:
         if self._is_json:
             self._record({"type": "serve", "what": "library", "level": "problem", "text": text})
         else:
-            self._err.write(f"serve: {text}\n")
+            self._err.write(f"serve: {shown(text)}\n")
             self._err.flush()
+
+    def _tag(self, robot: str) -> str:
+        """Return the begin of the lines about a robot, by its name."""
+        return f"{shown_word(robot)}: " if self._are_several else ""
 
     def end(self) -> None:
         """Print that everything is closed."""

@@ -20,6 +20,7 @@ from elitescript.language.text.source import SourceFile
 from elitescript.messages.state import Payload
 from elitescript.recorder.live import LiveSink
 from elitescript.recorder.session import Session, Target
+from elitescript.shown import shown
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ def shadow(options: argparse.Namespace) -> int:
     palette = palette_of(sys.stdout)
 
     def say(said: Said) -> None:
-        text = json.dumps(said.json(), ensure_ascii=False) if options.json else str(said)
+        text = json.dumps(said.json(), ensure_ascii=False) if options.json else shown(str(said))
         if not options.json and said.kind == DIFFERENCE:
             text = palette.paint("error", text)
         print(text, flush=True)
@@ -63,10 +64,10 @@ def shadow(options: argparse.Namespace) -> int:
         data = {"complete": follower.ends is None, "ends": cut_as_json(follower.ends)}
         print(json.dumps({"type": "summary", "runs": runs, "differences": found, **data}), flush=True)
     else:
-        shown = f"{found} difference{'s' if found != 1 else ''}" if found else "no difference"
+        words = f"{found} difference{'s' if found != 1 else ''}" if found else "no difference"
         if (cut := follower.ends) is not None:
-            shown += f"; run {cut.run} goes on, followed until {cut.t:.3f} s, line {cut.line}"
-        print(f"{runs} run{'s' if runs != 1 else ''}: {shown}", flush=True)
+            words += f"; run {cut.run} goes on, followed until {cut.t:.3f} s, line {cut.line}"
+        print(f"{runs} run{'s' if runs != 1 else ''}: {words}", flush=True)
     return DIFFERS if found else AGREES
 
 
@@ -120,4 +121,4 @@ def _payload(text: str | None) -> Payload | None:
 
 
 def _say(text: str) -> None:
-    print(f"elitescript shadow: {text}", file=sys.stderr, flush=True)
+    print(f"elitescript shadow: {shown(text)}", file=sys.stderr, flush=True)

@@ -12,16 +12,16 @@ from tempfile import TemporaryDirectory
 from typing import Any, Final
 
 from elitescript.cli.optimise import search_values, searches
-from elitescript.cli.output.screen import progress_on
+from elitescript.cli.output.screen import palette_of, progress_on, rendered
 from elitescript.cli.output.writable import Writable
 from elitescript.cli.robot_options import options_from
 from elitescript.cli.settings import parse_size
 from elitescript.codec.json_text import to_text
 from elitescript.environment.process import cores
 from elitescript.errors import ProgramError, UsageError
-from elitescript.language.diagnostics import render
 from elitescript.language.text.source import SourceFile
 from elitescript.page import NOT_BUILT, is_built
+from elitescript.shown import shown, shown_word
 from elitescript.sweep.chaos.properties import properties_of
 from elitescript.sweep.engines.engine import Engine
 from elitescript.sweep.engines.local import LocalEngine
@@ -126,7 +126,8 @@ def _say_finished(options: argparse.Namespace, table: Path, found: Finished) -> 
         return HOLDS
     few = f", {options.runs:,} are asked for" if options.runs is not None and options.runs < found.runs else ""
     rest = f"{found.failed:,} of them failed" if found.failed else "all of them hold"
-    print(f"{table} is finished: it has the {found.runs:,} runs of these settings{few}, and {rest}; nothing was run")
+    name = shown_word(str(table))
+    print(f"{name} is finished: it has the {found.runs:,} runs of these settings{few}, and {rest}; nothing was run")
     return HOLDS
 
 
@@ -163,7 +164,7 @@ def _go(options: argparse.Namespace, sweeping: Sweeping, runner: Runner, files: 
     if is_interrupted:
         rest = f"--resume goes on from {sweeping.journal.path}" if out is not None else "--out keeps them for --resume"
         done = f"{sweeping.done:,} of {sweeping.runs:,} runs are done"
-        print(f"elitescript sweep: ended by Ctrl-C; {done}; {rest}", file=sys.stderr)
+        print(f"elitescript sweep: ended by Ctrl-C; {done}; {shown(rest)}", file=sys.stderr)
         return INTERRUPTED
     if files is not None:
         files.finish(sweeping.journal, sweeping.failed)
@@ -234,7 +235,7 @@ def _write_pages(
     if not options.json:
         # Not into a page that goes to standard output.
         stream = sys.stdout if output.is_file else sys.stderr
-        print(f"\n{output.path}: {totals.runs:,} runs ({size / 1000:.0f} kB)", file=stream)
+        print(f"\n{shown_word(str(output.path))}: {totals.runs:,} runs ({size / 1000:.0f} kB)", file=stream)
 
 
 def _without(arguments: list[str], *names: str) -> list[str]:
@@ -273,7 +274,7 @@ def _engine(options: argparse.Namespace) -> Engine:
 
 
 def _note(text: str) -> None:
-    print(f"elitescript sweep: {text}", file=sys.stderr)
+    print(f"elitescript sweep: {shown(text)}", file=sys.stderr)
 
 
 class _Meter:
@@ -305,12 +306,12 @@ class _TextReport:
             words = "holds now" if failure is None else f"still fails: {failure.expression}: {failure.text}"
             if failure is not None and not case.is_same:
                 words = f"fails otherwise now: {failure.expression}: {failure.text}"
-            print(f"{case.path} {words}", file=self._out)
+            print(f"{shown_word(str(case.path))} {shown(words)}", file=self._out)
 
     def end(self, summary: Summary, findings: list[Finding], known: int) -> None:
         """Say what was found."""
         for line in summary.lines():
-            print(line, file=self._out)
+            print(shown(line), file=self._out)
         cases: dict[Path, list[Finding]] = {}
         for finding in findings:
             cases.setdefault(finding.case, []).append(finding)
@@ -318,11 +319,11 @@ class _TextReport:
             print(file=self._out)
             if finding.story is not None:
                 for line in finding.story.lines:
-                    print(line, file=self._out)
+                    print(shown(line), file=self._out)
             smaller = f", made smaller in {finding.tried} tries" if finding.tried else ""
             smaller += "" if finding.is_complete else " and perhaps not the smallest, see --shrink-runs"
             run = f"run {finding.first.choices.run}{smaller}"
-            print(f"{run}: elitescript run --case {finding.case}", file=self._out)
+            print(f"{run}: elitescript run --case {shown_word(str(finding.case))}", file=self._out)
             if same:
                 runs = ", ".join(str(other.first.choices.run) for other in same)
                 tries = sum(other.tried for other in same)
@@ -452,4 +453,4 @@ def _note_grid(plan: Plan, runs: int) -> None:
 def _print_problems(problems: Iterable[Any], plan: Plan) -> None:
     source = SourceFile(plan.program_name, plan.program)
     for problem in problems:
-        print(render(problem, source.name, source.line(problem.line)), file=sys.stderr)
+        print(rendered(problem, source, palette_of(sys.stderr)), file=sys.stderr)

@@ -103,12 +103,11 @@ def watch_for_crashes() -> bool:
     if int(mark):
         import _thread
         import faulthandler
-        from io import TextIOWrapper
 
         faulthandler.enable(file=int(mark), all_threads=False)
-        if isinstance(sys.stdout, TextIOWrapper):
-            # The contents of a buffer are lost in a crash.
-            sys.stdout.reconfigure(line_buffering=True)
+        # The contents of a buffer are lost in a crash.
+        if (reconfigure := getattr(sys.stdout, "reconfigure", None)) is not None:
+            reconfigure(line_buffering=True)
         # By default threads would get the same stack as this process.
         _thread.stack_size(8 << 20)
     return True
@@ -250,6 +249,7 @@ def _erased() -> str:
 
 def _report_crash(name: str, cause: str, place: tuple[str, int] | None, *, is_json: bool) -> None:
     from elitescript.errors import CODES
+    from elitescript.shown import shown_word
 
     code = "R151"
     text = f"{CODES[code].title} ({cause})"
@@ -258,7 +258,7 @@ def _report_crash(name: str, cause: str, place: tuple[str, int] | None, *, is_js
         text += ": the system had no more memory, or somebody has killed it"
         hint = "--memory-limit bounds what a run may have"
     file, line = place or ("", 0)
-    where = f" in line {line} of {file}" if line else ""
+    where = f" in line {line} of {shown_word(file)}" if line else ""
     print(f"{_erased()}{name}: ALARM {code}{where}: {text}", file=sys.stderr)
     if source := _line_of(file, line):
         print(f"{line:>8} | {source}", file=sys.stderr)
@@ -274,9 +274,8 @@ def _report_crash(name: str, cause: str, place: tuple[str, int] | None, *, is_js
 def _line_of(file: str, line: int) -> str:
     if not os.path.isfile(file):  # noqa: PTH113
         return ""
-    from elitescript.untrusted.escaping import terminal_text
+    from elitescript.shown import shown
 
-    shown = terminal_text if sys.stderr.isatty() else str
     with open(file, encoding="utf-8", errors="replace") as text:  # noqa: PTH123
         return next((shown(row.rstrip()) for number, row in enumerate(text, 1) if number == line), "")
 

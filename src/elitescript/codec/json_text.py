@@ -7,6 +7,7 @@ from math import isfinite
 from typing import Any, Final
 
 from elitescript.codec.values import CodecError, float_word
+from elitescript.shown import encodable_json
 from elitescript.untrusted.json_text import JsonError, json_value
 
 TEXT_MAX: Final = 32 * 1024 * 1024
@@ -16,11 +17,12 @@ _JSON: Final = json.JSONEncoder(allow_nan=False, check_circular=False, separator
 
 
 def to_text(data: Any) -> str:
-    """Return encoded data as one line of ASCII JSON."""
+    """Return encoded data as one line of ASCII JSON; halves of surrogate pairs are escapes within its texts."""
     try:
-        return _JSON.encode(data)
+        text = _JSON.encode(data)
     except ValueError:
-        return _JSON.encode(_without_non_finite(data))
+        text = _JSON.encode(_without_non_finite(data))
+    return encodable_json(text)
 
 
 def from_text(text: str | bytes, limit: int = TEXT_MAX) -> Any:

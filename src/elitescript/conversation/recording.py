@@ -29,6 +29,7 @@ from typing import Any, Final
 from elitescript.conversation.rows import COLUMNS
 from elitescript.errors import UsageError
 from elitescript.records import field, record
+from elitescript.shown import encodable_json
 
 FORMAT: Final = 1
 
@@ -106,7 +107,8 @@ def recording(runs: Sequence[RecordedRun]) -> bytes:
         ]
         head["rows"] = {"count": len(run.ticks), "columns": columns}
         heads.append(head)
-    text = json.dumps({"format": FORMAT, "runs": heads}, separators=(",", ":"), allow_nan=False).encode("ascii")
+    described = json.dumps({"format": FORMAT, "runs": heads}, separators=(",", ":"), allow_nan=False)
+    text = encodable_json(described).encode("ascii")
     return gzip.compress(b"".join([len(text).to_bytes(4, "little"), text, *bodies]), _GZIP_LEVEL, mtime=0)
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 from elitescript.coverage.model import Numbers, ProgramCoverage, total
 from elitescript.coverage.unmet import Unmet
+from elitescript.shown import encodable_json
 
 
 def json_report(programs: Sequence[ProgramCoverage], unmet: Unmet) -> str:
@@ -33,7 +34,7 @@ def json_report(programs: Sequence[ProgramCoverage], unmet: Unmet) -> str:
             "faults": [{"on": fault.on, "kinds": list(fault.kinds)} for fault in unmet.faults],
         },
     }
-    return json.dumps(found, indent=1, ensure_ascii=False) + "\n"
+    return encodable_json(json.dumps(found, indent=1, ensure_ascii=False)) + "\n"
 
 
 def _program(program: ProgramCoverage) -> dict[str, Any]:

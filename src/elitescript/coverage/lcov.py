@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from elitescript.coverage.model import ProgramCoverage
+from elitescript.shown import printable
 
 
 def lcov(programs: Iterable[ProgramCoverage]) -> str:
@@ -18,7 +19,7 @@ def lcov(programs: Iterable[ProgramCoverage]) -> str:
 def _record(program: ProgramCoverage) -> Iterator[str]:
     numbers = program.numbers
     yield "TN:"
-    yield f"SF:{_field(program.path)}"
+    yield f"SF:{printable(program.path)}"
     known: set[str] = set()
     named = []
     for function in program.functions:
@@ -27,9 +28,9 @@ def _record(program: ProgramCoverage) -> Iterator[str]:
         known.add(name)
         named.append((name, function))
     for name, function in named:
-        yield f"FN:{function.line},{_field(name)}"
+        yield f"FN:{function.line},{printable(name)}"
     for name, function in named:
-        yield f"FNDA:{function.hits},{_field(name)}"
+        yield f"FNDA:{function.hits},{printable(name)}"
     yield f"FNF:{numbers.functions}"
     yield f"FNH:{numbers.functions_hit}"
     for line in dict.fromkeys(branch.line for branch in program.branches):
@@ -42,8 +43,3 @@ def _record(program: ProgramCoverage) -> Iterator[str]:
     yield f"LF:{numbers.lines}"
     yield f"LH:{numbers.lines_hit}"
     yield "end_of_record"
-
-
-def _field(text: str) -> str:
-    """Return a text that stays in one line: the format has no escapes."""
-    return "".join(character if character.isprintable() else "?" for character in text)

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from elitescript.coverage.model import Numbers, ProgramCoverage, percent_text, total
 from elitescript.coverage.unmet import Unmet
+from elitescript.shown import shown, shown_word
 
 HEADER = ("Program", "Lines", "Missed", "Branches", "Missed", "Functions", "Cover")
 
@@ -17,7 +18,7 @@ def table(programs: Sequence[ProgramCoverage], *, shows_missing: bool = False) -
         programs: what was run of them.
         shows_missing: name the lines that never ran and the ways that were never taken.
     """
-    rows = [(program.path, *_cells(program.numbers)) for program in programs]
+    rows = [(shown_word(program.path), *_cells(program.numbers)) for program in programs]
     rows.append(("TOTAL", *_cells(total(programs))))
     widths = [max(len(row[column]) for row in (HEADER, *rows)) for column in range(len(HEADER))]
     out = []
@@ -69,5 +70,5 @@ def unmet_lines(unmet: Unmet) -> list[str]:
     out: list[str] = []
     for title, items in unmet.sections():
         if items:
-            out += [f"{title}:", *(f"  {item}" for item in items)]
+            out += [f"{title}:", *(f"  {shown(item)}" for item in items)]
     return out

@@ -40,6 +40,7 @@ from elitescript.debugger.wire import read
 from elitescript.errors import ElitescriptError, did_you_mean
 from elitescript.records import NamedTuple
 from elitescript.run import EXIT_CODES
+from elitescript.shown import shown
 
 if TYPE_CHECKING:
     from elitescript.services.control.debugging import ServedSession
@@ -495,11 +496,11 @@ class Adapter:
 
     def note(self, text: str, category: str) -> None:
         """Write a line to the client's console."""
-        self.event("output", {"category": category, "output": f"{text}\n"})
+        self.event("output", {"category": category, "output": f"{shown(text)}\n"})
 
     def report_output(self, output: Output) -> None:
         """Write what a program says to the client's console."""
-        body: Body = {"category": output.category, "output": f"{output.text}\n"}
+        body: Body = {"category": output.category, "output": f"{shown(output.text)}\n"}
         texts = [] if self._debuggee is None else self._debuggee.texts()
         source = output.source if output.source in texts else next(iter(texts), "") if len(texts) == 1 else ""
         if output.line and source:

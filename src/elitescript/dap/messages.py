@@ -8,6 +8,8 @@ from __future__ import annotations
 from math import isfinite
 from typing import Any, Final, NoReturn
 
+from elitescript.shown import visible
+
 Message = dict[str, Any]
 Body = dict[str, Any]
 
@@ -53,7 +55,7 @@ def response(request_seq: int, command: str, body: Body | None = None) -> Messag
 
 def error_response(request_seq: int, command: str, error: RequestError) -> Message:
     """Return the response to a request that was not carried out."""
-    text = str(error)
+    text = visible(str(error))
     details = {"id": error.number, "format": text.replace("{", "(").replace("}", ")"), "showUser": error.is_shown}
     return {
         "type": "response",

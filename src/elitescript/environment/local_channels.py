@@ -181,9 +181,9 @@ class LocalChannels:
     def _refuse(self, channel: int, address: str, port: int, decision: Decision) -> ChannelEvent:
         """Count a connection that is not let through, and return its event."""
         from elitescript.environment.addresses import HOST_MAX, place_of
-        from elitescript.errors import printable
         from elitescript.messages.enums import ChannelError
         from elitescript.messages.inputs import ChannelOpened
+        from elitescript.shown import printable
 
         place = place_of(printable(address[:HOST_MAX]), port)
         if place not in self.refused and len(self.refused) >= PEERS_MAX:

@@ -32,8 +32,9 @@ from elitescript.environment.addresses import (
     unmapped,
 )
 from elitescript.environment.network_option import COMMAND_LINE, Way
-from elitescript.errors import UsageError, printable
+from elitescript.errors import UsageError
 from elitescript.records import NamedTuple
+from elitescript.shown import printable
 
 OPTION: Final = "--network"
 _SHOWN: Final = 80

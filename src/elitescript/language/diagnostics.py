@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from elitescript.errors import CODES
 from elitescript.records import NamedTuple, record
+from elitescript.shown import shown, shown_word
 
 LINE_SHOWN: Final = 160
 """Characters of a line that are shown with a finding."""
@@ -109,21 +110,21 @@ def in_order(diagnostics: tuple[Diagnostic, ...] | list[Diagnostic]) -> tuple[Di
 
 
 def render(diagnostic: Diagnostic, file: str, line: str) -> str:
-    """Format a finding as text: place, message, the line with a caret under it, the hint.
+    """Format a finding as text: place, message, the line with a caret under it, the hint; nothing in it acts.
 
     Args:
         diagnostic: the finding.
         file: name of the text.
         line: the line of the text in which the finding begins.
     """
-    place = f"{file}:{diagnostic.line}:{diagnostic.column}"
-    rows = [f"{place}: {diagnostic.severity} {diagnostic.code}: {diagnostic.text}"]
+    place = f"{shown_word(file)}:{diagnostic.line}:{diagnostic.column}"
+    rows = [f"{place}: {diagnostic.severity} {diagnostic.code}: {shown(diagnostic.text)}"]
     if line.strip():
-        shown, cut = excerpt(line.rstrip(), diagnostic.column)
-        rows.append(f"    {shown}")
-        rows.append(f"    {_carets(diagnostic, shown, cut)}")
+        around, cut = excerpt(line.rstrip(), diagnostic.column)
+        rows.append(f"    {shown(around)}")
+        rows.append(f"    {_carets(diagnostic, around, cut)}")
     if diagnostic.hint:
-        rows.append(f"hint: {diagnostic.hint}")
+        rows.append(f"hint: {shown(diagnostic.hint)}")
     return "\n".join(rows)
 
 
@@ -165,8 +166,8 @@ def line_kept(line: str, column: int) -> str:
 def _carets(diagnostic: Diagnostic, line: str, cut: int) -> str:
     start = diagnostic.column - 1 - cut
     end = min(diagnostic.end_column - 1 - cut, len(line)) if diagnostic.end_line == diagnostic.line else len(line)
-    width = max(1, sum(map(_cells, line[start:end])))
-    return "".join("\t" if c == "\t" else " " * _cells(c) for c in line[:start]) + "^" * width
+    width = max(1, sum(map(_cells, shown(line[start:end]))))
+    return "".join("\t" if c == "\t" else " " * _cells(c) for c in shown(line[:start])) + "^" * width
 
 
 def _cells(character: str) -> int:

@@ -35,6 +35,7 @@ from pygls.exceptions import (
 from pygls.protocol import LanguageServerProtocol
 
 from elitescript.records import record
+from elitescript.shown import encodable_json
 from elitescript.untrusted.json_text import JsonError, json_value
 
 Id = int | str | None
@@ -295,7 +296,8 @@ class Connection(LanguageServerProtocol):
 
     def _send_data(self, data: Any) -> None:
         """Write one message; in place of that of pygls, which loses an answer that cannot be written as JSON."""
-        body = json.dumps(data, default=self._serialize_message, separators=(",", ":")).encode()
+        text = json.dumps(data, default=self._serialize_message, separators=(",", ":"))
+        body = encodable_json(text).encode()
         if self.writer is not None:
             self.writer.write(b"Content-Length: %d\r\n\r\n%s" % (len(body), body))
 

@@ -27,6 +27,7 @@ from elitescript.lsp.run_data import Outcome
 from elitescript.lsp.settings import SECTION
 from elitescript.lsp.texts import Texts, path_of
 from elitescript.lsp.token_results import TokenResults
+from elitescript.shown import shown
 
 _Result = TypeVar("_Result")
 
@@ -160,4 +161,4 @@ class Session(LanguageServer):
     def say(self, texts: list[str]) -> None:
         """Show messages about what the user has to change."""
         for text in texts:
-            self.window_show_message(types.ShowMessageParams(types.MessageType.Warning, text))
+            self.window_show_message(types.ShowMessageParams(types.MessageType.Warning, shown(text)))

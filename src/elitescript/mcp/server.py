@@ -36,6 +36,7 @@ from elitescript.mcp.answers import (
 from elitescript.mcp.debugged import DebuggedRuns
 from elitescript.mcp.folder import Folder
 from elitescript.mcp.workers import ask_once
+from elitescript.shown import shown
 from elitescript.untrusted.files import PROGRAM, read_bytes
 
 _PROGRAM: Final = PROGRAM._replace(bytes_max=2 << 20)
@@ -328,9 +329,9 @@ def _registrar(server: MCPServer) -> Callable[[ToolAnnotations], Callable[[Calla
                 try:
                     return await function(*args, **keywords)
                 except ProgramError as error:
-                    raise ToolError("\n".join(map(str, error.problems))) from error
+                    raise ToolError("\n".join(shown(str(problem)) for problem in error.problems)) from error
                 except ElitescriptError as error:
-                    raise ToolError(str(error)) from error
+                    raise ToolError(shown(str(error))) from error
 
             server.tool(annotations=annotations, structured_output=True)(call)
 

@@ -16,6 +16,7 @@ from elitescript.environment.process import end_with_parent, limit_memory
 from elitescript.errors import ElitescriptError, ProgramError
 from elitescript.mcp import runs
 from elitescript.mcp.steps import Steps
+from elitescript.shown import encodable_json
 
 MEMORY_BYTES: Final = 2 * 1024**3
 """Memory that a worker may have, where the system can limit it."""
@@ -58,7 +59,8 @@ def _main() -> None:
     limit_memory(MEMORY_BYTES)
     known = requests()
     for line in sys.stdin:
-        print(json.dumps(answer_to(line, known), ensure_ascii=True, allow_nan=False), file=answers, flush=True)
+        text = json.dumps(answer_to(line, known), ensure_ascii=True, allow_nan=False)
+        print(encodable_json(text), file=answers, flush=True)
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from elitescript.environment.process import Life, module_command, module_environment
 from elitescript.errors import UsageError
-from elitescript.untrusted.json_text import json_value, without_halves
+from elitescript.untrusted.json_text import json_value
 
 ANSWER_BYTES_MAX: Final = 8 * 1024 * 1024
 """Longest answer of a worker."""
@@ -84,7 +84,7 @@ class Worker:
         if not line:
             await self.end()
             raise UsageError("the process that ran the program has ended: it may have needed too much memory")
-        answer: dict[str, Any] = without_halves(json_value(line, depth_max=None))
+        answer: dict[str, Any] = json_value(line, depth_max=None)
         if "error" in answer:
             raise UsageError(answer["error"])
         result: dict[str, Any] = answer["result"]

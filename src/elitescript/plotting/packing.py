@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from itertools import accumulate, pairwise
 from typing import Final
 
-from elitescript.untrusted.escaping import visible
+from elitescript.shown import visible
 
 TEXT_MAX: Final = 300
 """Characters of a message or of what a channel carried."""

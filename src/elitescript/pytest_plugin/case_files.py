@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from elitescript.errors import ElitescriptError, ProgramError
+from elitescript.shown import continued
 from elitescript.sweep.replay import Played, Replay
 
 
@@ -25,6 +26,8 @@ class CaseTest(pytest.Item):
         super().__init__(**more)
         self.funcargs: dict[str, Any] = {}
         """Of no fixture; plugins look for it."""
+        self.shows_programs = True
+        """Whether reports are texts of programs; the plugin looks for it."""
 
     def runtest(self) -> None:
         """Play the run again."""
@@ -39,9 +42,9 @@ class CaseTest(pytest.Item):
         if isinstance(error, CaseFailure):
             return error.report()
         if isinstance(error, ProgramError):
-            return "\n".join(str(problem) for problem in error.problems)
+            return "\n".join(continued(str(problem)) for problem in error.problems)
         if isinstance(error, ElitescriptError):
-            return str(error)
+            return continued(str(error))
         return super().repr_failure(excinfo, style)
 
     def reportinfo(self) -> tuple[Any, int, str]:
@@ -65,4 +68,4 @@ class CaseFailure(Exception):
         """Return the story, and whether the failure is the same."""
         lines = [] if self.played.story is None else list(self.played.story.lines)
         lines += [self.replay.note] if self.replay.note else []
-        return "\n".join([*lines, f"E   {self.played.words}"])
+        return "\n".join(map(continued, [*lines, f"E   {self.played.words}"]))

@@ -25,6 +25,7 @@ from elitescript.plotting.line_times import stretches
 from elitescript.plotting.page import page
 from elitescript.plotting.recording import Recording
 from elitescript.pytest_plugin.watching import WatchedRun
+from elitescript.shown import continued, shown_word
 
 LINES_SHOWN: Final = 12
 SIGNALS_SHOWN: Final = 12
@@ -40,7 +41,7 @@ _SERVED: Final = ("type", "name", "value", "state", "code", "class", "text")
 def section(watched: Iterable[WatchedRun], pages: Iterable[str] = ()) -> str:
     """Return the section of a report about the runs of a test."""
     parts = [_about(run) for run in watched]
-    parts += [f"page: {text}" for text in pages]
+    parts += [f"page: {shown_word(text)}" for text in pages]
     return "\n".join(parts)
 
 
@@ -51,7 +52,7 @@ def served_section(log: Sequence[Mapping[str, Any]]) -> str:
         time = f"{line['t']:9.3f} s" if "t" in line else ""
         text = " ".join(str(line[name]) for name in _SERVED if name in line)
         place = f"  (line {line['line']})" if line.get("line") else ""
-        out.append(f"  {time:11}  {_short(text)}{place}")
+        out.append(f"  {time:11}  {continued(_short(text))}{place}")
     return "\n".join(["last lines of the log:", *out])
 
 
@@ -61,9 +62,9 @@ def _about(watched: WatchedRun) -> str:
 
     def at(tick: int, text: str, line: int = 0) -> str:
         place = f"  (line {line})" if line else ""
-        return f"  {seconds(tick - start):9.3f} s  {_short(text)}{place}"
+        return f"  {seconds(tick - start):9.3f} s  {continued(_short(text))}{place}"
 
-    out = [f"{source.name} on {watched.model.name}: {_ending(watched, events)}"]
+    out = [f"{shown_word(source.name)} on {watched.model.name}: {_ending(watched, events)}"]
     if lines := _lines(watched, events)[-LINES_SHOWN:]:
         out.append("last lines:" if watched.rows is not None else "last lines with an effect:")
         out += [at(tick, f"{line:4}  {source.line(line).strip()}") for tick, line in lines]
@@ -88,7 +89,10 @@ def _about(watched: WatchedRun) -> str:
     waiting = () if run is None else run.threads
     if waiting:
         out.append("threads:")
-        out += [f"  {row.name}: line {row.line}, waits for {row.waits_for or 'its turn'}" for row in waiting]
+        out += [
+            f"  {shown_word(row.name)}: line {row.line}, waits for {continued(row.waits_for or 'its turn')}"
+            for row in waiting
+        ]
     return "\n".join(out)
 
 
@@ -116,14 +120,14 @@ def _lines(watched: WatchedRun, events: Sequence[Event]) -> list[tuple[int, int]
 
 
 def _alarm_lines(alarm: Alarm, source: SourceFile, start_tick: int) -> list[str]:
-    place = f"{source.name}:{alarm.line}:{alarm.column}" if alarm.line else source.name
-    first, *more = alarm.text.split("\n")
-    lines = [f"{seconds(alarm.tick - start_tick):.3f} s  {place}: {alarm.code} {alarm.class_name}: {first}"]
-    lines += [f"    {text}" for text in more]
+    name = shown_word(source.name)
+    place = f"{name}:{alarm.line}:{alarm.column}" if alarm.line else name
+    text = continued(f"{alarm.code} {alarm.class_name}: {alarm.text}")
+    lines = [f"{seconds(alarm.tick - start_tick):.3f} s  {place}: {text}"]
     if alarm.source_line:
         lines.append(f"    {alarm.source_line.strip()}")
     if alarm.details.get("hint"):
-        lines.append(f"hint: {alarm.details['hint']}")
+        lines.append(f"hint: {continued(str(alarm.details['hint']))}")
     return lines
 
 

@@ -32,6 +32,7 @@ from elitescript.pytest_plugin.file_names import SUFFIX, holds_tests
 from elitescript.pytest_plugin.unmet_facts import unmet_of
 from elitescript.runtime.probe import set_default
 from elitescript.services.coverage import count_programs
+from elitescript.shown import shown, shown_word
 from elitescript.untrusted.files import PROGRAM, opened, read_bytes
 
 if TYPE_CHECKING:
@@ -125,10 +126,10 @@ class Measuring:
                 for line in lines:
                     write(line)
         for note in self._notes:
-            write(f"warning: {note}", yellow=True)
+            write(f"warning: {shown(note)}", yellow=True)
         for kind, target in self._reports:
             if target is not None:
-                write(f"coverage of robot programs written to {kind} {target}")
+                write(f"coverage of robot programs written to {kind} {shown_word(str(target))}")
         if self._is_too_little:
             reached = total(self._programs).percent
             write(

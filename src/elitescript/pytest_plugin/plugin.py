@@ -9,10 +9,10 @@ import os
 import sys
 from collections.abc import Generator, Iterator
 from contextlib import suppress
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import pytest
-from _pytest._code.code import TerminalRepr
+from _pytest._code.code import ExceptionRepr, TerminalRepr
 
 from elitescript.observer import OBSERVATION
 from elitescript.pytest_plugin.file_names import SUFFIX, holds_tests, is_case
@@ -30,11 +30,18 @@ MARKER_TEXT: Final = (
     "by the keywords of VirtualRobot; robot= is the arm, and paths are relative to the test file; limit_s= and "
     "wall_limit_s= are the limits of each run"
 )
+_RUNS: Final = "elitescript"
+_SERVED: Final = "elitescript serve"
+"""Titles of sections of reports."""
 _INI: Final = {
     "elitescript_limit_s": "robot time after which a run without until_s is ended and fails its test, s; 0 for none "
     "(default: 600)",
     "elitescript_wall_limit_s": "wall time after which a run is ended and fails its test, s; 0 for none (default: 60)",
 }
+
+_SHOWS_PROGRAMS: Final = "shows_programs"
+"""Attribute of reports in which texts of programs stand; their parts are `_SECTIONS`, or all of a plain text."""
+_SECTIONS: Final = (_RUNS, _SERVED)
 
 _WATCHER: Final[pytest.StashKey[RunWatcher]] = pytest.StashKey()
 _STANDARD_ERROR: Final[pytest.StashKey[int]] = pytest.StashKey()
@@ -162,7 +169,9 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
     yield
     if exceeded := item.stash[_WATCHER].exceeded:
         # Of another thread, or swallowed.
-        pytest.fail("\n".join(exceeded), pytrace=False)
+        from elitescript.shown import shown
+
+        pytest.fail("\n".join(map(shown, exceeded)), pytrace=False)
     if item.config.option.script_strict and (runs := item.stash[_WATCHER].runs):
         from elitescript.pytest_plugin.strictness import warnings_of
 
@@ -186,28 +195,70 @@ def _limits_of(item: pytest.Item) -> Limits:
 
 def _refuse(warnings: list[str]) -> None:
     if warnings:
-        pytest.fail("\n".join(["warnings, which --script-strict refuses:", *warnings]), pytrace=False)
+        from elitescript.shown import shown
+
+        pytest.fail("\n".join(["warnings, which --script-strict refuses:", *map(shown, warnings)]), pytrace=False)
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
     """Add to the report of a failed test what its robots did."""
     report = yield
+    if getattr(item, _SHOWS_PROGRAMS, False):
+        setattr(report, _SHOWS_PROGRAMS, True)
     if report.failed and (watcher := item.stash.get(_WATCHER, None)) is not None and (runs := watcher.runs):
         from elitescript.pytest_plugin.failures import section, write_pages
 
         folder: str | None = item.config.option.script_record
         pages = [] if folder is None else write_pages(item.config.invocation_params.dir / folder, item.nodeid, runs)
-        _add_section(report, "elitescript", section(runs, pages))
+        _add_section(report, _RUNS, section(runs, pages))
     if report.failed and (served := (getattr(item, "funcargs", None) or {}).get("served_robot")) is not None:
         from elitescript.pytest_plugin.failures import served_section
 
-        _add_section(report, "elitescript serve", served_section(served.log))
+        _add_section(report, _SERVED, served_section(served.log))
     return report
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """Let nothing act in what the terminal shows of programs. JUnit XML has been made by now, of texts as they are."""
+    if not getattr(report, _SHOWS_PROGRAMS, False):
+        return
+    from elitescript.shown import printed
+
+    def changed(sections: list[Any]) -> list[Any]:
+        return [
+            (name, printed(text), *rest) if name in _SECTIONS else (name, text, *rest) for name, text, *rest in sections
+        ]
+
+    report.sections = changed(report.sections)
+    if isinstance(report.longrepr, str):
+        report.longrepr = printed(report.longrepr)
+    elif isinstance(report.longrepr, ExceptionRepr):
+        report.longrepr.sections = changed(report.longrepr.sections)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_report_to_serializable() -> Generator[None, Any, Any]:
+    """Let reports have texts that can be sent: at half a surrogate pair a worker of xdist ends, and loses its tests."""
+    return _encodable((yield))
+
+
+def _encodable(data: Any) -> Any:
+    if isinstance(data, str):
+        from elitescript.shown import encodable
+
+        return data if data.isascii() else encodable(data)
+    if isinstance(data, dict):
+        return {_encodable(name): _encodable(value) for name, value in data.items()}
+    if isinstance(data, list | tuple):
+        return type(data)(map(_encodable, data))
+    return data
 
 
 def _add_section(report: pytest.TestReport, name: str, content: str) -> None:
     """Add a section to what a report says of the failure, which is also what JUnit XML carries."""
+    setattr(report, _SHOWS_PROGRAMS, True)
     if isinstance(report.longrepr, TerminalRepr) and hasattr(report.longrepr, "addsection"):
         report.longrepr.addsection(name, content)
     elif isinstance(report.longrepr, str):

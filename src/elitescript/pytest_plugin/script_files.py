@@ -26,6 +26,7 @@ from elitescript.pytest_plugin.script_program import PREFIX, RETURNED, make_test
 from elitescript.records import replace
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
+from elitescript.shown import continued, shown, shown_word
 
 UNTIL: Final = "until"
 """Setting of a test script alone: limit of robot time, s."""
@@ -52,9 +53,9 @@ class ScriptFile(pytest.File):
                     raise UsageError(f"line {function.lineno}: {why}")
                 yield ScriptTest.from_parent(self, name=function.name, line=function.lineno)
         except ProgramError as error:
-            raise self.CollectError("\n".join(f"{self.path}:{problem}" for problem in error.problems)) from error
+            raise self.CollectError("\n".join(shown(f"{self.path}:{one}") for one in error.problems)) from error
         except ElitescriptError as error:
-            raise self.CollectError(f"{self.path}: {error}") from error
+            raise self.CollectError(shown(f"{self.path}: {error}")) from error
 
 
 class ScriptTest(pytest.Item):
@@ -64,6 +65,8 @@ class ScriptTest(pytest.Item):
         super().__init__(**more)
         self.funcargs: dict[str, Any] = {}
         """Of no fixture; plugins look for it."""
+        self.shows_programs = True
+        """Whether reports are texts of programs; the plugin looks for it."""
         self._line = line
 
     def runtest(self) -> None:
@@ -98,7 +101,7 @@ class ScriptTest(pytest.Item):
         if isinstance(error, ScriptFailure):
             return error.report()
         if isinstance(error, ElitescriptError):
-            return f"{self.path}: {error}"
+            return continued(f"{self.path}: {error}")
         return super().repr_failure(excinfo, style)
 
     def reportinfo(self) -> tuple[Any, int, str]:
@@ -123,14 +126,14 @@ class ScriptFailure(Exception):
     def report(self) -> str:
         """Return the lines of the script that led to the failure, marked as pytest marks those of Python."""
         run, source = self.run, self.run.unit.source
-        out = []
+        out, file = [], shown_word(source.name)
         for line, name in self.stack[:-1]:
-            out += [f"{source.name}:{line}: in {name}", f"    {source.line(line).strip()}"]
+            out += [f"{file}:{line}: in {name}", f"    {source.line(line).strip()}"]
         if not run.alarms:
             return "\n".join([*out, *(f"E   {text}" for text in self._ending())])
         alarm = run.alarms[-1]
         name = self.stack[-1][1] if self.stack else alarm.thread
-        out += [f"{source.name}:{alarm.line}: in {name}", f">   {source.line(alarm.line).strip()}"]
+        out += [f"{file}:{alarm.line}: in {shown_word(name)}", f">   {source.line(alarm.line).strip()}"]
         texts = alarm.text.split("\n")
         if alarm.class_name != "AssertionError":
             texts[0] = f"{alarm.code} {alarm.class_name}: {texts[0]}"
@@ -140,7 +143,10 @@ class ScriptFailure(Exception):
     def _ending(self) -> list[str]:
         run = self.run
         if run.state == "time_limit":
-            where = [f"{row.name}: line {row.line}, waits for {row.waits_for or 'its turn'}" for row in run.threads]
+            where = [
+                f"{shown_word(row.name)}: line {row.line}, waits for {continued(row.waits_for or 'its turn')}"
+                for row in run.threads
+            ]
             return [f"still running after {run.time_s:g} s of robot time (`until` of the file's header)", *where]
         if run.state == "finished":
             return [f"the file has returned before {self.test} was called"]

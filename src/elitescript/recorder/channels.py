@@ -15,6 +15,7 @@ from elitescript.protocol.binary import WireType
 from elitescript.protocol.rtsi.variables import OUTPUTS
 from elitescript.recorder.protobuf import BOOL, DOUBLE, FIXED32, FIXED64, FLOAT, SFIXED32, SFIXED64, RowField, Scalar
 from elitescript.records import NamedTuple
+from elitescript.shown import encodable_json
 
 ROWS: Final = "/rows"
 CHANGES: Final = "/changes"
@@ -145,9 +146,10 @@ def columns_by_variable(columns: Iterable[str]) -> dict[str, list[str]]:
 def encoded(data: Mapping[str, Any]) -> bytes:
     """Return a record as JSON; what JSON cannot hold (infinity, NaN) as null."""
     try:
-        return json.dumps(data, separators=(",", ":"), allow_nan=False).encode()
+        text = json.dumps(data, separators=(",", ":"), allow_nan=False)
     except ValueError:
-        return json.dumps(_finite(data), separators=(",", ":"), allow_nan=False).encode()
+        text = json.dumps(_finite(data), separators=(",", ":"), allow_nan=False)
+    return encodable_json(text).encode()
 
 
 def _finite(value: Any) -> Any:

@@ -18,7 +18,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any, BinaryIO, Final
 
-from elitescript.errors import UsageError, did_you_mean, printable
+from elitescript.errors import UsageError, did_you_mean
 from elitescript.protocol.rtsi.variables import OUTPUTS
 from elitescript.recorder.channels import CHANGES, LISTS, PACKAGE, ROW, ROWS, SLOW, TALKING, TIME, columns_of
 from elitescript.recorder.extra import check_mcap
@@ -26,6 +26,7 @@ from elitescript.recorder.facts import facts_of
 from elitescript.recorder.protobuf import RowLayout, layout_of
 from elitescript.recorder.recording import Message, Recording
 from elitescript.recorder.writing import ABOUT, FACTS, FORMAT
+from elitescript.shown import shown_word
 from elitescript.untrusted.files import opened
 from elitescript.untrusted.json_text import JsonError, json_value
 
@@ -173,7 +174,7 @@ class _Reading:
         self._store()
         has_rows = any(isinstance(kind, _Rows) for kind in self._kinds.values())
         if not has_rows and self._begin_ns is None:
-            topics = printable(", ".join(sorted(channel.topic for channel in self._channels.values()))) or "none"
+            topics = shown_word(", ".join(sorted(channel.topic for channel in self._channels.values()))) or "none"
             raise UsageError(f"{path} is no recording of a controller: no channel {ROWS} (channels: {topics})")
         self._is_first = False
 

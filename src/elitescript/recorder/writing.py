@@ -21,6 +21,7 @@ from elitescript.recorder.channels import LISTS, PACKAGE, ROW, ROWS, SCHEMAS, TA
 from elitescript.recorder.extra import check_mcap
 from elitescript.recorder.protobuf import DOUBLE, RowField, RowLayout
 from elitescript.recorder.recording import Recording
+from elitescript.shown import encodable
 
 FORMAT: Final = "1"
 """Of our channels and metadata."""
@@ -31,6 +32,11 @@ FACTS: Final = "facts"
 """Name of the metadata record with facts as JSON."""
 
 _MEDIA_TYPES: Final = {".toml": "application/toml", ".json": "application/json"}
+
+
+def _encodable(texts: Mapping[str, str]) -> dict[str, str]:
+    """Return metadata as a file holds them: names of files may have bytes that are no UTF-8."""
+    return {name: encodable(text) for name, text in texts.items()}
 
 
 class RecordingFile:
@@ -58,7 +64,7 @@ class RecordingFile:
         self._layout: RowLayout | None = None
         self._rows = 0
         self._writer.start(profile="", library=f"elitescript {__version__}")
-        self._writer.add_metadata(ABOUT, {"format": FORMAT, "elitescript": __version__, **about})
+        self._writer.add_metadata(ABOUT, _encodable({"format": FORMAT, "elitescript": __version__, **about}))
 
     @property
     def size(self) -> int:
@@ -72,11 +78,11 @@ class RecordingFile:
     def attach(self, name: str, data: bytes, time_ns: int) -> None:
         """Add a file of the user: a program, a world, an arm."""
         kind = _MEDIA_TYPES.get(Path(name).suffix, "text/plain")
-        self._writer.add_attachment(create_time=0, log_time=time_ns, name=name, media_type=kind, data=data)
+        self._writer.add_attachment(create_time=0, log_time=time_ns, name=encodable(name), media_type=kind, data=data)
 
     def note(self, name: str, data: Mapping[str, str]) -> None:
         """Add a metadata record."""
-        self._writer.add_metadata(name, dict(data))
+        self._writer.add_metadata(name, _encodable(data))
 
     def begin_rows(self, layout: RowLayout) -> None:
         """Say of what the rows are that follow."""

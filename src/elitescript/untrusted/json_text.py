@@ -31,18 +31,6 @@ class JsonError(ValueError):
         self.line = line
 
 
-def without_halves(value: Any) -> Any:
-    """Return a value of JSON whose texts have no half of a surrogate pair, which is no character of UTF-8: U+FFFD."""
-    kind = type(value)
-    if kind is str:
-        return value if value.isascii() else value.encode("utf-16-le", "surrogatepass").decode("utf-16-le", "replace")
-    if kind is list:
-        return [without_halves(item) for item in value]
-    if kind is dict:
-        return {without_halves(key): without_halves(item) for key, item in value.items()}
-    return value
-
-
 def json_value(
     data: str | bytes,
     *,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 from typing import Any, Final
@@ -9,13 +10,17 @@ from urllib.parse import quote
 
 from elitescript import __version__
 from elitescript.cli.output.screen import palette_of, rendered
-from elitescript.cli.output.writable import Writable
 from elitescript.errors import CODES
 from elitescript.json_records import jsonlines
 from elitescript.language.diagnostics import Diagnostic, Fix, Severity, to_json
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.fixing import Repair
 from elitescript.records import NamedTuple
+from elitescript.shown import encodable, shown, shown_word
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from elitescript.cli.output.writable import Writable
 
 
 class CheckedFile(NamedTuple):
@@ -54,7 +59,7 @@ class CheckReport:
 
     def repair(self, checked: CheckedFile, repair: Repair) -> None:
         """Report one repair."""
-        self._line(f"{checked.name}:{repair.line}: repaired {repair.code}: {repair.title}")
+        self._line(f"{shown_word(checked.name)}:{repair.line}: repaired {repair.code}: {shown(repair.title)}")
 
     def problem(self, checked: CheckedFile, problem: Diagnostic) -> None:
         """Report one problem."""
@@ -118,7 +123,7 @@ class SarifReport(CheckReport):
         if problem.code not in self._codes:
             self._codes.append(problem.code)
         artifact = _artifact(checked.name)
-        text = f"{problem.text}\nhint: {problem.hint}" if problem.hint else problem.text
+        text = encodable(f"{problem.text}\nhint: {problem.hint}" if problem.hint else problem.text)
         region = _region(problem.line, problem.column, problem.end_line, problem.end_column)
         result: dict[str, Any] = {
             "ruleId": problem.code,
@@ -185,13 +190,13 @@ def _relative(name: str) -> str:
 
 def _artifact(name: str) -> dict[str, Any]:
     if name.startswith("<"):
-        return {"uri": quote(name.strip("<>"))}
+        return {"uri": quote(os.fsencode(name.strip("<>")))}
     relative = _relative(name)
     path = Path(relative)
     if path.is_absolute():
         return {"uri": path.as_uri()}
     # A colon in the first part would be read as a scheme.
-    return {"uri": quote(relative), "uriBaseId": "%SRCROOT%"}
+    return {"uri": quote(os.fsencode(relative)), "uriBaseId": "%SRCROOT%"}
 
 
 def _region(line: int, column: int, end_line: int, end_column: int) -> dict[str, int]:
@@ -200,10 +205,11 @@ def _region(line: int, column: int, end_line: int, end_column: int) -> dict[str,
 
 def _sarif_fix(fix: Fix, artifact: dict[str, Any]) -> dict[str, Any]:
     replacements = [
-        {"deletedRegion": _region(*edit[:4]), "insertedContent": {"text": edit.text}} for edit in sorted(fix.edits)
+        {"deletedRegion": _region(*edit[:4]), "insertedContent": {"text": encodable(edit.text)}}
+        for edit in sorted(fix.edits)
     ]
     return {
-        "description": {"text": fix.title},
+        "description": {"text": encodable(fix.title)},
         "artifactChanges": [{"artifactLocation": artifact, "replacements": replacements}],
     }
 

@@ -8,8 +8,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable
 from typing import Any, Final
 
-from elitescript.cli.output.screen import palette_of, rendered
-from elitescript.cli.output.writable import Writable
+from elitescript.cli.output.screen import palette_of, rendered, shown_line_writer
 from elitescript.controller.views.warning_limit import MOST
 from elitescript.errors import UsageError
 from elitescript.json_records import jsonlines
@@ -31,6 +30,11 @@ from elitescript.messages.events import (
 from elitescript.messages.timing import seconds
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
+from elitescript.shown import shown, shown_word
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from elitescript.cli.output.writable import Writable
 
 LOGS: Final = ("signals", "channels")
 """Events that lines of text leave out unless `--log` names them."""
@@ -115,6 +119,7 @@ class TextRunReport:
     def __init__(self, out: Writable, err: Writable, logs: Collection[str] = ()) -> None:
         self._logs = frozenset(logs)
         self._out = out
+        self._write_line = shown_line_writer(out)
         self._err = err
         self._palette = palette_of(err)
         self._start_s = 0.0
@@ -144,64 +149,70 @@ class TextRunReport:
     def event(self, event: Event) -> None:
         """Report an event."""
         if isinstance(event, TextMessage):
-            self._line(event.tick, event.text)
+            self._line(event.tick, shown(event.text))
         elif isinstance(event, Printed):
-            self._line(event.tick, event.text.rstrip("\n"))
+            self._line(event.tick, shown(event.text.rstrip("\n")))
         elif isinstance(event, Popup):
             note = " (confirmed at once: nobody is there to press the button)" if event.is_confirmed_at_once else ""
-            self._line(event.tick, f"[popup, {event.level}] {event.title}: {event.text}{note}")
+            self._line(
+                event.tick, f"[popup, {shown_word(event.level)}] {shown(event.title)}: {shown(event.text)}{note}"
+            )
         elif isinstance(event, Warned):
             self._warned(event)
         elif isinstance(event, DeviceNoted) and event.is_warning:
-            self._problem(event.tick, f"{self._palette.paint('warning', 'warning')}: {event.device}: {event.text}")
+            kind = self._palette.paint("warning", "warning")
+            self._problem(event.tick, f"{kind}: {shown_word(event.device)}: {shown(event.text)}")
         elif isinstance(event, DeviceNoted):
-            self._line(event.tick, f"[{event.device}] {event.text}")
+            self._line(event.tick, f"[{shown_word(event.device)}] {shown(event.text)}")
         elif isinstance(event, SafetyModeChanged):
             mode = self._palette.paint("warning", event.mode.name)
-            self._problem(event.tick, f"safety: {mode}" + (f": {event.reason}" if event.reason else ""))
+            self._problem(event.tick, f"safety: {mode}" + (f": {shown(event.reason)}" if event.reason else ""))
         elif isinstance(event, Alarm):
             self._alarm(event)
         elif isinstance(event, SignalChanged):
             if "signals" in self._logs:
+                name = shown_word(event.name)
                 by = event.by if event.by != "program" or not event.line else f"line {event.line}"
-                self._line(event.tick, f"[signal] {event.name} = {event.value} ({by})")
+                self._line(event.tick, f"[signal] {name} = {shown(str(event.value))} ({shown_word(by)})")
         elif isinstance(event, ChannelActivity) and "channels" in self._logs:
             data = f" {event.data!r}" if event.data else ""
             where = f" (line {event.line})" if event.line else ""
-            self._line(event.tick, f"[{event.kind} {event.channel!r}] {event.what}{data}{where}")
+            self._line(event.tick, shown(f"[{event.kind} {event.channel!r}] {event.what}{data}{where}"))
 
     def _warned(self, event: Warned) -> None:
         if (event.code, event.line) in self._reported:
             return
         role = "error" if event.severity == "error" else "warning"
-        kind = self._palette.paint(role, f"{event.severity} {event.code}".rstrip())
+        kind = self._palette.paint(role, shown_word(f"{event.severity} {event.code}".rstrip()))
         where = f"line {event.line}: " if event.line else ""
-        self._problem(event.tick, f"{kind}: {where}{event.text}")
+        self._problem(event.tick, f"{kind}: {where}{shown(event.text)}")
         if event.hint:
-            print(self._palette.paint("hint", f"{'':14}hint: {event.hint}"), file=self._err)
+            print(self._palette.paint("hint", f"{'':14}hint: {shown(event.hint)}"), file=self._err)
 
     def _line(self, tick: int, text: str) -> None:
-        print(f"{seconds(tick):10.3f} s  {text}", file=self._out)
+        """Write a line of standard output; the texts in it have been shown."""
+        self._write_line(f"{seconds(tick):10.3f} s  {text}\n")
 
     def _problem(self, tick: int, text: str) -> None:
         self._out.flush()
         print(f"{seconds(tick):10.3f} s  {text}", file=self._err)
 
     def _alarm(self, alarm: Alarm) -> None:
-        thread = "" if alarm.thread in ("", "main") else f", thread {alarm.thread}"
+        thread = "" if alarm.thread in ("", "main") else f", thread {shown_word(alarm.thread)}"
         where = f" in line {alarm.line}{thread}" if alarm.line else thread
         paint = self._palette.paint
-        self._problem(alarm.tick, f"{paint('alarm', f'ALARM {alarm.code}')}{where}: {alarm.class_name}: {alarm.text}")
+        kind = paint("alarm", f"ALARM {shown_word(alarm.code)}")
+        self._problem(alarm.tick, f"{kind}{where}: {shown_word(alarm.class_name)}: {shown(alarm.text)}")
         if alarm.source_line.strip():
-            shown, cut = excerpt(alarm.source_line, min(alarm.column, len(alarm.source_line)))
-            print(f"{'':14}{alarm.line:>5} | {shown.expandtabs(8)}", file=self._err)
+            around, cut = excerpt(alarm.source_line, min(alarm.column, len(alarm.source_line)))
+            print(f"{'':14}{alarm.line:>5} | {shown(around).expandtabs(8)}", file=self._err)
             if 0 < alarm.column <= len(alarm.source_line):
-                before = len(shown[: alarm.column - 1 - cut].expandtabs(8))
+                before = len(shown(around[: alarm.column - 1 - cut]).expandtabs(8))
                 print(f"{'':14}      | {' ' * before}{paint('caret', '^')}", file=self._err)
         if alarm.details.get("hint"):
-            print(paint("hint", f"{'':14}hint: {alarm.details['hint']}"), file=self._err)
+            print(paint("hint", f"{'':14}hint: {shown(str(alarm.details['hint']))}"), file=self._err)
         for hint in alarm.details.get("hints", ()):
-            print(paint("hint", f"{'':14}try: {hint}"), file=self._err)
+            print(paint("hint", f"{'':14}try: {shown(str(hint))}"), file=self._err)
 
     def still_running(self, robot: VirtualRobot, wall_s: float) -> None:
         """Report the place of a long run."""
@@ -221,7 +232,7 @@ class TextRunReport:
         self._out.flush()
         if run.state not in ("finished", "alarm"):
             for thread in run.threads:
-                print(f"{'':14}{thread.name}: line {thread.line}, {thread.doing}", file=self._err)
+                print(f"{'':14}{shown_word(thread.name)}: line {thread.line}, {shown(thread.doing)}", file=self._err)
         late = f"; {overruns} ticks began late" if overruns else ""
         role = {"finished": "finished", "alarm": "alarm"}.get(run.state, "warning")
         state = palette_of(self._out).paint(role, words[run.state])
@@ -237,6 +248,8 @@ def _why_it_runs(errors: int) -> str:
 
 
 def _where(robot: VirtualRobot, wall_s: float) -> str:
-    threads = "; ".join(f"{thread.name} in line {thread.line}, {thread.doing}" for thread in robot.threads())
+    threads = "; ".join(
+        f"{shown_word(thread.name)} in line {thread.line}, {shown(thread.doing)}" for thread in robot.threads()
+    )
     hint = "(Ctrl-C ends it, --until limits it)"
     return f"{robot.time_s:10.3f} s  still running after {wall_s:.0f} s of yours: {threads} {hint}"

@@ -11,11 +11,16 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from typing import Any, Final, TextIO
 
-from elitescript.cli.output.writable import Writable
-from elitescript.language.diagnostics import Diagnostic, Severity, render
-from elitescript.language.text.source import SourceFile
+from elitescript.shown import printed, printed_json, shown, visible
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from elitescript.cli.output.writable import Writable
+    from elitescript.language.diagnostics import Diagnostic
+    from elitescript.language.text.source import SourceFile
 
 COLORS: Final = ("auto", "always", "never")
 """Values of `--color`."""
@@ -62,6 +67,13 @@ class Palette:
 
 PLAIN: Final = Palette(False)
 
+TEXT: Final = "text"
+JSON: Final = "json"
+GITHUB: Final = "github"
+"""What a command writes to standard output: text, JSON, workflow commands of GitHub."""
+
+_MADE: Final[Mapping[str, Callable[[str], str]]] = {JSON: printed_json, GITHUB: visible}
+
 
 def palette_of(stream: object) -> Palette:
     """Return the palette of a stream; without colours unless `on_screen` has wrapped it."""
@@ -70,7 +82,10 @@ def palette_of(stream: object) -> Palette:
 
 def rendered(problem: Diagnostic, source: SourceFile | None, palette: Palette) -> str:
     """Return a finding as text: severity, code, caret and hint in colours."""
-    text = str(problem) if source is None else render(problem, source.name, source.line(problem.line))
+    # Imported late: every command has this module, and few have findings.
+    from elitescript.language.diagnostics import Severity, render
+
+    text = shown(str(problem)) if source is None else render(problem, source.name, source.line(problem.line))
     if not palette.is_colored:
         return text
     rows = text.split("\n")
@@ -84,6 +99,11 @@ def rendered(problem: Diagnostic, source: SourceFile | None, palette: Palette) -
         elif row.startswith("hint: "):
             rows[index] = palette.paint("hint", row)
     return "\n".join(rows)
+
+
+def shown_line_writer(stream: Writable) -> Callable[[str], object]:
+    """Return what writes lines of a stream whose texts have been shown already: nothing looks at them once more."""
+    return stream.write_shown if isinstance(stream, ScreenStream) else stream.write
 
 
 class StatusLine:
@@ -132,7 +152,10 @@ class ScreenStream:
         target: the stream.
         palette: of reports.
         status: the line on the same terminal; None if there is none.
-        shown: makes of a text what is written.
+        made: makes of a text what is written.
+
+    Attributes:
+        write_shown: writes a line whose texts have been shown already.
     """
 
     def __init__(
@@ -140,20 +163,25 @@ class ScreenStream:
         target: TextIO,
         palette: Palette,
         status: StatusLine | None,
-        shown: Callable[[str], str] = str,
+        made: Callable[[str], str] = str,
     ) -> None:
         self._target = target
-        self._shown = shown
+        self._made = made
         self.palette = palette
         self.status = status
+        # Without a status line there is nothing to do before.
+        self.write_shown: Callable[[str], int] = target.write if status is None else self._write
 
     def write(self, text: str) -> int:
         """Erase the status line, then write a text."""
+        self._write(self._made(text))
+        return len(text)
+
+    def _write(self, text: str) -> int:
         if self.status is not None and text:
             self.status.erase()
             self.status.is_at_line_start = text.endswith("\n")
-        self._target.write(self._shown(text))
-        return len(text)
+        return self._target.write(text)
 
     def flush(self) -> None:
         """Flush the stream."""
@@ -164,31 +192,24 @@ class ScreenStream:
 
 
 @contextmanager
-def on_screen(color: str, *, writes_commands: bool = False) -> Iterator[None]:
-    """Wrap the standard streams as far as they are terminals or logs of GitHub, while the body runs.
+def on_screen(color: str, data: str = TEXT) -> Iterator[None]:
+    """Wrap the standard streams while the body runs: nothing in what is printed acts; see `elitescript.shown`.
 
-    What a program prints does not drive the terminal, and is no workflow command.
+    Terminals get colours and a status line too.
 
     Args:
         color: of `COLORS`; `auto` means colours on a terminal that has them, unless `NO_COLOR` is set.
-        writes_commands: whether what is printed are workflow commands of GitHub.
+        data: what standard output gets: `TEXT`, `JSON` or `GITHUB`.
     """
-    # Imported late: most output goes neither to a terminal nor to a log of GitHub.
-    from elitescript.untrusted.escaping import github_text, terminal_text
-
     out, err = sys.stdout, sys.stderr
-    knows_escapes = understands_escapes(os.environ, os.name)
     palettes = [Palette(is_colored(color, stream, os.environ, os.name)) for stream in (out, err)]
-    status = StatusLine(err, palettes[1]) if knows_escapes and err.isatty() else None
-    log = github_text if os.environ.get("GITHUB_ACTIONS") == "true" and not writes_commands else str
-    shown = [terminal_text if stream.isatty() else log for stream in (out, err)]
-    if status is None and not any(palette.is_colored for palette in palettes) and shown == [str, str]:
-        yield
-        return
+    has_status = err.isatty() and understands_escapes(os.environ, os.name)
+    status = StatusLine(err, palettes[1]) if has_status else None
+    made = _MADE.get(data) or _printed_on(palettes[0])
     # A line printed into a file or a pipe does not touch the terminal.
     wrapped = (
-        ScreenStream(out, palettes[0], status if out.isatty() else None, shown[0]),
-        ScreenStream(err, palettes[1], status, shown[1]),
+        ScreenStream(out, palettes[0], status if out.isatty() else None, made),
+        ScreenStream(err, palettes[1], status, _printed_on(palettes[1])),
     )
     sys.stdout, sys.stderr = wrapped
     try:
@@ -200,6 +221,10 @@ def on_screen(color: str, *, writes_commands: bool = False) -> Iterator[None]:
         finally:
             if (sys.stdout, sys.stderr) == wrapped:
                 sys.stdout, sys.stderr = out, err
+
+
+def _printed_on(palette: Palette) -> Callable[[str], str]:
+    return partial(printed, has_colors=True) if palette.is_colored else printed
 
 
 def is_colored(color: str, stream: TextIO, environment: Mapping[str, str], system: str) -> bool:

@@ -7,7 +7,10 @@ from collections import deque
 from collections.abc import Callable
 from typing import Final
 
-from elitescript.cli.output.writable import Writable
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from elitescript.cli.output.writable import Writable
+
 
 WAITING_MAX: Final = 50_000
 """Limit of texts that wait; further ones are dropped and counted."""

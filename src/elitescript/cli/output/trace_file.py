@@ -43,18 +43,20 @@ class TraceFile(AbstractContextManager["TraceFile"]):
         self._put = output.file.write
         output.is_partly_kept = True
         if output.path.suffix == ".csv":
-            self._put((",".join(self._columns) + "\n").encode())
+            self._put((",".join(self._columns) + "\n").encode("utf-8", "backslashreplace"))
             self.write = self._write_csv
         else:
             self.write = self._write_json
 
     def _write_csv(self, row: TraceRow) -> None:
         levels = [str(int(level) if type(level) is bool else level) for level in self._levels(row)]
-        self._put((",".join([*map(str, _flat(row)), *levels]) + "\n").encode())
+        self._put((",".join([*map(str, _flat(row)), *levels]) + "\n").encode("utf-8", "backslashreplace"))
 
     def _write_json(self, row: TraceRow) -> None:
         values = (*_flat(row), *self._levels(row))
-        self._put((jsonlines.line(dict(zip(self._columns, values, strict=True))) + "\n").encode())
+        self._put(
+            (jsonlines.line(dict(zip(self._columns, values, strict=True))) + "\n").encode("utf-8", "backslashreplace")
+        )
 
     def _levels(self, row: TraceRow) -> list[Value]:
         return [row.signals[name] for name in self._signals]

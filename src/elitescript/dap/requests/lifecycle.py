@@ -13,6 +13,7 @@ from elitescript.dap.messages import DOES_NOT_COMPILE, REFUSED, Arguments, Body,
 from elitescript.dap.states import BEGUN, WITH_PROGRAM, State, WhileRunning
 from elitescript.errors import ElitescriptError, ProgramError
 from elitescript.language.diagnostics import Diagnostic
+from elitescript.shown import shown
 
 SHOWN_PROBLEMS: Final = 3
 """Findings in the text of an error; all of them are events."""
@@ -59,7 +60,7 @@ def _launched(adapter: Adapter, arguments: Arguments) -> Launched:
         adapter.sources.found(program, program)
         for problem in error.problems:
             adapter.event("output", _finding(adapter, program, problem))
-        lines = [f"{program}: {problem}" for problem in error.problems[:SHOWN_PROBLEMS]]
+        lines = [shown(f"{program}: {problem}") for problem in error.problems[:SHOWN_PROBLEMS]]
         if more := len(error.problems) - len(lines):
             lines.append(f"and {more} more")
         raise RequestError(DOES_NOT_COMPILE, "\n".join(lines), is_shown=True) from None
@@ -74,10 +75,10 @@ def _launched(adapter: Adapter, arguments: Arguments) -> Launched:
 
 def _finding(adapter: Adapter, program: str, problem: Diagnostic) -> Body:
     """Return a finding of `check` as an `output` event from which the editor can jump to its place."""
-    hint = f"\n    hint: {problem.hint}" if problem.hint else ""
+    hint = f"\n    hint: {shown(problem.hint)}" if problem.hint else ""
     return {
         "category": "stderr" if problem.is_error else "console",
-        "output": f"{problem}{hint}\n",
+        "output": f"{shown(str(problem))}{hint}\n",
         "source": adapter.sources.shown(program),
         **adapter.client.place(problem.line, problem.column),
     }

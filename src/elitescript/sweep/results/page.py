@@ -22,6 +22,7 @@ from elitescript import page as built
 from elitescript.messages.signals import Value
 from elitescript.plotting.packing import shown_text
 from elitescript.records import field, record
+from elitescript.shown import encodable_json
 from elitescript.sweep.plans.plan import Plan, Row
 from elitescript.sweep.results.summary import Kind, Summary
 from elitescript.sweep.results.totals import KINDS_MAX, OTHERS, Kept, Totals, name_of
@@ -118,7 +119,7 @@ def packed(plan: Plan, totals: Totals, summary: Summary, texts: PageTexts) -> by
             if nearest is not None and row is not None
         ],
     }
-    text = json.dumps(head, ensure_ascii=True, separators=(",", ":"), allow_nan=False).encode()
+    text = encodable_json(json.dumps(head, ensure_ascii=True, separators=(",", ":"), allow_nan=False)).encode()
     return gzip.compress(struct.pack("<I", len(text)) + text + b"".join(data for _, data in columns), 6, mtime=0)
 
 

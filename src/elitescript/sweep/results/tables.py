@@ -12,6 +12,7 @@ from elitescript.codec.json_text import to_text
 from elitescript.errors import UsageError
 from elitescript.outputs.call_paths import ORDINARY, why_not_written
 from elitescript.outputs.writing import Output, WriteError
+from elitescript.shown import encodable
 from elitescript.sweep.chaos.properties import properties_of
 from elitescript.sweep.plans.plan import Plan, Row
 
@@ -116,9 +117,9 @@ class _Write(Protocol):
 
 
 def _write_csv(file: IO[bytes], plan: Plan, rows: Iterable[Row]) -> None:
-    file.write(csv_line(columns(plan)).encode())
+    file.write(encodable(csv_line(columns(plan))).encode())
     for row in rows:
-        file.write(csv_line(values(row, plan)).encode("utf-8", "backslashreplace"))
+        file.write(encodable(csv_line(values(row, plan))).encode())
 
 
 def csv_line(cells: Iterable[Any]) -> str:
@@ -198,7 +199,7 @@ def _arrow_value(arrow: Any, value: Any, kind: Any) -> Any:
     if kind == arrow.float64():
         return float(value)
     if kind == arrow.string():
-        return value if isinstance(value, str) else json.dumps(value)
+        return encodable(value if isinstance(value, str) else json.dumps(value))
     return value
 
 
