@@ -32,6 +32,8 @@ MODULES = (
     "cluster",
     "sweep",
     "record",
+    "compiling",
+    "metered",
 )
 LONG = ("growth",)
 """Measured only by name: it takes ten minutes."""

@@ -25,12 +25,15 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from time import perf_counter, thread_time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from benchmarks.measure import environment
 from benchmarks.serving import Stream, message, used_s
 from benchmarks.table import Row, print_rows
 from elitescript.messages.enums import TaskState
+
+if TYPE_CHECKING:
+    from elitescript.services.server import ServeSession
 
 SECONDS = float(os.environ.get("FLOODS_SECONDS", "5"))
 PASSWORD = "secret"
@@ -313,17 +316,23 @@ def _flooded(name: str) -> Row:
     return Row(f"flood of {name}", words=f"{words}; {_held(name)}", beside="aim: p99 10 ms, stop 20 ms")
 
 
-async def _ticks_ms(name: str) -> list[float]:
-    """Return the processor time that a serving thread takes from one tick to the next during a flood, ms, sorted."""
+def session_here(*, in_process: bool = False) -> ServeSession:
+    """Return one robot to be served by this process, on free ports."""
     from elitescript.kernel import RobotOptions
     from elitescript.services.port_numbers import NAMES
     from elitescript.services.robots import robot_link, served_robot
     from elitescript.services.server import ServeSession
 
-    link = robot_link(RobotOptions(power_on=True), task_dir=None, in_process=False, is_jailed=True, journal=None)
+    link = robot_link(RobotOptions(power_on=True), task_dir=None, in_process=in_process, is_jailed=True, journal=None)
     server = served_robot("CS66", link, lambda *_: None, ssh_password=PASSWORD)
-    session = ServeSession([server], "127.0.0.1", [dict.fromkeys((*NAMES, "ssh"), 0)], 99)
+    return ServeSession([server], ("127.0.0.1",), [dict.fromkeys((*NAMES, "ssh"), 0)], 99)
+
+
+async def _ticks_ms(name: str) -> list[float]:
+    """Return the processor time that a serving thread takes from one tick to the next during a flood, ms, sorted."""
+    session = session_here()
     await session.open()
+    (server,) = session.servers
     spent: list[float] = []
     last = thread_time()
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import NamedTuple
 
+from benchmarks.compiling import LINES
 from benchmarks.measure import ROOT
 from benchmarks.table import HEAD, Row, print_table
 
@@ -40,6 +41,7 @@ NO_FIGURE = (
     (SPEED, "the same while every arm moves"),
     ("docs/explanation/jail.md", "one client floods a port, 25 kinds"),
     ("docs/how-to/ssh.md", "`python -m benchmarks.floods ssh`"),
+    (RECORDS + "0025-compiler.md", "Measured, processor time"),
 )
 """Lines that name a benchmark without a figure of it, or one that serves robots for minutes by a call of its own."""
 
@@ -104,6 +106,13 @@ QUOTES = (
     Quote(RECORDS + "0009-tuples-of-floats.md", "- Small: no attribute", "choices", "forward kinematics of one"),
     Quote(RECORDS + "0010-asyncio.md", "`python -m benchmarks serving`", "serving", "10 RTSI clients, 250 Hz, idle"),
     Quote(RECORDS + "0010-asyncio.md", "- asyncio is imported by", "choices", "import asyncio"),
+    Quote(RECORDS + "0025-compiler.md", "| read, check and compile,", "compiling", f"{LINES:,} lines of"),
+    Quote(RECORDS + "0025-compiler.md", "| one call of Python's parser", "compiling", f"{LINES:,} lines of"),
+    Quote(RECORDS + "0025-compiler.md", "| the same in pieces of", "compiling", f"{LINES:,} lines of"),
+    Quote(RECORDS + "0025-compiler.md", "| one call of Python's compiler", "compiling", f"{LINES:,} lines of"),
+    Quote(RECORDS + "0025-compiler.md", "| until the first line has run,", "compiling", "served, "),
+    Quote(RECORDS + "0026-cut-by-the-clock.md", "a refused `movel` takes", "metered", "a refused "),
+    Quote(RECORDS + "0026-cut-by-the-clock.md", "- A pass of a loop costs", "metered", "a "),
     *(Quote(RECORDING, "Recording takes", "record", row) for row in ("a package", "an hour", "a row")),
     Quote(RECORDS + "0021-properties.md", "- A property of the arm", "sweep", "a run of 10 s"),
     Quote(RECORDS + "0021-properties.md", "- A property of the arm", "sweep", "with a property of the arm"),

@@ -149,8 +149,12 @@ class Stream:
             if package[2] == ord("U"):
                 self.package = package
                 self.times.append((struct.unpack_from(">d", package, 4)[0], arrived, now))
+                self.take(package, arrived)
                 count += 1
         return count
+
+    def take(self, package: bytes, arrived: float) -> None:
+        """Take a package, and when it was at the socket; nothing here, for those who want more of it."""
 
 
 def _paced(what: str, program: bytes, *options: str, clients: int = CLIENTS) -> list[Row]:

@@ -27,6 +27,7 @@ from elitescript.coverage.unmet import Unmet
 from elitescript.dap.framing import framed
 from elitescript.outputs.writing import Output, write_file
 from elitescript.recorder.channels import PRIMARY, encoded
+from elitescript.robot import VirtualRobot
 from elitescript.shown import encodable
 from elitescript.studio.live.link import framed as framed_for_studio
 from elitescript.sweep.plans.plan import Choices, Plan, Row, Variation
@@ -180,3 +181,34 @@ def test_names_of_files_with_other_bytes(
         assert json.loads(out)["file"] == "b\udce9d.script"
     else:
         assert r"b\udce9d.script" in out
+
+
+SAYING = r"""def job():
+  class Part:
+    def __repr__(self):
+      return "\ud83d"
+    end
+  end
+  global part
+  part = Part()
+  textmsg(part, "\ud83d")
+  print("\ud83d")
+  popup("\ud83d", "\ud83d", False, False)
+  interpreter_mode()
+end
+"""
+
+
+def test_no_port_of_a_robot_ends_at_them() -> None:
+    robot = VirtualRobot()
+    clients = {service: robot.connect(service) for service in ("primary", "dashboard", "rtsi", "interpreter", "query")}
+    robot.start(SAYING)
+    robot.advance(0.1)
+    clients["query"].send(b"req 1 part\nreq 2 1 + 1\n")
+    clients["dashboard"].send(b"popup -s \\ud83d\r\nstatus\r\n")
+    clients["interpreter"].send(rb'textmsg("\ud83d")' + b"\n" + rb'raise ValueError("\ud83d")' + b"\n")
+    robot.advance(0.5)
+    received = {service: client.receive() for service, client in clients.items()}
+    assert received["query"] == b"[1] [success] : [\\ud83d]\n[2] [success] : [2]\n"
+    assert b"\\ud83d" in received["primary"]
+    assert b"ack: 2: raise" in received["interpreter"]

@@ -27,7 +27,7 @@ from elitescript.errors import UsageError
 from elitescript.kernel.arm import named_model
 from elitescript.kernel.kernel import Kernel
 from elitescript.kernel.option_signature import takes_options
-from elitescript.kernel.options import DEFAULTS, IN_VIRTUAL_TIME, check_keywords, robot_options
+from elitescript.kernel.options import DEFAULTS, IN_VIRTUAL_TIME, UNTIL, accepted, check_keywords, robot_options
 from elitescript.language.compiler import CompiledUnit, compile_task, compile_unit
 from elitescript.language.hash_order import may_hold_set
 from elitescript.language.options import SECONDARY, Options
@@ -341,7 +341,10 @@ class VirtualRobot:
 
         Raises:
             ProgramError: the text does not compile.
+            UsageError: a time that is none.
         """
+        if until_s is not None:
+            accepted(UNTIL, until_s, "until_s")
         run = self.start(
             program,
             presets=presets,

@@ -114,8 +114,8 @@ class TestLaunch:
             ({"joints": [1, 2]}, REFUSED, "launch: joints must be six numbers"),
             ({"firmware": "1.0"}, REFUSED, "1.0"),
             ({"network": "a b"}, REFUSED, "launch: network must be"),
-            ({"until": -1}, WRONG_ARGUMENTS, "launch: until must be 0 s or more"),
-            ({"until": "x"}, WRONG_ARGUMENTS, "launch: until must be a number"),
+            ({"until": -1}, REFUSED, "launch: until must be >= 0 s, got -1"),
+            ({"until": "x"}, REFUSED, "launch: until must be a number in s"),
             ({"set": 3}, WRONG_ARGUMENTS, "launch: set must be an object"),
             ({"set": {"standard_digital_inn[3]": True}}, REFUSED, "standard_digital_inn"),
             ({"set": ["count"]}, REFUSED, "launch: set count: write NAME=VALUE"),
@@ -684,3 +684,118 @@ def test_no_message_is_left_behind_wherever_another_one_interrupts_its_sending()
         interrupted += not left
         assert len(sent) == 2 - bool(left), line
     assert 5 <= interrupted < 20
+
+
+class TestConditions:
+    """What cannot be evaluated: what the client is told; see tests/debugger/test_conditions.py."""
+
+    TEXT = "def cell():\n  x = 1\n  for i in range(3):\n    x = x + i\n  end\nend\n"
+
+    def test_it_stops_once_and_says_why(self, client, tmp_path):
+        path = program(tmp_path, self.TEXT)
+        stop = client.start(path, {"line": 4, "condition": "xx > 1"})["body"]
+        assert (stop["reason"], stop["hitBreakpointIds"]) == ("breakpoint", [1])
+        text = "the condition of line 4 cannot be evaluated: xx > 1: there is no variable 'xx' here (said once)"
+        assert (stop["description"], stop["text"]) == ("a condition that cannot be evaluated", text)
+        (output,) = [body for body in client.bodies("output") if text in body["output"]]
+        assert (output["category"], output["line"], output["source"]["path"]) == ("important", 4, str(path))
+        assert client.go("continue")["event"] == "terminated"
+        assert len([one for one in client.texts() if text in one]) == 1
+
+    def test_it_does_again_after_a_restart_and_when_it_is_set_again(self, client, tmp_path):
+        path = program(tmp_path, self.TEXT)
+        client.start(path, {"line": 4, "condition": "1 / 0"})
+        assert client.go("restart")["body"]["reason"] == "breakpoint"
+        client.set_breakpoints(path, {"line": 4, "condition": "1 / 0"})
+        assert client.go("continue")["body"]["reason"] == "breakpoint"
+        assert client.go("continue")["event"] == "terminated"
+
+    def test_a_number_of_hits_that_cannot_come_is_refused(self, client, tmp_path):
+        path = program(tmp_path, self.TEXT)
+        client.initialize()
+        seq = client.launch(path)
+        (body,) = client.set_breakpoints(path, {"line": 4, "hitCondition": "0"})
+        assert (body["verified"], body["message"]) == (
+            False,
+            "'0' is no number of hits that can come: they count from 1",
+        )
+        assert client.stop_of(seq)["event"] == "terminated"
+
+    def test_filters_have_no_condition(self, client):
+        client.initialize()
+        client.launch(CELL)
+        wrong = [{"filterId": "alarm", "condition": "x > 1"}]
+        assert error(client, "setExceptionBreakpoints", filters=[], filterOptions=wrong)[0] == WRONG_ARGUMENTS
+
+
+class TestLargeValues:
+    TEXT = (
+        "def cell():\n  v = list(range(100000))\n  d = {}\n  for i in range(1000):\n    d[str(i)] = i\n  end\n"
+        "  t = [1]\n  sleep(0.1)\nend\n"
+    )
+
+    def test_what_is_left_out_is_counted_and_comes_in_pages(self, client, tmp_path):
+        client.start(program(tmp_path, self.TEXT), 8)
+        reference = client.scopes()["Locals"]
+        rows = {one["name"]: one for one in client.request("variables", variablesReference=reference)["variables"]}
+        for name, count in (("v", 100_000), ("d", 1000)):
+            assert rows[name]["value"].endswith(f"… {count - 100:,} more" + ("]" if name == "v" else "}"))
+            assert (rows[name]["namedVariables"], rows[name]["indexedVariables"]) == (0, count)
+            held = rows[name]["variablesReference"]
+            *some, more = client.request("variables", variablesReference=held)["variables"]
+            assert (len(some), more["value"], more["variablesReference"]) == (100, f"… {count - 100:,} more", 0)
+            page = client.request("variables", variablesReference=held, filter="indexed", start=count - 2, count=100)
+            assert len(page["variables"]) == 2
+            found = client.request("evaluate", expression=name, context="hover", frameId=client.stack()[0]["id"])
+            assert found["result"] == rows[name]["value"]
+
+    def test_one_that_is_not_shown_can_be_set(self, client, tmp_path):
+        client.start(program(tmp_path, self.TEXT), 8)
+        reference = client.scopes()["Locals"]
+        rows = {one["name"]: one for one in client.request("variables", variablesReference=reference)["variables"]}
+        for name, child, expression in (("v", "[99999]", "v[99999]"), ("d", "'999'", "d['999']")):
+            held = rows[name]["variablesReference"]
+            assert client.request("setVariable", variablesReference=held, name=child, value="-1")["value"] == "-1"
+            assert client.evaluate(expression) == "-1"
+
+    def test_values_of_the_robot_are_not_variables_of_their_names(self, client, tmp_path):
+        client.start(program(tmp_path, self.TEXT), 8)
+        scopes = client.scopes()
+        number, text = error(client, "setVariable", variablesReference=scopes["Robot"], name="t", value="5")
+        assert number == REFUSED and "cannot be named" in text
+        number, text = error(client, "setVariable", variablesReference=scopes["Robot"], name="tick", value="5")
+        assert number == REFUSED and "cannot be set" in text
+        assert client.evaluate("t") == "[1]"
+        reference = client.request("variables", variablesReference=scopes["Locals"])["variables"]
+        held = next(one["variablesReference"] for one in reference if one["name"] == "t")
+        assert client.request("setVariable", variablesReference=held, name="[0]", value="7")["value"] == "7"
+
+
+@pytest.mark.parametrize("way", ["link.script", "folder/a b.script", "uri", "./a b.script", "folder/link.script"])
+def test_a_program_is_found_by_each_of_its_names(client, tmp_path, way):
+    path = tmp_path / "a b.script"
+    path.write_text("def cell():\n  x = 1\n  y = 2\nend\n")
+    (tmp_path / "link.script").symlink_to(path)
+    (tmp_path / "folder").symlink_to(tmp_path)
+    name = path.as_uri() if way == "uri" else f"{tmp_path}/{way}"
+    client.initialize()
+    seq = client.launch(path)
+    (body,) = client.set_breakpoints(name, 3)
+    assert body["verified"]
+    assert client.stop_of(seq)["body"]["reason"] == "breakpoint"
+    client.request("restart", arguments={"program": name})
+    assert client.stop()["body"]["reason"] == "breakpoint"
+
+
+def test_a_step_into_a_target_does_not_set_other_breakpoints_again(client, tmp_path):
+    text = "def cell():\n  def f(k):\n    return k\n  end\n  for i in range(3):\n    x = f(i)\n  end\nend\n"
+    client.initialize()
+    seq = client.launch(program(tmp_path, text))
+    client.request("setFunctionBreakpoints", breakpoints=[{"name": "f", "condition": "kk > 1"}])
+    assert "'kk'" in client.stop_of(seq)["body"]["text"]
+    for _ in range(2):
+        while client.line() != 6:
+            client.go("next")
+        target = client.request("stepInTargets", frameId=client.stack()[0]["id"])["targets"][0]["id"]
+        stop = client.go("stepIn", targetId=target)["body"]
+        assert (stop["reason"], client.line()) == ("step", 3)

@@ -7,7 +7,7 @@ from threading import Thread
 
 import pytest
 
-from elitescript.debugger.api import LineBreakpoint
+from elitescript.debugger.api import DebugError, LineBreakpoint
 from elitescript.debugger.source import ProgramSource
 from tests.debugger.sessions import debugging, variables
 
@@ -101,3 +101,43 @@ def test_what_is_not_let_through_is_counted_once_however_often_it_is_run_again()
     texts = [output.text for output in said]
     assert len([text for text in texts if "not connected to 10.0.0.1:80" in text]) == 1
     assert len([text for text in texts if 'network="local" has refused 1 connection: 10.0.0.1:80' in text]) == 1
+
+
+def test_a_peer_is_named_once_in_what_the_run_says(capfd):
+    """Users of an editor do not see the error output of what runs there."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+        text = f'def job():\n  ok = socket_open("127.0.0.1", {port}, "a")\n  x = 1\n  sleep(0.1)\n  y = 1\n'
+        text += '  socket_close("a")\nend\n'
+        said = []
+        with debugging(text, said) as session:
+            session.set_breakpoints([LineBreakpoint(5)])
+            session.start()
+            session.step_back(1)
+            session.resume()
+            session.reverse()
+            session.set_breakpoints([])
+            assert session.resume().result == "finished"
+    line = f'network: the program connects to 127.0.0.1:{port} (network="local")'
+    assert [item.text for item in said if "connects" in item.text] == [line]
+    assert capfd.readouterr().err == ""
+
+
+def test_what_the_console_connects_to_is_named_and_has_no_copies(capfd):
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+        said = []
+        with debugging("def job():\n  x = 1\n  sleep(0.1)\n  y = 1\nend\n", said, forks=True) as session:
+            session.set_breakpoints([LineBreakpoint(4)])
+            session.start()
+            frame = session.stack(1)[0].id
+            for number in (port, port + 1):
+                with pytest.raises(DebugError, match="it waits"):
+                    session.evaluate(f'socket_open("127.0.0.1", {number}, "a")', frame, may_change=True)
+            assert session.step_back(1).line == 3
+            assert session.resume().line == 4
+    assert [item.text for item in said if "connects" in item.text] == [
+        f'network: the program connects to 127.0.0.1:{number} (network="local")' for number in (port, port + 1)
+    ]
+    assert [item.text for item in said if "real connections" in item.text] == [said[0].text]
+    assert capfd.readouterr().err == ""

@@ -256,7 +256,7 @@ def test_a_name_that_stands_for_something_else_is_refused_when_it_was_looked_up(
     assert (event.channel, event.is_open, event.error) == (number, False, ChannelError.BARRED)
     assert "it is 169.254.169.254, a link-local address" in event.reason
     assert channels.take_refused().startswith("--network plc.factory has refused 1 connection: plc.factory:502;")
-    assert said == ["elitescript: the program connects to plc.factory:502 (--network plc.factory)"]
+    assert said == ["the program connects to plc.factory:502 (--network plc.factory)"]
 
 
 class Now:
@@ -280,7 +280,7 @@ def test_each_peer_is_named_once_before_it_is_connected_to(monkeypatch):
         channels.open("10.0.0.1", PORT, 2.0)
         channels.arrivals(tick)
     peer = ("10.0.0.1", PORT)
-    assert order == ["elitescript: the program connects to 10.0.0.1:502 (--network 10.0.0.1)", peer, peer, peer]
+    assert order == ["the program connects to 10.0.0.1:502 (--network 10.0.0.1)", peer, peer, peer]
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
 from elitescript.environment.memory import MemoryFiles
@@ -9,7 +11,8 @@ from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.kernel import Kernel, RobotOptions
 from elitescript.kernel.compiling import CompilesHere, Job
 from elitescript.kernel.options import IN_VIRTUAL_TIME
-from elitescript.language.limits import LONG_TEXT
+from elitescript.language import limits
+from elitescript.language.limits import LINES_MAX, LONG_TEXT
 from elitescript.lint.engine import CheckResult
 from elitescript.messages.events import Alarm, TaskStateChanged, TextMessage, Warned
 from elitescript.messages.inputs import Compiled, Do, LoadTask, PlayTask, Reboot, RunUnit
@@ -117,6 +120,30 @@ def test_what_could_not_be_compiled_is_refused_with_the_reason():
     assert robot.alarms == ["E001 1: its compiler was killed"]
     assert robot.shelf.dropped == [robot.shelf.jobs[0].number]
     assert not robot.kernel.host.is_running
+
+
+def test_too_many_lines_are_refused_in_the_tick_in_which_they_come():
+    robot = Robot()
+    robot.tick(sent(f"def long():\n{'  a = 1' + chr(10)}" + "  a = 1\n" * LINES_MAX + "end"))
+    assert robot.alarms == ["E001 200001: the program has 200,003 lines, at most 200,000 are read"]
+    assert robot.shelf.jobs == []
+
+
+def test_too_many_words_and_signs_are_refused_before_the_text_comes_back(monkeypatch):
+    monkeypatch.setattr(limits, "SYMBOLS_MAX", 2_000)
+    monkeypatch.setattr(limits, "_CHUNK", 4_000)
+    robot = Robot()
+    robot.tick(sent(SHORT))
+    parts = -(-len(LONG) // 4_000)
+    assert parts > 2
+    robot.tick(sent(LONG), count=parts)
+    assert robot.alarms == []
+    robot.tick()
+    (alarm,) = robot.alarms
+    assert re.fullmatch(r"E001 \d+: the program has 3,\d+ words and signs, at most 2,000 are read", alarm)
+    assert robot.shelf.dropped == [robot.shelf.jobs[0].number]
+    assert robot.kernel.host.is_running
+    assert "long runs" not in robot.tick(Compiled("compiler", robot.shelf.jobs[0].number), count=3)
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ def arranged(text: str):
     call = ast.parse(text, mode="eval").body
     assert isinstance(call, ast.Call)
     assert isinstance(call.func, ast.Name)
-    return arrange(CATALOGUE.get(call.func.id), call)
+    return arrange(CATALOGUE.get(call.func.id), call, {})
 
 
 def given_values(text: str) -> dict[str, str]:

@@ -140,3 +140,19 @@ def test_a_copy_of_the_folder_that_is_not_whole_is_said(tmp_path):
 
 
 TEXT_OF_ONE_LINE = "def p():\n  sleep(0.1)\nend\n"
+
+
+@pytest.mark.parametrize(
+    ("lines", "text"),
+    [
+        ("v = list(range(100000))", "… 99,982 more]"),
+        ("v = [1]\nv.append(v)", "[1, [1, [1, [1, [1, [1, [1, …]]]]]]]"),
+        ("v = 10 ** 5000", "an int of 16610 bits"),
+        ("class A():\n  def __repr__(self):\n    while True:\n      pass\n    end\n  end\nend\nv = A()", "<A>"),
+        ("v = [0.1, 1/3, 2]", "[0.1, 0.33333, 2]"),
+    ],
+)
+def test_globals_of_any_kind_are_shown_in_part(lines: str, text: str) -> None:
+    request = {"text": f"global v\n{lines}\n", "name": "a.script", "options": {}}
+    found = outcome_of(request, is_jailed=False)
+    assert dict(found["last"]["values"][""])["v"].endswith(text)

@@ -77,9 +77,9 @@ def test_trace_returns_rows_of_the_window():
     ("window", "text"),
     [
         ((0.3, 0.1, 0.1), "no stretch"),
-        ((0, 1, 0), "step_s"),
+        ((0, 1, 0), "step_s must be > 0 s"),
         ((0, 100, 0.004), "too many"),
-        ((-1, 1, 0.1), "no stretch"),
+        ((-1, 1, 0.1), "from_s must be >= 0 s, got -1"),
     ],
 )
 def test_a_window_that_makes_no_sense_is_refused(window, text):
@@ -126,3 +126,11 @@ class TestWorldFiles:
         with pytest.raises(UsageError, match=r"cell.toml:2: .*class"):
             self.run(tmp_path, '[[device]]\nclass = "cell.py:Camera"\n')
         assert not (tmp_path / "was_here").exists()
+
+
+def test_large_globals_say_what_is_left_out():
+    text = "def job():\n  global v, d\n  v = [0.1] * 600000\n  d = {}\n"
+    text += "  for i in range(1000):\n    d[str(i)] = [i]\n  end\nend\n"
+    found = runs.run(request(text))["globals"]
+    assert found["v"]["repr"].endswith("0.1, … 599,900 more]")
+    assert found["d"]["repr"].endswith("'99': [99], … 900 more}")

@@ -168,7 +168,7 @@ class TestUploads:
         assert "the rest is lost" in log.text
 
     def test_a_long_program_is_read_over_several_ticks(self):
-        program = "def a():\n" + " x = 1\n" * (3 * MAX_LINES_PER_TICK) + "end"
+        program = "def a():\n" + " x = 1\n" * (3 * MAX_BYTES_PER_TICK // 7) + "end"
         connection = connect()
         assert connection.receive(f"{program}\nstop task\n".encode(), output(0)) == []
         found = []
@@ -186,13 +186,32 @@ class TestUploads:
         connection = connect()
         read = []
         monitor = connection._splitter.receive
-        connection._splitter = SimpleNamespace(receive=lambda data: read.append(data) or monitor(data), pending=False)
+        connection._splitter = SimpleNamespace(
+            receive=lambda data: read.append(data) or monitor(data), pending=False, is_in_program=False
+        )
         connection.receive(line_end * 20_000, output(0))
         connection.receive(line_end, output(0))
         assert 0 < sum(map(len, read)) <= MAX_LINES_PER_TICK * len(line_end)
         before = len(read)
         connection.publish(output(1))
         assert len(read) > before
+
+    def test_plain_lines_of_a_program_are_read_by_their_bytes_alone(self):
+        program = "def a():\n" + " x = 1\n" * (2 * MAX_LINES_PER_TICK) + "end"
+        inputs = connect().receive(f"{program}\nstop task\n".encode(), output(0))
+        assert inputs == [RunUnit(ME, "program", program)]
+
+    @pytest.mark.parametrize("line", [" 'x'\n", " # x\n", "end\nx\n", "\u00e9\n", " \\\n"])
+    def test_other_lines_are_read_by_their_number(self, line):
+        connection = connect()
+        lines = []
+        splitter = connection._splitter
+        receive = lambda data: lines.append(data.count(b"\n")) or splitter.receive(data)  # noqa: E731
+        connection._splitter = SimpleNamespace(
+            receive=receive, pending=False, is_in_program=True, silence=list, close=list
+        )
+        connection.receive(b"def a():\n" + line.encode() * (2 * MAX_LINES_PER_TICK), output(0))
+        assert 0 < sum(lines) <= MAX_LINES_PER_TICK
 
     def test_what_was_not_yet_read_counts_when_the_client_goes(self):
         connection = connect()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import textwrap
 from xml.etree import ElementTree
@@ -235,12 +236,13 @@ def test_alarm():
   raise ValueError("n\n::b ##[c \x1b \ud83d")
 end
 """
+STRANGE = os.fsdecode(b"test_b\xe9d\x1b\n##[x].script")
 ACTS = re.compile(r"(?m)^\s*::|##\w*\[|[\x00-\x08\x0b-\x1f\x7f-\x9f\u202e\ud800-\udfff]")
 
 
 class TestTextsOfStrangers:
     def test_nothing_acts_on_the_terminal_and_junit_has_the_texts(self, pytester):
-        (pytester.path / "test_b.script").write_text(HOSTILE)
+        (pytester.path / STRANGE).write_text(HOSTILE)
         (pytester.path / "job.script").write_text(HOSTILE.replace("def test_b", "def job").split("def test_alarm")[0])
         pytester.makepyfile(
             test_c="def test_c(robot):\n    robot.run('job.script').check()\n"
@@ -251,6 +253,7 @@ class TestTextsOfStrangers:
         out = "\n".join(line for line in done.outlines if not line.startswith(">"))
         assert not (found := ACTS.search(out)), ascii(out[max(0, found.start() - 200) : found.end() + 20])
         assert "\n| :\\x3aerror::x\n| #\\x23[group]y \\x1b[2J \\ud83d  (line 2)" in out
+        assert r"FAILED test_b\udce9d\x1b\n#\x23[x].script::test_b" in out
         assert "\nE   :\\x3ab #\\x23[c \\x1b \\ud83d\nE   assert 1 == 2" in out
         junit = (pytester.path / "x.xml").read_text()
         ElementTree.fromstring(junit)
@@ -264,7 +267,7 @@ class TestTextsOfStrangers:
     @pytest.mark.slow
     def test_workers_of_xdist_live_on(self, pytester, monkeypatch):
         monkeypatch.setenv("PYTEST_PLUGINS", "elitescript.pytest_plugin.plugin,xdist.plugin")
-        (pytester.path / "test_b.script").write_text(HOSTILE)
+        (pytester.path / STRANGE).write_text(HOSTILE)
         done = pytester.runpytest_inprocess("-p", "no:cacheprovider", "-n1", "--junit-xml=x.xml")
         done.assert_outcomes(failed=2)
         out = done.stdout.str()

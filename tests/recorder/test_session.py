@@ -267,7 +267,7 @@ def test_a_controller_without_time_is_not_recorded():
     heard = Heard()
     controller = FakeController(ticks(1.0, 5), missing=["timestamp"])
     record(controller, heard, 0, also=lambda: bool(heard.of(EVENTS, "lost")))
-    assert heard.of(EVENTS, "lost")[0]["why"].endswith("RTSI: the controller has no timestamp")
+    assert heard.of(EVENTS, "lost")[0]["why"].endswith(": the controller has no timestamp")
     assert heard.rows == []
 
 

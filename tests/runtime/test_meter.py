@@ -19,6 +19,7 @@ from elitescript.runtime.threads.meter import (
     BEGIN_SHARES,
     CLEANUP_NS,
     CREDIT_SHARES,
+    HURRIED_PART,
     LATE_NS,
     SHARE_NS,
     ClockMeter,
@@ -86,6 +87,54 @@ class TestMeter:
         clock.ns += 1000 * MS
         clock.worked_ns += (1 + CREDIT_SHARES) * SHARE_NS
         assert meter.look()
+
+    def test_one_that_uses_ticks_up_has_a_part_of_its_share_while_they_begin_late(self):
+        clock = MadeUpTime()
+        meter = metered(clock)
+
+        def used(tick, begins_ms):
+            """Work until the tick is over; return how long that was."""
+            meter.end_tick()
+            clock.ns = begins_ms * MS
+            meter.begin_tick(tick)
+            began = clock.worked_ns
+            while not meter.look():
+                clock.work(SHARE_NS // 16)
+            return clock.worked_ns - began
+
+        assert used(1, 4) == (1 + CREDIT_SHARES) * SHARE_NS
+        assert used(2, 8) == SHARE_NS
+        # The computer was away for three periods, and what was missed comes without a pause.
+        assert used(3, 24) == SHARE_NS // HURRIED_PART
+        assert [used(tick, 24) for tick in (4, 5)] == [SHARE_NS // HURRIED_PART] * 2
+        # In time again: of what it did not use, no more than the rest of one share was saved up.
+        assert used(6, 24) == 2 * SHARE_NS - SHARE_NS // HURRIED_PART
+        assert used(7, 28) == SHARE_NS
+
+    def test_one_that_waits_in_its_ticks_has_its_share_however_late_they_begin(self):
+        clock = MadeUpTime()
+        meter = metered(clock)
+        for tick in range(1, 20):
+            clock.ns = tick * 4 * MS + (tick > 10) * 30 * MS
+            meter.begin_tick(tick)
+            clock.work(SHARE_NS - 1)
+            assert not meter.look(), tick
+            meter.end_tick()
+
+    def test_ticks_that_are_late_for_good_are_in_time_after_a_while(self):
+        clock = MadeUpTime()
+        meter = metered(clock)
+        late = []
+        for tick in range(1, 1000):
+            clock.ns = tick * 4 * MS + (tick >= 10) * 20 * MS
+            meter.begin_tick(tick)
+            began = clock.worked_ns
+            while not meter.look():
+                clock.work(SHARE_NS // 16)
+            late.append(clock.worked_ns - began < SHARE_NS)
+            meter.end_tick()
+        assert late[9]
+        assert not any(late[500:])
 
     def test_what_a_call_takes_too_much_is_missing_behind_it(self):
         clock = MadeUpTime()

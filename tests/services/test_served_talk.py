@@ -73,7 +73,7 @@ class Session:
 
     async def _play(self, seed: int, journal: Any) -> None:
         config = RobotOptions(power_on=True, seed=seed, rpc_timeout_s=RPC_S, firmware="2.14")
-        link = robot_link(config, task_dir=None, in_process=True, is_jailed=False, journal=journal)
+        link = robot_link(config, task_dir=None, in_process=True, is_jailed=False, journal=journal, is_lockstep=True)
         server = served_robot("CS66", link, lambda _, what: self.said.append(what), world=self.world)
         await server.boot()
         self.outputs.append(server.output)

@@ -1,9 +1,11 @@
 import assert from "node:assert/strict";
 import { mock, test } from "node:test";
 import { GUIDE_REPEAT_MS, nextStep, PendantModel, pointText, REPEAT_MS } from "../src/model/pendant.ts";
+import { runState } from "../src/app/state.ts";
 import { Studio } from "../src/model/studio.ts";
 import type { ControllerState, FromSource, ToSource } from "../src/source/messages.ts";
 import type { Listener, Source } from "../src/source/source.ts";
+import { moment } from "./fake.ts";
 
 class Controller implements Source {
   readonly sent: ToSource[] = [];
@@ -31,6 +33,18 @@ function connected(abilities: Extract<FromSource, { type: "hello" }>["abilities"
   source.sent.length = 0;
   return { source, studio, pendant: new PendantModel(studio) };
 }
+
+test("the state of the run says live only while there is a connection", () => {
+  const { studio } = connected();
+  const shown = (link: ControllerState["link"], t: number) => {
+    studio.message({ type: "moment", moment: moment(t), controller: { ...STATE, link } });
+    return [runState(studio).kind, runState(studio).text];
+  };
+  assert.deepEqual([runState(studio).kind, runState(studio).text], ["none", "connecting"]);
+  assert.deepEqual(shown("connecting", 0), ["none", "connecting"]);
+  assert.deepEqual(shown("connected", 1.5), ["good", "live, 1.5 s"]);
+  assert.deepEqual(shown("lost", 1.5), ["error", "no connection since 1.5 s"]);
+});
 
 test("a button that is held repeats, and ends once", () => {
   mock.timers.enable({ apis: ["setInterval", "setTimeout"] });

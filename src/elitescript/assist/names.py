@@ -14,7 +14,7 @@ from unicodedata import normalize
 
 from elitescript.language.parser import character_offset
 from elitescript.language.symbols import THREAD_STARTER, Binding, Resolution, Scope
-from elitescript.lint.arguments import arrange
+from elitescript.lint.arguments import Placements, arrange
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.records import NamedTuple
 
@@ -333,10 +333,11 @@ class Names:
             self.unlocated.update(pattern.kwd_attrs)
 
     def _strings(self) -> Iterator[Occurrence]:
+        known: Placements = {}
         for called in self.program.command_calls:
             if STRING_NAMES.keys().isdisjoint(param.name for param in called.command.params):
                 continue
-            for param, node in arrange(called.command, called.call).given:
+            for param, node in arrange(called.command, called.call, known).given:
                 family = STRING_NAMES.get(param.name)
                 if family is None or not isinstance(node, ast.Constant) or not isinstance(node.value, str):
                     continue

@@ -16,7 +16,7 @@ from elitescript.environment.network_option import COMMAND_LINE
 from elitescript.environment.program_file import refused_source, source_of
 from elitescript.environment.start_values import parse_settings
 from elitescript.errors import ProgramError, UsageError
-from elitescript.kernel.options import DEFAULTS, OPTIONS
+from elitescript.kernel.options import DEFAULTS, OPTIONS, UNTIL, accepted
 from elitescript.language.options import Options
 from elitescript.lint.engine import compile_checked
 from elitescript.messages.timing import PERIOD_S
@@ -137,8 +137,7 @@ def _recorded(path: Path, options: argparse.Namespace) -> Recording:
 
 def _played(path: Path, options: argparse.Namespace) -> tuple[Recording, int]:
     until_s = UNTIL_S if options.until is None else options.until
-    if not until_s >= 0.0:
-        raise UsageError(f"--until must be >= 0 s, got {until_s:g}")
+    accepted(UNTIL, until_s, "--until")
     signals, presets = parse_settings(options.set)
     report = TextRunReport(sys.stderr, sys.stderr)
     robot = VirtualRobot(

@@ -15,6 +15,7 @@ from elitescript.controller.views.trace import TraceRow
 from elitescript.controller.views.trace_signals import NO_SIGNALS, TraceSignals
 from elitescript.errors import UsageError
 from elitescript.json_records import jsonlines
+from elitescript.kernel.options import UNTIL, accepted
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import seconds, ticks_for
 from elitescript.services.journal.replay import Replay
@@ -31,8 +32,8 @@ DIFFERS = 1
 
 def replay(options: argparse.Namespace) -> int:
     """Play a journal; return the exit code."""
-    if options.until is not None and not options.until >= 0.0:
-        raise UsageError(f"--until must be >= 0 s, got {options.until:g}")
+    if options.until is not None:
+        accepted(UNTIL, options.until, "--until")
     reader = JournalReader(Path(options.file))
     session = Replay(reader, None if options.until is None else ticks_for(options.until))
     logs = parse_logs(options.log)

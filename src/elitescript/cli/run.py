@@ -23,6 +23,7 @@ from elitescript.environment.process import limit_memory
 from elitescript.environment.program_file import refused_source, source_of
 from elitescript.environment.start_values import check_presets, parse_settings
 from elitescript.errors import ElitescriptError, ProgramError, UsageError
+from elitescript.kernel.options import UNTIL, accepted
 from elitescript.language.parser import parse
 from elitescript.messages.events import DeviceNoted
 from elitescript.paths import real_path
@@ -72,8 +73,8 @@ def run(options: argparse.Namespace) -> int:
     robot.reports_signals = options.json or "signals" in logs
     robot.set_start(levels)
     for name, value in (("--until", options.until), ("--max-wall", options.max_wall)):
-        if value is not None and not value >= 0.0:
-            raise UsageError(f"{name} must be >= 0 s, got {value:g}")
+        if value is not None:
+            accepted(UNTIL, value, name)
     try:
         source = source_of(path) if options.parsed is None else options.parsed.source
     except ProgramError as error:

@@ -37,7 +37,6 @@ from elitescript.messages.timing import seconds
 from elitescript.paths import real_path
 from elitescript.protocol.ports import SERVICES, services_of
 from elitescript.records import replace
-from elitescript.runtime.threads.meter import SHARE_NS, ClockMeter
 from elitescript.services.capacity import Capacity, own_capacity
 from elitescript.services.channels.connect_policy import ConnectPolicy, policy_values
 from elitescript.services.child.jail import is_complete
@@ -63,8 +62,6 @@ if TYPE_CHECKING:
 ROBOTS_MAX: Final = 32
 OVERTAKING: Final = frozenset({"stopped", "alarm", "paused"})
 """States that are printed before messages that still wait; a program that finishes has said all before."""
-SHARE_MIN_NS: Final = 100_000
-"""Least time of the programs of a robot in a tick, however many robots share the process."""
 _TASK_WORDS: Final = {TaskState.PLAYING: "started", TaskState.PAUSED: "paused", TaskState.STOPPED: "stopped"}
 
 ALL: Final = "all"
@@ -176,12 +173,6 @@ def make_link(
     options: argparse.Namespace, config: RobotOptions, index: int, children: Spares | None = None
 ) -> RobotLink:
     """Return the link to a robot."""
-    meter = None
-    if is_in_process(options) and options.lockstep is None:
-        # One thread for all robots: each has its part of the share. In lockstep no wall clock rules.
-        count = max(len(options.models or ()), 1) * options.robots
-        share_ns = max(SHARE_NS // count, SHARE_MIN_NS)
-        meter = ClockMeter(time.monotonic_ns, time.thread_time_ns, share_ns=share_ns)
     return robot_link(
         config,
         task_dir=None if options.task_dir is None else Path(options.task_dir),
@@ -190,7 +181,8 @@ def make_link(
         is_jailed=not options.no_jail,
         journal=None if options.journal is None else numbered_path(Path(options.journal), index),
         spares=children,
-        meter=meter,
+        robots=max(len(options.models or ()), 1) * options.robots,
+        is_lockstep=options.lockstep is not None,
     )
 
 

@@ -101,7 +101,9 @@ async def connected(host: str, port: int, name: str, timeout_s: float = CONNECT_
     except (OSError, EOFError) as error:
         raise LinkError(f"{where}: the connection has ended ({error})") from None
     except PeerError as error:
-        raise LinkError(f"{where}: {error}") from None
+        # What reads the bytes names its port too, but not where it is.
+        text = str(error).removeprefix(f"{name} port: ").removeprefix(f"{name}: ")
+        raise LinkError(f"{where}: {text}") from None
     finally:
         # Abort: what waits in buffers is not to reach a controller later on.
         writer.transport.abort()

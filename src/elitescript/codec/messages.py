@@ -9,7 +9,7 @@ the sender need not be trusted.
     ['PlayTask', 'dashboard#1']
 
 Bytes are base64. Floats keep every bit but for the payload of a NaN; in JSON text infinities and NaN are the strings
-`"Infinity"`, `"-Infinity"` and `"NaN"`. Halves of surrogate pairs, which are no text, become `?`.
+`"Infinity"`, `"-Infinity"` and `"NaN"`. Halves of surrogate pairs, which are no text, become escapes.
 """
 
 from __future__ import annotations

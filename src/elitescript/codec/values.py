@@ -10,6 +10,7 @@ from typing import Any, Final, Generic, TypeVar
 
 from elitescript.errors import PeerError
 from elitescript.messages.signals import INT32_HIGH, INT32_LOW, SIGNALS, Signal
+from elitescript.shown import encodable
 
 T = TypeVar("T")
 Encode = Callable[[Any], Any]
@@ -78,9 +79,8 @@ def check_list(data: Any, count: int) -> None:
 
 
 def write_text(value: str) -> str:
-    """Return a text with `?` for each half of a surrogate pair."""
-    value = str.__str__(value)
-    return value if value.isascii() else value.encode("utf-8", "replace").decode("utf-8")
+    """Return a text with an escape for each half of a surrogate pair."""
+    return encodable(str.__str__(value))
 
 
 def read_text(data: Any) -> str:

@@ -511,6 +511,8 @@ class Adapter:
 
 def _brief(stop: Stop) -> str:
     """Return in a few words why a run has stopped."""
+    if stop.unevaluated:
+        return "a condition that cannot be evaluated"
     if stop.exception is not None:
         return f"{stop.exception.filter} {stop.exception.code}".rstrip()
     if stop.changes:

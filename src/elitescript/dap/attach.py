@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from elitescript.dap.messages import Arguments
-from elitescript.dap.sources import Sources
+from elitescript.dap.sources import Sources, path_of
 from elitescript.debugger.api import BreakpointState, LineBreakpoint, Output, Place
 from elitescript.debugger.living_breakpoints import digest_of
 from elitescript.services.control.debugging import ServedSession
@@ -81,7 +81,7 @@ class Attached:
         """Return path and text of a file; name and text of what has none."""
         if source.number("sourceReference", 0) and (name := self._sources.named(source)):
             return {"path": name, "text": self.text_of(name)}
-        path = Path(source.text("path", ""))
+        path = Path(path_of(source.text("path", "")))
         try:
             text = read_bytes(path, PROGRAM).decode("utf-8", "replace")
         except UnreadableError:

@@ -78,14 +78,14 @@ class Breakpoints:
         group = self._groups.get(FUNCTIONS)
         rows = group.rows if group else []
         requests = [row.request for row in rows]
-        *_, wanted = session.set_function_breakpoints([*requests, FunctionBreakpoint(name)])
+        *_, wanted = session.set_function_breakpoints([*requests, FunctionBreakpoint(name)], are_known=True)
         try:
             stop = session.next(thread)
             while stop.hits == (wanted.id,) and stop.thread != thread:
                 # Another thread has called it.
                 stop = session.next(thread)
         finally:
-            for row, state in zip(rows, session.set_function_breakpoints(requests), strict=True):
+            for row, state in zip(rows, session.set_function_breakpoints(requests, are_known=True), strict=True):
                 row.theirs = state.id
         return replace(stop, reason=STEP, hits=()) if stop.hits == (wanted.id,) else stop
 

@@ -79,6 +79,18 @@ class JournalSource:
         self.first_names = {name: firsts[text] for name, text in self._units}
         self.name, self.text = next(iter(self._units))
 
+    def may_connect(self, text: str) -> bool:
+        """See `debugger.source.Source.may_connect`: nothing that is connected is real."""
+        return False
+
+    @property
+    def requests(self) -> int:
+        """See `debugger.source.Source.requests`."""
+        return 0
+
+    def forget_requests(self, requests: int) -> None:
+        """See `debugger.source.Source.forget_requests`."""
+
     def begin(
         self,
         probe: Probe | None,

@@ -7,15 +7,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.dap.messages import WRONG_ARGUMENTS, Arguments, RequestError
-from elitescript.dap.sources import Sources
+from elitescript.dap.sources import Sources, path_of
 from elitescript.debugger.api import BreakpointState, LineBreakpoint, Output, Place
 from elitescript.debugger.session import DebugSession
 from elitescript.debugger.source import ProgramSource
 from elitescript.environment.network_option import LAUNCH
-from elitescript.environment.start_values import check_presets, parse_settings
+from elitescript.environment.start_values import check_presets, parse_settings, sorted_settings
 from elitescript.errors import did_you_mean
-from elitescript.kernel.options import OPTIONS, accept
-from elitescript.messages.signals import SIGNALS, Value
+from elitescript.kernel.options import OPTIONS, UNTIL, accept, accepted
+from elitescript.messages.signals import Value
 from elitescript.messages.timing import ticks_for
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ class Launched:
     def __init__(
         self, arguments: Arguments, sources: Sources, on_output: Callable[[Output], None], *, forks: bool
     ) -> None:
-        program = arguments.text("program")
+        program = path_of(arguments.text("program"))
         if not program:
             arguments.refuse("program", "the path of a program", "")
         self.arguments = arguments
@@ -115,9 +115,7 @@ class Launched:
 
 
 def _source(arguments: Arguments, program: str) -> ProgramSource | JournalSource:
-    until_s = arguments.real("until") if arguments.has("until") else None
-    if until_s is not None and until_s < 0.0:
-        arguments.refuse("until", "0 s or more", until_s)
+    until_s = accepted(UNTIL, arguments.data["until"], "launch: until") if arguments.has("until") else None
     if program.endswith(JOURNAL_SUFFIX):
         # Few sessions debug a journal, and what reads one takes time to import.
         from elitescript.dap.journal_source import JournalSource
@@ -137,7 +135,7 @@ def _source(arguments: Arguments, program: str) -> ProgramSource | JournalSource
         network_by=LAUNCH,
         **options,
     )
-    check_presets(presets, source.text)
+    check_presets(presets, source.text, "launch: set")
     return source
 
 
@@ -159,11 +157,7 @@ def _start_values(arguments: Arguments) -> tuple[dict[str, Value], dict[str, Any
     """Return signals and program globals at the start: an object, or texts `NAME=VALUE` as on the command line."""
     given = arguments.data.get("set")
     if isinstance(given, dict):
-        levels: dict[str, Value] = {}
-        presets: dict[str, Any] = {}
-        for name, value in given.items():
-            (levels if name.partition("[")[0] in SIGNALS or "[" in name else presets)[name] = value
-        return levels, presets
+        return sorted_settings(given, "launch: set")
     if given is not None and not isinstance(given, list):
         raise RequestError(WRONG_ARGUMENTS, "launch: set must be an object, or a list of texts such as 'count=3'")
     return parse_settings(arguments.texts("set"), "launch: set")

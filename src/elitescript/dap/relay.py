@@ -229,7 +229,7 @@ class Relay:
         for number, pending in overdue:
             self._pending.pop(number, None)
             if pending.command not in _CLOSING:
-                text = f"no answer in {ANSWER_S:g} s: the program or a call of it does not return; `disconnect` ends it"
+                text = f"no answer in {ANSWER_S:g} s: the process that debugs is busy; `disconnect` ends it"
                 self._send(error_response(pending.seq, pending.command, RequestError(ENDED, text)))
                 continue
             self._drop_worker()

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Final
 
 from elitescript.dap.messages import Arguments, Body
 from elitescript.paths import real_path
+
+FILE_URI: Final = "file://"
 
 
 class Sources:
@@ -21,6 +24,7 @@ class Sources:
 
     def found(self, name: str, path: str) -> None:
         """Note the file of a text."""
+        self._paths.pop(name, None)
         self._paths[name] = str(Path(path).absolute())
 
     def same(self, name: str, first: str) -> None:
@@ -41,15 +45,26 @@ class Sources:
         if reference := source.number("sourceReference", 0):
             return self.numbered(reference)
         key = _key(source.text("path", ""))
-        return next((name for name, path in self._paths.items() if _key(path) == key), None)
+        # A restart may name the same file in another way: the name that was found last is the one that runs.
+        return next((name for name, path in reversed(self._paths.items()) if _key(path) == key), None)
 
     def numbered(self, reference: int) -> str | None:
         """Return the name of the text with a number; None if there is none."""
         return next(iter(self._numbered[reference - 1 : reference]), None)
 
 
+def path_of(text: str) -> str:
+    """Return the path that a client names; some write it as a URI, whatever they were asked for."""
+    if not text.startswith(FILE_URI):
+        return text
+    from urllib.request import url2pathname
+
+    return url2pathname(text.removeprefix(FILE_URI))
+
+
 def _key(path: str) -> str:
     try:
+        path = path_of(path)
         return os.path.normcase(real_path(path)) if path else ""
     except (OSError, ValueError, RuntimeError):
         return path

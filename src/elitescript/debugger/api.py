@@ -126,6 +126,20 @@ class ExceptionInfo:
     thread_name: str
 
 
+class Unevaluated(NamedTuple):
+    """A breakpoint that stops, once until it is set again, since its condition or what it watches cannot be evaluated.
+
+    Attributes:
+        breakpoint: its number.
+        text: why.
+        is_given_up: whether it took too long, and is not evaluated any more.
+    """
+
+    breakpoint: int
+    text: str
+    is_given_up: bool
+
+
 @record
 class Stop:
     """Where a run has stopped, and why.
@@ -141,6 +155,7 @@ class Stop:
         exception: at which it stopped, if it did.
         line: of `thread`; 0 without one.
         result: at the end `finished`, `alarm`, `stopped`, `time_limit` or `stuck`; empty before.
+        unevaluated: breakpoints that stop here since they cannot be evaluated.
     """
 
     reason: str
@@ -153,6 +168,7 @@ class Stop:
     exception: ExceptionInfo | None = None
     line: int = 0
     result: str = ""
+    unevaluated: tuple[Unevaluated, ...] = ()
 
 
 # ---------------------------------------------------------------- breakpoints
@@ -165,8 +181,9 @@ class LineBreakpoint:
     Args:
         line: moved down to the next line that begins a statement.
         column: 0 for the first statement of the line.
-        condition: expression; stops only where it is true.
-        hit_condition: `3` (the third time), `>= 3`, `> 3`, `<= 3`, `< 3`, `== 3`, or `% 3` (each third time).
+        condition: expression without effects; stops only where it is true, and once where it cannot be evaluated.
+        hit_condition: `3` (the third time), `>= 3`, `> 3`, `<= 3`, `< 3`, `== 3`, or `% 3` (each third time). Passes
+            where the condition cannot be evaluated do not count.
         log_message: text with `{expression}`, written instead of a stop.
     """
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 from elitescript.devices.outside import OutsideChannels
 from elitescript.messages.inputs import ChannelEvent
@@ -18,21 +18,34 @@ class KeptNetwork:
     Attributes:
         live: the network.
         arrived: events by the tick in which they were taken in.
-        opened: the channel that each request to connect got.
+        opened: requests to connect, and the channel that each got.
         refused: what was not let through, in words, if that was asked for.
         requests: how many requests the network has had.
+        said: what was said before peers were reached, each with the number of the request.
         until: last tick up to which events are kept.
     """
 
-    __slots__ = ("arrived", "live", "opened", "refused", "requests", "until")
+    __slots__ = ("arrived", "live", "opened", "refused", "requests", "said", "until")
 
     def __init__(self, channels: OutsideChannels) -> None:
         self.live = channels
         self.refused = ""
+        self.said: list[tuple[int, str]] = []
         self.arrived: list[tuple[int, tuple[ChannelEvent, ...]]] = []
-        self.opened: list[int] = []
+        self.opened: list[tuple[int, int]] = []
         self.requests = 0
         self.until = -1
+
+    def forget(self, requests: int) -> None:
+        """Forget the requests behind a number, which have come to nothing, and close what they have opened."""
+        if self.requests <= requests:
+            return
+        self.requests = requests
+        self.said = [(number, text) for number, text in self.said if number <= requests]
+        for number, channel in self.opened:
+            if number > requests:
+                self.live.close(channel)
+        self.opened = [(number, channel) for number, channel in self.opened if number <= requests]
 
 
 class KeptChannels:
@@ -42,11 +55,13 @@ class KeptChannels:
 
     Args:
         network: see `KeptNetwork`.
+        say: receives a sentence before each peer is reached: the same at the same place of each execution.
     """
 
-    __slots__ = ("_network", "_next", "_opened", "_requests")
+    __slots__ = ("_network", "_next", "_opened", "_requests", "say")
 
-    def __init__(self, network: KeptNetwork) -> None:
+    def __init__(self, network: KeptNetwork, say: Callable[[str], None]) -> None:
+        self.say = say
         self._network = network
         self._next = 0
         self._opened = 0
@@ -64,16 +79,24 @@ class KeptChannels:
         """Count a request; return whether the network has not had it."""
         self._requests += 1
         if self._requests <= self._network.requests:
+            for number, text in self._network.said:
+                if number == self._requests:
+                    self.say(text)
             return False
         self._network.requests = self._requests
+        self._network.live.say = self._say_first
         return True
+
+    def _say_first(self, text: str) -> None:
+        self._network.said.append((self._requests, text))
+        self.say(text)
 
     def _channel(self, made: int | None) -> int:
         network = self._network
         if made is not None:
-            network.opened.append(made)
+            network.opened.append((self._requests, made))
         self._opened += 1
-        return network.opened[self._opened - 1] if self._opened <= len(network.opened) else 0
+        return network.opened[self._opened - 1][1] if self._opened <= len(network.opened) else 0
 
     def open(self, address: str, port: int, timeout_s: float) -> int:
         return self._channel(self._network.live.open(address, port, timeout_s) if self._is_new() else None)

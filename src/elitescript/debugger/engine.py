@@ -42,12 +42,22 @@ from elitescript.debugger.api import (
     State,
     Stop,
     ThreadInfo,
+    Unevaluated,
     Variable,
 )
+from elitescript.debugger.expressions import TooLong, short
 from elitescript.debugger.inputs import Input, apply_input
 from elitescript.debugger.looking import RESULT, CallFrame, Look, Names
 from elitescript.debugger.places import CountedText, Places
-from elitescript.debugger.rules import NO_RULES, CodeRule, DataRule, Rules, Watch, hit_condition
+from elitescript.debugger.rules import (
+    NO_RULES,
+    CodeRule,
+    DataRule,
+    Rules,
+    Watch,
+    hit_condition,
+    unevaluated,
+)
 from elitescript.debugger.source import Source
 from elitescript.debugger.telling import exception_of, filled, logged, output_of, running_text
 from elitescript.debugger.values import shown, type_name
@@ -169,6 +179,8 @@ class Engine:
         self._candidates: frozenset[int] = frozenset()
         self._hits: dict[int, int] = {}
         self._conditions: dict[int, Callable[[int], bool]] = {}
+        self._slow: dict[int, DebugError] = {}
+        """Of breakpoints whose condition took too long since the run goes on, by their numbers."""
         self._watches: list[tuple[DataRule, Watch]] = []
         self._values: list[str] = []
         self._cause: tuple[int, str, int] = (0, "", 0)
@@ -265,6 +277,10 @@ class Engine:
         """See `DebugSession.variables`."""
         return self._look.variables(reference, kind, start, count)
 
+    def child(self, reference: int, name: str) -> Variable:
+        """Return the child of a scope or a value by its name."""
+        return self._look.child(reference, name)
+
     def evaluate(self, text: str, frame: int) -> Variable:
         """Return the value of an expression, without any effect; see `DebugSession.evaluate`."""
         look = self._look
@@ -321,7 +337,11 @@ class Engine:
         names = Names(self._controller, host, self._new_look(), None)
         program = host.program
         globals_ = None if program is None else program.globals
-        return [watch.text(self._controller, globals_, names) for _, watch in self._watches]
+        given_up = self._rules.given_up
+        return [
+            "" if rule.id in given_up else watch.text(self._controller, globals_, names)
+            for rule, watch in self._watches
+        ]
 
     # ---------------------------------------------------------------- going on
 
@@ -334,6 +354,7 @@ class Engine:
         """Go on until the goal stops it; return the stop. With `last`, go to its position and return the last hit."""
         self._goal, self._found = goal, None
         self._step_has_ended = False
+        self._slow.clear()
         if goal.step and goal.step != INTO:
             self._candidates = self._numbers_of_stack(goal)
         if goal.step:
@@ -532,9 +553,14 @@ class Engine:
     def _code_stops(self, number: int, strand: Strand) -> list[Stop]:
         found = []
         for rule in self._rules.code:
-            if number not in rule.numbers or not self._is_true(rule.condition, strand):
+            if number not in rule.numbers or rule.id in self._rules.given_up:
                 continue
-            if not self._counts(rule.id):
+            try:
+                if not self._holds(rule, strand) or not self._counts(rule.id):
+                    continue
+            except DebugError as error:
+                what = f"the condition of line {self.places.statement(number).line}"
+                found += self._unevaluated(rule, rule.reason, what, rule.condition, error)
                 continue
             if rule.log_message:
                 if self._goal.heeds and not self._goal.last:
@@ -547,14 +573,27 @@ class Engine:
         self._hits[rule] = self._hits.get(rule, 0) + 1
         return self._conditions[rule](self._hits[rule])
 
-    def _is_true(self, condition: str, strand: Strand | None) -> bool:
-        if not condition:
+    def _holds(self, rule: CodeRule | DataRule, strand: Strand | None) -> bool:
+        if not rule.condition:
             return True
+        if rule.id in self._slow:
+            raise self._slow[rule.id]
         look = self._new_look()
         try:
-            return bool(look.value(condition, self._innermost(look, strand)))
-        except DebugError:
-            return False
+            return look.holds(rule.condition, self._innermost(look, strand))
+        except TooLong as error:
+            self._slow[rule.id] = error
+            raise
+
+    def _unevaluated(
+        self, rule: CodeRule | DataRule, reason: str, what: str, text: str, error: DebugError
+    ) -> list[Stop]:
+        """Return the stop of a breakpoint that cannot be evaluated; none if it was said. See `rules.unevaluated`."""
+        if rule.id in self._rules.said or not self._goal.heeds:
+            return []
+        text = unevaluated(what, text, error)
+        found = Unevaluated(rule.id, text, isinstance(error, TooLong))
+        return [self._stop(reason, text, hits=(rule.id,), unevaluated=(found,))]
 
     @staticmethod
     def _innermost(look: Look, strand: Strand | None) -> CallFrame | None:
@@ -578,9 +617,22 @@ class Engine:
         self._values = values
         found = []
         for (rule, watch), old, new in zip(self._watches, before, values, strict=True):
+            if rule.id in self._rules.given_up:
+                continue
+            if watch.error is not None:
+                what = "what the data breakpoint watches"
+                found += self._unevaluated(rule, DATA_BREAKPOINT, what, watch.data_id, watch.error)
+                continue
             if old == new or (watch.stops_when_true and new != "True"):
                 continue
-            if not self._is_true(rule.condition, self._running) or not self._counts(rule.id) or not self._goal.heeds:
+            try:
+                if not self._holds(rule, self._running) or not self._counts(rule.id):
+                    continue
+            except DebugError as error:
+                what = f"the condition of {short(watch.data_id)}"
+                found += self._unevaluated(rule, DATA_BREAKPOINT, what, rule.condition, error)
+                continue
+            if not self._goal.heeds:
                 continue
             change = self._change(watch, old, new, previous)
             by = f" by {change.thread_name}" if change.thread_name else ""
@@ -888,7 +940,9 @@ def _merged(stops: list[Stop]) -> Stop:
     best = min(stops, key=lambda stop: _WEIGHT.get(stop.reason, 0))
     hits = tuple(hit for stop in stops for hit in stop.hits)
     changes = tuple(change for stop in stops for change in stop.changes)
-    return replace(best, hits=hits, changes=changes) if len(stops) > 1 else best
+    problems = tuple(problem for stop in stops for problem in stop.unevaluated)
+    text = "; ".join(dict.fromkeys((best.text, *(problem.text for problem in problems))))
+    return replace(best, text=text, hits=hits, changes=changes, unevaluated=problems) if len(stops) > 1 else best
 
 
 _WEIGHT: Final = {EXCEPTION: 0, BREAKPOINT: 1, DATA_BREAKPOINT: 1, STEP: 3, GOTO: 4, PAUSE: 5}

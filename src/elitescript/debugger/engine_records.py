@@ -18,6 +18,7 @@ from elitescript.debugger.api import (
     State,
     Stop,
     ThreadInfo,
+    Unevaluated,
     Variable,
 )
 from elitescript.debugger.engine import Goal
@@ -44,7 +45,7 @@ _KINDS: Final[dict[str, type]] = {
             Stop,
             ThreadInfo,
         ),
-        *(Variable, Goal, Input, CodeRule, DataRule, Rules),
+        *(Unevaluated, Variable, Goal, Input, CodeRule, DataRule, Rules),
         *(CountedBranch, CountedFunction, CountedStatement, CountedText, ProbeTable),
     )
 }

@@ -10,12 +10,16 @@ from __future__ import annotations
 import ast
 import operator
 from collections.abc import Callable, Iterator
+from functools import lru_cache
+from types import WrapperDescriptorType
 from typing import Any, Final
 
 from elitescript.debugger.api import DebugError
 
 STEPS_MAX: Final = 200_000
 """Most nodes that one expression may take."""
+CONDITION_STEPS_MAX: Final = 50_000
+"""Most nodes that a condition may take, or what a data breakpoint watches: they are computed again and again."""
 SIZE_MAX: Final = 1_000_000
 """Most elements of a text or list that an expression makes, and digits of a number."""
 
@@ -72,6 +76,12 @@ _MOST: Final = {
 _MAKING: Final = (ast.BinOp, ast.Call, ast.JoinedStr)
 _FILLED: Final = (str, bytes, bytearray, list, tuple)
 
+_SHORT: Final = 100
+"""Characters of a text of the user in a text that says what is wrong with it."""
+
+_FOREIGN: Final = "an operation with an object of the program"
+_LARGE: Final = f"it has more than {SIZE_MAX:,} elements"
+
 _CONVERSIONS: Final[dict[str, Callable[[Any], str]]] = {"r": repr, "s": str, "a": ascii}
 
 _CHANGING_METHODS: Final = frozenset(
@@ -84,11 +94,37 @@ _CHANGING_METHODS: Final = frozenset(
 _GROWING_METHODS: Final = frozenset(("join", "replace", "translate"))
 """Methods whose result can be as large as the product of what they are given."""
 
+_SCALARS: Final = frozenset((bool, int, float, complex, str, bytes, bytearray, type(None), type(...), range))
+
 Call = Callable[[str, tuple[Any, ...], dict[str, Any]], Any]
 
 
+class MissingName(DebugError):
+    """A name that nothing has where an expression is computed."""
+
+
+class TooLong(DebugError):
+    """An expression that takes more steps than it may."""
+
+
+class Refusal(DebugError):
+    """Something that an expression may not do, since it is only looked at.
+
+    Args:
+        reason: what it is, and why.
+
+    Attributes:
+        reason: the same.
+    """
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(f"refused: {reason}; allow changes to run it")
+        self.reason = reason
+
+
+@lru_cache(maxsize=64)
 def parsed(text: str) -> ast.expr:
-    """Return the tree of an expression.
+    """Return the tree of an expression; it is not changed. A condition is asked for again and again.
 
     Raises:
         DebugError: it is none.
@@ -97,7 +133,13 @@ def parsed(text: str) -> ast.expr:
         return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
         reason = error.msg if isinstance(error, SyntaxError) else "it cannot be read"
-        raise DebugError(f"{text.strip()!r} is no expression: {reason}") from None
+        raise DebugError(f"{short(text)!r} is no expression: {reason}") from None
+
+
+def short(text: str) -> str:
+    """Return a text of the user as one line, cut."""
+    line = " ".join(text.split())
+    return line if len(line) <= _SHORT else f"{line[:_SHORT]}…"
 
 
 def variables_of(tree: ast.expr) -> frozenset[str]:
@@ -108,19 +150,20 @@ def variables_of(tree: ast.expr) -> frozenset[str]:
     return frozenset(node.id for node in names if id(node) not in called) - own
 
 
-def computed(tree: ast.expr, names: Callable[[str], Any], call: Call) -> Any:
+def computed(tree: ast.expr, names: Callable[[str], Any], call: Call, steps_max: int = STEPS_MAX) -> Any:
     """Return the value of an expression.
 
     Args:
         tree: of the expression.
         names: returns the value of a name.
         call: calls a predefined function or command by its name, or refuses.
+        steps_max: most nodes that it may take.
 
     Raises:
         DebugError: it has no value, or is refused.
     """
     try:
-        return _Computation(names, call).value(tree)
+        return _Computation(names, call, steps_max).value(tree)
     except DebugError:
         raise
     except RecursionError:
@@ -131,40 +174,66 @@ def computed(tree: ast.expr, names: Callable[[str], Any], call: Call) -> Any:
 
 def is_plain(value: Any) -> bool:
     """Return whether a value, with all that it holds, is of built-in types, so that its operators run no program."""
+    return _why_not_plain(value) == ""
+
+
+def truth(value: Any) -> bool:
+    """Return whether a value counts as true, without running code of the program.
+
+    Raises:
+        DebugError: a class of the program decides that.
+    """
+    if isinstance(value, Indexed | Pure):
+        raise DebugError("it is a group: name one of it")
+    for name in ("__bool__", "__len__"):
+        for kind in type.__dict__["__mro__"].__get__(type(value)):
+            held = type.__dict__["__dict__"].__get__(kind)
+            if name in held:
+                if type(held[name]) is not WrapperDescriptorType:
+                    raise _refused(f"{name} of {type.__dict__['__name__'].__get__(kind)}")
+                return bool(value)
+    return True
+
+
+def _why_not_plain(value: Any) -> str:
+    """Return why operators of a value might run code of the program, or take too long; empty if they do not."""
     stack, left, seen = [value], SIZE_MAX, set()
     while stack:
         item = stack.pop()
         kind = type(item)
         if kind not in PLAIN:
-            return False
-        if kind in _HOLDERS or kind is dict:
+            return _FOREIGN
+        if kind is slice:
+            stack += (item.start, item.stop, item.step)
+        elif kind in _HOLDERS or kind is dict:
             if id(item) in seen:
                 continue
             seen.add(id(item))
             left -= len(item)
             if left < 0:
-                return False
-            if kind is dict:
-                stack += item.values()
-            stack += item
-    return True
+                return _LARGE
+            for part in (item.values(), item) if kind is dict else (item,):
+                # One pass without a step of Python for each element: most of them are numbers or texts.
+                if not _SCALARS.issuperset(map(type, part)):
+                    stack += [held for held in part if type(held) not in _SCALARS]
+    return ""
 
 
 class _Computation:
-    def __init__(self, names: Callable[[str], Any], call: Call) -> None:
+    def __init__(self, names: Callable[[str], Any], call: Call, steps_max: int) -> None:
         self._names = names
         self._call = call
         self._own: dict[str, Any] = {}
-        self._left = STEPS_MAX
+        self._left = steps_max
         self._room = ROOM_MAX
 
     def value(self, node: ast.expr) -> Any:
         self._left -= 1
         if self._left < 0:
-            raise DebugError("the expression takes too long")
+            raise TooLong("the expression takes too long")
         compute = getattr(self, f"_{type(node).__name__}", None)
         if compute is None:
-            raise DebugError(f"refused: {_described(node)} may change something; allow changes to run it")
+            raise Refusal(f"{_described(node)} may change something")
         made = compute(node)
         if isinstance(node, _MAKING) and type(made) in _FILLED:
             self._room -= len(made)
@@ -309,6 +378,9 @@ class _Computation:
     def _Call(self, node: ast.Call) -> Any:
         function = node.func
         arguments = tuple(self._items(node.args))
+        if _is_len(function) and not node.keywords and "len" not in self._own and _are_plain_holders(arguments):
+            # Asks for no element, however many there are.
+            return self._call("len", arguments, {})
         named: dict[str, Any] = {}
         for keyword in node.keywords:
             if keyword.arg is None:
@@ -415,11 +487,22 @@ def _checked(value: Any) -> Any:
     if type(value) in PLAIN:
         if type(value) is range and value and abs((value[-1] - value[0]) // value.step) > SIZE_MAX:
             raise DebugError("the range is too long")
-        if is_plain(value):
+        why_not = _why_not_plain(value)
+        if why_not == _LARGE:
+            raise DebugError(_LARGE)
+        if not why_not:
             return value
     elif isinstance(value, Indexed):
         raise DebugError("it needs an index in brackets")
-    raise _refused("an operation with an object of the program")
+    raise _refused(_FOREIGN)
+
+
+def _is_len(function: ast.expr) -> bool:
+    return isinstance(function, ast.Name) and function.id == "len"
+
+
+def _are_plain_holders(arguments: tuple[Any, ...]) -> bool:
+    return len(arguments) == 1 and type(arguments[0]) in PLAIN
 
 
 def _counted(value: Any) -> Any:
@@ -429,8 +512,8 @@ def _counted(value: Any) -> Any:
     return value
 
 
-def _refused(what: str) -> DebugError:
-    return DebugError(f"refused: {what} may run code of the program; allow changes to run it")
+def _refused(what: str) -> Refusal:
+    return Refusal(f"{what} may run code of the program")
 
 
 def _described(node: ast.expr) -> str:

@@ -46,14 +46,16 @@ from elitescript.debugger.api import (
     State,
     Stop,
     ThreadInfo,
+    Unevaluated,
     Variable,
 )
+from elitescript.debugger.expressions import TooLong, short
 from elitescript.debugger.inputs import Input as UserChange
 from elitescript.debugger.inputs import apply_input
 from elitescript.debugger.living_breakpoints import Breakpoint, LivingBreakpoints, Text
 from elitescript.debugger.looking import CallFrame, Look, Names
 from elitescript.debugger.places import Places
-from elitescript.debugger.rules import Watch
+from elitescript.debugger.rules import Watch, unevaluated
 from elitescript.debugger.telling import exception_of, filled, logged, output_of
 from elitescript.errors import ScriptError, UsageError
 from elitescript.language.compiler import CompiledUnit
@@ -75,8 +77,8 @@ from elitescript.runtime.threads.scheduler import DEBUGGER
 from elitescript.runtime.threads.strand import Strand
 from elitescript.untrusted.json_text import JsonError, json_value
 
-VARIABLES_MAX: Final = 1000
-"""Variables that are sent at once."""
+STEPS_MAX: Final = 10_000
+"""Most nodes of an expression: the robot waits meanwhile."""
 TEXTS_MAX: Final = 100
 """Texts that are kept while a debugger is attached; more than secondary programs can wait."""
 PART_MAX: Final = 200_000
@@ -123,6 +125,8 @@ class _News(NamedTuple):
     breakpoint: int = 0
     change: Change | None = None
     exception: ExceptionInfo | None = None
+    unevaluated: str = ""
+    """Why the breakpoint cannot be evaluated, if that is it."""
 
 
 class LivingDebugger:
@@ -369,17 +373,14 @@ class LivingDebugger:
     def set_data_breakpoints(self, requests: Sequence[DataBreakpoint]) -> tuple[BreakpointState, ...]:
         """Replace the data breakpoints."""
         items = self._breakpoints.set_data(requests)
-        for item in items:
+        for item in self._breakpoints.data:
             item.value = self._watched(item)
         return tuple(item.state for item in items)
 
     def data_breakpoint_info(self, name: str, reference: int = 0, frame: int = 0) -> DataInfo:
         """Return what a data breakpoint can watch: a name, an expression, or a child of a scope or of a value."""
         if reference:
-            for variable in self._stopped_look.variables(reference):
-                if variable.name == name:
-                    name = variable.data_id
-                    break
+            name = self._stopped_look.child(reference, name).data_id
             if not name:
                 return DataInfo(None, "only signals, program globals, the robot mode and the safety mode are watched")
         try:
@@ -404,8 +405,11 @@ class LivingDebugger:
         return self._stopped_look.scopes(frame)
 
     def variables(self, reference: int, kind: str = "", start: int = 0, count: int = 0) -> tuple[Variable, ...]:
-        """Return what a scope or a value holds, the `named` or the `indexed` ones if so asked; 1000 at most."""
-        return self._stopped_look.variables(reference, kind, start, min(count or VARIABLES_MAX, VARIABLES_MAX))
+        """Return what a scope or a value holds, the `named` or the `indexed` ones if so asked; 1000 at most.
+
+        Without `count` there are those of a scope, and 100 of a value. What is left out is counted in a last row.
+        """
+        return self._stopped_look.variables(reference, kind, max(start, 0), max(count, 0))
 
     def evaluate(self, text: str, frame: int = 0, may_change: bool = False) -> Variable:
         """Return the value of an expression; without a frame and changes also while the program runs.
@@ -526,7 +530,13 @@ class LivingDebugger:
 
     def _reached(self, item: Breakpoint, strand: Strand, news: list[_News]) -> None:
         """Add a stop to the news if a breakpoint stops here, or write its message."""
-        if self._is_true(item, strand) and item.is_hit():
+        try:
+            is_hit = self._holds(item, strand) and item.is_hit()
+        except DebugError as error:
+            what = f"the condition of line {self._last_line}"
+            self._unevaluated(item, what, item.condition, error, strand, news)
+            return
+        if is_hit:
             if item.log_message:
                 self._log(item, strand, self._last_line)
             else:
@@ -559,9 +569,10 @@ class LivingDebugger:
         shown = strand or self._main
         self._set_step(None)
         self._awaits_statement = False
+        text = "; ".join(dict.fromkeys((first.text, *(item.unevaluated for item in news if item.unevaluated))))
         self._stop = Stop(
             first.reason,
-            first.text,
+            text,
             0 if shown is None else shown.order + 1,
             self._position(AFTER_TICK if strand is None else BEFORE_STATEMENT),
             seconds(self._controller.tick),
@@ -569,6 +580,9 @@ class LivingDebugger:
             tuple(item.change for item in news if item.change is not None),
             next((item.exception for item in news if item.exception is not None), None),
             first.exception.line if first.exception is not None else 0 if shown is None else shown.line,
+            unevaluated=tuple(
+                Unevaluated(item.breakpoint, item.unevaluated, False) for item in news if item.unevaluated
+            ),
         )
         self._look_now = self._fresh_look()
         self._tell("stopped", stop=self._stop)
@@ -642,13 +656,26 @@ class LivingDebugger:
             strand: the thread that runs; None behind a tick.
         """
         last, self._last = self._last, strand
+        can_stop = strand is not None or self._controller.task_state is TaskState.PLAYING
         for item in self._breakpoints.data:
             old, new = item.value, self._watched(item)
             item.value = new
             assert item.watch is not None
-            if old == new or (item.watch.stops_when_true and new != "True"):
+            if item.watch.error is not None and can_stop:
+                what = "what the data breakpoint watches"
+                self._unevaluated(item, what, item.watch.data_id, item.watch.error, strand, self._news)
                 continue
-            if self._stop is None and self._is_true(item, strand) and item.is_hit():
+            if old == new or (item.watch.stops_when_true and new != "True") or self._stop is not None:
+                continue
+            if not can_stop and item.condition:
+                continue
+            try:
+                is_hit = self._holds(item, strand) and item.is_hit()
+            except DebugError as error:
+                what = f"the condition of {short(item.watch.data_id)}"
+                self._unevaluated(item, what, item.condition, error, strand, self._news)
+                continue
+            if is_hit:
                 change = self._change(item.watch.data_id, old, new, last)
                 self._news.append(_News(DATA_BREAKPOINT, _changed(change, item.watch), item.id, change))
         self._causes.clear()
@@ -664,18 +691,30 @@ class LivingDebugger:
     def _watched(self, item: Breakpoint) -> str:
         """Return the present value of what a data breakpoint watches, as text."""
         assert item.watch is not None
+        if item.is_given_up:
+            item.watch.error = None
+            return ""
         program = self._host.program
         names = Names(self._controller, self._host, self._fresh_look(), None)
-        return item.watch.text(self._controller, None if program is None else program.globals, names)
+        return item.watch.text(self._controller, None if program is None else program.globals, names, STEPS_MAX)
 
-    def _is_true(self, item: Breakpoint, strand: Strand | None) -> bool:
-        if not item.condition:
-            return True
+    def _holds(self, item: Breakpoint, strand: Strand | None) -> bool:
+        if not item.condition or item.is_given_up:
+            return not item.is_given_up
         look = self._fresh_look()
-        try:
-            return bool(look.value(item.condition, _innermost(look, strand)))
-        except DebugError:
-            return False
+        return look.holds(item.condition, _innermost(look, strand))
+
+    def _unevaluated(
+        self, item: Breakpoint, what: str, text: str, error: DebugError, strand: Strand | None, news: list[_News]
+    ) -> None:
+        """Stop at a breakpoint that cannot be evaluated, and say why; once. See `rules.unevaluated`."""
+        if item.is_said or self._stop is not None:
+            return
+        item.is_said, item.is_given_up = True, isinstance(error, TooLong)
+        text = unevaluated(what, text, error)
+        name, line = ("", 0) if strand is None else (strand.name, self._last_line)
+        self._tell("output", output=Output("important", text, line, name, self._position(AFTER_TICK), self._time_s))
+        news.append(_News(item.reason, text, item.id, unevaluated=text))
 
     def _log(self, item: Breakpoint, strand: Strand, line: int) -> None:
         """Write the message of a breakpoint."""
@@ -753,6 +792,7 @@ class _Look(Look):
     """What a living robot shows, a thread that has failed included, which waits meanwhile."""
 
     failed: Strand | None = None
+    steps_max = condition_steps_max = STEPS_MAX
 
     def _is_failed(self, strand: Strand) -> bool:
         return self._error is not None and strand is self.failed

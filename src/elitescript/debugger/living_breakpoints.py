@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from hashlib import blake2b
 from pathlib import PurePosixPath
 
@@ -12,11 +12,12 @@ from elitescript.debugger.api import (
     FUNCTION_BREAKPOINT,
     BreakpointState,
     DataBreakpoint,
+    DebugError,
     FunctionBreakpoint,
     LineBreakpoint,
 )
 from elitescript.debugger.calls import calls_by_statement
-from elitescript.debugger.rules import Watch, hit_condition
+from elitescript.debugger.rules import Watch, checked, hit_condition
 from elitescript.language.compiler import CompiledUnit
 from elitescript.language.probes import CountedStatement
 
@@ -77,8 +78,11 @@ class Breakpoint:
         hits: how often it was reached with its condition true.
         watch: what a data breakpoint looks at; None for others.
         numbers: of its statements.
-        state: what is known of its place.
+        state: what is known of its place; why it was refused.
         value: of what a data breakpoint watches, when it was seen last.
+        is_refused: whether it can never stop.
+        is_said: whether it has stopped since it cannot be evaluated, which it does only once.
+        is_given_up: whether it took too long, and is not evaluated any more.
     """
 
     __slots__ = (
@@ -86,6 +90,9 @@ class Breakpoint:
         "condition",
         "hits",
         "id",
+        "is_given_up",
+        "is_refused",
+        "is_said",
         "log_message",
         "numbers",
         "reason",
@@ -99,17 +106,24 @@ class Breakpoint:
         self.id = number
         self.request = request
         self.reason = reason
-        self.condition = request.condition
-        self._counts = hit_condition(request.hit_condition)
+        self.condition = request.condition.strip()
         self.log_message = request.log_message if isinstance(request, LineBreakpoint) else ""
         self.hits = 0
         self.numbers: set[int] = set()
         self.state = BreakpointState(number, False, "no program has it yet")
         self.value = ""
         self.watch: Watch | None = None
-        if isinstance(request, DataBreakpoint):
-            self.watch = Watch(request.data_id)
-            self.state = BreakpointState(number, True)
+        self.is_said = self.is_given_up = self.is_refused = False
+        self._counts: Callable[[int], bool] = lambda hits: False
+        try:
+            checked(request)
+            self._counts = hit_condition(request.hit_condition)
+            if isinstance(request, DataBreakpoint):
+                self.watch = Watch(request.data_id)
+                self.state = BreakpointState(number, True)
+        except DebugError as error:
+            self.is_refused = True
+            self.state = BreakpointState(number, False, str(error))
 
     def is_hit(self) -> bool:
         """Count a pass, and return whether it stops."""
@@ -156,8 +170,9 @@ class LivingBreakpoints:
 
     def set_data(self, requests: Sequence[DataBreakpoint]) -> list[Breakpoint]:
         """Replace the data breakpoints."""
-        self.data = [self._made(request, DATA_BREAKPOINT) for request in requests]
-        return self.data
+        made = [self._made(request, DATA_BREAKPOINT) for request in requests]
+        self.data = [item for item in made if not item.is_refused]
+        return made
 
     def add(self, text: Text) -> list[BreakpointState]:
         """Find the statements of a text that has arrived; return the breakpoints that have found their first one."""
@@ -181,8 +196,9 @@ class LivingBreakpoints:
         found = []
         for (path, digest), items in self._lines.items():
             if text.is_of(path, digest):
-                found += [item for item in items if self._place_line(item, text)]
-        return found + [item for item in self._functions if self._place_function(item, text)]
+                found += [item for item in items if not item.is_refused and self._place_line(item, text)]
+        functions = [item for item in self._functions if not item.is_refused]
+        return found + [item for item in functions if self._place_function(item, text)]
 
     def _place_line(self, item: Breakpoint, text: Text) -> bool:
         request = item.request

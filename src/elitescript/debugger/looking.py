@@ -11,16 +11,35 @@ from typing import Any, Final, TypeAlias
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.controller.controller import Controller
 from elitescript.debugger.api import DebugError, Frame, Scope, ThreadInfo, Variable
-from elitescript.debugger.expressions import SIZE_MAX, Indexed, Pure, computed, is_plain, parsed
+from elitescript.debugger.expressions import (
+    CONDITION_STEPS_MAX,
+    SIZE_MAX,
+    STEPS_MAX,
+    Indexed,
+    MissingName,
+    Pure,
+    Refusal,
+    computed,
+    is_plain,
+    parsed,
+    short,
+    truth,
+)
 from elitescript.debugger.places import Places
 from elitescript.debugger.values import (
+    CHILDREN_MAX,
+    PART_MAX,
     POSE,
+    TEXT_MAX,
+    Child,
     Group,
     Joints,
     Pose,
+    child_named,
     children,
     count_children,
-    indexed_part,
+    more,
+    room_of_each,
     shown,
     type_name,
 )
@@ -37,6 +56,9 @@ LOCALS: Final = "Locals"
 GLOBALS: Final = "Globals"
 ROBOT: Final = "Robot"
 SIGNALS_GROUP: Final = "signals"
+OF_ROBOT: Final = "of the robot"
+LEFT_OUT: Final = "…"
+"""Name of the row that says how many children are left out."""
 
 SCOPE: Final = -1
 RESULT: Final = -2
@@ -84,7 +106,14 @@ class Look:
         host: runs the programs.
         places: statements.
         error: the exception with which the thread that runs has failed, if that is the stop.
+
+    Attributes:
+        steps_max: most nodes that one expression may take.
+        condition_steps_max: most nodes that a condition may take.
     """
+
+    steps_max = STEPS_MAX
+    condition_steps_max = CONDITION_STEPS_MAX
 
     def __init__(
         self, controller: Controller, host: ScriptHost, places: Places, error: BaseException | None = None
@@ -236,7 +265,7 @@ class Look:
             self._keep((parent, name, frame), ("", self.value(name, call), call, name))
         else:
             count = len(self._shown)
-            self._child_of(parent, name)
+            self.child(parent, name, room=1)  # what it says is not shown
             if len(self._shown) == count:
                 raise DebugError("it holds nothing any more")
 
@@ -312,12 +341,20 @@ class Look:
     def variables(self, reference: int, kind: str = "", start: int = 0, count: int = 0) -> tuple[Variable, ...]:
         """See `DebugSession.variables`."""
         group, value, call, expression = self._held(reference)
-        chosen = None if kind == "named" else indexed_part(value, start, count)
-        if chosen is None:
-            named, indexed = children(value)
-            found = {"named": named, "indexed": indexed}.get(kind, [*named, *indexed])
-            chosen = found[start : start + count] if count else found[start:]
-        return tuple(self._child(reference, group, name, item, call, expression, path) for name, item, path in chosen)
+        named, indexed = count_children(value)
+        total = {"named": named, "indexed": indexed}.get(kind, named + indexed)
+        start = min(start, total)
+        if count:
+            end = min(start + min(count, PART_MAX), total)
+            is_cut = end < min(start + count, total)
+        else:
+            end = min(start + (PART_MAX if type(value) is Group else CHILDREN_MAX), total)
+            is_cut = end < total
+        room = room_of_each(end - start)
+        found = [self._child(reference, group, child, call, expression, room) for child in children(value, start, end)]
+        if is_cut:
+            found.append(Variable(LEFT_OUT, more(total - end), ""))
+        return tuple(found)
 
     def _held(self, reference: int) -> tuple[str, Any, CallFrame | None, str]:
         if not 0 < reference <= len(self._shown) or self._shown[reference - 1][0] == GONE:
@@ -325,24 +362,31 @@ class Look:
         return self._shown[reference - 1]
 
     def _child(
-        self, parent: int, group: str, name: str, value: Any, call: CallFrame | None, expression: str, path: str
+        self, parent: int, group: str, child: Child, call: CallFrame | None, expression: str, room: int = TEXT_MAX
     ) -> Variable:
+        name, value, path = child
         data_id, is_settable = "", False
         inner = ""
         if group in (LOCALS, GLOBALS):
             inner, is_settable = name, True
             data_id = name if group == GLOBALS else ""
         elif group == ROBOT:
-            inner = name if name in ROBOT_NAMES else ""
+            # A variable of the program by that name is what the name means.
+            is_hidden = name in self.locals_of(call) or name in self.globals_of(call)
+            inner = name if name in ROBOT_NAMES and not is_hidden else ""
             data_id = {"robot_mode": "robot mode", "safety": "safety"}.get(name, "")
         elif group == SIGNALS_GROUP:
             inner, is_settable, data_id = name, True, name
         elif expression and path:
             inner = expression + path
-            is_settable = path.startswith("[") and expression not in ROBOT_NAMES
-        held = SIGNALS_GROUP if group == ROBOT and name == SIGNALS_GROUP else ""
+            is_settable = group != OF_ROBOT
+        held = group if group == OF_ROBOT else ""
+        if group == ROBOT:
+            held = SIGNALS_GROUP if name == SIGNALS_GROUP else OF_ROBOT
         way = parent, name, 0
-        return self.variable(name, value, call, inner, held, way=way, data_id=data_id, is_settable=is_settable)
+        return self.variable(
+            name, value, call, inner, held, way=way, data_id=data_id, is_settable=is_settable, room=room
+        )
 
     def variable(
         self,
@@ -355,13 +399,14 @@ class Look:
         way: Way = NO_WAY,
         data_id: str = "",
         is_settable: bool = False,
+        room: int = TEXT_MAX,
     ) -> Variable:
         """Return a value as it is shown; it can be expanded if it holds something."""
         named, indexed = count_children(value)
         reference = 0
         if named or indexed:
             reference = self._keep(way, (group, value, call, expression))
-        text = f"{named} not at default" if group == SIGNALS_GROUP else shown(value)
+        text = f"{named} not at default" if group == SIGNALS_GROUP else shown(value, room)
         kind = type_name(value)
         return Variable(name, text, kind, reference, named, indexed, expression, data_id, is_settable)
 
@@ -371,34 +416,58 @@ class Look:
         Raises:
             DebugError: there is none.
         """
-        shown_as = self._child_of(reference, name)
+        shown_as = self.child(reference, name)
         if not shown_as.evaluate_name:
             raise DebugError(f"{name} cannot be named in an expression")
+        if not shown_as.is_settable:
+            raise DebugError(f"{name} is a value of the robot, which cannot be set")
         return shown_as.evaluate_name, self._held(reference)[2]
 
-    def _child_of(self, reference: int, name: str) -> Variable:
+    def child(self, reference: int, name: str, room: int = TEXT_MAX) -> Variable:
+        """Return the child of a scope or a value by its name, also where it is one of those that are left out.
+
+        Args:
+            reference: of the scope or value.
+            name: of the child.
+            room: characters that its text may have, about.
+
+        Raises:
+            DebugError: there is none.
+        """
         group, value, call, expression = self._held(reference)
-        named, indexed = children(value)
-        for child, item, path in (*named, *indexed):
-            if child == name:
-                return self._child(reference, group, child, item, call, expression, path)
-        raise DebugError(f"there is no {name} here")
+        child = child_named(value, name)
+        if child is None:
+            raise DebugError(f"there is no {short(name)!r} here")
+        return self._child(reference, group, child, call, expression, room)
 
     # ---------------------------------------------------------------- expressions
 
-    def value(self, text: str, call: CallFrame | None) -> Any:
+    def value(self, text: str, call: CallFrame | None, steps_max: int = 0) -> Any:
         """Return the value of an expression, without any effect.
+
+        Args:
+            text: of the expression.
+            call: whose variables it sees.
+            steps_max: most nodes that it may take; 0 for as many as any expression.
 
         Raises:
             DebugError: it has none, or is refused.
         """
         names = Names(self._controller, self._host, self, call)
-        value = computed(parsed(text), names.value, names.call)
+        value = computed(parsed(text), names.value, names.call, steps_max or self.steps_max)
         if isinstance(value, Named):
             return value.pose
         if isinstance(value, Indexed | Pure):
             raise DebugError(f"{text.strip()} is a group: name one of it")
         return value
+
+    def holds(self, condition: str, call: CallFrame | None) -> bool:
+        """Return whether a condition is true; an empty one is.
+
+        Raises:
+            DebugError: it has no value, or is refused.
+        """
+        return not condition or truth(self.value(condition, call, self.condition_steps_max))
 
 
 class Names:
@@ -438,7 +507,7 @@ class Names:
             if signal.size == 1:
                 return self._controller.read(name, 0)
             return Indexed(lambda index: self._point(name, index))
-        raise DebugError(f"there is no variable {name!r} here")
+        raise MissingName(f"there is no variable {short(name)!r} here")
 
     def _point(self, name: str, index: Any) -> Any:
         if type(index) is not int or not 0 <= index < SIGNALS[name].size:
@@ -453,16 +522,16 @@ class Names:
         """
         command = None if self.own(name)[0] else CATALOGUE.get(name)
         if self.own(name)[0]:
-            raise DebugError(f"refused: {name}() is a function of the program and may change something; allow changes")
+            raise Refusal(f"{name}() is a function of the program and may change something")
         if command is not None:
             if not only_gives_a_value(command):
-                raise DebugError(f"refused: {name}() changes something or takes time; allow changes to run it")
+                raise Refusal(f"{name}() changes something or takes time")
             if self._program is None or release_of(command.since) > self._program.context.profile.release:
                 raise DebugError(f"{name}() is not there")
             return command.call(_reading(self._program), arguments, named)
         if name not in _CALLABLE:
             raise DebugError(f"refused: there is no function {name}() that only gives a value")
-        if any(hasattr(value, "__len__") and len(value) > SIZE_MAX for value in arguments):
+        if name != "len" and any(hasattr(value, "__len__") and len(value) > SIZE_MAX for value in arguments):
             raise DebugError("the result would be too large")
         made = getattr(builtins, {"long": "int", "unichr": "chr"}.get(name, name))(*arguments, **named)
         return made if is_plain(made) else list(made)
@@ -523,5 +592,5 @@ class _ReadOnly:
 
     def __getattr__(self, name: str) -> Any:
         if name in _CHANGING:
-            raise DebugError("refused: it changes the robot; allow changes to run it")
+            raise Refusal("it changes the robot")
         return getattr(self._machine, name)

@@ -9,8 +9,18 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from elitescript.controller.controller import Controller
-from elitescript.debugger.api import ALARM_FILTER, DebugError
-from elitescript.debugger.expressions import computed, parsed, variables_of
+from elitescript.debugger.api import ALARM_FILTER, DataBreakpoint, DebugError, FunctionBreakpoint, LineBreakpoint
+from elitescript.debugger.expressions import (
+    CONDITION_STEPS_MAX,
+    MissingName,
+    Refusal,
+    computed,
+    parsed,
+    short,
+    truth,
+    variables_of,
+)
+from elitescript.debugger.telling import filled
 from elitescript.debugger.values import shown
 from elitescript.errors import UsageError
 from elitescript.messages.signals import SIGNALS, parse_signal_name, signal_name
@@ -62,11 +72,20 @@ class DataRule:
 
 @record
 class Rules:
-    """All breakpoints and filters."""
+    """All breakpoints and filters.
+
+    Attributes:
+        code, data: breakpoints.
+        filters: of exceptions.
+        said: numbers of the breakpoints that have stopped since they could not be evaluated, and do so only once.
+        given_up: those of them that took too long, and are not evaluated any more.
+    """
 
     code: tuple[CodeRule, ...] = ()
     data: tuple[DataRule, ...] = ()
     filters: frozenset[str] = frozenset((ALARM_FILTER,))
+    said: frozenset[int] = frozenset()
+    given_up: frozenset[int] = frozenset()
 
     @property
     def count_hits(self) -> bool:
@@ -85,11 +104,45 @@ def hit_condition(text: str) -> Callable[[int], bool]:
     """
     if not text.strip():
         return lambda count: True
-    found = re.fullmatch(r"\s*(>=|<=|==|>|<|%|)\s*(\d{1,12})\s*", text)
-    if found is None or (found[1] == "%" and not int(found[2])):
-        raise DebugError(f"{text.strip()!r} is no number of hits: write 3, >= 3, < 3 or % 3")
+    found = re.fullmatch(r"\s*(>=|<=|==|>|<|%|)\s*(\d{1,12})\s*", text, re.ASCII)
+    if found is None:
+        raise DebugError(f"{short(text)!r} is no number of hits: write 3, >= 3, < 3 or % 3")
     sign, number = _SIGNS[found[1]], int(found[2])
+    if (number == 0 and found[1] in ("%", "==", "")) or (found[1] in ("<", "<=") and not sign(1, number)):
+        raise DebugError(f"{short(text)!r} is no number of hits that can come: they count from 1")
     return lambda count: sign(count, number)
+
+
+def checked(request: LineBreakpoint | FunctionBreakpoint | DataBreakpoint) -> None:
+    """Check the texts of a breakpoint, as far as they can be without a run.
+
+    Raises:
+        DebugError: a condition, number of hits or message makes no sense.
+    """
+    hit_condition(request.hit_condition)
+    texts = [request.condition]
+
+    def note(text: str) -> str:
+        texts.append(text)
+        return ""
+
+    if isinstance(request, LineBreakpoint):
+        filled(request.log_message, note)
+    for text in texts:
+        if text.strip():
+            parsed(text)
+
+
+def unevaluated(what: str, text: str, error: DebugError) -> str:
+    """Return in words that a condition, or what a data breakpoint watches, cannot be evaluated.
+
+    Args:
+        what: such as `the condition of line 4`.
+        text: the expression.
+        error: why not.
+    """
+    reason = f"it may change nothing: {error.reason}" if isinstance(error, Refusal) else str(error)
+    return f"{what} cannot be evaluated: {short(text)}: {reason} (said once)"
 
 
 class Watch:
@@ -104,16 +157,19 @@ class Watch:
         is_of_motion: whether it may change while nothing is due, so that it is looked at in every tick.
         stops_when_true: whether it is an expression, which stops when it becomes true.
         variables: that it reads, by their names: program globals, for an expression also values of the robot.
+        error: why it could not be evaluated when it was looked at last; None if it could. A variable that is not there
+            yet is no error.
 
     Raises:
         DebugError: it names nothing that can be watched.
     """
 
-    __slots__ = ("_read", "_tree", "data_id", "is_of_motion", "is_polled", "stops_when_true", "variables")
+    __slots__ = ("_read", "_tree", "data_id", "error", "is_of_motion", "is_polled", "stops_when_true", "variables")
 
     def __init__(self, data_id: str) -> None:
         self.data_id = data_id.strip()
         self.is_polled = self.is_of_motion = self.stops_when_true = False
+        self.error: DebugError | None = None
         self._tree: ast.expr | None = None
         self._read: Callable[[Controller], str] | None = None
         self.variables: frozenset[str] = frozenset()
@@ -135,13 +191,16 @@ class Watch:
             self.stops_when_true = not isinstance(self._tree, ast.Name)
             self.is_of_motion = self.stops_when_true
 
-    def text(self, controller: Controller, globals_: ProgramGlobals | None, names: Any) -> str:
+    def text(
+        self, controller: Controller, globals_: ProgramGlobals | None, names: Any, steps_max: int = CONDITION_STEPS_MAX
+    ) -> str:
         """Return the present value as text; empty for none.
 
         Args:
             controller: the machine.
             globals_: of the program that runs.
             names: of an expression: an object with `value` and `call`.
+            steps_max: most nodes that an expression may take.
         """
         if self._read is not None:
             return self._read(controller)
@@ -149,11 +208,14 @@ class Watch:
         if isinstance(self._tree, ast.Name):
             values = {} if globals_ is None else globals_.values
             return shown(values[self._tree.id]) if self._tree.id in values else ""
+        self.error = None
         try:
-            value = computed(self._tree, names.value, names.call)
-        except DebugError:
+            return shown(truth(computed(self._tree, names.value, names.call, steps_max)))
+        except MissingName:
             return ""
-        return shown(bool(value)) if type(value) in (bool, int, float, str, list, type(None)) else ""
+        except DebugError as error:
+            self.error = error
+            return ""
 
 
 def _robot_mode(controller: Controller) -> str:

@@ -39,13 +39,11 @@ from elitescript.debugger.api import (
 )
 from elitescript.debugger.calls import calls_by_statement
 from elitescript.debugger.engine import INTO, OUT, OVER, Engine, Goal
-from elitescript.debugger.expressions import parsed
 from elitescript.debugger.inputs import Input
 from elitescript.debugger.looking import ROBOT_VALUES
-from elitescript.debugger.rules import CodeRule, DataRule, Rules, Watch, hit_condition
+from elitescript.debugger.rules import CodeRule, DataRule, Rules, Watch, checked
 from elitescript.debugger.snapshots import snapshots
 from elitescript.debugger.source import Source
-from elitescript.debugger.telling import filled
 from elitescript.errors import did_you_mean
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.parser import parse
@@ -244,6 +242,7 @@ class DebugSession:
         self._heard = 0
         self._logged = None
         self._furthest = Position(0, 0, 0, BEFORE_STATEMENT)
+        self._rules = replace(self._rules, said=frozenset(), given_up=frozenset())
         self._replace_engine(self._new_engine(is_heard=True))
         return self._to_entry() if stop_on_entry else self.resume()
 
@@ -277,12 +276,19 @@ class DebugSession:
         self._set_rules()
         return tuple(states)
 
-    def set_function_breakpoints(self, requests: Sequence[FunctionBreakpoint]) -> tuple[BreakpointState, ...]:
+    def set_function_breakpoints(
+        self, requests: Sequence[FunctionBreakpoint], *, are_known: bool = False
+    ) -> tuple[BreakpointState, ...]:
         """Replace the breakpoints of functions and commands.
 
         A name that is an expression, such as `tcp.z < 0.1`, stops when it becomes true, as a data breakpoint does:
         editors let people type the names of functions, but not what data breakpoints watch.
+
+        Args:
+            requests: in their order.
+            are_known: whether the first ones are those that are set, as they are; what was said of them is not again.
         """
+        before: list[CodeRule | DataRule] = [*self._functions, *self._typed]
         self._functions, self._typed, states = [], [], []
         for request in requests:
             if _NAME.fullmatch(request.name.strip()):
@@ -293,8 +299,20 @@ class DebugSession:
                 typed, state = self._data_rule(watched)
                 self._typed += [typed] if typed is not None else []
             states.append(state)
+        if are_known:
+            self._keep_said(before)
         self._set_rules()
         return tuple(states)
+
+    def _keep_said(self, before: Sequence[CodeRule | DataRule]) -> None:
+        """Give breakpoints of functions that are set anew what was said of the same ones before."""
+        numbers = {_without_number(rule): rule.id for rule in before}
+        rows: list[CodeRule | DataRule] = [*self._functions, *self._typed]
+        now = [(rule.id, numbers.get(_without_number(rule), 0)) for rule in rows]
+        rules = self._rules
+        said = rules.said | {number for number, known in now if known in rules.said}
+        given_up = rules.given_up | {number for number, known in now if known in rules.given_up}
+        self._rules = replace(rules, said=said, given_up=given_up)
 
     def set_data_breakpoints(self, requests: Sequence[DataBreakpoint]) -> tuple[BreakpointState, ...]:
         """Replace the data breakpoints."""
@@ -309,11 +327,11 @@ class DebugSession:
     def _data_rule(self, request: DataBreakpoint) -> tuple[DataRule | None, BreakpointState]:
         identity = self._new_id()
         try:
-            hit_condition(request.hit_condition)
+            checked(request)
             watch = self._watch(request.data_id)
         except DebugError as error:
             return None, BreakpointState(identity, False, str(error))
-        rule = DataRule(identity, watch.data_id, request.condition, request.hit_condition)
+        rule = DataRule(identity, watch.data_id, request.condition.strip(), request.hit_condition)
         return rule, BreakpointState(identity, True)
 
     def _watch(self, data_id: str) -> Watch:
@@ -369,9 +387,7 @@ class DebugSession:
         """
         try:
             if reference:
-                data_id = next(
-                    (child.data_id for child in self.variables(reference) if child.name == name and child.data_id), ""
-                )
+                data_id = self._engine.child(reference, name).data_id
                 if not data_id:
                     return DataInfo(
                         None, f"{name} cannot be watched: only signals, program globals, robot mode, safety"
@@ -423,7 +439,7 @@ class DebugSession:
             reference: of the scope or value.
             kind: `named` or `indexed`; both if empty.
             start: index of the first one.
-            count: how many; all if 0.
+            count: how many; if 0, those that there is room for. What is left out is counted in a last row.
         """
         return self._engine.variables(reference, kind, start, count)
 
@@ -582,9 +598,24 @@ class DebugSession:
         assert stop is not None
         self._is_pausing = False
         self._stop = stop
+        self._say_unevaluated(stop)
         if self._furthest.is_before(stop.position):
             self._furthest = stop.position
         return stop
+
+    def _say_unevaluated(self, stop: Stop) -> None:
+        """Say of each breakpoint that cannot be evaluated why it has stopped; it does not again."""
+        if not stop.unevaluated:
+            return
+        if self._on_output is not None:
+            names = {thread.id: thread.name for thread in self._engine.threads()}
+            name = names.get(stop.thread, "")
+            for item in stop.unevaluated:
+                self._on_output(Output("important", item.text, stop.line, name, stop.position, stop.time_s))
+        said = self._rules.said | {item.breakpoint for item in stop.unevaluated}
+        given_up = self._rules.given_up | {item.breakpoint for item in stop.unevaluated if item.is_given_up}
+        self._rules = replace(self._rules, said=said, given_up=given_up)
+        self._engine.set_rules(self._rules)
 
     def _to_entry(self) -> Stop:
         """Go to the stop before the first statement."""
@@ -677,13 +708,16 @@ class DebugSession:
         """Make a change here, and begin a new branch of history."""
         if self._engine.is_over:
             raise DebugError("the run is over: go back to change something")
-        handles, heard = self._engine.handles(), self._heard
+        if self._snapshots.forks and self._source.may_connect(change.text):
+            self._leave_copies()
+        handles, heard, requests = self._engine.handles(), self._heard, self._source.requests
         # What it says itself is new, also where an earlier branch has said something.
         self._heard = self._engine.outputs
         try:
             value = self._engine.change(change, name)
         except DebugError:
             self._heard = heard
+            self._source.forget_requests(requests)
             self._again()
             self._engine.show_again(handles)
             raise
@@ -695,6 +729,16 @@ class DebugSession:
         self._engine.set_inputs(())
         self._snapshots.forget_from(here)
         return value
+
+    def _leave_copies(self) -> None:
+        """Go on in this process: copies would share a connection, or make it anew."""
+        handles = self._engine.handles()
+        self._snapshots.close()
+        self._snapshots = snapshots(self._hear, forks=False)
+        self._again()
+        self._engine.show_again(handles)
+        if self._on_output is not None:
+            self._on_output(Output("console", REAL_NETWORK, 0, "", self._stop.position, self._stop.time_s))
 
     def _again(self) -> None:
         """Come to the present stop anew, since something has been done that does not count."""
@@ -710,7 +754,9 @@ class DebugSession:
 
     def _set_rules(self) -> None:
         lines = [rule for rules in self._lines.values() for rule in rules]
-        self._rules = Rules((*lines, *self._functions), (*self._data, *self._typed), self._filters)
+        code, data = (*lines, *self._functions), (*self._data, *self._typed)
+        # Breakpoints that are set again have new numbers.
+        self._rules = Rules(code, data, self._filters, self._rules.said, self._rules.given_up)
         self._engine.set_rules(self._rules)
         self._has_stale_hits = self._rules.count_hits and self._engine.count > 0
 
@@ -738,10 +784,7 @@ class DebugSession:
         if not below:
             return None, BreakpointState(identity, False, "there is no statement in this line or below it")
         try:
-            hit_condition(request.hit_condition)
-            for text in (request.condition, *_expressions(request.log_message)):
-                if text:
-                    parsed(text)
+            checked(request)
         except DebugError as error:
             return None, BreakpointState(identity, False, str(error))
         first = min(row.line for row in below)
@@ -753,7 +796,7 @@ class DebugSession:
             identity,
             BREAKPOINT,
             frozenset(item.number for item in same if item.column == row.column),
-            request.condition,
+            request.condition.strip(),
             request.hit_condition,
             request.log_message,
         )
@@ -765,9 +808,7 @@ class DebugSession:
         functions = [function for text in self._texts for function in text.probes.functions]
         own = [function for function in functions if name in (function.name, function.name.rpartition(".")[2])]
         try:
-            hit_condition(request.hit_condition)
-            if request.condition:
-                parsed(request.condition)
+            checked(request)
         except DebugError as error:
             return None, BreakpointState(identity, False, str(error))
         numbers = frozenset(function.number for function in own if function.number >= 0)
@@ -779,7 +820,7 @@ class DebugSession:
                 numbers |= calls_by_statement(text.name, text.text, text.probes.statements).get(name, frozenset())
         if not numbers:
             return None, BreakpointState(identity, False, f"no statement of the program calls {name!r}")
-        rule = CodeRule(identity, FUNCTION_BREAKPOINT, numbers, request.condition, request.hit_condition)
+        rule = CodeRule(identity, FUNCTION_BREAKPOINT, numbers, request.condition.strip(), request.hit_condition)
         return rule, BreakpointState(identity, True, "", line)
 
 
@@ -788,15 +829,8 @@ def _heard(engine: Engine) -> Engine:
     return engine
 
 
-def _expressions(message: str) -> list[str]:
-    found: list[str] = []
-
-    def note(text: str) -> str:
-        found.append(text)
-        return ""
-
-    filled(message, note)
-    return found
+def _without_number(rule: CodeRule | DataRule) -> CodeRule | DataRule:
+    return replace(rule, id=0)
 
 
 def _global_names(texts: Iterable[tuple[str, str]]) -> tuple[frozenset[str], frozenset[str]]:

@@ -26,14 +26,17 @@ from elitescript.language.parser import Parsed, parse
 from elitescript.language.probes import STEPS_PROBES
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_parsed
-from elitescript.lint.outside import FILE, RPC, SERIAL, outside_names
+from elitescript.lint.outside import COMMANDS, FILE, RPC, SERIAL, outside_names
 from elitescript.lint.program import AnalysedProgram
-from elitescript.messages.events import Event
+from elitescript.messages.events import DeviceNoted, Event
 from elitescript.messages.signals import Value
 from elitescript.paths import real_path
 from elitescript.robot import VirtualRobot
 from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.probe import Probe
+
+NETWORK: Final = "network"
+"""Under this name a run says which peers it reaches."""
 
 _OPENING: Final = re.compile(r"\bopen\s*\(")
 
@@ -72,6 +75,16 @@ class Source(Protocol):
         may_fork: whether copies of a process may hold executions: not with real connections, which they would share.
         may_write: whether its programs may write files outside of the simulation.
     """
+
+    def may_connect(self, text: str) -> bool:
+        """Return whether a text that the user has run at a stop may make a real connection."""
+
+    @property
+    def requests(self) -> int:
+        """How much its executions have asked of real connections, in this process."""
+
+    def forget_requests(self, requests: int) -> None:
+        """Forget what was asked since `requests` was so many: what has asked was taken back."""
 
     @property
     def may_fork(self) -> bool: ...
@@ -182,6 +195,20 @@ class ProgramSource:
         robot.set_network_by(self._network_by)
         return robot
 
+    def may_connect(self, text: str) -> bool:
+        """See `Source.may_connect`."""
+        return self._may_be_real and any(row.kind != FILE and name in text for name, row in COMMANDS.items())
+
+    @property
+    def requests(self) -> int:
+        """See `Source.requests`."""
+        return 0 if self._network is None else self._network.requests
+
+    def forget_requests(self, requests: int) -> None:
+        """See `Source.forget_requests`."""
+        if self._network is not None:
+            self._network.forget(requests)
+
     def begin(
         self,
         probe: Probe | None,
@@ -196,7 +223,10 @@ class ProgramSource:
         for time_s, name, value in self._schedule:
             robot.at(time_s, name, value)
         if self._may_be_real:
-            robot.wrap_network(self._kept)
+            emit = robot.controller.emit
+            robot.wrap_network(
+                lambda channels: self._kept(channels, lambda text: emit(DeviceNoted(robot.tick, NETWORK, text)))
+            )
         robot.next_stop = next_stop
         if probe is None:
             self._plain = self._plain or compile_unit(self._source, Options(strict=robot.options.strict))
@@ -204,10 +234,10 @@ class ProgramSource:
         probe.compiled(self._unit)
         return ProgramExecution(robot, self._unit, self._presets, self._until_s, after_tick)
 
-    def _kept(self, channels: OutsideChannels) -> OutsideChannels:
+    def _kept(self, channels: OutsideChannels, say: Callable[[str], None]) -> OutsideChannels:
         if self._network is None:
             self._network = KeptNetwork(channels)
-        return KeptChannels(self._network)
+        return KeptChannels(self._network, say)
 
 
 def _leads_outside(parsed: Parsed, robot: VirtualRobot) -> bool:

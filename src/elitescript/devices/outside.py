@@ -33,7 +33,13 @@ class Place(NamedTuple):
 
 
 class OutsideChannels(Channels, Protocol):
-    """The network of this computer, or what stands before it."""
+    """The network of this computer, or what stands before it.
+
+    Attributes:
+        say: receives a sentence before each peer is reached for the first time.
+    """
+
+    say: Callable[[str], None]
 
     def take_refused(self) -> str:
         """Return in words how many connections were not let through since the last call; empty if there were none."""

@@ -49,7 +49,7 @@ _LOOK_S: Final = 0.001
 
 def print_error(text: str) -> None:
     """Print a line on the error output."""
-    print(text, file=sys.stderr, flush=True)
+    print(f"elitescript: {text}", file=sys.stderr, flush=True)
 
 
 class LocalChannels:
@@ -85,10 +85,10 @@ class LocalChannels:
         "_reach",
         "_refusals",
         "_said",
-        "_say",
         "_start_s",
         "_tick",
         "refused",
+        "say",
         "way",
     )
 
@@ -105,7 +105,7 @@ class LocalChannels:
         self._network = NONE if is_closed else network
         self._reach: Reach | None = None
         self.way: Way | None = None
-        self._say = say
+        self.say = say
         self._said: set[str] = set()
         """Peers that were named."""
         self._refusals: list[ChannelEvent] = []
@@ -213,7 +213,7 @@ class LocalChannels:
         self._said.add(text)
         if len(self._said) > PEERS_MAX:
             text = f"the program reaches more than {PEERS_MAX} peers; further ones are not named"
-        self._say(f"elitescript: {text} ({option})")
+        self.say(f"{text} ({option})")
 
     def open_line(self, device: str, settings: LineSettings) -> int:
         """Open what is bound to a port; 0 if nothing is."""

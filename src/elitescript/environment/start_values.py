@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 from elitescript.errors import UsageError, did_you_mean
@@ -38,7 +38,25 @@ def parse_settings(texts: list[str], option: str = "--set") -> tuple[dict[str, V
     return signals, presets
 
 
-def check_presets(presets: Iterable[str], program: str) -> None:
+def sorted_settings(values: Mapping[str, Any], option: str) -> tuple[dict[str, Value], dict[str, Any]]:
+    """Split values by name into signals and program globals; see `parse_settings`.
+
+    Raises:
+        UsageError: a name that is neither.
+    """
+    signals: dict[str, Value] = {}
+    presets: dict[str, Any] = {}
+    for name, value in values.items():
+        if name.partition("[")[0] in SIGNALS or "[" in name:
+            signals[name] = value
+        elif name.isidentifier():
+            presets[name] = value
+        else:
+            raise UsageError(f"{option} {name}: {name!r} is neither a signal nor a name")
+    return signals, presets
+
+
+def check_presets(presets: Iterable[str], program: str, option: str = "--set") -> None:
     """Refuse a global that looks like a misspelt signal and is in no line of the program.
 
     Raises:
@@ -47,7 +65,7 @@ def check_presets(presets: Iterable[str], program: str) -> None:
     for name in presets:
         near = did_you_mean(name, SIGNALS)
         if near and name not in program:
-            raise UsageError(f"--set {name}: there is no such signal, and the program has no such global{near}")
+            raise UsageError(f"{option} {name}: there is no such signal, and the program has no such global{near}")
 
 
 def literal_of(text: str, setting: str, *, has_words: bool = False) -> Any:

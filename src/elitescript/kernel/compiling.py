@@ -18,6 +18,7 @@ from typing import Final, Protocol
 from elitescript.commands.definition.plausibility import ArmFacts
 from elitescript.errors import ProgramError
 from elitescript.language.compiler import compile_unit
+from elitescript.language.limits import SymbolCount
 from elitescript.language.options import LINE, SECONDARY, Options
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import CheckResult, compile_checked
@@ -116,6 +117,8 @@ class Waiting(NamedTuple):
     """Gets the result, or why there is none."""
     abandon: Callable[[str], None]
     """Called instead if the text is given up, with the reason."""
+    symbols: SymbolCount
+    """Of the text: one that has too many is refused before a compiler has started."""
 
 
 class LongTexts:
@@ -167,11 +170,23 @@ class LongTexts:
         """Begin a tick: say that a text takes long, and give up what could start and may not any more."""
         if self._waiting and not may_start:
             self.give_up("the safety system has stopped the robot", lambda item: item.may_start)
+        self._count()
         for item in self._waiting:
             if tick - item.tick >= PROGRESS_TICKS and item.job.number > self._has_told:
                 self._has_told = item.job.number
                 lines = item.job.text.count("\n") + 1
                 self._tell(f"{item.label} is being compiled: {lines:,} lines, {len(item.job.text):,} characters", False)
+
+    def _count(self) -> None:
+        """Count symbols for a part of a tick; refuse what has too many."""
+        for item in self._waiting:
+            if not item.symbols.is_over:
+                item.symbols.go_on()
+                if (problem := item.symbols.problem) is not None:
+                    self._waiting.remove(item)
+                    self._workshop.drop(item.job.number)
+                    item.take(CheckResult(None, (problem,), item.job.is_strict))
+                return
 
     def give_up(self, why: str, affects: Callable[[Waiting], bool] = lambda _: True) -> None:
         """Give up programs that are being compiled; secondary programs are left alone, as by what replaces one."""

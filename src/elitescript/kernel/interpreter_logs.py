@@ -11,6 +11,7 @@ from typing import Final
 from elitescript.errors import ScriptError
 from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.runtime.environment import Files
+from elitescript.shown import encodable
 
 RECEIVED_NAME: Final = "interpreter_received.log"
 EXECUTION_NAME: Final = "interpreter_executed.log"
@@ -66,7 +67,7 @@ class LogFile:
             ScriptError: the same.
         """
         if self._lines and (self._size >= PENDING_MAX or self._tick - self._waits_since >= DELAY_TICKS):
-            data = "".join(self._lines).encode("utf-8", "replace")
+            data = encodable("".join(self._lines)).encode()
             self._lines.clear()
             self._size = 0
             self._write(data)

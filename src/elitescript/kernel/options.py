@@ -79,6 +79,26 @@ YEAR_9999_S: Final = 253_402_300_799.0
 """First and last second that has a date, s since 1970."""
 
 
+class Duration:
+    """Times from 0 s on; infinity stands for no limit."""
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        return ">= 0 s"
+
+    def accept(self, value: Any) -> float:
+        try:
+            number = None if isinstance(value, bool | str | bytes) else float(value)
+        except (TypeError, ValueError, OverflowError):
+            number = None
+        if number is None:
+            raise UsageError(f"must be a number in s, got {value!r}")
+        if not number >= 0.0:
+            raise UsageError(f"must be {self}, got {number:g}")
+        return number
+
+
 class Time(Number):
     """Moments: seconds since 1970, or `datetime` objects with a time zone."""
 
@@ -399,6 +419,9 @@ class RobotOptions:
                 object.__setattr__(self, name, accepted)
 
 
+UNTIL: Final = Duration()
+"""What limits of the time of a run may be: `--until`, `--max-wall`, `until_s`, `until` of a launch."""
+
 OPTIONS: Final[dict[str, Option]] = {name: row.metadata["option"] for name, row in fields_of(RobotOptions).items()}
 """Every option by its name."""
 
@@ -477,6 +500,15 @@ def accept(name: str, value: Any, called: str) -> Any:
     """
     kind = OPTIONS[name].kind
     assert kind is not None
+    return accepted(kind, value, called)
+
+
+def accepted(kind: Any, value: Any, called: str) -> Any:
+    """Return a value as its kind holds it; see `accept`.
+
+    Raises:
+        UsageError: the kind does not take this value.
+    """
     try:
         return kind.accept(value)
     except UsageError as error:

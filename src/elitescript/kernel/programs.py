@@ -17,7 +17,7 @@ from elitescript.kernel.debugging import Debugging
 from elitescript.kernel.unit_order import WAITING_MAX, UnitOrder
 from elitescript.language.compiler import CompiledUnit
 from elitescript.language.diagnostics import Diagnostic, diagnostic, line_kept
-from elitescript.language.limits import LONG_TEXT
+from elitescript.language.limits import LONG_TEXT, SymbolCount, excess_at_once
 from elitescript.language.options import LINE, SECONDARY, Options
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import CheckResult
@@ -247,6 +247,9 @@ class Programs:
         if self._long_texts is None or len(text) < LONG_TEXT:
             take(self._outcome(job, compiled_job(job, self._profile, self._arm)))
             return True
+        if (excess := excess_at_once(text)) is not None:
+            take(self._outcome(job, CheckResult(None, (excess,), job.is_strict)))
+            return True
         if self._long_texts.is_full:
             take(_failure(f"{TEXTS_MAX} programs are being compiled already"))
             return True
@@ -260,6 +263,7 @@ class Programs:
             self._may_start,
             lambda result: take(_failure(result) if isinstance(result, str) else self._outcome(job, result)),
             abandon,
+            SymbolCount(text),
         )
         self._long_texts.put(waiting)
         return False

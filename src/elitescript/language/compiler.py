@@ -108,13 +108,17 @@ def compile_task(source: SourceFile, options: Options = DEFAULT) -> CompiledUnit
 
 
 @without_collection
-def compile_parsed(parsed: Parsed) -> CompiledUnit:
+def compile_parsed(parsed: Parsed, census: Census | None = None) -> CompiledUnit:
     """Compile a text that was read. Uses up the tree: analyse it before.
+
+    Args:
+        parsed: the text.
+        census: of its tree, if there is one already.
 
     Raises:
         ProgramError: as `compile_unit`.
     """
-    made = _compile(parsed)
+    made = _compile(parsed, census)
     if made.code is None or any(problem.is_error for problem in made.problems):
         raise ProgramError(made.problems)
     return CompiledUnit(
@@ -246,11 +250,12 @@ class _Compiled(NamedTuple):
     probes: ProbeTable = NO_PROBES
 
 
-def _compile(parsed: Parsed) -> _Compiled:
+def _compile(parsed: Parsed, census: Census | None = None) -> _Compiled:
     problems = list(parsed.diagnostics)
     if not parsed.is_complete:
         return _Compiled(None, frozenset(), in_order(problems), True)
-    census = Census(parsed.tree)
+    if census is None:
+        census = Census(parsed.tree)
     shows = shows_hash_order(census)
     global_names = frozenset(name for node in census.of(ast.Global) for name in node.names)
     problems += _breaches(parsed, census)

@@ -131,6 +131,7 @@ class Census:
 
     def _count(self, tree: ast.AST) -> None:
         by_kind, children = self.by_kind, CHILDREN
+        leaf, leaves = ast.Constant, self.by_kind[ast.Constant]
         stack = [tree]
         pop, push, push_all = stack.pop, stack.append, stack.extend
         while stack:
@@ -146,6 +147,8 @@ class Census:
                 child = getattr(node, field)
                 if type(child) is list:
                     push_all(child)
+                elif type(child) is leaf:
+                    leaves.append(child)
                 elif child is not None:
                     push(child)
 

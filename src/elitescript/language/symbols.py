@@ -210,9 +210,25 @@ class _Walk:
         for node in nodes:
             self._push(node, scope, parent)
 
-    def _below(self, node: ast.AST, scope: Scope) -> None:
-        for child in children(node):
-            self._push(child, scope, node)
+    def _below(self, node: ast.AST, scope: Scope, kind: str = "assign") -> None:
+        """Visit the nodes directly inside a node; constants and names that are read, which most are, at once."""
+        parents, scope_of, push = self.symbols._parents, self.symbols._scope_of, self.stack.append
+        if type(node) is ast.List or type(node) is ast.Tuple:
+            below: list[Any] = node.elts
+        elif type(node) is ast.UnaryOp:
+            below = [node.operand]
+        elif type(node) is ast.Expr:
+            below = [node.value]
+        else:
+            below = children(node)
+        for child in below:
+            parents[child] = node
+            scope_of[child] = scope
+            what = type(child)
+            if what is ast.Name and type(child.ctx) is ast.Load:
+                scope.reads.setdefault(child.id, []).append(child)
+            elif what is not ast.Constant:
+                push((child, scope, kind))
 
     def _bind(self, name: str, node: ast.AST, scope: Scope, kind: str) -> None:
         line, column = self.symbols.place(node)
@@ -243,8 +259,7 @@ class _Walk:
         self._bind(node.id, node, scope, "delete" if isinstance(node.ctx, ast.Del) else kind)
 
     def spread(self, node: ast.AST, scope: Scope, kind: str) -> None:
-        for child in children(node):
-            self._push(child, scope, node, kind)
+        self._below(node, scope, kind)
 
     def call(self, node: ast.Call, scope: Scope, kind: str) -> None:
         scope.calls.append(node)

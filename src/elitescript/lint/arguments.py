@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import ast
 
-from elitescript.commands.definition.registry import Command, Param
+from elitescript.commands.definition.registry import Command, Param, Placement
 from elitescript.records import NamedTuple
 
 
@@ -31,22 +31,37 @@ class Arguments(NamedTuple):
     misfits: tuple[Misfit, ...]
 
 
-def arrange(command: Command, call: ast.Call) -> Arguments:
-    """Return the arguments of a call by parameter, as far as that is certain before the run."""
-    spreads_list = any(isinstance(argument, ast.Starred) for argument in call.args)
-    spreads_dict = any(keyword.arg is None for keyword in call.keywords)
+Placements = dict[tuple[Command, int, tuple[str, ...], bool], Placement]
+"""Of the forms of calls that a program has."""
+
+
+def arrange(command: Command, call: ast.Call, known: Placements) -> Arguments:
+    """Return the arguments of a call by parameter, as far as that is certain before the run.
+
+    Args:
+        command: that is called.
+        call: the call.
+        known: placements of calls of the same form; gets that of this one.
+    """
+    spreads_list = ast.Starred in map(type, call.args)
     by_position = [] if spreads_list else call.args
-    by_keyword = [keyword for keyword in call.keywords if keyword.arg is not None]
-    placement = command.place(
-        len(by_position),
-        [keyword.arg for keyword in by_keyword if keyword.arg is not None],
-        is_complete=not spreads_list and not spreads_dict,
-    )
-    values: dict[int | str | None, ast.expr] = dict(enumerate(by_position))
-    nodes: dict[int | str | None, ast.AST] = {**values, None: call.func}
-    for keyword in reversed(by_keyword):
-        values[keyword.arg], nodes[keyword.arg] = keyword.value, keyword
+    named = {keyword.arg: keyword for keyword in reversed(call.keywords) if keyword.arg is not None}
+    names = tuple([keyword.arg for keyword in call.keywords if keyword.arg is not None])
+    is_complete = not spreads_list and len(names) == len(call.keywords)
+    form = (command, len(by_position), names, is_complete)
+    placement = known.get(form)
+    if placement is None:
+        placement = known[form] = command.place(len(by_position), names, is_complete=is_complete)
     given = tuple(
-        (param, values[slot]) for param, slot in zip(command.params, placement.slots, strict=True) if slot is not None
+        [
+            (param, by_position[slot] if type(slot) is int else named[slot].value)  # type: ignore[index]
+            for param, slot in zip(command.params, placement.slots, strict=True)
+            if slot is not None
+        ]
     )
+    if not placement.misfits:
+        return Arguments(given, ())
+    nodes: dict[int | str | None, ast.AST] = {None: call.func}
+    nodes.update(enumerate(by_position))
+    nodes.update(named.items())
     return Arguments(given, tuple(Misfit(nodes[misfit.at], misfit.text) for misfit in placement.misfits))

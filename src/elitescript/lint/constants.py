@@ -69,12 +69,19 @@ class Constants:
 
     def __init__(self, symbols: Symbols) -> None:
         self._symbols = symbols
+        self._known: dict[ast.expr, Any] = {}
+        """Of expressions that were asked for: several rules ask for each argument."""
         self._values: dict[Binding, Any] = {}
         self._unchanged: dict[Binding, bool] = {}
 
     def value(self, node: ast.expr, scope: Scope) -> Any:
         """Return the value of an expression, or an `Unknown`. A list or tuple may hold `Unknown` elements."""
-        return self._value(node, scope, 0)
+        if type(node) is ast.Constant:
+            return node.value if isinstance(node.value, _EXACT_KINDS) else UNKNOWN
+        value = self._known.get(node, self)
+        if value is self:
+            value = self._known[node] = self._value(node, scope, 0)
+        return value
 
     def _value(self, node: ast.expr, scope: Scope, depth: int) -> Any:
         if depth > _DEEPEST:
@@ -132,11 +139,14 @@ class Constants:
         return _computed(compute, left, right)
 
     def _sequence(self, node: ast.List | ast.Tuple, scope: Scope, depth: int) -> Any:
-        if any(isinstance(element, ast.Starred) for element in node.elts):
-            return UNKNOWN
         values = []
         for element in node.elts:
-            value = self._value(element, scope, depth + 1)
+            # Most lists are points: numbers, some with a sign.
+            value = _number(element)
+            if value is None:
+                if isinstance(element, ast.Starred):
+                    return UNKNOWN
+                value = self._value(element, scope, depth + 1)
             values.append(Unknown(self._text(element)) if isinstance(value, Unknown) else value)
         return values if isinstance(node, ast.List) else tuple(values)
 
@@ -289,6 +299,17 @@ class Constants:
         scope = self._symbols.scope_of(target)
         bindings = self._symbols.bindings(target.id, scope)
         return len(bindings) == 1 and self._is_never_changed(bindings[0], scope.home(target.id), levels)
+
+
+def _number(node: ast.expr) -> float | None:
+    """Return the value of a float as a program writes it, with its sign; None for anything else."""
+    if type(node) is ast.Constant:
+        value = node.value
+        return value if type(value) is float else None
+    if type(node) is ast.UnaryOp and type(node.op) is ast.USub and type(node.operand) is ast.Constant:
+        value = node.operand.value
+        return -value if type(value) is float else None
+    return None
 
 
 def _computed(compute: Callable[..., Any], *values: Any) -> Any:

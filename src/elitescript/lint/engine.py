@@ -96,12 +96,15 @@ def check_parsed(
     """Check and compile a text that was read; see `compile_checked`. Uses up the tree."""
     options = parsed.options
     problems: list[Diagnostic] = []
+    census = None
     if parsed.is_complete:
-        problems += _findings(AnalysedProgram(parsed, profile, is_strict=options.strict, presets=presets, arm=arm))
+        program = AnalysedProgram(parsed, profile, is_strict=options.strict, presets=presets, arm=arm)
+        problems += _findings(program)
+        census = program.census
     unit = None
     # Compiling uses up the tree, so the rules come first.
     try:
-        unit = compile_parsed(parsed)
+        unit = compile_parsed(parsed, census)
     except ProgramError as error:
         problems += error.problems
     else:

@@ -29,6 +29,10 @@ def six(value: object) -> Six | None:
     return a, b, c, d, e, f
 
 
+def _is_inside(angle: float, bounds: tuple[float, float]) -> bool:
+    return bounds[0] <= angle <= bounds[1]
+
+
 class TargetPlaces:
     """Evaluates the targets of one program."""
 
@@ -63,12 +67,18 @@ class TargetPlaces:
 
     def unreachable(self, arm: ArmFacts, p: Six) -> str:
         """Return why no TCP of the program reaches a pose; empty if one does, or if that is not certain."""
-        from elitescript.kinematics.inverse import nearest, reason_unreachable, solutions
+        from elitescript.kinematics.inverse import nearest, reason_unreachable, solutions, solve_branch
         from elitescript.kinematics.transforms import compose, inverse, transform_from_pose
 
         reason = ""
         for tcp in self.tcps:
-            T_base_flange = compose(transform_from_pose(p), inverse(transform_from_pose(tcp)))
+            T_base_flange = transform_from_pose(p)
+            if any(tcp):
+                T_base_flange = compose(T_base_flange, inverse(transform_from_pose(tcp)))
+            # Nearly all targets are reached in the first branch; the others are not computed then.
+            q = solve_branch(arm.arm, T_base_flange, 0)
+            if q is not None and all(map(_is_inside, q, arm.joint_ranges)):
+                return ""
             candidates = solutions(arm.arm, T_base_flange)
             if nearest(candidates, _AT_FLANGE, arm.joint_ranges) is not None:
                 return ""

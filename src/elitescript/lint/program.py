@@ -19,7 +19,7 @@ from elitescript.language.options import SCRIPT, SECONDARY
 from elitescript.language.parser import Parsed
 from elitescript.language.policy import is_dunder
 from elitescript.language.symbols import Resolution, Scope, Symbols
-from elitescript.lint.arguments import Arguments, arrange
+from elitescript.lint.arguments import Arguments, Placements, arrange
 from elitescript.lint.constants import Constants
 from elitescript.lint.kinds import Kinds
 from elitescript.lint.refusals import ArgumentRefusal, refuse
@@ -241,7 +241,7 @@ class AnalysedProgram:
 
     def is_tried(self, node: ast.AST) -> bool:
         """Return whether a `try` of the same function catches what a node raises: then the program expects that."""
-        return any(statement.handlers for statement in self._tries(node))
+        return bool(self.nodes(ast.Try)) and any(statement.handlers for statement in self._tries(node))
 
     def _tries(self, node: ast.AST) -> Iterator[ast.Try]:
         """Yield the `try` statements of the same function whose bodies hold a node."""
@@ -270,7 +270,8 @@ class AnalysedProgram:
     @cached_property
     def arguments(self) -> tuple[Arguments, ...]:
         """The arguments of `command_calls`, in order."""
-        return tuple(arrange(found.command, found.call) for found in self.command_calls)
+        known: Placements = {}
+        return tuple(arrange(found.command, found.call, known) for found in self.command_calls)
 
     @cached_property
     def refusals(self) -> tuple[ArgumentRefusal, ...]:
@@ -279,10 +280,11 @@ class AnalysedProgram:
         found = []
         for called, arguments in zip(self.command_calls, self.arguments, strict=True):
             for param, node in arguments.given:
-                span = self.span(node)
                 # A placeholder stands there in place of the author's text.
-                if any(span[:2] <= mistake < span[2:] for mistake in mistakes):
-                    continue
+                if mistakes:
+                    span = self.span(node)
+                    if any(span[:2] <= mistake < span[2:] for mistake in mistakes):
+                        continue
                 error = refuse(param, self.constants.value(node, called.scope))
                 if error is not None:
                     found.append(ArgumentRefusal(called.command, param, node, error))

@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import Any, Final
 
 from elitescript.assist.last_run import LastRun, LineTime, RunAlarm, ShortenedBlend
 from elitescript.assist.units import value_text
+from elitescript.debugger.values import shown
 from elitescript.messages.events import Warned
 from elitescript.messages.motion import shortened_radius
 from elitescript.plotting.events import timed_moves
 from elitescript.plotting.line_times import LineStretch
 from elitescript.run import Run
+
+_SHORT: Final = 10
+_BITS: Final = 64
+_ROOM: Final = 60
+"""Characters of a value, but for what says how much is left out."""
 
 _NO_COUNTS: Mapping[int, int] = {}
 _NO_VALUES: Mapping[str, Mapping[str, str]] = {}
@@ -46,13 +53,21 @@ def last_run_of(
     for stretch in stretches:
         time = lines.get(stretch.line, LineTime(0, 0.0))
         lines[stretch.line] = time._replace(total_s=time.total_s + stretch.end_s - stretch.start_s)
-    shown = {name: value_text(value) for name, value in run.globals.items()}
+    known = {name: _text_of(value) for name, value in run.globals.items()}
     return LastRun(
         text=text,
         duration_s=run.time_s,
         moves=moves,
         lines=lines,
-        values={**values, "": {**values.get("", {}), **shown}},
+        values={**values, "": {**values.get("", {}), **known}},
         blends=blends,
         alarms=tuple(RunAlarm(alarm.line, alarm.code, alarm.text) for alarm in run.alarms),
     )
+
+
+def _text_of(value: Any) -> str:
+    """Return a value as editors show it: numbers and poses with few digits, anything else as the debugger shows it."""
+    items = value if isinstance(value, list | tuple) and len(value) <= _SHORT else [value]
+    if all(type(item) is float or (type(item) is int and item.bit_length() <= _BITS) for item in items):
+        return value_text(value)
+    return shown(value, _ROOM)

@@ -9,16 +9,18 @@ import time
 from collections.abc import Mapping
 from typing import Any, Final
 
+from elitescript.debugger.values import more, shown
 from elitescript.devices.world import World
-from elitescript.environment.start_values import check_presets
+from elitescript.environment.start_values import check_presets, sorted_settings
 from elitescript.errors import UsageError
 from elitescript.json_records.events import record_of
 from elitescript.json_records.jsonlines import plain
+from elitescript.kernel.options import UNTIL, accepted
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.options import Options
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import CheckResult, compile_checked
-from elitescript.messages.signals import SIGNALS, Value
+from elitescript.messages.signals import Value
 from elitescript.plotting.events import moves
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
@@ -30,6 +32,8 @@ MOVES_MAX: Final = 200
 ROWS_MAX: Final = 500
 VALUE_MAX: Final = 2000
 """Characters of a text or of the value of a variable."""
+ITEMS_MAX: Final = 500
+"""Items of a global that is given as it is."""
 UNTIL_S: Final = 3600.0
 """Most virtual time of a run that names none, s."""
 WALL_S: Final = 10.0
@@ -54,24 +58,32 @@ def run(request: Mapping[str, Any]) -> dict[str, Any]:
 
 def trace(request: Mapping[str, Any]) -> dict[str, Any]:
     """Run a program; return rows of the time between `from_s` and `to_s`, and how it ended."""
-    begin, end, step = (float(request[name]) for name in ("from_s", "to_s", "step_s"))
-    if not 0.0 <= begin <= end:
+    begin, end = (float(accepted(UNTIL, request[name], name)) for name in ("from_s", "to_s"))
+    step = float(request["step_s"])
+    if not begin <= end:
         raise UsageError(f"from_s and to_s: from {begin:g} to {end:g} s is no stretch of time")
     if not step > 0.0:
         raise UsageError(f"step_s must be > 0 s, got {step:g}")
-    if (end - begin) / step > ROWS_MAX:
+    if not (end - begin) / step <= ROWS_MAX:
         raise UsageError(f"{(end - begin) / step:.0f} rows are too many: at most {ROWS_MAX}; take a larger step_s")
     return _run(request, (begin, end, step))
 
 
 def start_values(request: Mapping[str, Any]) -> tuple[dict[str, Value], dict[str, Any]]:
     """Return the signals and the program globals that have a value before the program begins."""
-    levels: dict[str, Value] = {}
-    presets: dict[str, Any] = {}
-    for name, value in dict(request.get("set") or {}).items():
-        (levels if name.partition("[")[0] in SIGNALS or "[" in name else presets)[name] = value
-    check_presets(presets, request["text"])
+    levels, presets = sorted_settings(request.get("set") or {}, "set")
+    check_presets(presets, request["text"], "set")
     return levels, presets
+
+
+def until_of(request: Mapping[str, Any]) -> float | None:
+    """Return the limit of robot time that a request names, s; None for none.
+
+    Raises:
+        UsageError: it is no time.
+    """
+    until_s = request.get("until_s")
+    return None if until_s is None else float(accepted(UNTIL, until_s, "until_s"))
 
 
 def world_of(request: Mapping[str, Any]) -> World:
@@ -136,7 +148,7 @@ def _run(request: Mapping[str, Any], window: tuple[float, float, float] | None) 
     if window is not None:
         begin, end, step = window
         rows = {"trace": True, "trace_step_s": step, "trace_window_s": (begin, end)}
-    until_s = request.get("until_s")
+    until_s = until_of(request)
     clock = _Clock(float(request.get("wall_s", WALL_S)))
     made = robot.run(
         checked.unit, presets=presets, until_s=UNTIL_S if until_s is None else until_s, watch=clock.watch, **rows
@@ -194,7 +206,7 @@ def _outcome(run: Run) -> dict[str, Any]:
         "moves_left_out": max(0, len(stretches) - MOVES_MAX),
         "signal_changes": [_short(record) for record in signals[-MESSAGES_MAX:]],
         "signal_changes_left_out": max(0, len(signals) - MESSAGES_MAX),
-        "globals": {name: _short_value(value) for name, value in plain(run.globals).items()},
+        "globals": {name: _global(value) for name, value in run.globals.items()},
         "signals": plain(dict(run.signals)),
         "joints": list(run.joints),
         "tcp_pose": list(run.tcp_pose),
@@ -205,11 +217,18 @@ def _short(record: dict[str, Any]) -> dict[str, Any]:
     return {name: _short_value(value) for name, value in plain(record).items()}
 
 
+def _global(value: Any) -> Any:
+    """Return the value of a global; of a large one what the debugger shows of it."""
+    if isinstance(value, (list, tuple, dict, set, frozenset, bytes, bytearray)) and len(value) > ITEMS_MAX:
+        return {"repr": shown(value, VALUE_MAX)}
+    return _short_value(plain(value))
+
+
 def _short_value(value: Any) -> Any:
     """Return a plain value, or the begin of its text if that is long."""
     if isinstance(value, (list, dict)):
         text = str(value)
-        return value if len(text) <= VALUE_MAX else {"repr": text[:VALUE_MAX] + "..."}
+        return value if len(text) <= VALUE_MAX else {"repr": text[:VALUE_MAX] + more(len(text) - VALUE_MAX)}
     if isinstance(value, str) and len(value) > VALUE_MAX:
-        return value[:VALUE_MAX] + "..."
+        return value[:VALUE_MAX] + more(len(value) - VALUE_MAX)
     return value

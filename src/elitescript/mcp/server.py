@@ -10,14 +10,14 @@ from typing import Annotated, Any, Final, Literal, NotRequired, ParamSpec, TypeV
 
 from mcp.server.mcpserver import MCPServer
 from mcp.server.mcpserver.exceptions import ToolError
-from mcp_types import ToolAnnotations
-from pydantic import Field
+from mcp_types import CallToolResult, InputRequiredResult, Tool, ToolAnnotations
+from pydantic import ConfigDict, Field, ValidationError
 from typing_extensions import TypedDict
 
 from elitescript import __version__
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.page import matches, record
-from elitescript.errors import CODES, ElitescriptError, ProgramError, UsageError
+from elitescript.errors import CODES, ElitescriptError, ProgramError, UsageError, did_you_mean
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.explanations import body
 from elitescript.mcp.answers import (
@@ -47,6 +47,8 @@ RUNS_MAX: Final = 4
 PROGRAMS_MAX: Final = 500
 TEXT_MAX: Final = 500_000
 """Longest text of a program that comes with a call, characters."""
+SHOWN: Final = 60
+"""Characters of an argument in a text that refuses it."""
 
 INSTRUCTIONS: Final = """\
 EliteScript is the language of the Elite Robots CS arms: Python in which a block may also end with `end`. Programs run
@@ -64,22 +66,29 @@ ProgramText = Annotated[str | None, Field(description="the program itself, if it
 Arm = Annotated[str | None, Field(description="arm: CS63, CS66 (default), CS612, CS616, CS620, CS625, or a TOML file")]
 Firmware = Annotated[str | None, Field(description="of the controller, such as 2.14 (default) or 2.10")]
 WorldPath = Annotated[str | None, Field(description="TOML file with devices, wires, faults, inputs, robot options")]
-Strict = Annotated[bool, Field(description="refuse what only warns otherwise")]
+Strict = Annotated[bool, Field(strict=True, description="refuse what only warns otherwise")]
 Levels = Annotated[
     dict[str, Any] | None,
     Field(description='signals and globals at the start, such as {"standard_digital_in[3]": true, "parts": 4}'),
 ]
-Joints = Annotated[list[float] | None, Field(description="joint positions at the start, six angles, rad")]
-Seed = Annotated[int | None, Field(description="of random numbers")]
-Until = Annotated[float | None, Field(description="stop after so much robot time, s; an hour if not given")]
-Step = Annotated[float, Field(description="time between two rows, s; at most 500 rows")]
+Joints = Annotated[
+    list[Annotated[float, Field(strict=True)]] | None,
+    Field(description="joint positions at the start, six angles, rad"),
+]
+Seed = Annotated[int | None, Field(strict=True, description="of random numbers")]
+Until = Annotated[
+    float | None, Field(strict=True, description="stop after so much robot time, s; an hour if not given")
+]
+Step = Annotated[float, Field(strict=True, description="time between two rows, s; at most 500 rows")]
 
-Session = Annotated[int, Field(description="number that debug_start returned")]
-Thread = Annotated[int | None, Field(description="number of a thread; the one that stopped if not given")]
+Session = Annotated[int, Field(strict=True, description="number that debug_start returned")]
+Thread = Annotated[int | None, Field(strict=True, description="number of a thread; the one that stopped if not given")]
 
 
 class Breakpoint(TypedDict):
     """A breakpoint of a line."""
+
+    __pydantic_config__ = ConfigDict(extra="forbid", strict=True)  # type: ignore[misc]
 
     line: int
     condition: NotRequired[str]
@@ -88,6 +97,44 @@ class Breakpoint(TypedDict):
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
+
+
+class CheckingServer(MCPServer):
+    """Serves tools; refuses arguments that a tool does not have, and says in a sentence what is wrong with others."""
+
+    async def list_tools(self) -> list[Tool]:
+        """Return the tools; each says that it has no other arguments."""
+        tools = await super().list_tools()
+        for tool in tools:
+            tool.input_schema["additionalProperties"] = False
+        return tools
+
+    async def call_tool(
+        self, name: str, arguments: dict[str, Any], context: Any = None
+    ) -> CallToolResult | InputRequiredResult:
+        """Call a tool.
+
+        Raises:
+            ToolError: an argument makes no sense, or the tool says so.
+        """
+        known = {tool.name: tool.input_schema.get("properties", {}) for tool in await super().list_tools()}
+        for argument in arguments if name in known else ():
+            if argument not in known[name]:
+                takes = ", ".join(known[name]) or "nothing"
+                raise ToolError(f"{name} takes {takes}, not {argument[:SHOWN]!r}{did_you_mean(argument, known[name])}")
+        try:
+            return await super().call_tool(name, arguments, context)
+        except ToolError as error:
+            if isinstance(error.__cause__, ValidationError):
+                raise ToolError("; ".join(map(_sentence, error.__cause__.errors()))) from None
+            raise
+
+
+def _sentence(found: Any) -> str:
+    """Return in words what is wrong with an argument."""
+    place = ".".join(str(part) for part in found["loc"])
+    got = "" if found["type"] == "missing" else f", got {found['input']!r:.{SHOWN}}"
+    return f"{place}: {found['msg'][:1].lower()}{found['msg'][1:]}{got}"
 
 
 def make_server(folder: Folder, wall_s: float) -> MCPServer:
@@ -111,7 +158,7 @@ def make_server(folder: Folder, wall_s: float) -> MCPServer:
         finally:
             await debugged.end_all()
 
-    server = MCPServer(
+    server = CheckingServer(
         "elitescript",
         title="EliteScript",
         version=__version__,
@@ -195,8 +242,8 @@ def make_server(folder: Folder, wall_s: float) -> MCPServer:
 
     @tool(_RUNS)
     async def trace(
-        from_s: Annotated[float, Field(description="begin, s of robot time")],
-        to_s: Annotated[float, Field(description="end, s of robot time")],
+        from_s: Annotated[float, Field(strict=True, description="begin, s of robot time")],
+        to_s: Annotated[float, Field(strict=True, description="end, s of robot time")],
         step_s: Step = 0.1,
         file: ProgramFile = None,
         text: ProgramText = None,
@@ -252,8 +299,8 @@ def make_server(folder: Folder, wall_s: float) -> MCPServer:
             ),
         ],
         thread: Thread = None,
-        time_s: Annotated[float | None, Field(description="for to_time: s of robot time")] = None,
-        line: Annotated[int | None, Field(description="for last_pass: line of the program")] = None,
+        time_s: Annotated[float | None, Field(strict=True, description="for to_time: s of robot time")] = None,
+        line: Annotated[int | None, Field(strict=True, description="for last_pass: line of the program")] = None,
     ) -> Stopped:
         """Let a debugged run go on or back; return where it stops, with stack, variables, robot and output."""
         request = {"do": "debug_go", "how": how, "thread": thread, "time_s": time_s, "line": line}

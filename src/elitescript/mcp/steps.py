@@ -9,15 +9,20 @@ from typing import Any, Final
 from elitescript.debugger.api import Change, DebugError, Frame, LineBreakpoint, Output, Scope, Stop, Variable
 from elitescript.debugger.session import DebugSession
 from elitescript.debugger.source import ProgramSource
+from elitescript.debugger.values import more
 from elitescript.errors import UsageError
-from elitescript.mcp.runs import options_of, start_values, world_of
+from elitescript.kernel.options import Number, Whole, accepted
+from elitescript.mcp.runs import options_of, start_values, until_of, world_of
 
 FRAMES_MAX: Final = 20
 VARIABLES_MAX: Final = 100
 OUTPUTS_MAX: Final = 50
 CHANGES_MAX: Final = 200
-VALUE_MAX: Final = 500
-"""Characters of a value."""
+TEXT_MAX: Final = 500
+"""Characters of a message."""
+TIME: Final = Number(0.0, 1e9, "s")
+NUMBER: Final = Whole(1)
+"""Of lines and threads."""
 THREAD_STEPS: Final = {
     "next": DebugSession.next,
     "in": DebugSession.step_in,
@@ -39,7 +44,7 @@ class Steps:
     def start(self, request: Mapping[str, Any]) -> dict[str, Any]:
         """Begin to debug a program; stop before its first statement."""
         levels, presets = start_values(request)
-        until_s = request.get("until_s")
+        until_s = until_of(request)
         source = ProgramSource(
             request["name"],
             text=request["text"],
@@ -57,13 +62,13 @@ class Steps:
         session, how = self._debugged, request["how"]
         try:
             if how in THREAD_STEPS:
-                return self._stopped(THREAD_STEPS[how](session, request.get("thread") or session.stop.thread or 1))
+                return self._stopped(THREAD_STEPS[how](session, _thread(request, session)))
             if how in RUNS:
                 return self._stopped(RUNS[how](session))
             if how == "to_time":
-                return self._stopped(session.run_to_time(_given(request, "time_s")))
+                return self._stopped(session.run_to_time(_given(request, "time_s", TIME)))
             if how == "last_pass":
-                return self._stopped(session.last_pass(_given(request, "line")))
+                return self._stopped(session.last_pass(_given(request, "line", NUMBER)))
         except DebugError as error:
             raise UsageError(str(error)) from error
         ways = ", ".join((*THREAD_STEPS, *RUNS, "to_time", "last_pass"))
@@ -71,7 +76,10 @@ class Steps:
 
     def breakpoints(self, request: Mapping[str, Any]) -> dict[str, Any]:
         """Replace the breakpoints of lines; return where they are."""
-        wanted = [LineBreakpoint(item["line"], condition=item.get("condition") or "") for item in request["lines"]]
+        wanted = [
+            LineBreakpoint(accepted(NUMBER, item["line"], "line"), condition=item.get("condition") or "")
+            for item in request["lines"]
+        ]
         try:
             states = self._debugged.set_breakpoints(wanted)
         except DebugError as error:
@@ -82,11 +90,11 @@ class Steps:
         """Return the value of an expression at the present stop; nothing is changed."""
         session = self._debugged
         try:
-            frames = session.stack(request.get("thread") or session.stop.thread or 1)
+            frames = session.stack(_thread(request, session))
             found = session.evaluate(request["expression"], frames[0].id if frames else 0)
         except DebugError as error:
             raise UsageError(str(error)) from error
-        return {"value": _short(found.value), "type": found.type}
+        return {"value": found.value, "type": found.type}
 
     def history(self, request: Mapping[str, Any]) -> dict[str, Any]:
         """Return every change of a variable or signal so far."""
@@ -131,13 +139,20 @@ class Steps:
 
     def _values(self, scope: Scope) -> dict[str, str]:
         found: tuple[Variable, ...] = self._debugged.variables(scope.reference, count=VARIABLES_MAX)
-        return {variable.name: _short(variable.value) for variable in found}
+        left_out = scope.count - len(found)
+        return {variable.name: variable.value for variable in found} | ({"…": more(left_out)} if left_out else {})
 
 
-def _given(request: Mapping[str, Any], name: str) -> Any:
+def _given(request: Mapping[str, Any], name: str, kind: Number | Whole) -> Any:
     if request.get(name) is None:
         raise UsageError(f"{name} must be given for {request['how']!r}")
-    return request[name]
+    return accepted(kind, request[name], name)
+
+
+def _thread(request: Mapping[str, Any], session: DebugSession) -> int:
+    """Return the thread that a request names; the one that stopped if it names none."""
+    thread = request.get("thread")
+    return session.stop.thread or 1 if thread is None else int(accepted(NUMBER, thread, "thread"))
 
 
 def _frame(frame: Frame) -> dict[str, Any]:
@@ -149,10 +164,10 @@ def _change(change: Change) -> dict[str, Any]:
         "t": change.time_s,
         "line": change.line,
         "by": change.thread_name,
-        "old": _short(change.old),
-        "new": _short(change.new),
+        "old": change.old,
+        "new": change.new,
     }
 
 
 def _short(text: str) -> str:
-    return text if len(text) <= VALUE_MAX else text[:VALUE_MAX] + "..."
+    return text if len(text) <= TEXT_MAX else f"{text[:TEXT_MAX]}{more(len(text) - TEXT_MAX)}"

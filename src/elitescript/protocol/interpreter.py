@@ -30,7 +30,7 @@ from elitescript.messages.outcomes import (
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.protocol.connection import Connection, is_restarted
-from elitescript.protocol.lines import PacedLines, TextLine, one_line, shown
+from elitescript.protocol.lines import PacedLines, TextLine, one_line, shown, text_bytes
 from elitescript.records import NamedTuple
 
 LINE_LIMIT: Final = 65536
@@ -242,4 +242,4 @@ class InterpreterConnection(Connection):
         return inputs
 
     def _send_reply(self, outcome: InterpreterOutcome) -> None:
-        self.send(one_line(reply_text(outcome)).encode() + b"\n")
+        self.send(text_bytes(one_line(reply_text(outcome))) + b"\n")

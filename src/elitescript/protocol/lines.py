@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from elitescript.records import record
+from elitescript.shown import encodable
 
 SHOWN: Final = 60
 """Characters of a peer's text that an answer repeats."""
@@ -122,6 +123,11 @@ def shown(text: str) -> str:
     """Return a peer's text for an answer: shortened and printable."""
     clean = "".join(char if char.isprintable() else "?" for char in text[:SHOWN])
     return clean if len(text) <= SHOWN else clean + "..."
+
+
+def text_bytes(text: str) -> bytes:
+    """Return a text for a client: UTF-8, halves of surrogate pairs, which programs may hold, as escapes."""
+    return encodable(text).encode()
 
 
 def one_line(text: str) -> str:

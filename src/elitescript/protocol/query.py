@@ -24,7 +24,7 @@ from elitescript.messages.profile import BRACKETED, PLAIN
 from elitescript.messages.snapshot import RobotDescription
 from elitescript.protocol.bursts import BurstLimiter
 from elitescript.protocol.connection import Connection, is_restarted
-from elitescript.protocol.lines import PacedLines, TextLine, one_line, shown
+from elitescript.protocol.lines import PacedLines, TextLine, one_line, shown, text_bytes
 
 LINE_LIMIT: Final = 16384
 """Limit of a request in bytes."""
@@ -145,7 +145,7 @@ class QueryConnection(Connection):
         self._due.append(AddLog(self.origin, text, is_warning=True))
 
     def _send_reply(self, ident: str, outcome: Outcome) -> None:
-        self.send(one_line(reply_text(ident, outcome, self.description.query_form)).encode() + b"\n")
+        self.send(text_bytes(one_line(reply_text(ident, outcome, self.description.query_form))) + b"\n")
 
 
 def read_request(line: TextLine) -> tuple[str, str]:

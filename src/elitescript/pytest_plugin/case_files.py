@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from elitescript.errors import ElitescriptError, ProgramError
-from elitescript.shown import continued
+from elitescript.shown import continued, shown_word
 from elitescript.sweep.replay import Played, Replay
 
 
@@ -48,7 +48,7 @@ class CaseTest(pytest.Item):
         return super().repr_failure(excinfo, style)
 
     def reportinfo(self) -> tuple[Any, int, str]:
-        return self.path, 0, f"case {self.path.name}"
+        return shown_word(str(self.path)), 0, f"case {shown_word(self.path.name)}"
 
 
 class CaseFailure(Exception):

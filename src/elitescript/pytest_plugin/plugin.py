@@ -275,11 +275,23 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
     if is_case(file_path.name):
         from elitescript.pytest_plugin.case_files import CaseFile
 
-        return CaseFile.from_parent(parent, path=file_path)
+        return CaseFile.from_parent(parent, path=file_path, **_node_id(file_path, parent))
     if file_path.suffix != SUFFIX:
         return None
     if not holds_tests(file_path.name) and not parent.session.isinitpath(file_path):
         return None
     from elitescript.pytest_plugin.script_files import ScriptFile
 
-    return ScriptFile.from_parent(parent, path=file_path)
+    return ScriptFile.from_parent(parent, path=file_path, **_node_id(file_path, parent))
+
+
+def _node_id(path: Path, parent: pytest.Collector) -> dict[str, Any]:
+    """Return the id of a file that reports can hold, if its name is none; otherwise nothing: pytest makes one."""
+    name = str(path)
+    if name.isascii() and name.isprintable():
+        return {}
+    from elitescript.shown import shown_word
+
+    with suppress(ValueError):
+        name = path.relative_to(parent.config.rootpath).as_posix()
+    return {} if name.isprintable() else {"nodeid": shown_word(name)}

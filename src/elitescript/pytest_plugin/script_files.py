@@ -105,7 +105,7 @@ class ScriptTest(pytest.Item):
         return super().repr_failure(excinfo, style)
 
     def reportinfo(self) -> tuple[Any, int, str]:
-        return self.path, self._line - 1, self.name
+        return shown_word(str(self.path)), self._line - 1, self.name
 
 
 class ScriptFailure(Exception):

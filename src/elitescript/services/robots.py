@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from elitescript.environment.allowance import TASK_DIR_BYTES, Allowance
 from elitescript.environment.local import LocalFiles
@@ -17,7 +18,7 @@ from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.records import replace
 from elitescript.runtime.environment import Files
-from elitescript.runtime.threads.meter import Meter
+from elitescript.runtime.threads.meter import SHARE_NS, ClockMeter
 from elitescript.services.channels.connect_policy import ConnectPolicy
 from elitescript.services.child.jail import Layer
 from elitescript.services.child.link import ChildLink
@@ -36,6 +37,9 @@ if TYPE_CHECKING:
     from elitescript.services.served_devices import ServedDevices
     from elitescript.services.ssh.desk import SshDesk
 
+SHARE_MIN_NS: Final = 100_000
+"""Least time of the programs of a robot in a tick, however many robots share the process."""
+
 
 def robot_link(
     options: RobotOptions,
@@ -46,7 +50,8 @@ def robot_link(
     is_jailed: bool,
     journal: Path | None,
     spares: Spares | None = None,
-    meter: Meter | None = None,
+    robots: int = 1,
+    is_lockstep: bool = False,
 ) -> RobotLink:
     """Return the way to one robot.
 
@@ -58,7 +63,8 @@ def robot_link(
         is_jailed: lock its process in.
         journal: file to write the session to.
         spares: keeps a child ready for the robots of this process; none if None.
-        meter: ends ticks of a robot in this process; work alone counts if None. A child has its own.
+        robots: that share this process, if `in_process`: each has its part of the time that programs have in a tick.
+        is_lockstep: no wall clock rules, so nothing but work ends ticks.
 
     Raises:
         UsageError: the journal cannot be written.
@@ -67,12 +73,20 @@ def robot_link(
     files: Files = MemoryFiles({}, allowance) if task_dir is None else LocalFiles(task_dir.resolve(), allowance)
     if not in_process:
         options = replace(options, compiles_elsewhere=True)
+    # A child has a meter of its own.
+    meter = shared_meter(robots) if in_process and not is_lockstep else None
     record = None if journal is None else Journal(journal, options, is_metered=not in_process or meter is not None)
     if not in_process:
         return ChildLink(options, files=files, is_jailed=is_jailed, journal=record, spares=spares)
     if record is None:
         return InProcessLink(Kernel(options, RequestEnvironment(files), debugging=debugging(), meter=meter))
     return _RecordedLink(RecordedRobot(options, files, record, meter), record)
+
+
+def shared_meter(robots: int) -> ClockMeter:
+    """Return what ends the ticks of one of several robots whose programs share a thread."""
+    share_ns = max(SHARE_NS // robots, SHARE_MIN_NS)
+    return ClockMeter(time.monotonic_ns, time.thread_time_ns, share_ns=share_ns)
 
 
 def served_robot(

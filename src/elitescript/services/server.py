@@ -27,7 +27,7 @@ class ServeSession:
     def __init__(
         self,
         servers: Sequence[RobotServer],
-        hosts: Sequence[str],
+        hosts: tuple[str, ...],
         numbers: Sequence[Mapping[str, int]],
         instance: int,
         spares: Sequence[Mapping[str, int]] = (),
@@ -35,7 +35,7 @@ class ServeSession:
         self.servers = tuple(servers)
         for server in self.servers:
             server.shares.robots = len(self.servers)
-        self.hosts = tuple(hosts)
+        self.hosts = hosts
         self._numbers = tuple(numbers)
         self._spares = tuple(spares) or ({},) * len(self._numbers)
         self._instance = instance

@@ -193,9 +193,9 @@ class Door:
             if refused.status == HTTPStatus.FORBIDDEN and self._takes_ticket(request):
                 return _response(HTTPStatus.SEE_OTHER, "text/plain", b"", ("Location", f"{PAGE}?token={self._token}"))
             if refused.status == HTTPStatus.FORBIDDEN and request.path == PAGE:
-                body = _REFUSED.replace("@@why@@", refused.text).encode()
+                body = _REFUSED.replace("@@why@@", refused.text).encode(errors="backslashreplace")
                 return _response(HTTPStatus.FORBIDDEN, _TYPES[".html"], body, (POLICY_HEADER, _POLICY_OF_REFUSED))
-            return _response(HTTPStatus(refused.status), _TYPES[".txt"], refused.text.encode())
+            return _response(HTTPStatus(refused.status), _TYPES[".txt"], refused.text.encode(errors="backslashreplace"))
         if request.path == SOCKET:
             if len(self._pages) >= PAGES_MAX:
                 return _response(HTTPStatus.SERVICE_UNAVAILABLE, _TYPES[".txt"], b"Too many pages are open.\n")

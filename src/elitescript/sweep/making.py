@@ -14,7 +14,7 @@ from elitescript.environment.memory import FILES_BYTES_MAX, FILES_MAX
 from elitescript.environment.program_file import source_of
 from elitescript.errors import UsageError
 from elitescript.kernel.arm import named_model
-from elitescript.kernel.options import ROBOT_SECTION
+from elitescript.kernel.options import ROBOT_SECTION, UNTIL, accepted
 from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
 from elitescript.paths import real_path, why_no_file
@@ -96,8 +96,8 @@ def make_plan(
         ProgramError: the program is not UTF-8.
     """
     check_names(variations)
-    if until_s is not None and not until_s >= 0.0:
-        raise UsageError(f"--until must be >= 0 s, got {until_s:g}")
+    if until_s is not None:
+        accepted(UNTIL, until_s, "--until")
     source = source_of(program)
     is_file = not source.name.startswith("<")
     path = Path(source.name)

@@ -78,7 +78,9 @@ def test_a_flood_is_closed_with_a_reason_that_every_page_gets(port, data, why, m
         async with shown(Target("127.0.0.1", fake.ports)) as (_, (page,)):
             pause_s = await _longest_pause(lambda: any(why in notice["text"] for notice in page.of("notice")))
             assert pause_s < 0.5
-            assert all(name not in page.of("notice")[-1]["text"] for name in ("Error", "Errno"))
+            text = page.of("notice")[-1]["text"]
+            assert all(name not in text for name in ("Error", "Errno"))
+            assert text.lower().count(port) == 1, text
         await fake.close()
 
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -96,7 +98,8 @@ def test_a_page_that_comes_later_gets_the_reason(monkeypatch):
             got: list = []
             controller.join(got.append)
             (said,) = [m["text"] for m in got if not isinstance(m, bytes) and m["type"] == "notice"]
-            assert said.endswith("RTSI: a message says that it has 0 bytes; the shortest has 3")
+            where = f"RTSI port 127.0.0.1:{fake.ports['rtsi']}"
+            assert said.endswith(f"{where}: a message says that it has 0 bytes; the shortest has 3")
             controller.leave(got.append)
         await fake.close()
 

@@ -11,6 +11,7 @@ const SHOWN_MAX = 3;
 export function Notices({ studio }: { studio: Studio }) {
   const all = studio.notices.value;
   const shown = all.slice(-SHOWN_MAX);
+  const earlier = all.length - shown.length;
   const isLost = studio.link.value === "lost";
   const draftAt = studio.draftAt.value;
   if (all.length === 0 && !isLost && draftAt === null) return null;
@@ -28,7 +29,7 @@ export function Notices({ studio }: { studio: Studio }) {
           <button type="button" onClick={() => (studio.draftAt.value = null)}>{text("draft_keep")}</button>
         </p>
       )}
-      {all.length > SHOWN_MAX && <p class="notice">{text("notices_more", { count: all.length - SHOWN_MAX })}</p>}
+      {earlier > 0 && <p class="notice">{text(earlier === 1 ? "notices_one" : "notices_more", { count: earlier })}</p>}
       {shown.map((notice) => (
         <p key={notice.id} class={`notice ${notice.severity}`} role={notice.severity === "error" ? "alert" : "status"}>
           <Icon name={notice.severity} /> <span>{said(notice.text)}</span>

@@ -23,7 +23,10 @@ export function runState(studio: Studio): RunState {
   if (studio.hello.value === null) return state("none", text("state_connecting"));
   if (studio.can("live")) {
     const moment = studio.moment.value;
-    return moment === null ? state("none", text("state_connecting")) : state("good", text("state_live", { t: short(moment.t) }));
+    const link = studio.controller.value?.link ?? "connecting";
+    if (moment === null || link === "connecting") return state("none", text("state_connecting"));
+    if (link === "lost") return state("error", text("state_lost", { t: short(moment.t) }));
+    return state("good", text("state_live", { t: short(moment.t) }));
   }
   if (run === null && studio.isEmpty.value) return state("none", text("state_empty"));
   if (run === null) return problems?.compiles === false ? state("error", text("state_not_compiled")) : state("none", text("state_no_run"));

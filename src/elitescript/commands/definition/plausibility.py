@@ -52,6 +52,8 @@ BLEND_MOST_M: Final = 2.0
 PAYLOAD_MOST_KG: Final = 25.0
 """Payload of the strongest arm."""
 
+_NEAR_M: Final = 1.5
+"""Coordinates below are lengths beyond doubt: less than a quarter of a turn."""
 QUARTER_ROOM: Final = 2e-3
 """Joint positions are often quarters of a turn, written as 1.57 or 3.14, rad."""
 
@@ -124,6 +126,8 @@ def _joints(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
 
 
 def _pose(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
+    if _is_within(value, FULL_TURN) and _is_within(value[:3], _NEAR_M):
+        return
     quarters = [index for index, number in _numbers(value) if index < 3 and _is_quarter(abs(number))]
     if len(quarters) > 1:
         # A place with two of these coordinates is 2.2 m away: out of the reach of all arms.

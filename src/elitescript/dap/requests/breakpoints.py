@@ -88,7 +88,11 @@ def _set(adapter: Adapter, key: str, requests: Sequence[Any], apply: Apply) -> B
 
 def set_exception_breakpoints(adapter: Adapter, arguments: Arguments) -> Body:
     """Replace the filters of exceptions."""
-    filters = [*arguments.texts("filters"), *(item.text("filterId") for item in arguments.items("filterOptions"))]
+    options = arguments.items("filterOptions")
+    for item in options:
+        if item.text("condition", "").strip():
+            item.refuse("condition", "left out: a filter has none", item.data["condition"])
+    filters = [*arguments.texts("filters"), *(item.text("filterId") for item in options)]
     for name in filters:
         if name not in EXCEPTION_FILTERS:
             near = did_you_mean(name, EXCEPTION_FILTERS)

@@ -63,10 +63,11 @@ def _opener() -> re.Pattern[str]:
 
 @cache
 def _plain() -> re.Pattern[bytes]:
-    """An indented line without strings, comments and backslashes whose brackets are closed: `move([1, 2], 3)`."""
-    other = rb"[^'\"#\\()\[\]{}]*+"
+    """Empty lines, and indented ASCII ones without strings, comments and backslashes whose brackets are closed."""
+    other = rb"[^'\"#\\()\[\]{}\n\x80-\xff]*+"
     lists = rb"(?:\[" + other + rb"\]" + other + rb")*+"
-    return re.compile(rb"[ \t]" + other + lists + rb"(?:\(" + other + lists + rb"\)" + other + lists + rb")*+")
+    line = rb"(?:[ \t]" + other + lists + rb"(?:\(" + other + lists + rb"\)" + other + lists + rb")*+)?\n"
+    return re.compile(rb"(?:" + line + rb")*+")
 
 
 @cache
@@ -113,6 +114,11 @@ class UnitSplitter:
         self._reset()
 
     @property
+    def is_in_program(self) -> bool:
+        """Whether a program has begun and not ended."""
+        return self._kind in (PROGRAM, SECONDARY)
+
+    @property
     def pending(self) -> bool:
         """Whether text waits for more bytes, for silence or for the end of the stream."""
         return bool(self._partial or self._kind or self._lost_bytes)
@@ -124,11 +130,15 @@ class UnitSplitter:
             data = data[1:] if data[0] == 0x0A else data
             self._after_cr = False
         self._after_cr = data.endswith(b"\r")
-        rows = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").split(b"\n")
-        for row in rows[:-1]:
-            if self._takes_plainly(row):
-                continue
-            self._append(row, found)
+        data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+        at = 0
+        while True:
+            at = self._take_plainly(data, at)
+            end = data.find(b"\n", at)
+            if end < 0:
+                break
+            self._append(data[at:end], found)
+            at = end + 1
             if not self._skip_line:
                 line = self._decode(bytes(self._partial))
                 size = len(self._partial) + 1
@@ -140,7 +150,7 @@ class UnitSplitter:
                     self._refuse_lost(found)
             self._skip_line = False
             self._line_number += 1
-        self._append(rows[-1], found)
+        self._append(data[at:], found)
         return found
 
     def silence(self) -> list[Unit | DiscardedText]:
@@ -195,17 +205,27 @@ class UnitSplitter:
 
     # Lines
 
-    def _takes_plainly(self, row: bytes) -> bool:
-        """Take a line of a program in which nothing begins or ends, as most are: the same as `_take`, but faster."""
-        if self._partial or self._overflow or self._skip_line or self._kind not in (PROGRAM, SECONDARY):
-            return False
-        size: int = self._size + len(row)
-        if self._tracker.inside or size > self._max_bytes or not (row.isascii() and _plain().fullmatch(row)):
-            return False
-        self._lines.append(row.decode("ascii"))
-        self._size = size + 1
-        self._line_number += 1
-        return True
+    def _take_plainly(self, data: bytes, at: int) -> int:
+        """Take lines of a program in which nothing begins or ends, as most are: the same as `_take`, but all at once.
+
+        Args:
+            data: with LF as line ends.
+            at: where the next line begins.
+
+        Returns:
+            Where the first line begins that was not taken.
+        """
+        if self._partial or self._overflow or self._skip_line or not self.is_in_program or self._tracker.inside:
+            return at
+        found = _plain().match(data, at)
+        end = at if found is None else found.end()
+        if end == at or self._size + end - at - 1 > self._max_bytes:
+            return at
+        lines = data[at : end - 1].decode("ascii").split("\n")
+        self._lines += lines
+        self._size += end - at
+        self._line_number += len(lines)
+        return end
 
     def _append(self, row: bytes, found: list[Unit | DiscardedText]) -> None:
         if self._skip_line:

@@ -22,6 +22,7 @@ from elitescript.lint.registry import Finding, rule
 
 _JOINT_MOVES: Final = ("movej", "servoj")
 _POSE_MOVES: Final = ("movel", "movep", "movec")
+_MOVES: Final = frozenset((*_JOINT_MOVES, *_POSE_MOVES))
 _ARC_END: Final = "pose_to"
 _JOINT_NAMES: Final = ("base", "shoulder", "elbow", "wrist1", "wrist2", "wrist3")
 _ANY_ARM: Final = ((-FULL_TURN, FULL_TURN),) * 6
@@ -36,7 +37,7 @@ def unreachable_target(program: AnalysedProgram) -> Iterator[Finding]:
     refused = {refusal.node for refusal in program.refusals}
     for called, arguments in zip(program.command_calls, program.arguments, strict=True):
         name = called.command.alias_of or called.command.name
-        if name not in (*_JOINT_MOVES, *_POSE_MOVES) or not arguments.given or program.is_tried(called.call):
+        if name not in _MOVES or not arguments.given or program.is_tried(called.call):
             continue
         param, node = arguments.given[0]
         if name == "movec":
@@ -48,7 +49,7 @@ def unreachable_target(program: AnalysedProgram) -> Iterator[Finding]:
         if node in refused:
             continue
         value = program.constants.value(node, called.scope)
-        if any(element(node, index) in doubted for index in (None, *range(6))):
+        if doubted and any(element(node, index) in doubted for index in (None, *range(6))):
             continue
         what = f"{called.command.name}: {param.name}"
         if name in _JOINT_MOVES:

@@ -21,7 +21,7 @@ from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol.connection import Connection, ProtocolError
 from elitescript.protocol.dashboard.answers import Answer, Asked
 from elitescript.protocol.dashboard.verbs import VERBS, DashboardCommand, unknown_text, usage_text
-from elitescript.protocol.lines import PacedLines, TextLine, one_line, shown
+from elitescript.protocol.lines import PacedLines, TextLine, one_line, shown, text_bytes
 from elitescript.protocol.outcomes import refusal_of, value_text
 
 LINE_LIMIT: Final = 4096
@@ -105,7 +105,7 @@ class DashboardConnection(Connection):
         return self._awaited is not None or bool(self._waiting) or self._lines.is_waiting
 
     def _send_text(self, text: str) -> None:
-        self.send(text.encode() + b"\r\n")
+        self.send(text_bytes(text) + b"\r\n")
 
     def _finish(self, text: str) -> None:
         self._awaited = None

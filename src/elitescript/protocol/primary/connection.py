@@ -11,6 +11,7 @@ with an invalid argument is a warning too, a program without its end a script ex
 
 from __future__ import annotations
 
+import re
 from collections import deque
 from typing import ClassVar, Final
 
@@ -43,7 +44,7 @@ UNITS_PER_TICK: Final = 2
 MAX_UNITS_AT_ONCE: Final = 500
 """Limit of units that wait when a client closes; further ones are refused. *Assumed.*"""
 LINES_AT_ONCE: Final = 50
-BYTES_AT_ONCE: Final = 2048
+BYTES_AT_ONCE: Final = 4096
 MAX_LINES_PER_TICK: Final = 500
 MAX_BYTES_PER_TICK: Final = 16 * 1024
 """Limits of the text of one client that is read in one tick, about 1 ms of work; the rest waits."""
@@ -83,6 +84,10 @@ READ_ONLY: Final = PrimaryPort(
 )
 
 PORTS: Final[tuple[PrimaryPort, ...]] = (PRIMARY, SECONDARY, REALTIME, READ_ONLY)
+
+
+_counts: Final = re.compile(rb"[\r\n][^ \t\r\n]|['\"#\\\x80-\xff]").search
+"""Finds what a line is looked at for: that it is not indented, and so may end a program or begin one; strings."""
 
 
 class PrimaryFeed:
@@ -304,7 +309,9 @@ class PrimaryConnection(Connection):
         """Take a piece of the text with few lines, so that few units are ready at once."""
         lines_left = min(self._lines_left, LINES_AT_ONCE)
         piece = bytes(self._raw[: min(self._bytes_left, BYTES_AT_ONCE)])
-        while (lines := piece.count(b"\n") + piece.count(b"\r")) > lines_left:
+        # However many plain lines within a program come: they are taken at once, and no unit is ready because of them.
+        is_within = self._splitter.is_in_program and _counts(piece) is None
+        while (lines := 0 if is_within else piece.count(b"\n") + piece.count(b"\r")) > lines_left:
             piece = piece[: len(piece) // 2]
         if piece:
             del self._raw[: len(piece)]

@@ -26,6 +26,7 @@ from elitescript.protocol.binary import (
     WireType,
     WireValue,
 )
+from elitescript.protocol.lines import text_bytes
 from elitescript.protocol.primary.packets import ASSUMED, DOCUMENTED, timestamp
 from elitescript.records import record
 
@@ -362,7 +363,7 @@ _TRANSLATIONS: Final[dict[type, Callable[[Any, bytes], RobotMessage | None]]] = 
 
 def _cut(text: str, limit: int) -> bytes:
     """Return UTF-8 of at most `limit` bytes, whole characters; a cut text ends in dots."""
-    data = text.encode("utf-8", "replace")
+    data = text_bytes(text)
     if len(data) <= limit:
         return data
     return data[: limit - 3].decode("utf-8", "ignore").encode() + b"..."

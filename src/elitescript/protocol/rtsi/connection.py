@@ -25,6 +25,7 @@ from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.protocol.binary import UINT8, UINT16, UINT32, Field, FieldList, WireValue
 from elitescript.protocol.connection import Connection, ProtocolError
+from elitescript.protocol.lines import text_bytes
 from elitescript.protocol.rtsi import advice
 from elitescript.protocol.rtsi.inputs import INPUTS, Arrival, requests_of
 from elitescript.protocol.rtsi.recipes import FREQUENCY_MAX_HZ, FREQUENCY_MIN_HZ, InputRecipe, OutputRecipe, RtsiPort
@@ -265,7 +266,7 @@ class RtsiConnection(Connection):
 
     def send_text(self, level: int, text: str) -> None:
         """Queue a text message for the client."""
-        body = text.encode()[: MESSAGE_MAX - _FRAME.size - 1].decode(errors="ignore").encode()
+        body = text_bytes(text)[: MESSAGE_MAX - _FRAME.size - 1].decode(errors="ignore").encode()
         self._reply("M", bytes([level]) + body)
 
     def _obey(self, command: int, body: bytes, output: Output) -> list[Input]:

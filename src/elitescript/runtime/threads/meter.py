@@ -8,7 +8,9 @@ exactly how far the threads came, and a robot that is given this number (`Repeat
 
 The share of a tick is time of the processor that the thread of the robot has had, so that a busy computer cuts nothing.
 What a program leaves of its shares it may use later, up to `CREDIT_SHARES`; what one long call takes beyond them is
-missing in the ticks behind it, so that robot time keeps up in the mean.
+missing in the ticks behind it, so that robot time keeps up in the mean. Where ticks begin late, because the computer
+was away for a while, a program that has used up the tick before gets a part of its share until they are in time again:
+streams catch up at once, and programs that wait in their ticks are not cut for what the computer does beside them.
 
 Nothing looks inside such a call, and streams are late by as long as it takes. One now and then is warned of. Where they
 hold the robot up for more than 1 % of the time, by more than `held_up_max_s`, the program has to end.
@@ -21,14 +23,23 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Final
 
 from elitescript.messages.cut import WHOLE, Cut
-from elitescript.messages.timing import HELD_UP_MAX_S
+from elitescript.messages.timing import HELD_UP_MAX_S, TICKS_PER_S
 
+PERIOD_NS: Final = 1_000_000_000 // TICKS_PER_S
 SHARE_NS: Final = 2_000_000
 """Time of programs in a tick: half of it; the rest is for the snapshot, the way to the clients and a busy computer."""
 CREDIT_SHARES: Final = 2
 """Shares of earlier ticks that are kept for a later one at most: a period, so that no stream is late by more."""
 BEGIN_SHARES: Final = 10
 """What a program may use at its beginning besides: its first calls load what they need."""
+HURRIED_PART: Final = 8
+"""The share divided by it is what a program has that uses ticks up, while they begin late."""
+HURRIED_NS: Final = 2_000_000
+"""So late a tick begins that is late: half a period."""
+GIVEN_UP_NS: Final = 500_000_000
+"""Later ones are not made up for, and the next are as late for good: those that are left out."""
+CREEP_NS: Final = 40_000
+"""Of each tick: what begins late for good counts as in time after a while."""
 CLEANUP_NS: Final = 4_000_000
 """Time in a tick for the `finally` blocks of stopped threads."""
 LATE_NS: Final = 10_000_000
@@ -165,6 +176,7 @@ class ClockMeter(Meter):
         "_cleanup_until_ns",
         "_cleanup_worked_ns",
         "_credit_ns",
+        "_due_ns",
         "_line",
         "_line_ns",
         "_longest_line",
@@ -187,6 +199,8 @@ class ClockMeter(Meter):
         self._worked_ns = worked_ns
         self._share_ns = share_ns
         self._credit_ns = self._allowed_ns = self._used_ns = 0
+        self._due_ns = 0
+        """When the last tick was to begin."""
         self._began_ns = self._until_ns = self._over_ns = 0
         self._worked_before_ns = self._worked_until_ns = 0
         """Time of the processor at the begin of the phase, and when it was left last; what does not count is in it."""
@@ -201,14 +215,25 @@ class ClockMeter(Meter):
         # Nothing was done in ticks that were leapt over.
         earned_ns = ticks * self._share_ns - self._used_ns
         self._credit_ns = min(self._credit_ns + earned_ns, max(CREDIT_SHARES * self._share_ns, self._credit_ns))
+        self._began_ns = self._now_ns()
         self._allowed_ns = self._share_ns + self._credit_ns
+        if self._is_late(ticks) and self.is_spent:
+            self._credit_ns = min(self._credit_ns, 0)
+            self._allowed_ns = min(self._allowed_ns, self._share_ns // HURRIED_PART)
         self._used_ns = 0
         self._worked_before_ns = self._worked_ns()
-        self._began_ns = self._now_ns()
         self._until_ns = self._began_ns + self._allowed_ns
         self._cleanup_until_ns = 0
         # A statement in whose middle a thread was suspended goes on.
         self._line_ns, self._longest_line, self._longest_ns = self._began_ns, 0, 0
+
+    def _is_late(self, ticks: int) -> bool:
+        """Note when a tick begins; return whether that is late, by the ticks before."""
+        due_ns = self._due_ns + ticks * PERIOD_NS
+        late_ns = self._began_ns - due_ns
+        is_known = self._due_ns and 0 <= late_ns <= GIVEN_UP_NS
+        self._due_ns = due_ns + min(late_ns, ticks * CREEP_NS) if is_known else self._began_ns
+        return bool(is_known) and late_ns >= HURRIED_NS
 
     def _resume(self) -> None:
         # What was between is no work of programs.

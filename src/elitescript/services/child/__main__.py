@@ -148,7 +148,7 @@ def main(descriptor: int, coverage: int | None = None) -> None:
             text = "the program has used up the memory that the robot's process may have"
         else:
             text = str(error) if kind == "usage" else "".join(traceback.format_exception(error))[-frames.FAILURE_MAX :]
-        line.send(frames.FAILED, to_text([kind, text.encode("utf-8", "replace").decode()]))
+        line.send(frames.FAILED, to_text([kind, text]))
         # No destructor of a program's object is to run now.
         os._exit(1)
 

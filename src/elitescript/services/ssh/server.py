@@ -176,12 +176,12 @@ class SshPort:
         command = process.command
         if command is None:
             what = f"subsystem {process.subsystem!r}" if process.subsystem else "shell"
-            process.stderr.write(f"elitescript: there is no {what} here.\n".encode(errors="replace"))
+            process.stderr.write(f"elitescript: there is no {what} here.\n".encode(errors="backslashreplace"))
             process.exit(ssh_commands.NO_SUCH_COMMAND)
             return
         text, problem, status = await self._answer(command)
-        process.stdout.write(text.encode())
-        process.stderr.write(problem.encode(errors="replace"))
+        process.stdout.write(text.encode(errors="backslashreplace"))
+        process.stderr.write(problem.encode(errors="backslashreplace"))
         process.exit(status)
 
     async def _answer(self, command: str) -> tuple[str, str, int]:

@@ -369,7 +369,9 @@ class LiveEngine:
                 elif what == "code":
                     compiled = _Kept(message["digest"], message["lines"])
                 elif what == "same":
-                    assert compiled is not None
+                    if compiled is None or self._kept is None:
+                        worker.kill()
+                        break
                     await self._repeat(new, request["version"], compiled, dict(message["moved"]))
                 elif what == "at":
                     new.last = message["moment"]

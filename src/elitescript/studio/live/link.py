@@ -11,7 +11,7 @@ import json
 import os
 from mmap import mmap
 from struct import Struct
-from typing import Any, Final
+from typing import Any, Final, cast
 
 from elitescript.codec.json_text import to_text
 from elitescript.untrusted.json_text import JsonError, json_value
@@ -31,6 +31,37 @@ _HEAD: Final = Struct("<BI")
 _READ_BYTES: Final = 1 << 16
 FRAME_MAX: Final = 64 << 20
 """Bytes of a frame of a worker, in which a program of a stranger runs; the largest holds the page of a run."""
+
+
+_NUMBER: Final = (int, float)
+_TEXTS: Final = (str,)
+_MOMENT: Final = {"t": _NUMBER, "line": (int,), "globals": [{"name": _TEXTS, "value": _TEXTS}]}
+_RUN: Final = {"run": (int,)}
+_ASK: Final = {"ask": (int,)}
+_ALARM: Final = {"line": (int,), "code": _TEXTS, "text": _TEXTS}
+SHAPES: Final[dict[str, Any]] = {
+    "problems": {"version": (int,), "list": [{}], "compiles": (bool,)},
+    "scene": {},
+    "notice": {"severity": _TEXTS, "text": _TEXTS},
+    "code": {"digest": _TEXTS, "lines": [(int,)]},
+    "same": {"moved": [[(int,)]]},
+    "at": {"moment": _MOMENT},
+    "progress": _RUN | {"t": _NUMBER},
+    "run_began": _RUN | {"version": (int,)},
+    "lines": _RUN | {"thread": _TEXTS, "t": [_NUMBER], "line": [(int,)]},
+    "moves": _RUN | {"list": [{"line": (int,), "start_s": _NUMBER, "end_s": _NUMBER}]},
+    "events": _RUN | {"list": [{"type": _TEXTS, "text?": _TEXTS, "line?": (int,)}]},
+    "left_out": _RUN | {"events": (int,), "bytes": (int,)},
+    "contacts": _RUN | {"list": [{}]},
+    "cycle": _RUN | {"table": [{"line": (int,), "visits": (int,), "moving_s": _NUMBER, "standing_s": _NUMBER}]},
+    "run_ended": _RUN | {"state": _TEXTS, "moment": _MOMENT, "is_repeatable": (bool,), "alarm?": _ALARM},
+    "state": _RUN | _ASK | {"moment": _MOMENT},
+    "detail_ended": _RUN | _ASK,
+    "recorded": _ASK | {"content": _TEXTS},
+    "refused": _ASK | {"text": _TEXTS},
+}
+"""What a worker may send, and what of it the engine and those behind it read: types of values, lists of one kind of
+item, objects with these fields at least; `?` may be missing."""
 
 
 def framed(message: dict[str, Any]) -> bytes:
@@ -58,15 +89,27 @@ def message_of(data: bytes) -> dict[str, Any]:
     """Return the message in a frame of a worker.
 
     Raises:
-        EOFError: it is none: such a worker is taken for one that has ended.
+        EOFError: it is none, or lacks what its kind has: such a worker is taken for one that has ended.
     """
     try:
         message = json_value(data)
     except JsonError:
         raise EOFError from None
-    if not isinstance(message, dict) or type(message.get("type")) is not str:
+    kind = message.get("type") if isinstance(message, dict) else None
+    if type(kind) is not str or kind not in SHAPES or not _fits(message, SHAPES[kind]):
         raise EOFError
-    return message
+    return cast("dict[str, Any]", message)
+
+
+def _fits(value: Any, shape: Any) -> bool:
+    if isinstance(shape, tuple):
+        return type(value) in shape
+    if isinstance(shape, list):
+        return type(value) is list and all(_fits(item, shape[0]) for item in value)
+    return type(value) is dict and all(
+        _fits(value[name], inner) if (name := field.rstrip("?")) in value else name != field
+        for field, inner in shape.items()
+    )
 
 
 class Board:

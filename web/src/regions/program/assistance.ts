@@ -287,7 +287,7 @@ function commands(services: Services): readonly KeyBinding[] {
         const starts = found.map((use) => rangeOf(view.state.doc, use.span).from).sort((a, b) => a - b);
         const next = starts.find((start) => start > here) ?? starts[0];
         if (next !== undefined) view.dispatch({ selection: { anchor: next }, scrollIntoView: true });
-        say(view, shown("editor_uses", { count: starts.length }));
+        say(view, starts.length === 1 ? shown("editor_use") : shown("editor_uses", { count: starts.length }));
       }),
     },
     {
