@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from elitescript.cli import record, serve, shadow, sweep
 from elitescript.cli.main import main
 from elitescript.cli.output.report import LOGS, TextRunReport
 from elitescript.cli.serve import ServeLog
@@ -77,7 +78,19 @@ def renamed(call: Call) -> Call:
     return call._replace(words=words, files=files)
 
 
-SLOW = ("sweep", "sweep --out", "sweep --page", "sweep --minimise", "doctor", "doctor --json", "run --case")
+SLOW = (
+    "sweep",
+    "sweep alarm",
+    "audit --fit",
+    "audit --page",
+    "replay --trace",
+    "sweep --out",
+    "sweep --page",
+    "sweep --minimise",
+    "doctor",
+    "doctor --json",
+    "run --case",
+)
 """Those that take longer and print what others print, too."""
 
 
@@ -110,17 +123,17 @@ def test_nothing_that_a_command_prints_acts(call, tmp_path, monkeypatch, capfd):
         harmless(done.out, is_github="github" in call.words)
 
 
-@pytest.mark.parametrize("text", TEXTS.values(), ids=TEXTS)
 @pytest.mark.parametrize("is_json", [False, True], ids=["text", "json"])
-def test_a_text_is_shown_whole(text, is_json, tmp_path, monkeypatch, capfd):
-    program = f"def p():\n  textmsg({text!a})\nend\n"
-    call = of("run --json" if is_json else "run")._replace(files={"moves.script": program})
+def test_a_text_is_shown_whole(is_json, tmp_path, monkeypatch, capfd):
+    said = "".join(f"  textmsg({text!a})\n" for text in TEXTS.values())
+    call = of("run --json" if is_json else "run")._replace(files={"moves.script": f"def p():\n{said}end\n"})
     out = harmless(called(call, tmp_path, monkeypatch, capfd).out)
     if is_json:
-        (said,) = [row["text"] for row in map(json.loads, out.splitlines()) if row["type"] == "log"]
-        assert said == text
+        rows = [json.loads(line) for line in out.splitlines()]
+        assert [row["text"] for row in rows if row["type"] == "log"] == [*TEXTS.values()]
     else:
-        assert out.startswith(f"     0.000 s  {shown(text)}\n     0.000 s  finished")
+        lines = "".join(f"     0.000 s  {shown(text)}\n" for text in TEXTS.values())
+        assert out.startswith(f"{lines}     0.000 s  finished")
 
 
 # ---------------------------------------------------------------- every event, every line of `serve`
@@ -164,3 +177,9 @@ def test_no_text_about_a_client_or_a_robot_acts(kind):
     log.studio(ALL, "")
     log.studio(ALL, ALL)
     assert len(harmless(out.getvalue()).split("\n")) == 1 + 4 * ALL.count("\n") + 4 + ALL.count("\n")
+
+
+@pytest.mark.parametrize("say", [record._say, shadow._say, sweep._note, serve._warn], ids=lambda say: say.__module__)
+def test_no_text_of_a_note_acts(say, capsys):
+    say(ALL)
+    assert harmless(capsys.readouterr().err).count("\n| ") == ALL.count("\n")

@@ -695,7 +695,8 @@ class TestConditions:
         path = program(tmp_path, self.TEXT)
         stop = client.start(path, {"line": 4, "condition": "xx > 1"})["body"]
         assert (stop["reason"], stop["hitBreakpointIds"]) == ("breakpoint", [1])
-        text = "the condition of line 4 cannot be evaluated: xx > 1: there is no variable 'xx' here (said once)"
+        why = "there is no variable 'xx' here; did you mean 'x'?"
+        text = f"the condition of line 4 cannot be evaluated: xx > 1: {why} (said once)"
         assert (stop["description"], stop["text"]) == ("a condition that cannot be evaluated", text)
         (output,) = [body for body in client.bodies("output") if text in body["output"]]
         assert (output["category"], output["line"], output["source"]["path"]) == ("important", 4, str(path))

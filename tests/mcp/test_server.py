@@ -1,6 +1,7 @@
 """The server as a client of the protocol's own library sees it; calls about programs go through a real worker."""
 
 import asyncio
+import io
 import json
 import os
 import sys
@@ -13,6 +14,7 @@ from mcp.client.client import Client
 from mcp.client.stdio import StdioServerParameters, stdio_client
 
 from elitescript.mcp.folder import Folder
+from elitescript.mcp.requests import requests
 from elitescript.mcp.server import make_server
 from elitescript.mcp.workers import Worker
 
@@ -192,6 +194,20 @@ def test_the_command_line_serves_standard_input_and_output(folder):
     assert json.dumps(found)
 
 
+def test_requests_have_texts_with_an_encoding():
+    lines = [
+        rb'{"id": 1, "text": "\ud83d \\ud83d \ud83d\ude00"}',
+        b'{"id": 2, "text": "\xed\xa0\xbd \xc3\xa9"}',
+        b"",
+        b"x" * 99_999,
+    ]
+    read = requests(io.BytesIO(b"\n".join(lines))).read().split("\n")
+    assert json.loads(read[0])["text"] == r"\ud83d \ud83d 😀"
+    assert json.loads(read[1])["text"] == "\ufffd\ufffd\ufffd \xe9"
+    assert read[2:] == ["", "x" * 99_999]
+
+
+@pytest.mark.slow
 def test_halves_of_surrogate_pairs_are_answered(folder):
     """In what a client asks, in what a program says, in names of files."""
     name = os.fsdecode(b"b\xe9d.script")

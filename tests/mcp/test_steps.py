@@ -97,6 +97,44 @@ def test_what_makes_no_sense_is_refused(steps, how, rest, text):
         go(steps, how, **rest)
 
 
+@pytest.mark.parametrize(
+    ("how", "rest", "text"),
+    [
+        ("continue", {"line": 3}, "line goes with last_pass, not with continue"),
+        ("next", {"time_s": 1.0}, "time_s goes with to_time, not with next"),
+        ("reverse", {"thread": 1}, "thread goes with next, in, out, back, not with reverse"),
+        ("to_time", {"time_s": -1.0}, "time_s must be"),
+        ("to_time", {"time_s": float("nan")}, "time_s must be finite"),
+        ("to_time", {"time_s": float("inf")}, "time_s must be finite"),
+        ("last_pass", {"line": 0}, "line must be a whole number >= 1"),
+        ("next", {"thread": 0}, "thread must be a whole number >= 1"),
+        ("next", {"thread": -1}, "thread must be a whole number >= 1"),
+    ],
+)
+def test_arguments_of_moves_are_checked(steps, how, rest, text):
+    with pytest.raises(UsageError, match=text):
+        go(steps, how, **rest)
+
+
+def test_a_condition_that_cannot_be_evaluated_is_said(steps):
+    steps.breakpoints({"lines": [{"line": 8, "condition": "partss > 1"}]})
+    stop = go(steps, "continue")
+    assert "there is no variable 'partss' here" in stop["text"]
+    assert [item["text"] for item in stop["output"]][-1] == stop["text"]
+    assert go(steps, "continue")["reason"] == "end"
+
+
+def test_large_values_say_what_is_left_out():
+    steps = Steps()
+    names = "".join(f"  v{n} = {n}\n" for n in range(150))
+    text = f"def job():\n  a = list(range(100000))\n{names}  sleep(0.1)\n  b = 1\nend\n"
+    steps.start({"name": "<text>", "text": text})
+    stop = go(steps, "to_time", time_s=0.05)
+    found = stop["variables"]["Locals"]
+    assert found["a"].endswith("99, … 99,900 more]") and found["…"] == "… 51 more"
+    assert steps.evaluate({"expression": "a"})["value"] == found["a"]
+
+
 def test_what_does_not_compile_is_refused():
     with pytest.raises(ProgramError):
         Steps().start({"name": "<text>", "text": "def job(:\n"})

@@ -44,7 +44,7 @@ def test_everything_comes_in_its_order() -> None:
     assert sent == [
         {"type": "run_began", "run": 1},
         b"rows",
-        {"type": "events", "list": [1.5, "é", "\ud800", "NaN"]},
+        {"type": "events", "list": [1.5, "é", r"\ud800", "NaN"]},
     ]
     assert overflows == 0
 

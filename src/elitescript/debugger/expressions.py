@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import ast
 import operator
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache
 from types import WrapperDescriptorType
 from typing import Any, Final
 
 from elitescript.debugger.api import DebugError
+from elitescript.errors import did_you_mean
 
 STEPS_MAX: Final = 200_000
 """Most nodes that one expression may take."""
@@ -100,7 +101,21 @@ Call = Callable[[str, tuple[Any, ...], dict[str, Any]], Any]
 
 
 class MissingName(DebugError):
-    """A name that nothing has where an expression is computed."""
+    """A name that nothing has where an expression is computed.
+
+    Args:
+        name: that is missing.
+        known: returns the names that there are.
+    """
+
+    def __init__(self, name: str, known: Callable[[], Iterable[str]]) -> None:
+        super().__init__(f"there is no variable {short(name)!r} here")
+        self._name = name
+        self._known = known
+
+    def near(self) -> str:
+        """Return the most similar name as a question; empty if none is similar."""
+        return did_you_mean(self._name, self._known())
 
 
 class TooLong(DebugError):

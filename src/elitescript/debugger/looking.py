@@ -507,7 +507,11 @@ class Names:
             if signal.size == 1:
                 return self._controller.read(name, 0)
             return Indexed(lambda index: self._point(name, index))
-        raise MissingName(f"there is no variable {short(name)!r} here")
+        raise MissingName(name, self._known)
+
+    def _known(self) -> set[str]:
+        own = {name for name in (*self._locals, *self._globals) if not name.startswith(("__", "@"))}
+        return own | ROBOT_VALUES.keys() | SIGNALS.keys()
 
     def _point(self, name: str, index: Any) -> Any:
         if type(index) is not int or not 0 <= index < SIGNALS[name].size:

@@ -142,6 +142,8 @@ def unevaluated(what: str, text: str, error: DebugError) -> str:
         error: why not.
     """
     reason = f"it may change nothing: {error.reason}" if isinstance(error, Refusal) else str(error)
+    if isinstance(error, MissingName):
+        reason += error.near()
     return f"{what} cannot be evaluated: {short(text)}: {reason} (said once)"
 
 

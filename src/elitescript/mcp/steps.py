@@ -33,6 +33,9 @@ THREAD_STEPS: Final = {
 RUNS: Final = {"continue": DebugSession.resume, "reverse": DebugSession.reverse}
 """Moves of the whole run."""
 
+GOES_WITH: Final = {"thread": tuple(THREAD_STEPS), "time_s": ("to_time",), "line": ("last_pass",)}
+"""Arguments that belong to some moves alone."""
+
 
 class Steps:
     """The debugged run of a worker."""
@@ -60,6 +63,9 @@ class Steps:
     def go(self, request: Mapping[str, Any]) -> dict[str, Any]:
         """Let the run go on or back; return where it stops."""
         session, how = self._debugged, request["how"]
+        for name, fitting in GOES_WITH.items():
+            if request.get(name) is not None and how not in fitting:
+                raise UsageError(f"{name} goes with {', '.join(fitting)}, not with {how}")
         try:
             if how in THREAD_STEPS:
                 return self._stopped(THREAD_STEPS[how](session, _thread(request, session)))
