@@ -285,8 +285,9 @@ class TestReads:
 
     OTHERS: ClassVar = {
         "cli/contact_findings.py": "what its own process writes to it",
-        "cli/main.py": "/dev/null",
+        "cli/output/streams.py": "/dev/null",
         "cli/watched.py": "/proc of its own processes",
+        "commands/definition/docstring.py": "files of the package",
         "coverage/recording.py": "memory of its own processes",
         "dap/worker.py": "/dev/null",
         "environment/coverage_file.py": "memory of its own processes",
@@ -371,7 +372,7 @@ class TestWrites:
 
     OTHERS: ClassVar = {
         "audit/auditing.py": "into a folder of its own",
-        "cli/main.py": "/dev/null",
+        "cli/output/streams.py": "/dev/null",
         "environment/coverage_file.py": "memory of its own processes",
         "services/journal/file.py": "cuts what it could not write whole from its own journal",
         "sweep/many_runs.py": "moves its own journal",

@@ -17,6 +17,7 @@ from elitescript.shown import (
     shown,
     shown_word,
     visible,
+    with_bytes,
 )
 
 SHOWN = {
@@ -116,6 +117,12 @@ def test_halves_in_json_are_texts_of_it(text):
 def test_halves_are_escapes():
     assert encodable("a\ud83db\u4e2d\U0001f600") == "a\\ud83db\u4e2d\U0001f600"
     assert printable("a\nb\x1b\udce9\ufffe\u4e2d") == r"a\nb\x1b\udce9\ufffe" + "\u4e2d"
+
+
+def test_names_of_files_come_back():
+    name = "b\udce9\udc80 \u4e2d.script"
+    assert with_bytes(encodable(name)) == name
+    assert with_bytes(r"\ud83d \udc7f \u00e9") == r"\ud83d \udc7f \u00e9"
 
 
 def test_texts_that_are_shown_elsewhere_keep_their_lines():

@@ -109,6 +109,13 @@ def encodable(text: str) -> str:
     return text if text.isascii() else text.encode("utf-8", "backslashreplace").decode()
 
 
+def with_bytes(name: str) -> str:
+    """Return the name of a file as the system has it, from what `encodable` has made of one."""
+    if "\\udc" not in name:
+        return name
+    return re.sub(r"\\u(dc[89a-f][0-9a-f])", lambda found: chr(int(found[1], 16)), name)
+
+
 def encodable_json(text: str) -> str:
     """Return JSON all of whose texts have an encoding: as by `encodable`, also where it has them as escapes of JSON."""
     text = encodable(text)

@@ -71,7 +71,9 @@ class Call(NamedTuple):
         input: standard input, which ends behind it.
         ends: whether it ends `itself`, at the end of its `input`, or only at a `signal`; then it has printed a line
             that begins with `ready`.
-        may_be_endless: whether calls of this kind can go on for ever: run, sweep, serve, record.
+        may_be_endless: whether calls of this kind can go on for ever, and so end with the reader of their output; those
+            that speak a protocol end with their client instead.
+        prints: whether it prints on standard output.
         beside: what must be there: nothing, a `controller` on the network, or a served `robot` that `ctl` reaches.
         extras: modules that must be installed.
         needs_page: whether the front end must be built.
@@ -86,6 +88,7 @@ class Call(NamedTuple):
     input: str = ""
     ends: Ends = "itself"
     may_be_endless: bool = False
+    prints: bool = True
     beside: Beside = ""
     extras: tuple[str, ...] = ()
     needs_page: bool = False
@@ -195,7 +198,7 @@ PROGRAM: Final[Mapping[str, File]] = {"moves.script": MOVES}
 CALLS: Final = (
     Call("run", ("run", "moves.script"), PROGRAM, may_be_endless=True),
     Call("run alarm", ("run", "alarm.script"), {"alarm.script": ALARM}, 1, may_be_endless=True),
-    Call("run broken", ("run", "broken.script"), {"broken.script": BROKEN}, 3, may_be_endless=True),
+    Call("run broken", ("run", "broken.script"), {"broken.script": BROKEN}, 3, may_be_endless=True, prints=False),
     Call("run --json", ("run", "moves.script", "--json", "--until", "0.1"), PROGRAM, 4, may_be_endless=True),
     Call("run --trace", ("run", "moves.script", "--trace", "out.csv"), PROGRAM, 0, ("out.csv",), may_be_endless=True),
     Call("run --state", ("run", "moves.script", "--state", "s.json"), PROGRAM, 0, ("s.json",), may_be_endless=True),
@@ -247,18 +250,18 @@ CALLS: Final = (
         may_be_endless=True,
         extras=("optuna",),
     ),
-    Call("check", ("check", "moves.script"), PROGRAM),
+    Call("check", ("check", "moves.script"), PROGRAM, prints=False),
     Call("check broken", ("check", "broken.script"), {"broken.script": BROKEN}, 3),
     Call("check json", ("check", "broken.script", "--format", "json"), {"broken.script": BROKEN}, 3),
     Call("check github", ("check", "broken.script", "--format", "github"), {"broken.script": BROKEN}, 3),
     Call("check sarif", ("check", "broken.script", "--format", "sarif"), {"broken.script": BROKEN}, 3),
-    Call("check --fix", ("check", "moves.script", "--fix"), PROGRAM, changes=("moves.script",)),
+    Call("check --fix", ("check", "moves.script", "--fix"), PROGRAM, changes=("moves.script",), prints=False),
     Call("check --explain", ("check", "--explain", "E303")),
-    Call("check --reach", ("check", "moves.script", "--reach"), PROGRAM),
+    Call("check --reach", ("check", "moves.script", "--reach"), PROGRAM, prints=False),
     Call("check -", ("check", "-"), code=3, input=BROKEN),
-    Call("fmt", ("fmt", "ugly.script"), {"ugly.script": UGLY}, changes=("ugly.script",)),
-    Call("fmt broken", ("fmt", "broken.script"), {"broken.script": BROKEN}, 3),
-    Call("fmt --check", ("fmt", "ugly.script", "--check"), {"ugly.script": UGLY}, 1),
+    Call("fmt", ("fmt", "ugly.script"), {"ugly.script": UGLY}, changes=("ugly.script",), prints=False),
+    Call("fmt broken", ("fmt", "broken.script"), {"broken.script": BROKEN}, 3, prints=False),
+    Call("fmt --check", ("fmt", "ugly.script", "--check"), {"ugly.script": UGLY}, 1, prints=False),
     Call("fmt --diff", ("fmt", "ugly.script", "--diff"), {"ugly.script": UGLY}),
     Call("fmt -", ("fmt", "-"), input=UGLY),
     Call("plot", ("plot", "moves.script", "-o", "out.html"), PROGRAM, 0, ("out.html",), needs_page=True),
@@ -293,14 +296,13 @@ CALLS: Final = (
         ends="signal",
         may_be_endless=True,
     ),
-    Call("replay", ("replay", "a.journal"), {"a.journal": journal}, may_be_endless=True),
+    Call("replay", ("replay", "a.journal"), {"a.journal": journal}),
     Call(
         "replay --trace",
         ("replay", "a.journal", "--trace", "out.csv"),
         {"a.journal": journal},
         0,
         ("out.csv",),
-        may_be_endless=True,
     ),
     Call("audit", ("audit", "run.mcap"), {"run.mcap": recording}, extras=("mcap",)),
     Call("audit --json", ("audit", "run.mcap", "--json"), {"run.mcap": recording}, extras=("mcap",)),
@@ -336,11 +338,11 @@ CALLS: Final = (
         may_be_endless=True,
         beside="controller",
     ),
-    Call("dap", ("dap",), input=DAP_SESSION, ends="input", may_be_endless=True),
+    Call("dap", ("dap",), input=DAP_SESSION, ends="input", prints=False),
     Call("doctor", ("doctor", "--instance", "90")),
     Call("doctor --json", ("doctor", "--instance", "90", "--json")),
-    Call("lsp", ("lsp",), input=LSP_SESSION, ends="input", may_be_endless=True, extras=("pygls",)),
-    Call("mcp", ("mcp", "."), ends="input", may_be_endless=True, extras=("mcp",)),
+    Call("lsp", ("lsp",), input=LSP_SESSION, ends="input", prints=False, extras=("pygls",)),
+    Call("mcp", ("mcp", "."), ends="input", prints=False, extras=("mcp",)),
     Call(
         "studio",
         ("studio", "moves.script", "--no-browser"),
@@ -407,7 +409,7 @@ def start(
     variables = {**os.environ, **(environment or {})}
     streams = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
     return subprocess.Popen(
-        [sys.executable, *python, "-m", "elitescript", *call.words, *more],
+        [sys.executable, "-P", *python, "-m", "elitescript", *call.words, *more],
         cwd=folder,
         env={name: value for name, value in variables.items() if value is not None},
         **{**streams, **options},

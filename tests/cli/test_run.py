@@ -461,7 +461,8 @@ def test_a_device_that_fails_is_an_error_with_its_place(program, capsys, tmp_pat
     )
     path = tmp_path / "world.toml"
     path.write_text("[[device]]\nclass = 'cell.py:Bad'\n")
-    assert main(["run", program("def main():\n  sleep(1)\nend\n"), "--world", str(path)]) == 1
+    # The program has not begun.
+    assert main(["run", program("def main():\n  sleep(1)\nend\n"), "--world", str(path)]) == 2
     assert f"{tmp_path / 'cell.py'}:6: device Bad: ZeroDivisionError" in capsys.readouterr().err
 
 

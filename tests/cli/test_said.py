@@ -69,10 +69,11 @@ def _raw(text: str) -> str:
 
 
 def renamed(call: Call) -> Call:
-    """Return a call whose programs have a name of a stranger."""
+    """Return a call whose programs, and what it writes, have names of a stranger."""
     names = {name: f"a\x1b[2J\n::error::##[x]\u202e\udce9{name}" for name in call.files if name.endswith(".script")}
     if "--case" in call.words:
         names = {}
+    names |= {name: f"b\x1b[2J\n::error::##[x]\u202e\udce9{name}" for name in call.writes}
     words = tuple(names.get(word, word) for word in call.words)
     files = {names.get(name, name): text for name, text in call.files.items()}
     return call._replace(words=words, files=files)

@@ -48,6 +48,12 @@ def _limits() -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
+def _memory() -> None:
+    import resource
+
+    resource.setrlimit(resource.RLIMIT_AS, (300 << 20, 300 << 20))
+
+
 def _another_user() -> None:
     if os.geteuid() == 0:
         os.setgroups([])
@@ -80,6 +86,10 @@ SURROUNDINGS: Final = {
     "nice": Surroundings(before=partial(os.nice, 19)),
     "limits": Surroundings(before=_limits),
     "python -O": Surroundings(python=("-O",)),
+    "python -OO": Surroundings(python=("-OO",)),
+    "PYTHONOPTIMIZE=2": Surroundings({"PYTHONOPTIMIZE": "2"}),
+    "warnings are errors": Surroundings({"PYTHONWARNINGS": "error", "PYTHONDEVMODE": None}),
+    "a memory limit of the shell": Surroundings(before=_memory),
     "another user": Surroundings({"PYTHONDONTWRITEBYTECODE": "1"}, before=_another_user),
 }
 
@@ -151,9 +161,3 @@ def test_a_place_that_takes_no_output_ends_a_run_without_a_traceback(target: str
         os.close(output)
     assert b"Traceback" not in said
     assert b"Exception ignored" not in said
-
-
-def test_python_without_docstrings_is_refused_with_what_to_do(folder: Path) -> None:
-    code, out, err = outcome(PROGRAMS[0].name, folder, Surroundings({"PYTHONOPTIMIZE": "2"}))
-    assert (code, out) == (2, b"")
-    assert b"docstrings, which Python leaves out with -OO or PYTHONOPTIMIZE=2: take -O or 1" in err

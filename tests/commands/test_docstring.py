@@ -1,6 +1,12 @@
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+
 from elitescript.commands.definition.docstring import read_docstring
+
+ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
 
 TEXT = """Do a thing: at once.
 
@@ -48,3 +54,25 @@ def test_text_behind_a_section_belongs_to_the_behaviour() -> None:
     doc = read_docstring("One.\n\nArgs:\n    a: first.\n\nLater words.\n")
     assert doc.args == {"a": "first."}
     assert doc.behaviour == "Later words."
+
+
+class TestDocstringsThatPythonHasLeftOut:
+    """`-OO` strips them from the code; the sources have them."""
+
+    def test_those_of_commands_and_rules_are_read_from_their_sources(self) -> None:
+        call = """
+from inspect import cleandoc
+from elitescript.commands.catalogue import CATALOGUE
+from elitescript.commands.definition.docstring import docstring_of
+from elitescript.lint.registry import all_rules
+
+for text in (*(docstring_of(row.function) for row in CATALOGUE), *(row.explanation for row in all_rules())):
+    assert text
+    print(cleandoc(text))
+"""
+        shown = [
+            subprocess.run([sys.executable, *options, "-c", call], env=ENVIRONMENT, capture_output=True, check=True)
+            for options in ([], ["-OO"])
+        ]
+        assert shown[0].stdout == shown[1].stdout
+        assert len(shown[0].stdout) > 50_000

@@ -686,6 +686,19 @@ def test_no_message_is_left_behind_wherever_another_one_interrupts_its_sending()
     assert 5 <= interrupted < 20
 
 
+def test_no_text_of_a_program_acts_in_the_console(client, tmp_path):
+    text = r"a\n::error::b ##[c] \x1b[2J \ud83d"
+    said = f'  textmsg("{text}")\n  popup("{text}", "{text}", False, False)\n  raise ValueError("{text}")\n'
+    client.initialize()
+    client.stop_of(client.launch(program(tmp_path, f"def cell():\n{said}end\n")))
+    shown = "a\n| :\\x3aerror::b #\\x23[c] \\x1b[2J \\ud83d\n"
+    assert [one for one in client.texts() if "error" in one] == [
+        shown,
+        f"{shown[:-1]}: {shown}",
+        f"R100 ValueError: {shown}",
+    ]
+
+
 class TestConditions:
     """What cannot be evaluated: what the client is told; see tests/debugger/test_conditions.py."""
 

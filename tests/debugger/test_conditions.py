@@ -335,3 +335,17 @@ def test_on_a_robot_that_lives_what_makes_no_sense_is_refused_alone() -> None:
     assert [state["verified"] for state in states] == [False, False, True]
     assert "count from 1" in states[0]["message"] and "is no expression" in states[1]["message"]
     assert living.stop()["line"] == 5
+
+
+def test_on_a_robot_that_lives_a_variable_that_never_comes_is_said() -> None:
+    living = Living()
+    rows = [{"data_id": "countt"}, {"data_id": "countt > 1"}, {"data_id": "count > 100"}]
+    assert all(state["verified"] for state in living.ask("set_data_breakpoints", requests=rows))
+    for texts in (["countt", "countt > 1"], []):
+        living.run(TEXT)
+        while not any(item["event"] == "ended" for item in living.events):
+            living.tick()
+        assert outputs_of(living) == [
+            f"the data breakpoint {name} has watched nothing: the program had no such variable" for name in texts
+        ]
+        living.events.clear()

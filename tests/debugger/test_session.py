@@ -886,3 +886,10 @@ end
             session.next(1)
             with pytest.raises(DebugError, match="too l"):
                 session.evaluate(text, session.stack(1)[0].id)
+
+
+@pytest.mark.parametrize("text", ["9" * 5000, "str(10 ** 5000)", "int('9' * 5000)", "f'{10 ** 5000}'"])
+def test_too_many_digits_are_said_in_plain_words(text):
+    with at_entry("sleep(1)\n") as session, pytest.raises(DebugError, match="a number has too many digits") as raised:
+        session.evaluate(text)
+    assert "sys." not in str(raised.value) and len(str(raised.value)) < 200

@@ -33,9 +33,13 @@ WRONG: dict[str, tuple[Any, ...]] = {
 """Values that are not of a type of JSON."""
 
 
+SERVER = make_server(Folder("."), 1.0)
+"""One for all tests: making it takes longer than a call."""
+
+
 def tools() -> dict[str, dict[str, Any]]:
     async def run() -> dict[str, dict[str, Any]]:
-        async with Client(make_server(Folder("."), 1.0)) as client:
+        async with Client(SERVER) as client:
             return {tool.name: tool.input_schema for tool in (await client.list_tools()).tools}
 
     return asyncio.run(run())
@@ -48,7 +52,7 @@ def answers(*wanted: tuple[str, dict[str, Any]]) -> list[str]:
     """Return what each call is refused with; `done` for one that is not."""
 
     async def run() -> list[str]:
-        async with Client(make_server(Folder("."), 1.0)) as client:
+        async with Client(SERVER) as client:
             found = [await client.call_tool(name, arguments) for name, arguments in wanted]
         return [answer.content[0].text if answer.is_error else "done" for answer in found]
 

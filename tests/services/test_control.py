@@ -319,6 +319,68 @@ def test_only_its_user_may_speak_to_a_robot(short_folder: Path) -> None:
         runtime_folder()
 
 
+class TestPlacesThatCannotBeUsed:
+    """Each is told in one sentence, with the path and the variable that leads there."""
+
+    @pytest.fixture
+    def place(self, monkeypatch: pytest.MonkeyPatch, short_folder: Path) -> Path:
+        monkeypatch.delenv("XDG_RUNTIME_DIR")
+        monkeypatch.setattr(tempfile, "tempdir", str(short_folder))
+        return short_folder
+
+    @staticmethod
+    def refusal() -> str:
+        with pytest.raises(UsageError) as refused:
+            runtime_folder()
+        return str(refused.value)
+
+    def test_a_file_is_there(self, place: Path) -> None:
+        path = place / runtime_folder().name
+        path.rmdir()
+        path.touch()
+        assert self.refusal() == (
+            f"{path}: it is a file, not a folder; addresses of served robots are there, and the variable TMPDIR says "
+            "where that is"
+        )
+
+    @pytest.mark.skipif(os.name != "posix", reason="modes of files")
+    def test_a_link_is_there_or_others_may_write(self, place: Path) -> None:
+        path = runtime_folder()
+        path.chmod(0o777)
+        assert f"{path}: it must be a folder that only you can use (mode 700); remove it; addresses" in self.refusal()
+        path.rmdir()
+        path.symlink_to(place)
+        assert "and the variable TMPDIR says where that is" in self.refusal()
+
+    def test_there_is_no_place(self, place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(tempfile, "tempdir", str(place / "none"))
+        assert f"{place / 'none'}" in self.refusal()
+
+    @pytest.mark.parametrize("value", ["", "relative", "/none/at/all"])
+    def test_a_variable_that_names_no_folder_says_nothing(
+        self, value: str, place: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setenv("XDG_RUNTIME_DIR", value)
+        assert runtime_folder().parent == place
+
+    @pytest.mark.skipif(not hasattr(asyncio, "open_unix_connection"), reason="needs sockets in folders")
+    def test_its_path_is_too_long_for_a_socket(self, place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        long = place / ("x" * 110)
+        long.mkdir()
+        monkeypatch.setattr(tempfile, "tempdir", str(long))
+
+        async def test() -> None:
+            with pytest.raises(UsageError) as refused:
+                async with controlled():
+                    pass
+            assert str(refused.value) == (
+                f"{runtime_folder() / 'serve-0.sock'}: AF_UNIX path too long; addresses of served robots are there, "
+                "and the variable TMPDIR says where that is"
+            )
+
+        run(test())
+
+
 def test_two_serves_of_one_instance_get_two_addresses() -> None:
     async def test() -> None:
         async with controlled() as (_, first), controlled() as (_, second):

@@ -5,10 +5,8 @@
 
 from __future__ import annotations
 
-import os
-import signal
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Final
 
@@ -21,12 +19,8 @@ from elitescript.untrusted.files import PROGRAM, read_text
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
-    from types import FrameType
 
     from elitescript.cli.plain_call import PathArgument
-
-ENDING_SIGNALS: Final = ("SIGTERM", "SIGHUP")
-"""Signals that end a call which does not handle them."""
 
 
 @contextmanager
@@ -34,8 +28,7 @@ def outputs_of(options: argparse.Namespace) -> Iterator[None]:
     """Check the paths of a call, and hold its outputs until its end.
 
     `options.outputs` has an `Output` for each option with a file that is written at once or in the end, by the name of
-    the option in `options`. What the command has not finished is dropped. A signal that ends the process leaves the
-    rows of a trace so far, and no other new content.
+    the option in `options`. What the command has not finished is dropped.
 
     Raises:
         UsageError: an output cannot be written, would destroy an input or another output, or another process writes it.
@@ -56,14 +49,13 @@ def outputs_of(options: argparse.Namespace) -> Iterator[None]:
     reads += _named_by_programs(options, arguments, written)
     check_paths(reads, written, is_forced=getattr(options, "force", False))
     options.outputs = held
-    with _ended_by_signals(held) if claimed else nullcontext():
-        try:
-            for name, row in claimed:
-                held[name] = Output(row.path, row.called)
-            yield
-        finally:
-            for output in held.values():
-                output.drop()
+    try:
+        for name, row in claimed:
+            held[name] = Output(row.path, row.called)
+        yield
+    finally:
+        for output in held.values():
+            output.drop()
 
 
 def _reads(options: argparse.Namespace, arguments: dict[str, PathArgument], left_out: str) -> Iterator[Read]:
@@ -109,36 +101,6 @@ def _files_named_in(text: str, name: str) -> Iterator[str]:
             # A path that leads out of the folder is refused when the program runs.
             with suppress(ElitescriptError, ScriptError):
                 yield relative_name(named.name)
-
-
-@contextmanager
-def _ended_by_signals(held: dict[str, Output]) -> Iterator[None]:
-    """Put outputs in order when a signal ends the process that nothing else handles."""
-
-    def end(number: int, _frame: FrameType | None) -> None:
-        for output in held.values():
-            # In the middle of a write nothing can be put in order but the name.
-            with suppress(OSError, RuntimeError):
-                if output.is_partly_kept and output.is_open:
-                    output.finish()
-            with suppress(OSError, RuntimeError):
-                output.drop()
-        signal.signal(number, signal.SIG_DFL)
-        os.kill(os.getpid(), number)
-
-    handled = []
-    for name in ENDING_SIGNALS:
-        number = getattr(signal, name, None)
-        with suppress(ValueError):  # not the main thread
-            if number is not None and signal.getsignal(number) == signal.SIG_DFL:
-                signal.signal(number, end)
-                handled.append(number)
-    try:
-        yield
-    finally:
-        for number in handled:
-            if signal.getsignal(number) is end:
-                signal.signal(number, signal.SIG_DFL)
 
 
 # ---------------------------------------------------------------- what is read

@@ -8,6 +8,7 @@ from __future__ import annotations
 import gc
 import os
 import sys
+from contextlib import suppress
 from functools import partial
 
 from elitescript.cli.watched import MARK, can_watch, run_watched
@@ -21,16 +22,19 @@ if TYPE_CHECKING:
     from typing import Any, Never
 
 USAGE = 2
-"""Exit code of an invalid call."""
+"""Exit code of an invalid call, and of one that could not do what it was to; 1 is what came of a command."""
 
-INTERRUPTED = 130
-"""Exit code after Ctrl-C, as shells count it."""
+DOES_NOT_COMPILE = 3
 
 HASH_SEED = "0"
 """The order of a set of strings depends on it, so every process has the same."""
 
 _RUNNING = ("run", "plot", "serve", "replay", "sweep", "audit", "shadow")
 """Commands that run programs."""
+
+_CLEANS_UP = ("run", "plot", "sweep")
+"""Commands that have something to do when SIGTERM or SIGHUP ends them, and are not kept from it by a program: another
+process watches it."""
 
 _AT_WORK = frozenset(("elitescript.world_file", "_lsprof", "bdb"))
 """Modules that have something to do when a call is over."""
@@ -42,25 +46,24 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _run(list(argv))
     # Hardly anything that is made while modules load can be freed: to look for it takes a tenth of the start.
     gc.disable()
+    arguments = sys.argv[1:]
+    # Imported late: callers from Python keep their streams.
+    from elitescript.cli.output import streams
+
     if None in (sys.stdin, sys.stdout, sys.stderr):
-        _open_closed_streams()
-    code = _run(sys.argv[1:], is_process=True)
+        streams.open_closed_streams()
+    streams.open_streams(arguments[0] if arguments else "")
+    code = _run(arguments, is_process=True)
+    failure = streams.failure_of_streams()
+    if streams.is_ended_with_reader(arguments[0] if arguments else ""):
+        code = streams.ENDED_WITH_READER
+    elif failure is not None:
+        if code != USAGE:
+            # Else it has been said.
+            _say(arguments, os_error_text(failure))
+        code = code if code and failure.filename == streams.ERROR else USAGE
     _leave(code)
     return code
-
-
-def _open_closed_streams() -> None:
-    """Open the null device for standard streams that the caller has closed (`>&-`).
-
-    The next file that is opened would get their number, and what is printed would go there.
-    """
-    for number, name in enumerate(("stdin", "stdout", "stderr")):
-        if getattr(sys, name) is None:
-            null = os.open(os.devnull, os.O_RDWR)
-            if null != number:
-                os.dup2(null, number)
-                os.close(null)
-            setattr(sys, name, os.fdopen(number, "w" if number else "r", closefd=False))
 
 
 def _run(arguments: list[str], *, is_process: bool = False) -> int:
@@ -68,8 +71,36 @@ def _run(arguments: list[str], *, is_process: bool = False) -> int:
         if is_process and arguments[:1] and arguments[0] in _RUNNING and _needs_another_process(arguments):
             return _run_again(arguments)
         return _run_here(arguments, is_process=is_process)
-    except KeyboardInterrupt:
-        return INTERRUPTED
+    except KeyboardInterrupt as stop:
+        from elitescript.environment.stop_signals import exit_code_of
+
+        return exit_code_of(stop)
+    except SystemExit as left:
+        # Help, version and usage are printed by then, or so it seems: see `main`.
+        if not is_process or not isinstance(left.code, int):
+            raise
+        return left.code
+    except Exception as error:
+        if not is_process:
+            raise
+        from elitescript.cli.internal_error import sentence
+
+        _say(arguments, sentence(error))
+        return USAGE
+
+
+def _say(arguments: list[str], text: str) -> None:
+    from elitescript.shown import shown
+
+    with suppress(OSError):
+        print(shown(f"{' '.join(['elitescript', *arguments[:1]])}: {text}"), file=sys.stderr)
+
+
+def os_error_text(error: OSError) -> str:
+    """Return what a system error says: the name first."""
+    if error.filename is None or error.strerror is None:
+        return error.strerror or str(error)
+    return f"{error.filename}: {error.strerror}"
 
 
 def _leave(code: int) -> None:
@@ -115,33 +146,22 @@ def _run_here(arguments: list[str], start_again: Callable[[], Never] | None = No
         options.parsed = program_of_any_seed(options)
         if options.parsed is None:
             start_again()
-    try:
-        with _screen(options):
-            return _answered(options, is_process=is_process)
-    except BrokenPipeError:
-        # The reader has closed the pipe (`| head`), which is no error.
-        sys.stderr = None
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
-    except OSError as error:
-        print(f"elitescript {options.command}: {error}", file=sys.stderr)
-        return USAGE
+    with _screen(options):
+        return _answered(options, is_process=is_process)
 
 
 def _answered(options: argparse.Namespace, *, is_process: bool) -> int:
     """Run a command; print what it raises, where texts of others do not drive a terminal, and return its exit code."""
-    from elitescript.errors import ElitescriptError, ProgramError, UsageError
+    from elitescript.errors import ElitescriptError, ProgramError
     from elitescript.shown import shown
 
     try:
         return _dispatch(options, is_process=is_process)
     except (ProgramError, ElitescriptError) as error:
         print(f"elitescript {options.command}: {shown(str(error))}", file=sys.stderr)
-        return USAGE if isinstance(error, UsageError) else 3 if isinstance(error, ProgramError) else 1
-    except BrokenPipeError:
-        raise
+        return DOES_NOT_COMPILE if isinstance(error, ProgramError) else USAGE
     except OSError as error:
-        print(f"elitescript {options.command}: {shown(str(error))}", file=sys.stderr)
+        print(f"elitescript {options.command}: {shown(os_error_text(error))}", file=sys.stderr)
         return USAGE
 
 
@@ -162,6 +182,10 @@ def _dispatch(options: argparse.Namespace, *, is_process: bool) -> int:
         count_programs(folder)
     command: Callable[[argparse.Namespace], int]
     command = getattr(import_module(f"elitescript.cli.{options.command}"), options.command)
+    if is_process and options.command in _CLEANS_UP:
+        from elitescript.environment.stop_signals import leave_by_signals
+
+        leave_by_signals()
     if is_process:
         # What is loaded stays, and need not be looked at again.
         gc.freeze()

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from typing import Any, Final
 
 from elitescript.cli.output.screen import palette_of, progress_on, rendered
+from elitescript.environment.stop_signals import cause_of, exit_code_of
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.text.source import SourceFile
 from elitescript.shown import shown
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 FOUND: Final = 0
 NONE_HOLDS: Final = 1
 DOES_NOT_COMPILE: Final = 3
-INTERRUPTED: Final = 130
 
 RUNS: Final = 100
 """Default of --runs."""
@@ -79,13 +79,14 @@ def search_values(options: argparse.Namespace, plan: Plan, engine: Engine, files
     try:
         with engine:
             outcome = optimise(search, engine, on_candidate=meter.note)
-    except BaseException as error:
+    except BaseException as stop:
         if output is not None:
             output.drop()
-        if not isinstance(error, KeyboardInterrupt):
+        if not isinstance(stop, KeyboardInterrupt):
             raise
-        print(f"elitescript sweep: ended by Ctrl-C after {meter.done} candidates; {meter.shown()}", file=sys.stderr)
-        return INTERRUPTED
+        done = f"ended by {cause_of(stop)} after {meter.done} candidates; {meter.shown()}"
+        print(f"elitescript sweep: {done}", file=sys.stderr)
+        return exit_code_of(stop)
     if files is not None and output is not None:
         files.forget()
         write_table(output, search.table_plan, (row for candidate in outcome.candidates for row in candidate.rows))

@@ -13,6 +13,7 @@ from elitescript.cli.output.screen import ScreenStream, StatusLine
 from elitescript.environment.allowance import shown_size
 from elitescript.errors import UsageError
 from elitescript.recorder.session import PORTS, Session, Target
+from elitescript.recorder.sinks import StorageError
 from elitescript.recorder.storing import McapSink, Rotation
 from elitescript.shown import shown, shown_word
 from elitescript.untrusted.files import ARM, PROGRAM, WORLD, read_bytes
@@ -54,6 +55,9 @@ def record(options: argparse.Namespace) -> int:
     session = Session(Target(host, ports, options.rate), [sink], _say)
     try:
         asyncio.run(_record(session, sink, options.seconds))
+    except StorageError as error:
+        _say(str(error))
+        return LOST
     finally:
         sink.close()
     print(_summary(session, sink))

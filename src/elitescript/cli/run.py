@@ -35,11 +35,10 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
 
+FAILED: Final = 1
+"""The program was run, and ended by an alarm or a device that has failed."""
 DOES_NOT_COMPILE: Final = 3
 NO_FILE: Final = "FILE is missing: name a program"
-
-INTERRUPTED: Final = 130
-"""Ctrl-C, as shells count it."""
 
 HINT_AFTER_S: Final = 5.0
 """Interval of wall time after which a run without a status line reports its place."""
@@ -102,13 +101,18 @@ def run(options: argparse.Namespace) -> int:
             try:
                 result = robot.run(unit, until_s=options.until, presets=presets, trace=trace, pace=pace, watch=watch)
             except ElitescriptError as error:
+                from elitescript.devices.agenda import DeviceError
+
                 # A device beside the robot has failed: readers of records need that event, and the end.
                 if options.json and robot.current is not None:
                     report.event(DeviceNoted(robot.tick, "world", str(error), is_warning=True))
                     report.end(robot.current, is_interrupted=False, overruns=None)
-                raise
-    report.end(result, is_interrupted=interrupted.happened, overruns=None if pace is None else pace.overruns)
-    return INTERRUPTED if interrupted.happened else EXIT_CODES[result.state]
+                if not isinstance(error, DeviceError):
+                    raise
+                print(f"elitescript run: {shown(str(error))}", file=sys.stderr)
+                return FAILED
+    report.end(result, is_interrupted=bool(interrupted.number), overruns=None if pace is None else pace.overruns)
+    return interrupted.exit_code or EXIT_CODES[result.state]
 
 
 def _run_case(options: argparse.Namespace, report: RunReport) -> int:
@@ -131,16 +135,16 @@ def _run_case(options: argparse.Namespace, report: RunReport) -> int:
             handlers.append(stack.enter_context(_InterruptHandler(robot)))
 
         played = replay.play(trace=trace or None, on_event=report.event, before=before)
-        is_interrupted = bool(handlers) and handlers[0].happened
+        stopped = handlers[0].exit_code if handlers else 0
     said = CaseReport(replay, played)
     if options.json:
         print(said.text(), flush=True)
     if played.run is None:
         raise UsageError(played.words)
-    report.end(played.run, is_interrupted=is_interrupted, overruns=None)
+    report.end(played.run, is_interrupted=bool(stopped), overruns=None)
     if not options.json:
         print(*map(shown, said.lines()), sep="\n", file=sys.stderr)
-    return INTERRUPTED if is_interrupted else EXIT_CODES[played.run.state]
+    return stopped or EXIT_CODES[played.run.state]
 
 
 def _trace(options: argparse.Namespace, robot: VirtualRobot, stack: ExitStack) -> Trace | Literal[False]:
@@ -202,21 +206,34 @@ class _Watch:
 
 
 class _InterruptHandler:
-    """Ends the program at its next checkpoint after Ctrl-C, and the process at once after a second one."""
+    """Ends the program at its next checkpoint after Ctrl-C or another signal to stop, and the process at once after a
+    second Ctrl-C.
+
+    Attributes:
+        number: of the signal; 0 if none has come.
+    """
 
     def __init__(self, robot: VirtualRobot) -> None:
         self._robot = robot
-        self.happened = False
-        self._previous: Any = None
+        self.number = 0
+        self._previous: dict[int, Any] = {}
         self._timer: Any = None
 
+    @property
+    def exit_code(self) -> int:
+        """Exit code of a run that a signal has ended, as shells count it; 0 if none has come."""
+        return 128 + self.number if self.number else 0
+
     def __enter__(self) -> _InterruptHandler:
-        self._previous = signal.signal(signal.SIGINT, self._handle)
+        # Of the others those are handled of which the process is to be left; see `leave_by_signals`.
+        others = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+        numbers = [signal.SIGINT, *(number for number in others if callable(signal.getsignal(number)))]
+        self._previous = {number: signal.signal(number, self._handle) for number in numbers}
         return self
 
-    def _handle(self, _number: int, _frame: FrameType | None) -> None:
-        self.happened = True
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    def _handle(self, number: int, _frame: FrameType | None) -> None:
+        self.number = number
+        signal.signal(number, signal.SIG_DFL)
         self._robot.interrupt()
         # Few runs are interrupted, and importing threads takes time.
         from threading import Timer
@@ -237,4 +254,5 @@ class _InterruptHandler:
     def __exit__(self, *_: object) -> None:
         if self._timer is not None:
             self._timer.cancel()
-        signal.signal(signal.SIGINT, self._previous)
+        for number, handler in self._previous.items():
+            signal.signal(number, handler)

@@ -18,6 +18,7 @@ from elitescript.cli.robot_options import options_from
 from elitescript.cli.settings import parse_size
 from elitescript.codec.json_text import to_text
 from elitescript.environment.process import cores
+from elitescript.environment.stop_signals import Stopped, cause_of, exit_code_of
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.text.source import SourceFile
 from elitescript.page import NOT_BUILT, is_built
@@ -48,8 +49,6 @@ if TYPE_CHECKING:
 HOLDS: Final = 0
 FAILS: Final = 1
 DOES_NOT_COMPILE: Final = 3
-INTERRUPTED: Final = 130
-"""Ctrl-C, as shells count it."""
 LINE_S: Final = 10.0
 """Wall time between two lines of progress where there is no terminal."""
 
@@ -145,30 +144,40 @@ def _go(options: argparse.Namespace, sweeping: Sweeping, runner: Runner, files: 
     sample = SAMPLE if options.page is None else PAGE_SAMPLE
     totals = Totals(plan.variations, properties_of(plan), tuple(plan.measures), sample)
     known: list[Remembered] = []
-    is_interrupted = False
+    stop: KeyboardInterrupt | None = None
     with _engine(options) as engine:
         try:
             known = [] if options.no_cases or options.only is not None else remembered(runner, engine, places, _note)
             reports.remembered(known)
             sweeping.go(engine, _Meter(sweeping).update, reports.row)
-        except KeyboardInterrupt:
-            is_interrupted = True
-        sweeping.finish(None if is_interrupted else out, totals.add)
+        except KeyboardInterrupt as came:
+            stop = came
+        sweeping.finish(out if stop is None else None, totals.add)
         summary = summary_of(totals, is_random=options.only is None and is_random(plan))
         findings: list[Finding] = []
-        if not is_interrupted and not options.no_cases:
-            findings = _findings(options, totals, runner, engine, places, known)
-    reports.end(summary, findings, len(known))
-    if options.page is not None and not is_interrupted:
+        if stop is None and not options.no_cases:
+            try:
+                findings = _findings(options, totals, runner, engine, places, known)
+            except Stopped as came:
+                stop = came
+    unread: Stopped | OSError | None = None
+    try:
+        reports.end(summary, findings, len(known))
+    except (Stopped, OSError) as came:
+        # All is computed, and what was asked for as files is written, though nobody reads the report.
+        unread = came
+    if options.page is not None and stop is None:
         _write_pages(options, runner, totals, summary, findings)
-    if is_interrupted:
+    if stop is not None:
         rest = f"--resume goes on from {sweeping.journal.path}" if out is not None else "--out keeps them for --resume"
         done = f"{sweeping.done:,} of {sweeping.runs:,} runs are done"
-        print(f"elitescript sweep: ended by Ctrl-C; {done}; {shown(rest)}", file=sys.stderr)
-        return INTERRUPTED
+        print(f"elitescript sweep: ended by {cause_of(stop)}; {done}; {shown(rest)}", file=sys.stderr)
+        return exit_code_of(stop)
     if files is not None:
         files.finish(sweeping.journal, sweeping.failed)
         sweeping.journal.delete()
+    if unread is not None:
+        raise unread
     return FAILS if sweeping.failed or any(row.row.failure is not None for row in known) else HOLDS
 
 

@@ -198,6 +198,7 @@ def _ended(child: int, max_wall_s: float | None) -> int | None:
 
     passed_on = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}
     awaited = {signal.SIGCHLD, *passed_on}
+    ended_by = 0
     signal.pthread_sigmask(signal.SIG_BLOCK, awaited)
     while True:
         ended, status = os.waitpid(child, os.WNOHANG)
@@ -208,11 +209,18 @@ def _ended(child: int, max_wall_s: float | None) -> int | None:
         if left_s <= 0.0:
             os.kill(child, signal.SIGKILL)
             os.waitpid(child, 0)
-            return None
+            return -ended_by if ended_by else None
         received = signal.sigtimedwait(awaited, left_s)
+        if received is None or received.si_signo not in passed_on:
+            continue
         # A terminal sends to both processes, with the code of the kernel, which is positive.
-        if received is not None and received.si_signo in passed_on and received.si_code <= 0:
+        if received.si_code <= 0:
             os.kill(child, received.si_signo)
+        if received.si_signo != signal.SIGINT:
+            # A call that does not come back keeps the child from ending; a second Ctrl-C would kill it.
+            ended_by = received.si_signo
+            limit_s = time.monotonic() + GRACE_S
+            end_s = limit_s if end_s is None else min(end_s, limit_s)
 
 
 def _wait(command: list[str], environment: dict[str, str], max_wall_s: float) -> int | None:

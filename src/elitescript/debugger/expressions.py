@@ -80,6 +80,10 @@ _FILLED: Final = (str, bytes, bytearray, list, tuple)
 _SHORT: Final = 100
 """Characters of a text of the user in a text that says what is wrong with it."""
 
+_DIGITS: Final = "Exceeds the limit"
+_LINE: Final = " (detected at line 1)"
+"""Of what Python says."""
+
 _FOREIGN: Final = "an operation with an object of the program"
 _LARGE: Final = f"it has more than {SIZE_MAX:,} elements"
 
@@ -147,7 +151,7 @@ def parsed(text: str) -> ast.expr:
     try:
         return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        reason = error.msg if isinstance(error, SyntaxError) else "it cannot be read"
+        reason = _reason(error) if isinstance(error, SyntaxError) else "it cannot be read"
         raise DebugError(f"{short(text)!r} is no expression: {reason}") from None
 
 
@@ -184,7 +188,13 @@ def computed(tree: ast.expr, names: Callable[[str], Any], call: Call, steps_max:
     except RecursionError:
         raise DebugError("the expression is nested too deeply") from None
     except Exception as error:
-        raise DebugError(f"{type(error).__name__}: {error}") from None
+        raise DebugError(f"{type(error).__name__}: {_reason(error)}") from None
+
+
+def _reason(error: Exception) -> str:
+    """Return what Python says, but for what helps nobody here."""
+    text = error.msg if isinstance(error, SyntaxError) else str(error)
+    return "a number has too many digits" if text.startswith(_DIGITS) else text.removesuffix(_LINE)
 
 
 def is_plain(value: Any) -> bool:

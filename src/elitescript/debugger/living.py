@@ -221,6 +221,7 @@ class LivingDebugger:
         if (output := output_of(event, self._position(AFTER_TICK), self._time_s)) is not None:
             self._tell("output", output=output)
         if isinstance(event, TaskStateChanged) and event.state is TaskState.STOPPED:
+            self._say_missing()
             self._let_go()
             self._set_step(None)
             self._news.clear()
@@ -697,6 +698,16 @@ class LivingDebugger:
         program = self._host.program
         names = Names(self._controller, self._host, self._fresh_look(), None)
         return item.watch.text(self._controller, None if program is None else program.globals, names, STEPS_MAX)
+
+    def _say_missing(self) -> None:
+        """Say which variables that are watched were never there in a program that has ended; once each."""
+        for item in self._breakpoints.data:
+            watch = item.watch
+            if watch is None or watch.was_there or watch.error is not None or item.is_said:
+                continue
+            item.is_said = True
+            text = f"the data breakpoint {short(watch.data_id)} has watched nothing: the program had no such variable"
+            self._tell("output", output=Output("important", text, 0, "", self._position(AFTER_TICK), self._time_s))
 
     def _holds(self, item: Breakpoint, strand: Strand | None) -> bool:
         if not item.condition or item.is_given_up:

@@ -161,17 +161,29 @@ class Watch:
         variables: that it reads, by their names: program globals, for an expression also values of the robot.
         error: why it could not be evaluated when it was looked at last; None if it could. A variable that is not there
             yet is no error.
+        was_there: whether it has had a value.
 
     Raises:
         DebugError: it names nothing that can be watched.
     """
 
-    __slots__ = ("_read", "_tree", "data_id", "error", "is_of_motion", "is_polled", "stops_when_true", "variables")
+    __slots__ = (
+        "_read",
+        "_tree",
+        "data_id",
+        "error",
+        "is_of_motion",
+        "is_polled",
+        "stops_when_true",
+        "variables",
+        "was_there",
+    )
 
     def __init__(self, data_id: str) -> None:
         self.data_id = data_id.strip()
         self.is_polled = self.is_of_motion = self.stops_when_true = False
         self.error: DebugError | None = None
+        self.was_there = False
         self._tree: ast.expr | None = None
         self._read: Callable[[Controller], str] | None = None
         self.variables: frozenset[str] = frozenset()
@@ -204,6 +216,11 @@ class Watch:
             names: of an expression: an object with `value` and `call`.
             steps_max: most nodes that an expression may take.
         """
+        text = self._text(controller, globals_, names, steps_max)
+        self.was_there = self.was_there or text != ""
+        return text
+
+    def _text(self, controller: Controller, globals_: ProgramGlobals | None, names: Any, steps_max: int) -> str:
         if self._read is not None:
             return self._read(controller)
         assert self._tree is not None

@@ -45,9 +45,10 @@ def limit_memory(size: int) -> None:
         import resource
     except ImportError:
         return
-    hard = resource.getrlimit(resource.RLIMIT_AS)[1]
-    soft = size if hard == resource.RLIM_INFINITY else min(size, hard)
-    resource.setrlimit(resource.RLIMIT_AS, (max(soft, MEMORY_MIN), hard))
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    # What the shell has allowed counts too (`ulimit -v`, whose hard limit no process may raise).
+    allowed = [limit for limit in (soft, hard) if limit != resource.RLIM_INFINITY]
+    resource.setrlimit(resource.RLIMIT_AS, (min([max(size, MEMORY_MIN), *allowed]), hard))
 
 
 def module_command(module: str, arguments: Iterable[object] = ()) -> list[str]:

@@ -9,10 +9,50 @@ from __future__ import annotations
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
+from types import FrameType
 from typing import Final
 
 STOP_SIGNALS: Final = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 """Those that this system has."""
+
+SIGPIPE: Final = 13
+"""Number of the signal that ends a process whose reader has gone; Windows has no name for it."""
+
+
+class Stopped(KeyboardInterrupt):
+    """A process is to end as by a signal, from wherever it is.
+
+    Args:
+        number: of the signal.
+    """
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = number
+
+
+def cause_of(stop: KeyboardInterrupt) -> str:
+    """Return what has ended a process, for messages."""
+    number = getattr(stop, "number", signal.SIGINT)
+    if number == signal.SIGINT:
+        return "Ctrl-C"
+    return "the end of its reader" if number == SIGPIPE else signal.Signals(number).name
+
+
+def exit_code_of(stop: KeyboardInterrupt) -> int:
+    """Return the exit code of a process that a signal has ended, as shells count it."""
+    return 128 + int(getattr(stop, "number", signal.SIGINT))
+
+
+def leave_by_signals() -> None:
+    """Let the signals to stop, other than Ctrl-C, raise `Stopped` in the main thread."""
+
+    def leave(number: int, _frame: FrameType | None) -> None:
+        raise Stopped(number)
+
+    for number in handled_signals():
+        if number != signal.SIGINT:
+            signal.signal(number, leave)
 
 
 def handled_signals() -> tuple[signal.Signals, ...]:

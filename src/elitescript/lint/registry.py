@@ -13,6 +13,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from elitescript.commands.definition.docstring import docstring_of
 from elitescript.errors import CODES, InternalError
 from elitescript.language.diagnostics import Fix
 from elitescript.records import NamedTuple
@@ -52,7 +53,7 @@ class Rule(NamedTuple):
     @property
     def explanation(self) -> str:
         """What it finds, why, and an example."""
-        return import_module(self.check.__module__).__doc__ or ""
+        return docstring_of(import_module(self.check.__module__))
 
 
 _RULES: Final[dict[str, Rule]] = {}

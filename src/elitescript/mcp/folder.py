@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 from elitescript.errors import UsageError
 from elitescript.paths import real_path
-from elitescript.shown import encodable
+from elitescript.shown import encodable, with_bytes
 
 
 class Folder:
@@ -41,7 +40,7 @@ class Folder:
             UsageError: it is outside the folder, no ordinary file or of another kind.
         """
         try:
-            found = (self.path / self._given(name)).resolve()
+            found = (self.path / with_bytes(name)).resolve()
             is_inside = found.is_relative_to(self.path)
             if is_inside and found.suffix not in suffixes:
                 raise UsageError(f"{name}: a file with the suffix {' or '.join(suffixes)} is needed")
@@ -58,17 +57,9 @@ class Folder:
 
         Hidden folders are left out. Bytes of names that are no UTF-8 are escapes such as `\\udce9`, which `file` knows.
         """
-        found = sorted(map(encodable, self._programs()))
+        found = sorted(
+            encodable(str(path.relative_to(self.path)))
+            for path in self.path.rglob("*.script")
+            if not any(part.startswith(".") for part in path.relative_to(self.path).parts)
+        )
         return found[:most], len(found)
-
-    def _given(self, name: str) -> str:
-        """Return the name of a file on the disk, from one that `programs` may have returned."""
-        if "\\udc" not in name:
-            return name
-        return next((path for path in self._programs() if encodable(path) == name), name)
-
-    def _programs(self) -> Iterator[str]:
-        for path in self.path.rglob("*.script"):
-            inside = path.relative_to(self.path)
-            if not any(part.startswith(".") for part in inside.parts):
-                yield str(inside)

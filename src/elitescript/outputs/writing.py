@@ -77,7 +77,6 @@ class Output:
     Attributes:
         path: as it was given.
         called: see above.
-        is_partly_kept: whether what is there is kept if a signal ends the process: rows of a trace.
 
     Raises:
         WriteError: it cannot be written, or another process writes it.
@@ -93,7 +92,6 @@ class Output:
         "_real",
         "_there",
         "called",
-        "is_partly_kept",
         "path",
     )
 
@@ -109,7 +107,6 @@ class Output:
     ) -> None:
         self.path = Path(path)
         self.called = called or str(path)
-        self.is_partly_kept = False
         self._mode = mode
         self._is_synced = is_synced
         self._is_new = is_new
@@ -215,7 +212,7 @@ class Output:
                     self._descriptor = os.open(self.path, flags)
                 except OSError as error:
                     raise WriteError(self.called, error) from error
-            raw = _Raw(self._descriptor, self.called)
+            raw = _Raw(self._descriptor, self.called, may_lose_reader=stream_of(self.path) == 1)
             self._descriptor = -1
             self._file = cast("BinaryIO", io.BufferedWriter(raw, 1 << 16))
         return self._file
@@ -224,11 +221,6 @@ class Output:
     def is_file(self) -> bool:
         """Whether it is an ordinary file, and not a pipe, a device or a stream of the shell."""
         return self._real is not None
-
-    @property
-    def is_open(self) -> bool:
-        """Whether it can still be written."""
-        return self._file is not None or self._descriptor >= 0
 
     def finish(self, content: bytes | str | None = None) -> None:
         """Put the content in its place.
@@ -247,7 +239,7 @@ class Output:
                 self._put(self._real)
         except OSError as error:
             self.drop()
-            if isinstance(error, WriteError | BrokenPipeError):
+            if isinstance(error, WriteError):
                 raise
             raise WriteError(self.called, error) from error
         except BaseException:
@@ -343,9 +335,11 @@ class Output:
 class _Raw(io.FileIO):
     """A file whose errors name it as the caller does."""
 
-    def __init__(self, descriptor: int, called: str) -> None:
+    def __init__(self, descriptor: int, called: str, *, may_lose_reader: bool) -> None:
         super().__init__(descriptor, "wb")
         self._called = called
+        self._may_lose_reader = may_lose_reader
+        """Whether the end of the reader is no error, as for all that goes to standard output."""
         self.is_dropped = False
         """Whether nothing more is written."""
 
@@ -354,9 +348,10 @@ class _Raw(io.FileIO):
             return len(data)
         try:
             return super().write(data)
-        except BrokenPipeError:
-            raise
         except OSError as error:
+            if self._may_lose_reader and isinstance(error, BrokenPipeError):
+                self.is_dropped = True
+                return len(data)
             raise WriteError(self._called, error) from None
 
 

@@ -114,8 +114,8 @@ class QueuedStream:
             try:
                 self._target.write(text)
                 self._target.flush()
-            except (OSError, ValueError):
-                # The reader has closed the stream; the robot goes on.
+            except (OSError, ValueError, KeyboardInterrupt):
+                # What the command does without a reader is decided by the stream; the writer of a text never waits.
                 self._is_broken = True
 
     def _next_piece(self) -> str:

@@ -41,7 +41,6 @@ class TraceFile(AbstractContextManager["TraceFile"]):
             raise UsageError(f"{output.called}: the name must end in .csv or .jsonl")
         self._output = output
         self._put = output.file.write
-        output.is_partly_kept = True
         if output.path.suffix == ".csv":
             self._put((",".join(self._columns) + "\n").encode("utf-8", "backslashreplace"))
             self.write = self._write_csv

@@ -1,8 +1,40 @@
-"""Splits a command's docstring: summary, behaviour, arguments, result, errors."""
+"""Finds docstrings, and splits that of a command: summary, behaviour, arguments, result, errors."""
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable, Mapping
+from functools import cache
+from types import ModuleType
+from typing import Any
+
 from elitescript.records import NamedTuple
+
+
+def docstring_of(owner: Callable[..., Any] | ModuleType) -> str:
+    """Return the docstring of a function of a module or of a module; empty if there is none.
+
+    With `-OO` or `PYTHONOPTIMIZE=2` Python leaves it out of the code; then it is read from the source.
+    """
+    if owner.__doc__ is not None or sys.flags.optimize < 2:
+        return owner.__doc__ or ""
+    if isinstance(owner, ModuleType):
+        return _written_in(owner.__file__ or "").get("", "")
+    return _written_in(owner.__code__.co_filename).get(owner.__name__, "")
+
+
+@cache
+def _written_in(path: str) -> Mapping[str, str]:
+    """Return the docstrings of a source by the names of its functions; that of the module has no name."""
+    from ast import FunctionDef, get_docstring, parse
+    from pathlib import Path
+
+    try:
+        module = parse(Path(path).read_bytes())
+    except (OSError, SyntaxError, ValueError):
+        return {}
+    functions = {node.name: get_docstring(node, clean=False) or "" for node in module.body if type(node) is FunctionDef}
+    return {"": get_docstring(module, clean=False) or "", **functions}
 
 
 class Docstring(NamedTuple):

@@ -25,7 +25,8 @@ REQUIRED: Final = object()
 """Default of a parameter that has none."""
 
 NO_DOCSTRINGS: Final = (
-    "commands are described by their docstrings, which Python leaves out with -OO or PYTHONOPTIMIZE=2: take -O or 1"
+    "commands are described by their docstrings, which Python leaves out with -OO or PYTHONOPTIMIZE=2, and the source "
+    "is not installed: take -O or 1"
 )
 
 EVIDENCE: Final = ("documented", "observed", "assumed")
@@ -347,12 +348,13 @@ class _Details:
     )
 
     def __init__(self, command: Command) -> None:
-        from elitescript.commands.definition.docstring import read_docstring
+        from elitescript.commands.definition.docstring import docstring_of, read_docstring
 
         function = command.function
-        if function.__doc__ is None and sys.flags.optimize > 1:
+        text = docstring_of(function)
+        if not text and sys.flags.optimize > 1:
             raise UsageError(NO_DOCSTRINGS)
-        doc = read_docstring(function.__doc__ or "")
+        doc = read_docstring(text)
         self.summary = doc.summary
         self.behaviour = doc.behaviour
         self.raises = doc.raises

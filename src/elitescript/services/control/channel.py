@@ -49,6 +49,9 @@ DEBUG: Final = "debug"
 """The verb of debuggers, to which lines with events come between answers."""
 PLAY: Final = "play"
 """The verb that can wait for what it has started."""
+_PLACES: Final = ("XDG_RUNTIME_DIR", "LOCALAPPDATA")
+"""Variables that name a folder for what a user's processes keep while they run; else it is a temporary one."""
+_TEMPORARY: Final = "TMPDIR"
 _HAS_UNIX: Final = hasattr(asyncio, "start_unix_server")
 _ENDING: Final = "sock" if _HAS_UNIX else "json"
 
@@ -57,20 +60,36 @@ def runtime_folder() -> Path:
     """Return the folder of the addresses of this user's robots.
 
     Raises:
-        UsageError: it belongs to another user, or others may write to it.
+        UsageError: it cannot be made, belongs to another user, or others may write to it.
     """
-    place = os.environ.get("XDG_RUNTIME_DIR") or os.environ.get("LOCALAPPDATA")
-    if place:
-        folder = Path(place) / "elitescript"
+    name = _variable()
+    if name != _TEMPORARY:
+        folder = Path(os.environ[name]) / "elitescript"
     else:
         user = os.getuid() if hasattr(os, "getuid") else os.environ.get("USERNAME", "")
         folder = Path(tempfile.gettempdir()) / f"elitescript-{user}"
-    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+    except OSError as error:
+        is_there = isinstance(error, FileExistsError)
+        raise _unusable(folder, "it is a file, not a folder" if is_there else error.strerror or str(error)) from error
     if hasattr(os, "getuid"):
         found = folder.lstat()
         if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.getuid() or found.st_mode & 0o077:
-            raise UsageError(f"{folder} must be a folder that only you can use (mode 700); remove it")
+            raise _unusable(folder, "it must be a folder that only you can use (mode 700); remove it")
     return folder
+
+
+def _variable() -> str:
+    """Return the variable that says where the folder is; one that names no folder says nothing."""
+    names = (name for name in _PLACES if os.path.isabs(place := os.environ.get(name, "")) and os.path.isdir(place))  # noqa: PTH112, PTH117
+    return next(names, _TEMPORARY)
+
+
+def _unusable(path: Path, why: str) -> UsageError:
+    return UsageError(
+        f"{path}: {why}; addresses of served robots are there, and the variable {_variable()} says where that is"
+    )
 
 
 def address_of(instance: int) -> Path:
@@ -113,10 +132,21 @@ class ControlChannel:
         return 0 if _HAS_UNIX or self._listener is None else int(self._listener.sockets[0].getsockname()[1])
 
     async def open(self) -> None:
-        """Listen. If another living robot has the address, take one of our own beside it."""
+        """Listen. If another living robot has the address, take one of our own beside it.
+
+        Raises:
+            UsageError: the address cannot be made.
+        """
         if await _is_alive(self._path):
             self._path = self._path.with_stem(f"{self._path.stem}-{os.getpid()}")
-        self._path.unlink(missing_ok=True)
+        try:
+            self._path.unlink(missing_ok=True)
+            await self._listen()
+        except OSError as error:
+            # That the path is too long for a socket has no number.
+            raise _unusable(self._path, error.strerror or str(error)) from error
+
+    async def _listen(self) -> None:
         if _HAS_UNIX:
             # No other user may connect, not even in the moment before the mode is set.
             mask = os.umask(0o177)

@@ -45,6 +45,7 @@ from elitescript.messages.signals import Value
 from elitescript.outputs.writing import write_file
 from elitescript.paths import real_path
 from elitescript.records import field, record
+from elitescript.shown import encodable, with_bytes
 from elitescript.sweep.chaos.applying import check, disturbance_of, in_order, settings_of
 from elitescript.sweep.chaos.kinds import KINDS, is_fault
 from elitescript.sweep.plans.plan import Choices, Disturbance, Failure
@@ -180,15 +181,15 @@ def case_of(text: str, file: str) -> Case:
     except UsageError as error:
         raise toml.error(("settings",), str(error).strip()) from None
     return Case(
-        toml.text(("program",)),
+        with_bytes(toml.text(("program",))),
         failure,
         toml.text(("digest",), ""),
         toml.whole(("run",), 0, _INT_MAX, 0),
         toml.whole(("seed",), -_INT_MAX, _INT_MAX, 0),
         _values(toml, "set"),
         in_order(_disturbances(toml)),
-        toml.text(("world",), ""),
-        toml.text(("task_dir",), ""),
+        with_bytes(toml.text(("world",), "")),
+        with_bytes(toml.text(("task_dir",), "")),
         options,
         tuple(settings),
         _seconds(toml, "until_s"),
@@ -323,11 +324,10 @@ _ESCAPES: Final = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\r": "\\r", "\t": "\\
 
 
 def _quoted(text: str) -> str:
-    return '"' + "".join(_ESCAPES.get(sign) or (sign if sign.isprintable() else _escape(sign)) for sign in text) + '"'
+    signs = encodable(text)  # half a surrogate pair is no character of TOML
+    return '"' + "".join(_ESCAPES.get(sign) or (sign if sign.isprintable() else _escape(sign)) for sign in signs) + '"'
 
 
 def _escape(sign: str) -> str:
     number = ord(sign)
-    if 0xD800 <= number <= 0xDFFF:
-        return "\\uFFFD"  # half a surrogate pair is no character of TOML
     return f"\\u{number:04X}" if number <= 0xFFFF else f"\\U{number:08X}"

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
+from elitescript.environment.stop_signals import Stopped
 from elitescript.errors import UsageError
 from elitescript.models.model import is_model_file
 from elitescript.paths import real_path
@@ -123,6 +124,8 @@ def find(
     shrinkings = Shrinkings(firsts, runner.plan, budget)
     try:
         shrinkings.go(engine, note)
+    except Stopped:
+        raise
     except KeyboardInterrupt:
         shrinkings.is_interrupted = True
         note(shrinkings)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 from collections.abc import Callable, Sequence
 from typing import Final
@@ -65,7 +66,7 @@ def write_pages(
             return ""
         folder.mkdir(exist_ok=True)
         write_file(folder / file, text, f"{output.called}: {folder / file}")
-        return f"{quote(folder.name)}/{file}"
+        return f"{quote(os.fsencode(folder.name))}/{file}"
 
     for finding in findings:
         run = finding.first.choices.run
