@@ -7,11 +7,12 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
 .DEFAULT_GOAL := help
-.PHONY: chaos help demo test lint types coverage flips invariants real-arm peers bench quoted steady figures picture stops studio-pictures reference docs golden studio studio-test vscode vscode-test dap-test dist lock clean
+.PHONY: chaos help demo test lowest lint types coverage flips invariants real-arm peers bench quoted steady figures picture stops studio-pictures reference docs golden studio studio-test vscode vscode-test dap-test dist lock clean
 
 help:
 	@echo "make demo        install, then run an example program"
 	@echo "make test        install, then every check that a change must pass"
+	@echo "make lowest      the tests of each extra with the lowest versions it promises, each in an environment of its own"
 	@echo "make lint        style, format and import rules"
 	@echo "make types       mypy"
 	@echo "make coverage    the tests with branch coverage: a table by package, and what no test reaches"
@@ -109,6 +110,12 @@ demo: $(READY)
 
 test: lint types studio-test $(PAGE) $(BROWSER_READY)
 	$(BIN)/python -m pytest
+
+# EXTRAS names some of them, and `all` for all together. Downloads each package anew; about ten minutes.
+EXTRAS ?=
+
+lowest: $(READY) $(PAGE)
+	$(BIN)/python -m tools.lowest $(EXTRAS)
 
 lint: $(READY)
 	$(BIN)/ruff check .

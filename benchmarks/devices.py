@@ -88,10 +88,12 @@ class Sockets:
         self.sent = 0
 
     def open(self, address: str, port: int, timeout_s: float) -> int:
+        from elitescript.environment.addresses import LOCAL
+        from elitescript.environment.reach import Reach
         from elitescript.environment.tcp_channel import TcpChannel
 
-        number = len(self.open_channels) + 1
-        self.open_channels[number] = TcpChannel(number, address, port)
+        number, reach = len(self.open_channels) + 1, Reach(LOCAL)
+        self.open_channels[number] = TcpChannel(number, address, port, reach, reach.decide(address, port))
         return number
 
     def send(self, channel: int, data: bytes) -> None:

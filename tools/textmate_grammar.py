@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.environment.program_file import SUFFIX
+from elitescript.paths import PROGRAM_SUFFIX
 
 PATH: Final = Path(__file__).resolve().parent.parent / "editors" / "textmate" / "elitescript.tmLanguage.json"
 
@@ -39,7 +39,7 @@ def _grammar() -> dict[str, Any]:
         "comment": "Written by `python tools/write_reference.py`; do not edit.",
         "name": "EliteScript",
         "scopeName": f"source.{_SCOPE}",
-        "fileTypes": [SUFFIX.lstrip(".")],
+        "fileTypes": [PROGRAM_SUFFIX.lstrip(".")],
         "patterns": [{"include": "#statement"}, {"include": "#expression"}],
         "repository": {
             "statement": {"patterns": [_include(name) for name in ("mark", "definition", "class", "end", "decorator")]},

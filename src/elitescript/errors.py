@@ -180,11 +180,12 @@ class PeerError(ElitescriptError):
 
 
 class ProgramError(ElitescriptError):
-    """The text is not a program; `problems` holds one diagnostic for each reason."""
+    """The text is not a program; `problems` holds one diagnostic for each reason, `file` its file if it is known."""
 
-    def __init__(self, problems: tuple[Any, ...]) -> None:
+    def __init__(self, problems: tuple[Any, ...], file: str = "") -> None:
         self.problems = problems
-        super().__init__("\n".join(str(problem) for problem in problems))
+        self.file = file
+        super().__init__("\n".join(shown(str(problem)) for problem in problems))
 
 
 class AlarmError(ElitescriptError):

@@ -1,4 +1,4 @@
-"""Paths that users give: what is there before a read that might never end, where links lead, what becomes of a file."""
+"""Paths that users give: names of programs, what is there before a read that might never end, where links lead."""
 
 from __future__ import annotations
 
@@ -20,6 +20,14 @@ _KINDS: Final = (
     (stat.S_ISCHR, "a device"),
     (stat.S_ISBLK, "a device"),
 )
+
+
+PROGRAM_SUFFIX: Final = ".script"
+
+
+def is_program_name(name: str) -> bool:
+    """Return whether a file is a program, by its name. Windows and pendants may write `CELL.SCRIPT`."""
+    return name.lower().endswith(PROGRAM_SUFFIX)
 
 
 REMOVED: Final = "was removed"

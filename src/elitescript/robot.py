@@ -27,7 +27,7 @@ from elitescript.errors import UsageError
 from elitescript.kernel.arm import named_model
 from elitescript.kernel.kernel import Kernel
 from elitescript.kernel.option_signature import takes_options
-from elitescript.kernel.options import DEFAULTS, IN_VIRTUAL_TIME, UNTIL, accepted, check_keywords, robot_options
+from elitescript.kernel.options import DEFAULTS, IN_VIRTUAL_TIME, check_keywords, given_ticks, robot_options
 from elitescript.language.compiler import CompiledUnit, compile_task, compile_unit
 from elitescript.language.hash_order import may_hold_set
 from elitescript.language.options import SECONDARY, Options
@@ -243,9 +243,7 @@ class VirtualRobot:
 
     def at(self, time_s: float, name: str, value: Value) -> None:
         """Have a signal change at a time, in seconds since the robot's start: the script of a test for inputs."""
-        if time_s < 0.0:
-            raise UsageError(f"the time must be >= 0 s, got {time_s:g}")
-        self.controller.put(ticks_for(time_s), signal_write(name, value), "schedule")
+        self.controller.put(given_ticks(time_s, "time_s"), signal_write(name, value), "schedule")
 
     def pause(self) -> None:
         """Pause the task."""
@@ -341,10 +339,10 @@ class VirtualRobot:
 
         Raises:
             ProgramError: the text does not compile.
-            UsageError: a time that is none.
+            UsageError: no such file; a limit that is no number of at least 0.
         """
         if until_s is not None:
-            accepted(UNTIL, until_s, "until_s")
+            given_ticks(until_s, "until_s")  # before anything begins
         run = self.start(
             program,
             presets=presets,
@@ -360,7 +358,7 @@ class VirtualRobot:
         return run
 
     def _run_through(self, run: Run, until_s: float | None, pace: Pace | None, watch: Watch | None) -> Run:
-        limit = None if until_s is None else self.tick + ticks_for(until_s)
+        limit = None if until_s is None else self.tick + given_ticks(until_s, "until_s")
         try:
             with interrupts_passed_to(self.interrupt):
                 self._run_to_end(run, limit, pace, watch)
@@ -381,7 +379,8 @@ class VirtualRobot:
         run = self._run
         if run is None:
             raise UsageError("no program was started")
-        self._run_to_end(run, None if until_s is None else self.tick + ticks_for(until_s), None, watch)
+        limit = None if until_s is None else self.tick + given_ticks(until_s, "until_s")
+        self._run_to_end(run, limit, None, watch)
         self._end_run()
         return run
 
@@ -468,8 +467,9 @@ class VirtualRobot:
 
     def advance(self, duration_s: float, *, pace: Pace | None = None) -> None:
         """Let virtual time go by, whether a program runs or not."""
+        ticks = given_ticks(duration_s, "duration_s")
         self._leave_published_tick()
-        self._advance(self.tick + ticks_for(duration_s), pace, None, stays=True)
+        self._advance(self.tick + ticks, pace, None, stays=True)
         if self._interrupted_as:
             self._finish(self._interrupted_as)
             self._interrupted_as = ""

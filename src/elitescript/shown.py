@@ -133,7 +133,12 @@ def printable(text: str) -> str:
 
 def _is_plain(text: str) -> bool:
     """Return whether a text is certainly shown as it is: the way of nearly all, whose cost is that of every line."""
-    return text.isascii() and text.isprintable() and "##" not in text and "::" not in text
+    if not text.isprintable():
+        return False
+    if text.isascii():
+        return "##" not in text and "::" not in text
+    # Between the two signs of a command there may be characters without a width.
+    return text.count("#") < 2 and text.count(":") < 2
 
 
 @cache

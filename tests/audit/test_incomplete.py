@@ -87,6 +87,16 @@ class TestEnds:
         assert (found.is_complete, found.ends) == (False, None)
         assert found.json()["begins"]["t"] == 0.0
 
+    @pytest.mark.parametrize("first", [30, 120, 300])
+    def test_what_the_simulated_run_does_before_the_begin_is_not_counted(self, first):
+        whole = undisturbed(LOOP)
+        found = audit(rows_of(whole, slice(first, None)), LOOP)
+        assert found.agrees
+        for line in found.first.comparison.lines:
+            assert line.recorded_passes == line.simulated_passes, line
+            assert line.simulated_s == pytest.approx(line.recorded_s, abs=0.009)
+        assert found.json()["simulated_s"] == pytest.approx(found.json()["recorded_s"], abs=0.009)
+
     def test_without_a_state_the_line_says_whether_the_program_goes_on(self):
         whole = undisturbed(LOOP)
         whole = replace(whole, columns={name: its for name, its in whole.columns.items() if name != "runtime_state"})
@@ -162,8 +172,20 @@ class TestCommand:
         (folder / "killed.mcap").write_bytes(data[:end])
         assert read_recording("killed.mcap").is_cut_off
         capsys.readouterr()
-        main(["audit", "killed.mcap"])
-        assert "the file of the recording is cut off" in capsys.readouterr().out
+        # The run is whole, but another one may have been behind it.
+        assert main(["audit", "killed.mcap"]) == 1
+        text = capsys.readouterr().out.splitlines()
+        assert text[1].startswith("the file of the recording is cut off")
+        assert text[2] == "agrees as far as it is recorded: target joints, times and signals"
+        assert main(["audit", "killed.mcap", "--partial"]) == 0
+        capsys.readouterr()
+        assert main(["audit", "killed.mcap", "--json"]) == 1
+        found = json.loads(capsys.readouterr().out)
+        assert (found["agrees"], found["complete"], found["ends"]["run"]) == (True, False, 1)
+        assert found["ends"]["t"] == found["recorded_s"]
+        (folder / "short.mcap").write_bytes(data[:300])
+        assert main(["audit", "short.mcap"]) == 2
+        assert "the recording has no rows: its file is cut off before the first" in capsys.readouterr().err
 
 
 class TestKept:

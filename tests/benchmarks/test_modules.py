@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import inspect
+import socket
 from importlib import import_module
 from pathlib import Path
 
@@ -52,3 +53,16 @@ def test_a_day_of_a_served_robot_begins(capsys: pytest.CaptureFixture[str]) -> N
 
     main(STRETCHES * 5 / 3600 / 250)
     assert capsys.readouterr().out.count(" h  ") == STRETCHES
+
+
+def test_the_connections_of_the_benchmark_of_devices_are_made() -> None:
+    from benchmarks.devices import Sockets
+
+    sockets = Sockets()
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        channel = sockets.open("127.0.0.1", server.getsockname()[1], 1.0)
+        sockets.poll()
+        peer, _ = server.accept()
+        sockets.open_channels[channel].drop()
+        assert peer.recv(1) == b""
+        peer.close()

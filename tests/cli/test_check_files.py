@@ -1,11 +1,12 @@
 import io
 import json
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 from types import SimpleNamespace
 
 import pytest
 
 from elitescript.cli.main import main
+from elitescript.cli.output.check_formats import artifact_location
 
 GOOD = "def a():\n  sleep(1)\nend\n"
 BAD = "def a():\n  sleep(-1)\nend\n"
@@ -73,6 +74,15 @@ class TestWhatIsChecked:
         folder(note_txt="x")
         assert main(["check", "."]) == 2
         assert "no *.script file in this folder" in capsys.readouterr().out
+
+    @pytest.mark.parametrize("command", [["check"], ["fmt", "--check"]])
+    def test_names_in_capitals_are_programs_and_links_are_no_second_ones(self, folder, capsys, command):
+        home = folder(**{"CELL.SCRIPT": "def a():\n sleep(1)\nend\n", "b.Script": "def b():\n sleep(1)\nend\n"})
+        (home / "alias.script").symlink_to("CELL.SCRIPT")
+        (home / "round").symlink_to(".", target_is_directory=True)
+        main([*command, "."])
+        out, err = capsys.readouterr()
+        assert "2 files" in err, out
 
     def test_nothing_at_all_is_a_usage_error(self, capsys):
         assert main(["check"]) == 2
@@ -191,6 +201,59 @@ class TestFormats:
                 "insertedContent": {"text": "and"},
             }
         ]
+
+    @pytest.mark.parametrize("by", ["variable", "git"])
+    @pytest.mark.parametrize(
+        ("name", "shown", "uri"),
+        [
+            ("bad.script", "robot/bad.script", "robot/bad.script"),
+            ("CELL.SCRIPT", "robot/CELL.SCRIPT", "robot/CELL.SCRIPT"),
+            ("a b#1?.script", "robot/a b#1?.script", "robot/a%20b%231%3F.script"),
+            ("100%:ä.script", "robot/100%25%3Aä.script", "robot/100%25%3A%C3%A4.script"),
+            ("b\udce9d.script", "robot/b\\udce9d.script", "robot/b%E9d.script"),
+            ("in/x.script", "robot/in/x.script", "robot/in/x.script"),
+        ],
+    )
+    def test_findings_of_a_job_in_a_sub_folder_are_named_from_the_root(
+        self, tmp_path, monkeypatch, capfd, name, shown, uri, by
+    ):
+        home = tmp_path / "my repo"
+        path = home / "robot" / name
+        path.parent.mkdir(parents=True)
+        path.write_text(BAD)
+        monkeypatch.chdir(home / "robot")
+        if by == "variable":
+            monkeypatch.setenv("GITHUB_WORKSPACE", str(home))
+        else:
+            monkeypatch.delenv("GITHUB_WORKSPACE", raising=False)
+            (home / ".git").mkdir()
+        assert main(["check", "--format", "github", "."]) == 3
+        assert capfd.readouterr().out.startswith(f"::error file={shown},line=")
+        assert main(["check", "--format", "sarif", str(path)]) == 3
+        (run,) = json.loads(capfd.readouterr().out)["runs"]
+        place = run["results"][0]["locations"][0]["physicalLocation"]["artifactLocation"]
+        assert place == {"uri": uri, "uriBaseId": "%SRCROOT%"}
+        assert run["originalUriBaseIds"] == {"%SRCROOT%": {"uri": f"{home.as_uri()}/"}}
+        assert run["invocations"][0]["workingDirectory"] == {"uri": f"{(home / 'robot').as_uri()}/"}
+
+    def test_findings_outside_of_the_root_have_absolute_paths(self, tmp_path, monkeypatch, capsys):
+        (tmp_path / "repo").mkdir()
+        other = tmp_path / "other one.script"
+        other.write_text(BAD)
+        monkeypatch.chdir(tmp_path / "repo")
+        monkeypatch.setenv("GITHUB_WORKSPACE", str(tmp_path / "repo"))
+        assert main(["check", "--format", "github", "../other one.script"]) == 3
+        assert f"file={other}," in capsys.readouterr().out
+        assert main(["check", "--format", "sarif", "../other one.script"]) == 3
+        result = json.loads(capsys.readouterr().out)["runs"][0]["results"][0]
+        assert result["locations"][0]["physicalLocation"]["artifactLocation"] == {"uri": other.as_uri()}
+
+    def test_places_on_windows_have_slashes(self):
+        assert artifact_location(PureWindowsPath("robot\\a b.script")) == {
+            "uri": "robot/a%20b.script",
+            "uriBaseId": "%SRCROOT%",
+        }
+        assert artifact_location(PureWindowsPath("D:\\other\\a b.script")) == {"uri": "file:///D:/other/a%20b.script"}
 
     def test_sarif_of_clean_files_is_a_log_too(self, folder, capsys):
         folder(a_script=GOOD)

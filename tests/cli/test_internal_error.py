@@ -39,10 +39,15 @@ def test_places_are_innermost_first_and_few() -> None:
     assert sentence(caught.value).count(" from ") == 11
 
 
-def test_memory_is_no_defect() -> None:
-    assert sentence(raised(MemoryError())) == (
+@pytest.mark.parametrize("error", [MemoryError(), ImportError("x.so: failed to map segment from shared object")])
+def test_memory_is_no_defect(error: Exception) -> None:
+    assert sentence(raised(error)) == (
         "there is not enough memory: raise the limit of the shell (`ulimit -v`) or of the computer"
     )
+
+
+def test_nor_is_a_thread_that_the_system_does_not_give() -> None:
+    assert sentence(raised(RuntimeError("can't start new thread"))).startswith("no thread can be started: raise the")
 
 
 @pytest.mark.parametrize(

@@ -31,7 +31,7 @@ BY_HAND = [
     (5, "socket", "socket_open", "192.168.1.5:502", False),
     (6, "socket", "socket_open", "localhost:5020", True),
     (7, "socket", "socket_open", "10.0.0.7:5000", True),
-    (8, "socket", "socket_open", "host", None),
+    (8, "socket", "socket_open", "host, 502", None),
     (9, "rpc", "rpc_factory", "camera.local:8080", True),
     (10, "modbus", "modbus_add_signal", "10.0.0.1:1502", False),
     (11, "serial", "tool_serial_config", "tool", False),
@@ -60,7 +60,7 @@ def test_every_address_port_line_and_file_is_listed(cell, capsys):
     assert {(row["type"], row["file"]) for row in rows} == {("reach", str(cell / "cell.script"))}
     assert (rows[0]["address"], rows[0]["port"], rows[0]["column"]) == ("192.168.1.5", 502, 3)
     assert "`--network camera.local,192.168.1.5:502` allows it" in rows[0]["why"]
-    assert err == "12 places, 4 not let through by --network camera.local\n"
+    assert err == "12 places, 4 not let through by --network camera.local, 3 not known before the run\n"
     assert main(command) == 0
     assert f"{cell / 'cell.script'}:6:3: socket localhost:5020: yes: let through" in capsys.readouterr().out
 
@@ -126,3 +126,37 @@ def test_a_value_without_sense_is_a_mistake_of_usage(tmp_path, value, capsys):
     (tmp_path / "p.script").write_text(REFUSED)
     assert main(["run", str(tmp_path / "p.script"), f"--network={value}"]) == 2
     assert "--network must be" in capsys.readouterr().err
+
+
+def test_what_is_not_written_as_a_value_is_said_to_be_unknown(tmp_path, capsys):
+    rows = [
+        # line, what is shown, whether it is let through
+        ('socket_open("192.168.1." + str(n), 1)', "192.168.1.7:1", False),
+        ('socket_open(f"192.168.1.{n}", 2)', "192.168.1.7:2", False),
+        ('socket_open(f"192.168.1.{n:d}", 3)', "f'192.168.1.{n:d}', 3", None),
+        ('socket_open("192.168.1.{}".format(n), 4)', "'192.168.1.{}'.format(n), 4", None),
+        ("socket_open(hosts[1], 5)", "192.168.1.11:5", False),
+        ("socket_open(where(), 6)", "where(), 6", None),
+        ("socket_open(changed, 7)", "changed, 7", None),
+        ('socket_open(*["192.168.1.5", 8])', "*['192.168.1.5', 8]", None),
+        ('socket_open("192.168.1.5", *[9])', "'192.168.1.5', *[9]", None),
+        ('socket_open(**{"address": "a"})', "**{'address': 'a'}", None),
+        ("for h in hosts: socket_open(h, 10)", "h, 10", None),
+        ("serial_config(True, 115200, 0, 1, *spread)", "True, 115200, 0, 1, *spread", None),
+        ("modbus_add_signal(*spread)", "*spread", None),
+        ("rpc_factory(*spread)", "*spread", None),
+        ('open(mode="r", file="a.txt")', "/task/a.txt", True),
+        ("open(*spread)", "*spread", None),
+        ("reader = open", "open", None),
+        ('eval("socket_open(1, 2)")', "'socket_open(1, 2)'", None),
+        ("runner = exec", "exec", None),
+        ("start_thread(socket_open, (hosts[0], 11))", "socket_open", None),
+    ]
+    head = 'n = 7\nhosts = ["192.168.1.10", "192.168.1.11"]\nchanged = "a"\nchanged = "b"\nspread = [1]\n'
+    head += 'def where():\n  return "c"\nend\n'
+    (tmp_path / "cell.script").write_text(head + "".join(f"{line}\n" for line, _, _ in rows))
+    assert main(["check", "--reach", "--json", str(tmp_path / "cell.script")]) == 0
+    found = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [(row["line"] - 8, row["target"], row["reached"]) for row in found] == [
+        (number, shown, reached) for number, (_, shown, reached) in enumerate(rows, 1)
+    ]

@@ -165,7 +165,7 @@ def test_a_missing_extra_is_said_with_the_line_that_installs_it(monkeypatch, tmp
     for name in [name for name in sys.modules if name.startswith("mcap.")]:
         monkeypatch.delitem(sys.modules, name)
     assert main(["record", HOST, "--out", str(tmp_path / "run.mcap")]) == 2
-    assert "install it with: pip install 'elitescript[mcap]'" in capsys.readouterr().err
+    assert "not installed: pip install 'elitescript[mcap]'" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

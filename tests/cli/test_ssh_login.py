@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 
+from elitescript import extras
 from elitescript.cli import ssh_login
 from elitescript.cli.main import main
 from elitescript.cli.ssh_login import Login
@@ -28,7 +29,7 @@ def login(password: str | None = None, *, ssh: bool = True) -> Login | None:
 
 @pytest.fixture(autouse=True)
 def extra(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(ssh_login, "has_extra", lambda: True)
+    monkeypatch.setattr(ssh_login, "require", lambda extra: None)
 
 
 def test_it_is_off_by_default() -> None:
@@ -69,7 +70,9 @@ def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
 def test_without_the_extra_the_line_that_installs_it_is_named(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(ssh_login, "has_extra", lambda: False)
+    monkeypatch.undo()
+    monkeypatch.setattr(extras, "installed_version", lambda package: None)
+    monkeypatch.setitem(sys.modules, "asyncssh", None)
     assert main(["serve", "--ssh", "--port", "all=0"]) == 2
     assert "pip install 'elitescript[ssh]'" in capsys.readouterr().err
 

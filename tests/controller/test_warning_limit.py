@@ -10,8 +10,8 @@ def test_ten_of_a_kind_pass_and_the_others_are_counted():
     limit = WarningLimit()
     assert [limit.takes(warned(number)) for number in range(1389)].count(True) == 10
     (rest,) = limit.rest(7)
-    assert (rest.tick, rest.line, rest.thread) == (7, 0, "main")
-    assert rest.text == "… 1,379 more of this kind: r = 0.0 m is shortened"
+    assert (rest.tick, rest.line, rest.thread) == (7, 10, "main")
+    assert rest.text == "… 1,379 more of this kind, beginning with: r = 0.10 m is shortened"
 
 
 def test_each_kind_counts_by_itself():

@@ -13,11 +13,11 @@ import pytest
 from elitescript import __version__
 from elitescript.cli.arguments import COMMANDS
 from elitescript.cli.main import main
-from elitescript.environment.program_file import SUFFIX
 from elitescript.kernel.options import OPTIONS
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.messages.profile import DEFAULT_FIRMWARE, profile
+from elitescript.paths import PROGRAM_SUFFIX
 
 FOLDER = Path(__file__).parents[2] / "editors" / "vscode"
 PACKAGE = json.loads((FOLDER / "package.json").read_text("utf-8"))
@@ -82,8 +82,8 @@ def test_snippets_are_laid_out_and_read_without_errors():
 
 
 def test_programs_are_recognised_by_their_suffix():
-    assert CONTRIBUTES["languages"][0]["extensions"] == [SUFFIX]
-    assert f"**/*{SUFFIX}" in str(PACKAGE["activationEvents"])
+    assert CONTRIBUTES["languages"][0]["extensions"] == [PROGRAM_SUFFIX]
+    assert f"**/*{PROGRAM_SUFFIX}" in str(PACKAGE["activationEvents"])
 
 
 def test_nothing_of_other_people_is_committed():

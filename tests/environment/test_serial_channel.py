@@ -10,8 +10,8 @@ from threading import Thread
 
 import pytest
 
+from elitescript import extras
 from elitescript.environment import serial_channel
-from elitescript.environment.line_bindings import MISSING
 from elitescript.environment.local_channels import LocalChannels
 from elitescript.environment.memory import MemoryEnvironment
 from elitescript.environment.serial_channel import SerialChannel
@@ -183,16 +183,19 @@ def test_a_speed_that_the_system_refuses_is_told(monkeypatch, error):
         def Serial(*args, **settings):
             raise error
 
-    monkeypatch.setattr(serial_channel, "import_module", lambda name: Refusing)
+    monkeypatch.setitem(sys.modules, "serial", Refusing)
     assert SerialChannel(7, "/dev/ttyUSB0", SETTINGS).poll() == [ChannelOpened(7, False, str(error))]
 
 
 def test_without_pyserial_it_names_the_extra(monkeypatch):
-    def missing(name):
-        raise ImportError(name)
-
-    monkeypatch.setattr(serial_channel, "import_module", missing)
-    assert SerialChannel(7, "/dev/ttyUSB0", SETTINGS).poll() == [ChannelOpened(7, False, MISSING)]
+    monkeypatch.setattr(extras, "installed_version", lambda package: None)
+    monkeypatch.setitem(sys.modules, "serial", None)
+    (opened,) = SerialChannel(7, "/dev/ttyUSB0", SETTINGS).poll()
+    assert isinstance(opened, ChannelOpened) and not opened.is_open
+    assert opened.reason == (
+        "a serial port of this computer needs pyserial 3.5 or newer, which is not installed: "
+        "pip install 'elitescript[serial]'; socket://HOST:PORT works without it"
+    )
 
 
 class TestChannels:

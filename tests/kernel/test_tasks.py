@@ -24,6 +24,9 @@ FILES = {
     "latin.script": b"textmsg('\xe4')\n",
     "endless.script": b"def endless():\n  while True:\n    sync()\n  end\nend\n",
     "cell.configuration": b"",
+    "sub/LOUD.SCRIPT": b"textmsg('loud')\n",
+    "loud.task": b"<task/>",
+    "loud.Script": b"def p():\n  textmsg('Loud')\nend\n",
 }
 
 
@@ -47,7 +50,10 @@ def play(session: Session) -> Any:
 
 
 class TestLoading:
-    @pytest.mark.parametrize("path", ["beside.task", "sub/inner.task", "beside", "beside.script"])
+    @pytest.mark.parametrize(
+        "path",
+        ["beside.task", "sub/inner.task", "beside", "beside.script", "sub/LOUD.task", "sub/LOUD.SCRIPT", "loud.task"],
+    )
     def test_what_is_loaded_is_shown_as_it_was_sent(self, session, path):
         assert load(session, path) == Done()
         assert session.last.snapshot.task.loaded == path
@@ -56,7 +62,7 @@ class TestLoading:
         ("path", "why"),
         [
             ("empty.task", "has no program"),
-            ("no.script", "it holds beside.script, broken.script, endless.script, latin.script"),
+            ("no.script", "it holds beside.script, broken.script, endless.script, latin.script, loud.Script"),
             ("no.task", "does not exist"),
             ("../beside.task", "task folder"),
         ],

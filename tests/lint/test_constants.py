@@ -38,6 +38,8 @@ def _called(call: ast.Call) -> str:
         ("[0] * 3", [0, 0, 0]),
         ("(1, 'a', None, b'x')", (1, "a", None, b"x")),
         ("r2d(d2r(90))", 90.0),
+        ("f'a{1}{2.5}{True}'", "a12.5True"),
+        ("'10.0.0.' + str(5)", "10.0.0.5"),
     ],
 )
 def test_arithmetic_of_literals_is_certain(expression, expected):
@@ -60,7 +62,11 @@ def test_arithmetic_of_literals_is_certain(expression, expected):
         "x",
         "[*x]",
         "{}",
-        "f'{1}'",
+        "f'{1:d}'",
+        "f'{1!r}'",
+        "f'{x}'",
+        "str(x)",
+        "str([1])",
         "1 < 2",
         "d2r('a')",
         "d2r(x)",

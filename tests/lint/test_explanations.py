@@ -63,3 +63,21 @@ def test_a_rule_that_strictness_makes_an_error_says_so_in_the_table():
         if "is_strict" in text:
             for code in re.findall(r'code="(\w+)"', text):
                 assert CODES[code].strict_severity == "error", f"{code}: set is_tolerated in errors.CODES"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "--network 192.168.1.5:502",
+        'network="192.168.1.5:502"',
+        '@pytest.mark.elitescript(network="192.168.1.5:502")',
+        "# elitescript: network=192.168.1.5:502",
+        '"network": "192.168.1.5:502"',
+        "[robot]",
+        'network = "192.168.1.5:502"',
+        "Allow connections",
+        "--serial",
+    ],
+)
+def test_the_explanation_of_a_refused_connection_names_each_place_of_the_option(text):
+    assert text in body("W274")

@@ -546,7 +546,7 @@ class TestFolders:
         registered = bare.notification("client/registerCapability")["registrations"]
         assert [one["method"] for one in registered] == ["workspace/didChangeWatchedFiles"]
         patterns = [one["globPattern"] for one in registered[0]["registerOptions"]["watchers"]]
-        assert patterns == ["**/*.script", "**/*.toml"]
+        assert patterns == ["**/*.script", "**/*.SCRIPT", "**/*.toml"]
         assert self.symbols(bare) == ["a_program", "b_program"]
         (home / "a.script").write_text("def other_program():\n  x = 12\nend\n", encoding="utf-8")
         (home / "h.script").write_text("def h_program():\n  x = 1\nend\n", encoding="utf-8")

@@ -53,6 +53,12 @@ def test_a_file_of_another_kind_is_refused(folder):
         folder.file("key.pem", ".script", ".toml")
 
 
+def test_a_name_in_capitals_is_a_program_too(folder):
+    (folder.path / "CELL.SCRIPT").write_text("")
+    assert folder.programs(10)[0] == ["CELL.SCRIPT", "a.script", "parts/b.script"]
+    assert folder.file("CELL.SCRIPT", ".script").name == "CELL.SCRIPT"
+
+
 def test_programs_are_listed_by_name_without_hidden_folders(folder):
     assert folder.programs(10) == (["a.script", "parts/b.script"], 2)
     assert folder.programs(1) == (["a.script"], 2)

@@ -10,7 +10,7 @@ import pytest
 import elitescript
 from elitescript.lint.registry import all_rules
 
-_NOT_USED = ("cli", "dap", "debugger", "lsp", "mcp", "__main__", "services.ssh", "services.child.__main__")
+_NOT_USED = ("cli", "dap", "debugger", "lsp", "mcp", "studio", "__main__", "services.ssh", "services.child.__main__")
 
 
 @pytest.fixture(autouse=True, scope="session")
@@ -26,4 +26,5 @@ def loaded_modules():
 def our_plugin_alone(loaded_modules, monkeypatch):
     """Have inner sessions load no plugin by its entry point, but ours as if by its own."""
     monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+    monkeypatch.delenv("GITHUB_WORKSPACE", raising=False)
     monkeypatch.setenv("PYTEST_PLUGINS", "elitescript.pytest_plugin.plugin")

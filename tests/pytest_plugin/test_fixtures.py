@@ -211,6 +211,7 @@ class TestWithoutEffort:
             [
                 "elitescript",
                 "elitescript.observer",
+                "elitescript.paths",
                 "elitescript.pytest_plugin",
                 "elitescript.pytest_plugin.file_names",
                 "elitescript.pytest_plugin.plugin",

@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 
+from elitescript.errors import UsageError
 from elitescript.pytest_plugin import limits
 
 ENDLESS = "def p():\n  while True:\n    sleep(1)\n    textmsg('here')\n  end\nend\n"
@@ -96,12 +97,70 @@ def test_marker_before_ini_before_default(pytester):
     result.stdout.fnmatch_lines(["*after 7 s of robot time*", "*after 3.5 s of robot time*"])
 
 
-@pytest.mark.parametrize("value", ["soon", "-1", "nan"])
-def test_a_limit_that_is_no_number_is_refused(pytester, value):
-    pytester.makeini(f"[pytest]\nelitescript_wall_limit_s = {value}\n")
-    result = run(pytester, "def test_it(robot):\n    robot.run(ENDLESS)\n")
-    result.assert_outcomes(failed=1)
-    result.stdout.fnmatch_lines([f"*elitescript_wall_limit_s: write seconds, or 0 for no limit, not '{value}'"])
+class Ini:
+    """A configuration with options of an ini file."""
+
+    def __init__(self, **options: str) -> None:
+        self._options = options
+
+    def getini(self, name: str) -> str:
+        return self._options.get(name, "")
+
+
+@pytest.mark.parametrize("name", limits.SETTINGS)
+@pytest.mark.parametrize("value", ["soon", "-1.5", "nan", "-inf", "true", "1_0 s"])
+def test_a_limit_of_the_ini_file_that_is_no_number_is_refused(name, value):
+    with pytest.raises(UsageError, match=f"^elitescript_{name}: write seconds, or 0 for no limit, not '?{value}'?$"):
+        limits.limits_of(Ini(**{f"elitescript_{name}": value}), {})
+
+
+@pytest.mark.parametrize("name", limits.SETTINGS)
+@pytest.mark.parametrize("value", [True, False, "5", b"5", "", -1, float("nan"), -(10**400), 10**400, [5], 1j])
+def test_a_limit_of_a_marker_that_is_no_number_is_refused(name, value):
+    words = rf"^@pytest\.mark\.elitescript\({name}=\): write seconds, or 0 for no limit, not "
+    with pytest.raises(UsageError, match=words):
+        limits.limits_of(Ini(), {name: value})
+
+
+def test_a_limit_that_is_refused_fails_its_test(pytester):
+    pytester.makeini("[pytest]\nelitescript_wall_limit_s = nan\n")
+    text = """
+        @pytest.mark.elitescript(limit_s=True)
+        def test_marker(robot):
+            robot.run("def p():\\n  x = 1\\nend\\n")
+
+        def test_ini(robot):
+            robot.run("def p():\\n  x = 1\\nend\\n")
+        """
+    result = run(pytester, text)
+    result.assert_outcomes(failed=2)
+    result.stdout.fnmatch_lines(
+        [
+            "*@pytest.mark.elitescript(limit_s=): write seconds, or 0 for no limit, not True",
+            "*elitescript_wall_limit_s: write seconds, or 0 for no limit, not nan",
+        ]
+    )
+
+
+@pytest.mark.parametrize("value", [0, 0.0, float("inf"), 1e300, 1e9])
+def test_no_limit_is_none(value):
+    given = dict.fromkeys(limits.SETTINGS, value)
+    assert limits.limits_of(Ini(), given) == (None, None)
+    texts = {f"elitescript_{name}": str(value) for name in limits.SETTINGS}
+    assert limits.limits_of(Ini(**texts), {}) == (None, None)
+
+
+def test_a_test_script_without_until_has_the_limit_of_all_runs(pytester):
+    pytester.makeini("[pytest]\nelitescript_limit_s = 7\n")
+    endless = "def test_it():\n  while True:\n    sleep(1)\n  end\nend\n"
+    for name, header in (("ini", ""), ("until", "until=5"), ("limit", "limit_s=3.5")):
+        (pytester.path / f"test_{name}.script").write_text(f"# elitescript: {header}\n{endless}" if header else endless)
+    (pytester.path / "test_none.script").write_text("# elitescript: limit_s=0\ndef test_it():\n  sleep(4000)\nend\n")
+    result = pytester.runpytest_inprocess("-p", "no:cacheprovider")
+    result.assert_outcomes(failed=3, passed=1)
+    text = result.stdout.str()
+    for seconds in ("7", "5", "3.5"):
+        assert f"still running after {seconds} s of robot time; another limit: `# elitescript: until=SECONDS`" in text
 
 
 def test_wall_time_counts_also_with_a_limit_of_robot_time(pytester):

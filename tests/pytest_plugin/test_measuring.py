@@ -229,6 +229,16 @@ class TestPaths:
         result.assert_outcomes(passed=1)
         assert (pytester.path / "lcov.info").read_text() == LCOV
 
+    def test_a_link_is_the_program_that_it_leads_to(self, pytester, cell):
+        (cell / "alias.script").symlink_to("cell.script")
+        (cell / "far").mkdir()
+        (cell / "far" / "round").symlink_to("..", target_is_directory=True)
+        (cell / "UNUSED2.SCRIPT").write_text("def unused2():\n  sleep(1)\nend\n")
+        run(pytester, HERE, "--script-cov=programs", "--script-cov-report=json:a.json").assert_outcomes(passed=1)
+        found = json.loads((pytester.path / "a.json").read_text())
+        shown = [program["file"] for program in found["programs"]]
+        assert shown == ["programs/UNUSED2.SCRIPT", "programs/cell.script", "programs/unused.script"]
+
     def test_several_files(self, pytester, cell):
         words = ("--script-cov=programs/unused.script", "--script-cov=programs/cell.script")
         result = run(pytester, HERE, *words, "--script-cov-report=lcov:lcov.info")
@@ -290,6 +300,25 @@ class TestReports:
             "percent": 93.33,
         }
 
+    @pytest.mark.parametrize("by", ["variable", "git"])
+    def test_services_find_files_from_the_root_of_the_repository(self, pytester, cell, monkeypatch, by):
+        top = pytester.path.parent
+        inner = f"{pytester.path.name}/programs/cell.script"
+        if by == "variable":
+            monkeypatch.setenv("GITHUB_WORKSPACE", str(top))
+        else:
+            (top / ".git").mkdir()
+        try:
+            kinds = ("xml:a.xml", "lcov:a.info", "json:a.json")
+            run(pytester, HERE, *(f"--script-cov-report={kind}" for kind in kinds)).assert_outcomes(passed=1)
+        finally:
+            if by == "git":
+                (top / ".git").rmdir()
+        xml = (pytester.path / "a.xml").read_text()
+        assert f'filename="{inner}"' in xml
+        assert f"<source>{top.resolve()}</source>" in xml
+        assert f"SF:{inner}\n" in (pytester.path / "a.info").read_text()
+
     def test_a_session_that_a_failure_ends_has_its_reports(self, pytester, cell):
         test = HERE + "    assert 0\ndef test_never(): pass\n"
         result = run(pytester, test, "-x", "--script-cov", "--script-cov-report=lcov:lcov.info")
@@ -302,6 +331,12 @@ class TestReports:
         result = run(pytester, HERE, "--script-cov-fail-under=93.4")
         assert result.ret == pytest.ExitCode.TESTS_FAILED
         result.stdout.fnmatch_lines(["FAIL: 93.33% of lines and branches*--script-cov-fail-under asks for 93.4%"])
+
+    @pytest.mark.parametrize("value", ["nan", "100.1", "most"])
+    def test_a_limit_that_is_no_percentage_is_refused(self, pytester, cell, value):
+        result = run(pytester, HERE, f"--script-cov-fail-under={value}")
+        assert result.ret == pytest.ExitCode.USAGE_ERROR
+        result.stderr.fnmatch_lines([f"*--script-cov-fail-under: write a number from 0 to 100, not '{value}'*"])
 
     def test_what_no_test_has_met(self, pytester, cell):
         (cell / "cell.toml").write_text(

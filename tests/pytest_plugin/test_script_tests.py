@@ -63,6 +63,34 @@ class TestCollection:
         ]
         pytester.runpytest_inprocess("c.script", "-p", "no:cacheprovider").assert_outcomes(passed=1)
 
+    def test_a_name_in_capitals_is_a_program_too(self, pytester):
+        for name in ("TEST_A.SCRIPT", "b_test.Script", "CELL.SCRIPT"):
+            (pytester.path / name).write_text("def test_it():\n  sleep(1)\nend\n")
+        pytester.runpytest_inprocess("-p", "no:cacheprovider").assert_outcomes(passed=2)
+        pytester.runpytest_inprocess("CELL.SCRIPT", "-p", "no:cacheprovider").assert_outcomes(passed=1)
+
+    def test_links_to_a_file_and_links_that_go_round_add_no_tests(self, pytester):
+        folder = pytester.mkdir("programs")
+        (folder / "test_it.script").write_text("def test_it():\n  sleep(1)\nend\n")
+        (folder / "test_alias.script").symlink_to("test_it.script")
+        (folder / "round").symlink_to("..", target_is_directory=True)
+        (folder / "test_loop.script").symlink_to("test_loop.script")
+        (pytester.path / "more").symlink_to("programs", target_is_directory=True)
+        pytester.runpytest_inprocess("-p", "no:cacheprovider").assert_outcomes(passed=1)
+        both = ("programs/test_it.script::test_it", "programs/test_alias.script::test_it")
+        pytester.runpytest_inprocess("-p", "no:cacheprovider", both[1]).assert_outcomes(passed=1)
+        pytester.runpytest_inprocess("-p", "no:cacheprovider", both[0], both[0]).assert_outcomes(passed=1)
+        pytester.runpytest_inprocess("-p", "no:cacheprovider", *both).assert_outcomes(passed=2)
+
+    def test_a_link_to_a_file_that_is_not_found_by_itself_is_collected_once(self, pytester):
+        for folder in ("cells", "build", ".hidden"):
+            pytester.mkdir(folder)
+        for name in ("build/test_a.script", ".hidden/test_b.script", "plain.script"):
+            (pytester.path / name).write_text("def test_it():\n  sleep(1)\nend\n")
+            for link in ("test", "test_again"):
+                (pytester.path / "cells" / f"{link}_{name[-8]}.script").symlink_to(pytester.path / name)
+        pytester.runpytest_inprocess("-p", "no:cacheprovider").assert_outcomes(passed=3)
+
     def test_one_can_be_chosen(self, pytester):
         (pytester.path / "test_it.script").write_text(GRIPPER)
         pytester.runpytest_inprocess("test_it.script::test_half", "-p", "no:cacheprovider").assert_outcomes(passed=1)

@@ -57,6 +57,7 @@ def test_a_file_that_is_removed_is_said_and_a_further_one_goes_on(tmp_path):
     path = tmp_path / "run.mcap"
     sink = recorded(path, {20: path.unlink})
     assert sink.losses == [f"{path} was removed: its 25 rows are lost"]
+    assert (sink.rows, sink.rows_lost) == (100, 25)
     assert sink.said == [f"{sink.losses[0]}; {tmp_path / 'run.0001.mcap'} goes on"]
     assert list(read_recording(tmp_path / "run.0001.mcap").t) == ticks(1.1, 75)
 

@@ -523,3 +523,16 @@ def test_a_program_that_is_refused_takes_nothing_from_the_one_that_runs(tmp_path
     assert alone[0] == "mine"
     assert len(alone[1]) > 50
     assert beside == alone
+
+
+@pytest.mark.parametrize("value", [True, "5", b"5", -1, float("nan"), float("-inf"), [5], 10**400, -(10**400)])
+def test_a_time_that_is_no_number_is_refused_before_anything_begins(robot, value):
+    for call, name in (
+        (lambda: robot.run("def a():\n  sleep(1)\nend\n", until_s=value), "until_s"),
+        (lambda: robot.advance(value), "duration_s"),
+        (lambda: robot.at(value, "standard_digital_in[0]", True), "time_s"),
+        (lambda: robot.connect("dashboard").expect(b"x", within_s=value), "within_s"),
+    ):
+        with pytest.raises(UsageError, match=f"^{name} must be (a number in|>= 0) s, got "):
+            call()
+    assert robot.tick == 0

@@ -20,7 +20,7 @@ def test_a_run_warns_of_one_kind_ten_times_and_then_counts():
     *each, count = shortened(run.events)
     assert run.state == "finished"
     assert len(each) == 10
-    assert count.text.startswith("… 49 more of this kind: r = 0.05 m is shortened")
+    assert count.text.startswith("… 49 more of this kind, beginning with: r = 0.05 m is shortened")
     assert run.warnings.count(count.text) == 1
     assert run.events.index(count) > run.events.index(each[-1])
 

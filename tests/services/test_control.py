@@ -504,7 +504,7 @@ def test_stop_says_when_nothing_runs() -> None:
         (b'{"verb":"state","verb":"stop"}', "'verb' is given twice"),
         (b'{"verb":"set","values":{"standard_analog_in[0]":NaN}}', "NaN is no number of JSON"),
         (b'{"verb":"set","values":{"standard_analog_in[0]":1e999}}', "1e999 is larger than every number of a computer"),
-        (b'{"verb":"\xff"}', "not UTF-8: invalid start byte"),
+        (b'{"verb":"\xff"}', "not UTF-8: invalid start byte at byte 9"),
         (b'{"verb":"\0"}', "Invalid control character at: line 1 column 10"),
         (b'{"verb":"get","arguments":[["tool_digital_in[0]"]]}', "arguments are texts and numbers"),
         (

@@ -194,7 +194,15 @@ class TestPrograms:
     @pytest.fixture
     def folder(self, tmp_path: Path) -> Path:
         home = tmp_path / "cell"
-        for name in ("b.script", "a.script", "jobs/c.script", ".hidden/d.script", ".e.script", "notes.txt"):
+        for name in (
+            "b.script",
+            "a.script",
+            "jobs/c.script",
+            "jobs/D.SCRIPT",
+            ".hidden/d.script",
+            ".e.script",
+            "notes.txt",
+        ):
             (home / name).parent.mkdir(parents=True, exist_ok=True)
             (home / name).write_text(name)
         (tmp_path / "outside.script").write_text("secret")
@@ -202,10 +210,11 @@ class TestPrograms:
 
     def test_a_folder_lists_its_programs(self, folder: Path) -> None:
         programs = Programs(folder)
-        assert programs.names() == ["a.script", "b.script", "jobs/c.script"]
-        assert programs.first_names() == ["a.script", "b.script", "jobs/c.script", "program.script"]
+        assert programs.names() == ["a.script", "b.script", "jobs/D.SCRIPT", "jobs/c.script"]
+        assert programs.first_names() == ["a.script", "b.script", "jobs/D.SCRIPT", "jobs/c.script", "program.script"]
         assert programs.title == "cell"
         assert programs.path("jobs/c.script").read_text() == "jobs/c.script"
+        assert programs.path("jobs/D.SCRIPT").read_text() == "jobs/D.SCRIPT"
         assert programs.path("jobs/new.script") == folder / "jobs" / "new.script"
 
     def test_an_empty_folder_begins_with_a_new_program(self, tmp_path: Path) -> None:

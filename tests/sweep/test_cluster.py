@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import socket
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
@@ -73,6 +75,43 @@ def test_an_address_that_is_none_is_refused(address: str):
 @pytest.mark.parametrize("address", ["tcp://10.0.0.1:8786", "tls://scheduler.example:8786", "tcp://[::1]:8786"])
 def test_an_address_of_a_scheduler_is_taken(address: str):
     assert check_address(address) == address
+
+
+STRANGERS = {
+    "silent": (None, "what is there says nothing within 0.3 s"),
+    "closes at once": (b"", "what is there closes the connection"),
+    "HTTP": (b"HTTP/1.0 400 Bad request\r\n\r\n", "what is there sends something else"),
+    "SSH": (b"SSH-2.0-OpenSSH_9.2p1\r\n", "what is there sends something else"),
+    "a message of nothing": (bytes(64), "what is there sends something else"),
+}
+"""What servers that are no scheduler send when somebody connects, None for ever nothing; and what is said of them."""
+
+
+@pytest.mark.parametrize("stranger", STRANGERS)
+def test_what_is_no_scheduler_is_told_in_time(stranger: str, monkeypatch: pytest.MonkeyPatch):
+    sent, said = STRANGERS[stranger]
+    monkeypatch.setattr(cluster, "CONNECT_S", 0.3)
+    kept = []
+
+    def serve(server: socket.socket) -> None:
+        while True:
+            try:
+                connection, _ = server.accept()
+            except OSError:
+                return
+            if sent:
+                connection.sendall(sent)
+            kept.append(connection) if sent is None else connection.close()
+
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        threading.Thread(target=serve, args=(server,), daemon=True).start()
+        address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
+        with pytest.raises(UsageError) as caught, ClusterEngine(address):
+            pass
+        server.shutdown(socket.SHUT_RDWR)
+    assert str(caught.value) == f"--dask {address}: no Dask scheduler answers there: {said}"
+    for connection in kept:
+        connection.close()
 
 
 def test_nobody_at_the_address_is_said_after_a_while(monkeypatch: pytest.MonkeyPatch):

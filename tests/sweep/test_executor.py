@@ -54,6 +54,11 @@ def test_what_hangs_is_found_and_costs_itself_alone() -> None:
     assert found == {number: Result(number, number * number) for number in range(12) if number != 2}
 
 
+def test_a_job_may_have_no_description() -> None:
+    with Executor("benchmarks.cluster:nothing", None, jobs=1) as executor:
+        assert executor.results_of([7]) == [Result(-1, 7)]
+
+
 def test_work_without_a_number() -> None:
     with Executor(JOB, {"hangs": [3]}, jobs=1, max_wall_s=0.3) as executor:
         assert executor.result_of({"of": 5}) == Result(-1, 25)

@@ -57,7 +57,7 @@ def test_a_finished_table_belongs_to_its_settings(tmp_path: Path) -> None:
     more = sweep(PROGRAM, **arguments, runs=6, resume=True, on_progress=lambda *counts: seen.append(counts))
     assert seen[0][0] > 4
     assert (len(more), len(out.read_text().splitlines())) == (6, 7)
-    with pytest.raises(UsageError, match="was made with other settings: --seed 1, was 0"):
+    with pytest.raises(UsageError, match="was made with other settings: --seed 1 now, --seed 0 then"):
         sweep(PROGRAM, **arguments, runs=6, seed=1, resume=True)
 
 
@@ -97,3 +97,20 @@ def test_arguments_that_make_no_sense() -> None:
         sweep(PROGRAM, safety=object())
     with pytest.raises(ProgramError):
         sweep("def p():\n  sleep(\nend\n", vary={"x": choice(1)})
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"until_s": "5"}, "until_s must be a number in s, got '5'"),
+        ({"until_s": True}, "until_s must be a number in s, got True"),
+        ({"step_s": "x"}, "step_s must be a number"),
+        ({"max_wall_s": float("nan")}, "max_wall_s must be >= 0 s, got nan"),
+        ({"jobs": True}, "jobs must be a whole number >= 1, got True"),
+        ({"jobs": 0}, "jobs must be a whole number >= 1, got 0"),
+        ({"runs": "2"}, "runs must be a whole number >= 1, got '2'"),
+    ],
+)
+def test_numbers_that_are_none_are_refused_by_their_names(given, words):
+    with pytest.raises(UsageError, match=words):
+        sweep(PROGRAM, **{"runs": 1, "jobs": 1, **given})

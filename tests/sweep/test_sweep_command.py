@@ -96,7 +96,7 @@ def test_rows_are_the_same_for_any_number_of_processes_and_any_end(
     assert part.exists()
 
     assert main(["sweep", program, *USUAL, "--runs", "60", "--out", str(killed), "--resume", "--seed", "4"]) == 2
-    assert "was begun with other settings: --seed 4, was 0" in capsys.readouterr().err
+    assert "was begun with other settings: --seed 4 now, --seed 0 then" in capsys.readouterr().err
     again = ["2" if word == "1" else word for word in USUAL]
     assert main(["sweep", program, *again, "--runs", "60", "--out", str(killed), "--resume"]) == 1
     assert "runs are there already" in capsys.readouterr().err
@@ -106,7 +106,7 @@ def test_rows_are_the_same_for_any_number_of_processes_and_any_end(
     # A finished table belongs to its settings, as does one that is not finished.
     before = whole.read_bytes()
     for arguments, words in (
-        (["--seed", "4"], "was made with other settings: --seed 4, was 0"),
+        (["--seed", "4"], "was made with other settings: --seed 4 now, --seed 0 then"),
         (["--ensure", "time_s < 2", "--runs", "70"], "time_s < 2"),
     ):
         assert main(["sweep", program, *USUAL, "--runs", "60", "--out", str(whole), "--resume", *arguments]) == 2

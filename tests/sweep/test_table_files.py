@@ -51,24 +51,35 @@ def test_a_finished_table_is_known(name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"seed": 11}, "--seed 11, was 13"),
-        ({"seed": 11, "until_s": 5.0}, "--seed 11, was 13; --until 5.0, was None"),
-        ({"program": "def p():\n  sleep(1)\nend\n"}, "the program is another one"),
-        ({"program_name": "q.script"}, "the name of the program is another one"),
-        ({"world": "a = 1\n"}, "the world file is another one"),
-        ({"world_name": "w.toml"}, "the name of the world file is another one"),
-        ({"variations": (Variation("r", "uniform", (0, 2)),)}, "--vary r=uniform(0, 2), was r=uniform(0, 1)"),
-        ({"variations": (Variation("r", "uniform", (0, 1.0)),)}, "--vary r=uniform(0, 1.0), was r=uniform(0, 1)"),
-        ({"options": {"model": "CS63"}}, "--model CS63, was CS66"),
-        ({"ensure": ("time_s < 3",)}, "--ensure time_s < 3, was nothing"),
-        ({"measures": {"m": "time_s"}}, "--measure m=time_s, was nothing"),
-        ({"settings": ("a=1",)}, "--set a=1, was nothing"),
-        ({"chaos": "channels"}, "--chaos channels, was nothing"),
-        ({"step_s": 0.04}, "--step 0.04, was None"),
-        ({"has_margins": True}, "--margins True, was False"),
-        ({"files": {"a.txt": "YQ=="}}, "a.txt of the task folder"),
-        ({"python": {"checks.py": "1"}}, "checks.py"),
-        ({"version": "9"}, "the version of elitescript is 9"),
+        ({"seed": 11}, "--seed 11 now, --seed 13 then; give"),
+        ({"seed": 11, "until_s": 5.0}, "--seed 11 now, --seed 13 then; --until 5.0 now, not given then"),
+        ({"program": "def p():\n  sleep(1)\nend\n"}, "the program has changed"),
+        ({"program_name": "q.script"}, "the name of the program is q.script now, and was program.script"),
+        ({"world": "a = 1\n", "world_name": "w.toml"}, "--world w.toml now, not given then; the world file is new"),
+        ({"variations": (Variation("r", "uniform", (0, 2)),)}, "--vary r=uniform(0, 2) now, --vary r=uniform(0, 1) th"),
+        (
+            {"variations": (Variation("r", "uniform", (0, 1.0)),)},
+            "--vary r=uniform(0, 1.0) now, --vary r=uniform(0, 1)",
+        ),
+        ({"variations": ()}, "no --vary now, --vary r=uniform(0, 1) then"),
+        ({"options": {"model": "CS63"}}, "--robot CS63 now, --robot CS66 then"),
+        ({"options": {"model": "CS66", "speed": 0.5}}, "--speed 0.5 now, not given then"),
+        ({"options": {"model": "CS66", "strict": True}}, "--strict now, not given then"),
+        ({"options": {"model": "CS66", "rpc_timeout_s": 0.0}}, "--rpc-timeout 0.0 now, not given then"),
+        ({"options": {"model": "CS66", "joints": [0, 0.5]}}, "--joints 0,0.5 now, not given then"),
+        ({"options": {"model": "CS66", "confirms_popups": False}}, "confirms_popups=False now, not given then"),
+        ({"options": {}}, "no --robot now, --robot CS66 then"),
+        ({"options": {"model": "CS66", "model_text": "base = 1"}}, "the arm file is new"),
+        ({"ensure": ("time_s < 3", "x")}, "--ensure time_s < 3 --ensure x now, not given then"),
+        ({"measures": {"m": "time_s"}}, "--measure m=time_s now, not given then"),
+        ({"settings": ("a=1",)}, "--set a=1 now, not given then"),
+        ({"chaos": "channels"}, "--chaos channels now, not given then"),
+        ({"chaos": "[channels]\nrate = 2\n"}, "the chaos profile is new"),
+        ({"step_s": 0.04}, "--step 0.04 now, not given then"),
+        ({"has_margins": True}, "--margins now, not given then"),
+        ({"files": {"a.txt": "YQ=="}}, "a.txt of the task folder is new"),
+        ({"python": {"checks.py": "1"}}, "checks.py is new"),
+        ({"version": "9"}, "the version of elitescript is 9 now, and was"),
     ],
 )
 def test_other_settings_are_refused_and_nothing_is_written(
@@ -127,7 +138,7 @@ def test_a_journal_goes_before_the_table(tmp_path: Path) -> None:
         assert journal.missing(3) == [range(1, 3)]
     # One whose first line was torn says nothing.
     files.part.write_bytes(files.part.read_bytes()[:20])
-    with pytest.raises(UsageError, match="--seed 14, was 13"):
+    with pytest.raises(UsageError, match="--seed 14 now, --seed 13 then"):
         files.finished(other)
     assert files.finished(PLAN) is not None
 

@@ -41,7 +41,7 @@ def test_places_are_kept() -> None:
 
 def test_what_is_not_utf_8_is_refused() -> None:
     error = refusal(b'["a",\n"\xff"]')
-    assert (str(error), error.at, error.line) == ("not UTF-8: invalid start byte", 7, 2)
+    assert (str(error), error.at, error.line) == ("not UTF-8: invalid start byte at byte 7", 7, 2)
 
 
 def test_constants_can_be_refused() -> None:

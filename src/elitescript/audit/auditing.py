@@ -90,7 +90,7 @@ def audit(
 
     found = recording if isinstance(recording, Recording) else read_recording(recording)
     if not found.t:
-        raise UsageError("the recording has no rows")
+        raise UsageError(f"the recording has no rows{': its file is cut off before the first' * found.is_cut_off}")
     source = _program(found, program)
     kept = _Kept()
     kept_world = kept.world(found) if world is None else None

@@ -7,7 +7,7 @@ no rows there.
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise, takewhile
@@ -242,18 +242,18 @@ class Comparer:
             self._notes.insert(
                 0, f"lines of the recording are {abs(shift)} {higher} than those of the program: one of both was edited"
             )
-        until = self._rows_until_end(pairs)
+        since, until = self._row_of_begin(pairs), self._rows_until_end(pairs)
         changed = {change.name for series in (self._recorded, self._other) for change in series.changes}
         return Comparison(
             tuple(self._findings),
             self._joints(),
             self._path(),
             None if self._findings else self._measured(pairs),
-            self._lines(until),
+            self._lines(since, until),
             tuple(self._signals),
             len(changed & set(signals)),
             tuple(self._notes),
-            self._other.t[until - 1],
+            self._other.t[until - 1] - self._other.t[since],
         )
 
     # ---------------------------------------------------------------- alignment
@@ -719,6 +719,15 @@ class Comparer:
     def _largest(self, rms: float, largest: float, row: int) -> Largest:
         return Largest(rms, largest, self._recorded.t[row], self._recorded.lines[row])
 
+    def _row_of_begin(self, pairs: Sequence[Match]) -> int:
+        """Return the row of the simulated run at which the recording begins; 0 if it shows the begin of the run."""
+        if not self._recorded.is_headless or not pairs:
+            return 0
+        first = pairs[0]
+        before_s = self._recorded.t[self._row(first.first)] - self._recorded.t[0]
+        its_begin = self._its_row(first.second)
+        return min(its_begin, bisect_left(self._other.t, self._other.t[its_begin] - before_s - 0.5 * PERIOD_S))
+
     def _rows_until_end(self, pairs: Sequence[Match]) -> int:
         """Return how many rows of the simulated run are not behind the end of the recording."""
         if not self._recorded.is_open or not pairs:
@@ -728,14 +737,15 @@ class Comparer:
         its_begin = self._its_row(last.second)
         return max(its_begin + 1, bisect_right(self._other.t, self._other.t[its_begin] + rest_s + 0.5 * PERIOD_S))
 
-    def _lines(self, until: int) -> tuple[LineTime, ...]:
+    def _lines(self, since: int, until: int) -> tuple[LineTime, ...]:
         """Return the times of lines.
 
         Args:
-            until: rows of the simulated run that count.
+            since: first row of the simulated run that counts.
+            until: the row behind the last one.
         """
-        times, passes, slowed = _line_times(self._recorded, len(self._recorded))
-        its_times, its_passes, _ = _line_times(self._other, until)
+        times, passes, slowed = _line_times(self._recorded, 0, len(self._recorded))
+        its_times, its_passes, _ = _line_times(self._other, since, until)
         found = []
         for line in sorted({*times, *its_times} - {0}):
             causes = self._causes.get(line, {})
@@ -784,27 +794,27 @@ def _named(lines: Sequence[int]) -> str:
     return f"{len(shown)} lines from {shown[0]} to {shown[-1]}"
 
 
-def _line_times(series: Series, count: int) -> tuple[dict[int, float], dict[int, int], dict[int, float]]:
+def _line_times(series: Series, since: int, until: int) -> tuple[dict[int, float], dict[int, int], dict[int, float]]:
     """Return for each line its time, how often it was reached, and what the speed scaling took of its time.
 
     Args:
         series: of the run.
-        count: rows that are looked at.
+        since: first row that is looked at.
+        until: the row behind the last one.
     """
     times: dict[int, float] = {}
     passes: dict[int, int] = {}
     slowed: dict[int, float] = {}
     lines, t, scaling = series.lines, series.t, series.scaling
-    begin = 0
-    for row in range(1, count + 1):
-        if row == count or lines[row] != lines[begin]:
+    begin = since
+    for row in range(since + 1, until + 1):
+        if row == until or lines[row] != lines[begin]:
             line = lines[begin]
-            until = t[min(row, count - 1)]
-            times[line] = times.get(line, 0.0) + until - t[begin]
+            times[line] = times.get(line, 0.0) + t[min(row, until - 1)] - t[begin]
             passes[line] = passes.get(line, 0) + 1
             begin = row
     if scaling is not None and any(value < 1.0 for value in scaling):
-        for row in range(count - 1):
+        for row in range(since, until - 1):
             if scaling[row] < 1.0 and not series.stands(row):
                 line = lines[row]
                 slowed[line] = slowed.get(line, 0.0) + (1.0 - scaling[row]) * (t[row + 1] - t[row])

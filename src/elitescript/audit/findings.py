@@ -104,12 +104,13 @@ class AuditFindings:
 
     @property
     def ends(self) -> Cut | None:
-        """Where the recording ends within a run; None if it shows the end of each."""
-        return next((_cut(run, -1) for run in self.runs if run.recorded.is_open), None)
+        """Where the recording ends within a run, or its file was cut off; None if it shows the end of each."""
+        last = self.runs[-1:] if self.recording.is_cut_off else ()
+        return next((_cut(run, -1) for run in (*filter(_is_open, self.runs), *last)), None)
 
     @property
     def is_complete(self) -> bool:
-        """Whether each run was compared from its begin to its end."""
+        """Whether each run was compared from its begin to its end, and no further one can be missing."""
         return self.begins is None and self.ends is None
 
     @property
@@ -126,6 +127,10 @@ class AuditFindings:
     def divergence(self) -> Finding | None:
         """The first difference of target joints, durations or signals; None if there is none."""
         return self.first.comparison.divergence
+
+
+def _is_open(run: AuditedRun) -> bool:
+    return run.recorded.is_open
 
 
 def _cut(run: AuditedRun, row: int) -> Cut:

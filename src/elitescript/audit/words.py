@@ -153,7 +153,8 @@ def _cuts(audit: AuditFindings) -> Iterator[str]:
             end = f"the recording ends at {series.t[-1]:.3f} s{where}, before the program{of_run} does"
             yield f"{end}: nothing from there on is compared"
     if audit.recording.is_cut_off:
-        yield "the file of the recording is cut off: its recorder was killed, or the file has lost its end"
+        why = "its recorder was killed, or the file has lost its end"
+        yield f"the file of the recording is cut off: {why}; what came behind its last row is not compared"
 
 
 def _arm(audit: AuditFindings) -> Iterator[str]:

@@ -20,6 +20,7 @@ from elitescript.models.datafile import parsed, read_text
 from elitescript.models.model import is_model_file
 from elitescript.page import NOT_BUILT, is_built
 from elitescript.shown import shown
+from elitescript.untrusted.files import ARM, text_of
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -131,7 +132,7 @@ def _arm_text(found: Audit, robot: str | None) -> str:
     if robot is not None and is_model_file(robot):
         base = parsed(robot, read_text(Path(robot)))
     elif (name := found.arm_file) and robot is None:
-        base = parsed(name, found.recording.attachments[name].decode())
+        base = parsed(name, text_of(found.recording.attachments[name], name, ARM.noun))
     return arm_text(
         base,
         found.fit.parameters,

@@ -7,11 +7,10 @@ import platform
 import socket
 import sys
 import time
-from importlib.util import find_spec
 from typing import Any
 
 from elitescript import __version__, page
-from elitescript.cli.ssh_login import has_extra
+from elitescript.extras import EXTRAS, INSTALLED, state_of
 from elitescript.json_records import jsonlines
 from elitescript.services.channels.connect_policy import OPTION, ConnectPolicy
 from elitescript.services.child.jail import is_complete
@@ -36,7 +35,7 @@ def doctor(options: argparse.Namespace) -> int:
         "system": f"{platform.system()} {platform.release()} on {platform.machine()}",
     }
     layers, trouble = asyncio.run(probe_jail())
-    extras = _extras()
+    extras = {name: state_of(name) for name in EXTRAS}
     ports = port_numbers(options.instance, {}, has_ssh=True)
     # Where this user may not bind a port, `serve` takes its spare one.
     for name, number in spare_numbers(options.instance, {}, has_ssh=True).items():
@@ -50,7 +49,7 @@ def doctor(options: argparse.Namespace) -> int:
         record: dict[str, Any] = {
             "type": "doctor",
             "versions": versions,
-            "extras": extras,
+            "extras": {name: state == INSTALLED for name, state in extras.items()},
             "studio_page": page.is_built(),
             "jail": {layer.name: {"active": layer.is_active, "detail": layer.detail} for layer in layers},
             "is_jailed": is_jailed,
@@ -64,7 +63,7 @@ def doctor(options: argparse.Namespace) -> int:
         return 0 if is_jailed and not trouble else 1
     for name, version in versions.items():
         print(f"{name + ':':<14}{version}")
-    found = (f"{name} {'installed' if is_there else 'not installed'}" for name, is_there in extras.items())
+    found = (f"{name} {state}" for name, state in extras.items())
     print(f"{'extras:':<14}{', '.join(found)}")
     print(f"{'studio page:':<14}{'built' if page.is_built() else page.NOT_BUILT}")
     print("jail of the process that runs programs:")
@@ -82,14 +81,6 @@ def doctor(options: argparse.Namespace) -> int:
     late = f"{lateness['p50']:.2f} ms late (median), {lateness['max']:.2f} ms at worst"
     print(f"time:         clock resolution {clock_ns:.0f} ns; ticks begin {late}")
     return 0 if is_jailed and not trouble else 1
-
-
-def _extras() -> dict[str, bool]:
-    return {
-        "serial": find_spec("serial") is not None,
-        "ssh": has_extra(),
-        "studio": find_spec("websockets") is not None,
-    }
 
 
 async def _lateness() -> dict[str, float]:

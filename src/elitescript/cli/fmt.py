@@ -67,13 +67,10 @@ def fmt(options: argparse.Namespace) -> int:
 
 def _formatted(name: str, data: bytes, *, is_pendant: bool) -> Formatted:
     try:
-        return formatted(data.decode("utf-8"), name, pendant=is_pendant)
-    except UnicodeDecodeError:
-        try:
-            SourceFile.from_bytes(name, data)
-        except ProgramError as error:
-            return Formatted(data.decode("utf-8", "replace"), error.problems)
-        raise
+        SourceFile.from_bytes(name, data)
+    except ProgramError as error:
+        return Formatted(data.decode("utf-8", "replace"), error.problems)
+    return formatted(data.decode("utf-8"), name, pendant=is_pendant)
 
 
 def _difference(text: ProgramText, new: str) -> str:

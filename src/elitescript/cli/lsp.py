@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from elitescript.errors import UsageError
+from elitescript.extras import require
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -13,10 +14,7 @@ def lsp(options: argparse.Namespace) -> int:
     """Serve one editor until it ends; return the exit code."""
     if options.tcp is not None and not 0 <= options.tcp <= 65_535:
         raise UsageError(f"--tcp {options.tcp}: a port is a number up to 65535 (0: any free one)")
-    try:
-        from elitescript.lsp.serve import serve_stdio, serve_tcp
-    except ModuleNotFoundError as error:
-        raise UsageError(
-            f"the package {error.name!r} is missing; install it with: pip install 'elitescript[lsp]'"
-        ) from error
+    require("lsp")
+    from elitescript.lsp.serve import serve_stdio, serve_tcp
+
     return serve_stdio() if options.tcp is None else serve_tcp(options.tcp)

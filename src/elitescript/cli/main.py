@@ -29,6 +29,8 @@ DOES_NOT_COMPILE = 3
 HASH_SEED = "0"
 """The order of a set of strings depends on it, so every process has the same."""
 
+_NO_MEMORY = "there is not enough memory"
+
 _RUNNING = ("run", "plot", "serve", "replay", "sweep", "audit", "shadow")
 """Commands that run programs."""
 
@@ -53,7 +55,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     if None in (sys.stdin, sys.stdout, sys.stderr):
         streams.open_closed_streams()
     streams.open_streams(arguments[0] if arguments else "")
-    code = _run(arguments, is_process=True)
+    try:
+        code = _run(arguments, is_process=True)
+    except (MemoryError, SystemError):
+        # Without any memory Python fails wherever it is.
+        os.write(2, f"elitescript: {_NO_MEMORY}\n".encode())
+        os._exit(USAGE)
     failure = streams.failure_of_streams()
     if streams.is_ended_with_reader(arguments[0] if arguments else ""):
         code = streams.ENDED_WITH_READER
@@ -83,10 +90,19 @@ def _run(arguments: list[str], *, is_process: bool = False) -> int:
     except Exception as error:
         if not is_process:
             raise
+        _say(arguments, _sentence(error))
+        return USAGE
+
+
+def _sentence(error: Exception) -> str:
+    """Return what to say of an exception that no command has handled."""
+    try:
         from elitescript.cli.internal_error import sentence
 
-        _say(arguments, sentence(error))
-        return USAGE
+        return os_error_text(error) if isinstance(error, OSError) else sentence(error)
+    except Exception:
+        # With hardly any memory not even that can be loaded.
+        return _NO_MEMORY
 
 
 def _say(arguments: list[str], text: str) -> None:
@@ -158,7 +174,8 @@ def _answered(options: argparse.Namespace, *, is_process: bool) -> int:
     try:
         return _dispatch(options, is_process=is_process)
     except (ProgramError, ElitescriptError) as error:
-        print(f"elitescript {options.command}: {shown(str(error))}", file=sys.stderr)
+        place = f"{error.file}: " if isinstance(error, ProgramError) and error.file else ""
+        print(f"elitescript {options.command}: {shown(place + str(error))}", file=sys.stderr)
         return DOES_NOT_COMPILE if isinstance(error, ProgramError) else USAGE
     except OSError as error:
         print(f"elitescript {options.command}: {shown(os_error_text(error))}", file=sys.stderr)
@@ -280,8 +297,9 @@ def _parsed(arguments: list[str]) -> argparse.Namespace:
 
 def _no_command(word: str, known: list[str]) -> str:
     from elitescript.errors import did_you_mean
+    from elitescript.paths import is_program_name
 
-    if word.endswith(".script"):
+    if is_program_name(word):
         return f"{word!r} is no command; to run it: elitescript run {word}"
     return f"{word!r} is no command{did_you_mean(word, known)}; there are {', '.join(known)}"
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 
 from elitescript.errors import UsageError
+from elitescript.extras import require
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -18,13 +19,10 @@ def mcp(options: argparse.Namespace) -> int:
     folder = Folder(options.folder)
     if not options.max_wall > 0.0:
         raise UsageError(f"--max-wall must be > 0 s, got {options.max_wall:g}")
-    try:
-        from elitescript.mcp.requests import requests
-        from elitescript.mcp.server import make_server
-    except ModuleNotFoundError as error:
-        raise UsageError(
-            f"the package {error.name!r} is missing; install it with: pip install 'elitescript[mcp]'"
-        ) from error
+    require("mcp")
+    from elitescript.mcp.requests import requests
+    from elitescript.mcp.server import make_server
+
     before = sys.stdin
     sys.stdin = requests(sys.stdin.buffer)
     try:

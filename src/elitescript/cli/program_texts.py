@@ -8,8 +8,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Final
 
-from elitescript.environment.program_file import SUFFIX
 from elitescript.errors import UsageError
+from elitescript.paths import PROGRAM_SUFFIX, is_program_name
 from elitescript.records import NamedTuple
 from elitescript.shown import shown, shown_word
 from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes, read_standard_input
@@ -63,11 +63,11 @@ def program_texts(names: Iterable[str], command: str) -> Iterator[ProgramText]:
         for home, folders, files in os.walk(path, onerror=refuse):
             folders[:] = sorted(name for name in folders if not name.startswith("."))
             for file in sorted(files):
-                if file.endswith(SUFFIX):
+                if is_program_name(file):
                     found = True
                     yield from _read(Path(home, file), seen, is_named=False)
         if not found:
-            yield ProgramText(name, path, None, f"no *{SUFFIX} file in this folder", True)
+            yield ProgramText(name, path, None, f"no *{PROGRAM_SUFFIX} file in this folder", True)
 
 
 def _read(path: Path, seen: set[str], *, is_named: bool) -> Iterator[ProgramText]:

@@ -15,7 +15,7 @@ from elitescript.errors import ProgramError, ScriptError
 from elitescript.language.options import Options
 from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
-from elitescript.lint.outside import FILE, RPC, SERIAL, Named, outside_names
+from elitescript.lint.outside import CODE, FILE, RPC, SERIAL, Named, outside_names
 from elitescript.lint.program import AnalysedProgram
 from elitescript.records import NamedTuple
 from elitescript.robot import VirtualRobot
@@ -29,7 +29,7 @@ NOT_FOUND: Final = 2
 BROKEN: Final = 3
 """Exit codes: a file cannot be read; a text is no program."""
 
-_LATER: Final = "not known before the run: the options are asked then"
+_LATER: Final = "not known before the run; it is decided when the program connects"
 
 
 class Verdict(NamedTuple):
@@ -55,7 +55,7 @@ def reach(options: argparse.Namespace) -> int:
     )
     robot.set_network_by(COMMAND_LINE)
     code = 0
-    count = left = 0
+    count = left = unknown = 0
     for text in program_texts(options.files, "check"):
         if text.data is None:
             print(f"elitescript check: {shown(text.why_not)}", file=sys.stderr)
@@ -63,8 +63,8 @@ def reach(options: argparse.Namespace) -> int:
             continue
         try:
             source = SourceFile.from_bytes(text.name, text.data)
-        except (UnicodeDecodeError, ProgramError):
-            print(f"elitescript check: {shown_word(text.name)} is no text", file=sys.stderr)
+        except ProgramError as error:
+            print(f"elitescript check: {shown_word(text.name)}: {error}", file=sys.stderr)
             code = code or BROKEN
             continue
         parsed = parse(source, Options(strict=robot.options.strict))
@@ -76,9 +76,11 @@ def reach(options: argparse.Namespace) -> int:
             verdict = verdict_on(named, robot)
             count += 1
             left += verdict.reached is False
+            unknown += verdict.reached is None
             print(_json(text.name, named, verdict) if options.json else _line(text.name, named, verdict))
+    more = f", {unknown} not known before the run" if unknown else ""
     print(
-        f"{count} place{'s' * (count != 1)}, {left} not let through by --network {robot.options.network}",
+        f"{count} place{'s' * (count != 1)}, {left} not let through by --network {robot.options.network}{more}",
         file=sys.stderr,
     )
     return code
@@ -88,6 +90,12 @@ def verdict_on(named: Named, robot: VirtualRobot) -> Verdict:
     """Return what becomes of one place of a program of a robot."""
     if named.kind == FILE:
         return _file(named)
+    if named.kind == CODE:
+        return Verdict(
+            named.text,
+            None,
+            "what a program in a text reaches is not known before the run; it is decided when it connects",
+        )
     if named.name is None or (named.port is None and named.kind not in (RPC, SERIAL)):
         address = None if named.kind in (RPC, SERIAL) else named.name
         return Verdict(named.text if named.name is None else named.name, None, _LATER, address, named.port)

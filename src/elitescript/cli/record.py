@@ -95,7 +95,8 @@ def _summary(session: Session, sink: McapSink) -> str:
     repeated = f", {pace.repeated:,} repeated rows left out" if pace.repeated else ""
     # That they came without gaps is no comfort where rows are lost with their file.
     gaps = "" if sink.losses and not pace.gaps else f", {_gaps(session)}"
-    rows = f"{pace.rows:,} rows at {pace.rate_hz:g} Hz{gaps}{repeated}{restarts}"
+    gone = f", {sink.rows_lost:,} of them lost with their file" if sink.rows_lost else ""
+    rows = f"{pace.rows:,} rows at {pace.rate_hz:g} Hz{gone}{gaps}{repeated}{restarts}"
     lost = "".join(f"\n{shown(words)}" for words in sink.losses)
     return f"{shown_word(str(sink.path))}: {rows}; {shown_size(sink.size)}{files}{lost}"
 

@@ -123,7 +123,7 @@ def _run_case(options: argparse.Namespace, report: RunReport) -> int:
     try:
         replay = replay_of(options)
     except ProgramError as error:
-        report.problems(error.problems, None)
+        report.problems(error.problems, refused_source(Path(error.file)) if error.file else None)
         return DOES_NOT_COMPILE
     report.problems(replay.runner.problems, source_of(replay.program))
     with ExitStack() as stack:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from elitescript.errors import UsageError
+from elitescript.extras import require
 from elitescript.records import NamedTuple
 
 if TYPE_CHECKING:
     import argparse
 
-MISSING: Final = "--ssh needs asyncssh: pip install 'elitescript[ssh]'"
 PASSWORD_MAX: Final = 256
 """Characters."""
 RANDOM_BYTES: Final = 12
@@ -35,8 +35,7 @@ def ssh_login(options: argparse.Namespace) -> Login | None:
         if options.ssh_password is not None:
             raise UsageError("--ssh-password does nothing without --ssh")
         return None
-    if not has_extra():
-        raise UsageError(MISSING)
+    require("ssh")
     given: str | None = options.ssh_password
     if given is None:
         from secrets import token_urlsafe
@@ -55,13 +54,6 @@ def checked_password(given: str) -> str:
     if not password or len(password) > PASSWORD_MAX or not password.isprintable():
         raise UsageError(f"--ssh-password: 1 to {PASSWORD_MAX} printable characters are a password")
     return password
-
-
-def has_extra() -> bool:
-    """Return whether the extra `ssh` is installed."""
-    from importlib.util import find_spec
-
-    return find_spec("asyncssh") is not None
 
 
 def _read(name: str) -> str:

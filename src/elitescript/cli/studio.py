@@ -7,6 +7,7 @@ from pathlib import Path
 from elitescript import page
 from elitescript.cli.robot_options import options_from
 from elitescript.errors import UsageError
+from elitescript.extras import require
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -25,12 +26,9 @@ def studio(options: argparse.Namespace) -> int:
         for flag in ("control", "instance", "socket", "jog_register"):
             if getattr(options, flag):
                 raise UsageError(f"--{flag.replace('_', '-')} goes with --connect: a live run has no controller")
-    try:
-        from elitescript.studio.serving import serve_studio, workplace
-    except ModuleNotFoundError as error:
-        raise UsageError(
-            f"the package {error.name!r} is missing; install it with: pip install 'elitescript[studio]'"
-        ) from error
+    require("studio")
+    from elitescript.studio.serving import serve_studio, workplace
+
     given = options_from(options)
     path = options.path or (None if options.connect else ".")
     place = workplace(path, given, options.world, options.urdf)

@@ -8,11 +8,11 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from importlib.util import find_spec
 from typing import Final
 
 from elitescript import page
 from elitescript.errors import UsageError
+from elitescript.extras import require
 
 END_S: Final = 5.0
 """Longest time for a studio to end when it is told to."""
@@ -31,8 +31,7 @@ def check_studio() -> None:
     """
     if not page.is_built():
         raise UsageError(page.NOT_BUILT)
-    if find_spec("websockets") is None:
-        raise UsageError("the package 'websockets' is missing; install it with: pip install 'elitescript[studio]'")
+    require("studio", "--studio")
 
 
 @contextlib.contextmanager

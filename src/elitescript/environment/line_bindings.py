@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import Final
 
 from elitescript.errors import UsageError
+from elitescript.extras import require
 from elitescript.messages.line import PORT_NAMES
 
 PORTS: Final = {
@@ -16,7 +17,6 @@ PORTS: Final = {
 """Names of the robot's ports, and the device that each means."""
 
 BRIDGE: Final = "socket://"
-MISSING: Final = "serial ports need pyserial: pip install 'elitescript[serial]'; socket://HOST:PORT works without"
 
 
 def parse_bindings(texts: Iterable[str]) -> dict[str, str]:
@@ -54,8 +54,8 @@ def _checked(port: str, target: str, found: Mapping[str, str]) -> dict[str, str]
         raise UsageError(f"the serial port {device} is bound to {found[device]} and to {target}")
     if target in found.values():
         raise UsageError(f"{target} is bound to two serial ports")
-    if bridge_address(target) is None and not _has_pyserial():
-        raise UsageError(f"{port}={target}: {MISSING}")
+    if bridge_address(target) is None:
+        require("serial", f"the serial port {port}={target}")
     return {device: target}
 
 
@@ -72,9 +72,3 @@ def bridge_address(target: str) -> tuple[str, int] | None:
     if not host or not (port.isascii() and port.isdecimal() and 0 < int(port) < 65536):
         raise UsageError(f"{target}: write socket://HOST:PORT, the port from 1 to 65535")
     return host, int(port)
-
-
-def _has_pyserial() -> bool:
-    from importlib.util import find_spec
-
-    return find_spec("serial") is not None

@@ -48,8 +48,10 @@ _LOOK_S: Final = 0.001
 
 
 def print_error(text: str) -> None:
-    """Print a line on the error output."""
-    print(f"elitescript: {text}", file=sys.stderr, flush=True)
+    """Print a text on the error output."""
+    from elitescript.shown import shown
+
+    print(f"elitescript: {shown(text)}", file=sys.stderr, flush=True)
 
 
 class LocalChannels:

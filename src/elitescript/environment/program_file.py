@@ -9,9 +9,8 @@ from typing import Final
 from elitescript.errors import UsageError
 from elitescript.language.advice.unknown_names import nearest
 from elitescript.language.text.source import SourceFile
+from elitescript.paths import PROGRAM_SUFFIX, is_program_name
 from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes
-
-SUFFIX: Final = ".script"
 
 _MOST_NEIGHBOURS: Final = 1000
 """Files of a folder that are looked at to find the one that was meant."""
@@ -60,11 +59,12 @@ def neighbours(path: Path) -> str:
                 break
     except (OSError, ValueError):
         return ""
-    if not path.suffix and f"{path.name}{SUFFIX}" in names:
-        found = f"{path.name}{SUFFIX}"
+    if not path.suffix and f"{path.name}{PROGRAM_SUFFIX}" in names:
+        found = f"{path.name}{PROGRAM_SUFFIX}"
     else:
-        programs = [name for name in names if name.endswith(SUFFIX)]
-        found = nearest(path.name, programs) or nearest(f"{path.stem}{SUFFIX}", programs) or nearest(path.name, names)
+        programs = [name for name in names if is_program_name(name)]
+        named = f"{path.stem}{PROGRAM_SUFFIX}"
+        found = nearest(path.name, programs) or nearest(named, programs) or nearest(path.name, names)
     return f"is {path.parent / found} meant?" if found and found != path.name else ""
 
 
@@ -73,7 +73,7 @@ def _is_path(text: str) -> bool:
     line = text.strip()
     if not line or "\n" in text or "\r" in text:
         return False
-    if line.endswith(SUFFIX):
+    if is_program_name(line):
         return True
     if line in _STATEMENTS:
         return False

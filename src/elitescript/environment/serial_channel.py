@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 import sys
 from contextlib import suppress
-from importlib import import_module
 from time import monotonic
 from typing import Any, Final
 
-from elitescript.environment.line_bindings import MISSING
+from elitescript.errors import UsageError
+from elitescript.extras import require
 from elitescript.messages.enums import ChannelError
 from elitescript.messages.inputs import ChannelClosed, ChannelCredit, ChannelData, ChannelEvent, ChannelOpened
 from elitescript.messages.line import LineSettings
@@ -71,7 +71,7 @@ class SerialChannel:
         self.room = CHANNEL_WINDOW
         self.is_over = False
         try:
-            self._port = import_module("serial").Serial(
+            self._port = require("serial").Serial(
                 device,
                 baudrate=settings.baud,
                 bytesize=settings.size,
@@ -81,8 +81,8 @@ class SerialChannel:
                 write_timeout=0,
                 exclusive=True if os.name == "posix" else None,
             )
-        except ImportError:
-            self._failure = MISSING
+        except UsageError as error:
+            self._failure = str(error)
         except _FAILURES as error:
             self._failure = _words(error)
 

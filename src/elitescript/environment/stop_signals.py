@@ -45,14 +45,13 @@ def exit_code_of(stop: KeyboardInterrupt) -> int:
 
 
 def leave_by_signals() -> None:
-    """Let the signals to stop, other than Ctrl-C, raise `Stopped` in the main thread."""
+    """Let the signals to stop raise `Stopped` in the main thread, and Ctrl-C KeyboardInterrupt as always."""
 
     def leave(number: int, _frame: FrameType | None) -> None:
         raise Stopped(number)
 
     for number in handled_signals():
-        if number != signal.SIGINT:
-            signal.signal(number, leave)
+        signal.signal(number, signal.default_int_handler if number == signal.SIGINT else leave)
 
 
 def handled_signals() -> tuple[signal.Signals, ...]:

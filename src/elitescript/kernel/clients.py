@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Final
 
 from elitescript.kernel.kernel import Kernel
+from elitescript.kernel.options import given_ticks
 from elitescript.messages.events import DeviceNoted
-from elitescript.messages.timing import ticks_for
 from elitescript.protocol.transport import MemoryTransport
 
 EXPECT_S: Final = 1.0
@@ -80,7 +80,7 @@ class Client:
             UsageError: robot time goes by already: `expect` is called from `watch` or `on_event`.
         """
         transport = self._transport
-        left = ticks_for(within_s)
+        left = given_ticks(within_s, "within_s")
         while (end := transport.received.find(data)) < 0:
             what = f"{data!r} has not come; instead: {_tail(transport.received)}"
             if not transport.is_open:

@@ -18,6 +18,7 @@ from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelEvent
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.records import NamedTuple
 from elitescript.runtime.environment import Channels, Files
+from elitescript.untrusted.files import without_mark
 
 WORD: Final = "external_control"
 PORT: Final = 50002
@@ -55,7 +56,8 @@ def sender_of(files: Files, name: str) -> Sender | None:
     if files.kind(name) != "file" or files.size(name) > TASK_FILE_MAX:
         return None
     with files.open(name, "rb", None, None) as file:
-        words = bytes(file.read(TASK_FILE_MAX)).split(b"\n", 1)[0].decode("utf-8", "replace").split()
+        line = bytes(file.read(TASK_FILE_MAX)).split(b"\n", 1)[0].decode("utf-8", "replace")
+    words = without_mark(line).split()
     if not words or words[0] != WORD:
         return None
     port = words[2] if len(words) == 3 else str(PORT)

@@ -29,7 +29,7 @@ from elitescript.messages.profile import (
     version_text,
 )
 from elitescript.messages.signals import Value
-from elitescript.messages.timing import HELD_UP_MAX_S, RPC_TIMEOUT_S, WORK_PER_TICK
+from elitescript.messages.timing import HELD_UP_MAX_S, RPC_TIMEOUT_S, WORK_PER_TICK, ticks_for
 from elitescript.records import NamedTuple, field, fields_of, record
 
 if TYPE_CHECKING:
@@ -513,3 +513,12 @@ def accepted(kind: Any, value: Any, called: str) -> Any:
         return kind.accept(value)
     except UsageError as error:
         raise UsageError(f"{called} {error}") from None
+
+
+def given_ticks(duration_s: Any, called: str) -> int:
+    """Return the ticks of a time that a caller gives, rounded up.
+
+    Raises:
+        UsageError: it is none; the text names the argument.
+    """
+    return ticks_for(accepted(UNTIL, duration_s, called))

@@ -27,6 +27,7 @@ from elitescript.messages.inputs import ChannelEvent, GetVariable, LoadConfigura
 from elitescript.messages.machine import ResumeTask
 from elitescript.messages.outcomes import Done, Outcome, Refused, ShownValue
 from elitescript.messages.snapshot import TaskPicture
+from elitescript.paths import PROGRAM_SUFFIX, is_program_name
 from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.environment import ProgramEnvironment, relative_name
 from elitescript.runtime.host import ScriptHost
@@ -214,17 +215,28 @@ class Tasks:
         """
         name = relative_name(path)
         stem = name.removesuffix(".task")
-        candidates = (name,) if name.endswith(".script") else (f"{stem}.script", f"{stem}.task.script")
+        candidates = (name,) if is_program_name(name) else (f"{stem}.script", f"{stem}.task.script")
         for candidate in candidates:
-            if self._files.kind(candidate) == "file":
-                return candidate
+            if found := self._found(candidate):
+                return found
         what = "has no program" if self._files.kind(name) == "file" else "does not exist"
         missing = f"neither {' nor '.join(candidates)} is" if len(candidates) > 1 else f"{candidates[0]} is not"
         raise FileNotFoundError(2, f"the task {what}: {missing} in the task folder{self._tasks_there()}", path)
 
+    def _found(self, candidate: str) -> str:
+        """Return the name of a program, whose suffix may be in other letters there; empty if there is none."""
+        if self._files.kind(candidate) == "file":
+            return candidate
+        folder, slash, name = candidate.rpartition("/")
+        stem = name[: -len(PROGRAM_SUFFIX)]
+        for other in self._files.names(folder) if not slash or self._files.kind(folder) == "folder" else ():
+            if other.startswith(stem) and other[len(stem) :].lower() == PROGRAM_SUFFIX:
+                return f"{folder}{slash}{other}"
+        return ""
+
     def _tasks_there(self) -> str:
         """Return what a message adds about the programs that the task folder holds; empty if there are none."""
-        names = [name for name in self._files.names("") if name.endswith(".script")]
+        names = [name for name in self._files.names("") if is_program_name(name)]
         shown = ", ".join(names[:_NAMES_SHOWN])
         more = f" and {len(names) - _NAMES_SHOWN} more" if len(names) > _NAMES_SHOWN else ""
         return f"; it holds {shown}{more}" if names else ""
@@ -291,7 +303,8 @@ class Tasks:
     def _begin(self, compiled: CompiledUnit | ProgramError) -> Outcome:
         if isinstance(compiled, ProgramError):
             raise compiled
-        stem = relative_name(self._loaded).removesuffix(".task").removesuffix(".script")
+        stem = relative_name(self._loaded).removesuffix(".task")
+        stem = stem[: -len(PROGRAM_SUFFIX)] if is_program_name(stem) else stem
         self._programs.start(compiled, compiled.name or stem, f"the task {self._loaded}")
         return Done()
 

@@ -1,8 +1,8 @@
 """Evaluates expressions whose value is certain before the run.
 
-Literals, arithmetic of literals, `d2r(90)`, `math.pi`, `pose_trans` and its like, elements of lists, names that the
-program sets once and that nothing else can change, and parameters of functions that are called once. What is not
-certain is `UNKNOWN`, also inside a list.
+Literals, arithmetic of literals, f-strings without formats, `str(5)`, `d2r(90)`, `math.pi`, `pose_trans` and its like,
+elements of lists, names that the program sets once and that nothing else can change, and parameters of functions that
+are called once. What is not certain is `UNKNOWN`, also inside a list.
 """
 
 from __future__ import annotations
@@ -94,6 +94,8 @@ class Constants:
             return self._binary(node, scope, depth)
         if isinstance(node, (ast.List, ast.Tuple)):
             return self._sequence(node, scope, depth)
+        if isinstance(node, ast.JoinedStr):
+            return self._joined_text(node, scope, depth)
         if isinstance(node, ast.Name):
             return self._named(node, scope, depth)
         if isinstance(node, ast.Attribute):
@@ -103,6 +105,20 @@ class Constants:
         if isinstance(node, ast.Subscript):
             return self._element(node, scope, depth)
         return UNKNOWN
+
+    def _joined_text(self, node: ast.JoinedStr, scope: Scope, depth: int) -> Any:
+        """Return the text of an f-string without formats."""
+        parts = []
+        for part in node.values:
+            if isinstance(part, ast.FormattedValue):
+                if part.conversion != -1 or part.format_spec is not None:
+                    return UNKNOWN
+                part = part.value
+            value = self._value(part, scope, depth + 1)
+            if not isinstance(value, _EXACT_KINDS):
+                return UNKNOWN
+            parts.append(value)
+        return _computed(lambda *values: "".join(map(str, values)), *parts)
 
     def _element(self, node: ast.Subscript, scope: Scope, depth: int) -> Any:
         part = node.slice
@@ -168,6 +184,8 @@ class Constants:
             whole = self._value(node.args[0], scope, depth + 1)
             is_list = isinstance(whole, list) and scope.resolve(name) is Resolution.BUILTIN
             return list(whole) if is_list else UNKNOWN
+        if name == "str" and len(node.args) == 1 and not node.keywords and scope.resolve(name) is Resolution.BUILTIN:
+            return _computed(str, self._value(node.args[0], scope, depth + 1))
         if name not in _CONVERSIONS or node.keywords or len(node.args) != 1:
             return UNKNOWN
         command = CATALOGUE.get(name)

@@ -430,10 +430,20 @@ _TEXTS: Final[dict[str, str]] = {
         A run connects to what its world or its test puts beside the robot, and to loopback addresses of this computer.
         Any other address is a real machine: it is left alone, and the program goes on as if no host were there.
         `socket_open` returns False after its timeout, MODBUS signals get no answer, a remote procedure raises its
-        timeout; no name is looked up. A serial port that nothing is bound to is open and silent. The message names the
-        option that lets the connection through; `elitescript check --reach` lists all that a program names.
+        timeout; no name is looked up. A serial port that nothing is bound to is open and silent: `--serial` binds it.
+        `elitescript check --reach` lists all that a program names.
 
-            socket_open("192.168.1.5", 502)    # W274: `--network 192.168.1.5:502` allows it
+        The option `network` lets a connection through. It is written where the robot is made:
+
+        - command line: `--network 192.168.1.5:502`
+        - Python: `VirtualRobot(network="192.168.1.5:502")`
+        - a test in Python: `@pytest.mark.elitescript(network="192.168.1.5:502")`
+        - a test script, in the comments at its top: `# elitescript: network=192.168.1.5:502`
+        - a world file: `[robot]`, and below it `network = "192.168.1.5:502"`
+        - a launch configuration of an editor: `"network": "192.168.1.5:502"`
+        - the studio: the button *Allow connections*
+
+            socket_open("192.168.1.5", 502)    # W274: false after 2 s, as if no host were there
         """,
     "R150": """
         The program has requested more memory than the run may have. Make shorter lists and texts, or keep fewer of

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
-from typing import Any, Final
+from typing import Final
 
-from elitescript.commands.definition.registry import Command
 from elitescript.language.symbols import Resolution, Scope
 from elitescript.lint.program import AnalysedProgram
 from elitescript.records import NamedTuple
@@ -16,6 +15,8 @@ RPC: Final = "rpc"
 MODBUS: Final = "modbus"
 SERIAL: Final = "serial"
 FILE: Final = "file"
+CODE: Final = "code"
+"""A text that is run as a program: what it names is not known."""
 
 _TOOL: Final = "tool"
 
@@ -43,9 +44,14 @@ COMMANDS: Final[dict[str, _Target]] = {
 }
 """Commands that begin to reach something outside; others use what these have opened."""
 
+_RUNNERS: Final = frozenset(("eval", "exec"))
+_OPEN: Final = "open"
+_NAME_KEYWORDS: Final = frozenset(("file", "name", "path"))
+"""Keywords of `_FUNCTIONS` for the name."""
+
 _FUNCTIONS: Final = frozenset(
     [
-        "open",
+        _OPEN,
         "os.listdir",
         "os.makedirs",
         "os.mkdir",
@@ -67,7 +73,7 @@ class Named(NamedTuple):
     line: int
     column: int
     kind: str
-    """`socket`, `rpc`, `modbus`, `serial` or `file`."""
+    """`socket`, `rpc`, `modbus`, `serial`, `file` or `code`."""
     by: str
     """The command or function."""
     name: str | None
@@ -93,34 +99,43 @@ def _of_commands(program: AnalysedProgram) -> Iterator[Named]:
         if target is None:
             continue
         given = {param.name: node for param, node in arguments.given}
-        known: dict[str, Any] = {}
-        for name in (target.name, target.port):
-            if name in given:
-                known[name] = program.constants.value(given[name], called.scope)
-            elif name:
-                known[name] = _default(called.command, name)
+        defaults = {} if _spreads(called.call) else {param.name: param.default for param in called.command.params}
+        names = [name for name in (target.name, target.port) if name]
+        known = {
+            name: program.constants.value(given[name], called.scope) if name in given else defaults.get(name)
+            for name in names
+        }
         value, port = known.get(target.name, target.fixed), known.get(target.port)
-        text = ast.unparse(given[target.name]) if target.name in given else str(value)
+        written = [ast.unparse(given[name]) for name in names if name in given]
         yield Named(
             *_place(program, called.call),
             target.kind,
             called.command.name,
             value if isinstance(value, str) else None,
             port if isinstance(port, int) else None,
-            text,
+            _arguments(called.call) if _spreads(called.call) or not written else ", ".join(written),
         )
 
 
-def _default(command: Command, name: str) -> Any:
-    return next((param.default for param in command.params if param.name == name), None)
+def _spreads(call: ast.Call) -> bool:
+    """Return whether a call has arguments of the form `*list` or `**dict`."""
+    return any(isinstance(argument, ast.Starred) for argument in call.args) or any(
+        keyword.arg is None for keyword in call.keywords
+    )
+
+
+def _arguments(call: ast.Call) -> str:
+    """Return the arguments of a call as they are written."""
+    return ", ".join(map(ast.unparse, [*call.args, *call.keywords]))
 
 
 def _passed_on(program: AnalysedProgram) -> Iterator[Named]:
-    """Yield the commands that are used otherwise than by a call: what they get is not known."""
+    """Yield the commands and functions that are used otherwise than by a call: what they get is not known."""
     for use in program.outside:
         target = COMMANDS.get(use.name)
-        if target is not None and not use.is_call:
-            yield Named(*_place(program, use.node), target.kind, use.name, None, None, use.name)
+        kind = target.kind if target is not None else CODE if use.name in _RUNNERS else FILE
+        if not use.is_call and (target is not None or use.name == _OPEN or use.name in _RUNNERS):
+            yield Named(*_place(program, use.node), kind, use.name, None, None, use.name)
 
 
 def _of_functions(program: AnalysedProgram) -> Iterator[Named]:
@@ -128,14 +143,18 @@ def _of_functions(program: AnalysedProgram) -> Iterator[Named]:
     for scope in program.symbols.scopes:
         for call in scope.calls:
             name = _function(program, call.func, scope, aliases)
-            if name not in _FUNCTIONS:
-                continue
-            node = call.args[0] if call.args else next((item.value for item in call.keywords), None)
-            value = None if node is None else program.constants.value(node, scope)
-            text = "" if node is None else ast.unparse(node)
-            yield Named(
-                *_place(program, call), FILE, name, value if isinstance(value, str) else None, None, text or "/task/"
-            )
+            if name in _RUNNERS:
+                yield Named(*_place(program, call), CODE, name, None, None, _arguments(call))
+            elif name in _FUNCTIONS:
+                yield _of_function(program, call, name, scope)
+
+
+def _of_function(program: AnalysedProgram, call: ast.Call, name: str, scope: Scope) -> Named:
+    by_name = (keyword.value for keyword in call.keywords if keyword.arg in _NAME_KEYWORDS)
+    node = call.args[0] if call.args else next(by_name, None)
+    value = None if node is None else program.constants.value(node, scope)
+    text = _arguments(call) if node is None or _spreads(call) else ast.unparse(node)
+    return Named(*_place(program, call), FILE, name, value if isinstance(value, str) else None, None, text or "/task/")
 
 
 def _function(program: AnalysedProgram, node: ast.expr, scope: Scope, aliases: dict[str, str]) -> str:

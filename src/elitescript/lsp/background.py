@@ -25,6 +25,7 @@ from elitescript.lsp.session import Session
 from elitescript.lsp.settings import ClientSettings
 from elitescript.lsp.texts import path_of
 from elitescript.outputs.writing import write_file
+from elitescript.paths import is_program_name
 from elitescript.untrusted.json_text import json_value
 
 QUIET_S: Final = 1.0
@@ -200,7 +201,7 @@ def request_for(uri: str, document: Document, settings: ClientSettings, *, with_
     return {
         "text": document.text,
         # The name is that of code objects, so it must not be that of a file of Python.
-        "name": document.name if document.name.endswith(".script") else f"{document.name}.script",
+        "name": document.name if is_program_name(document.name) else f"{document.name}.script",
         "folder": None if path is None else str(path.parent),
         "world": settings.world,
         "options": {name: value for name, value in options.items() if value is not None},

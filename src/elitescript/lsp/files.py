@@ -11,7 +11,7 @@ from typing import Final
 from pygls.uris import from_fs_path
 
 from elitescript.assist.document import Document, Settings
-from elitescript.environment.program_file import SUFFIX
+from elitescript.paths import is_program_name
 from elitescript.records import NamedTuple
 from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes
 
@@ -93,7 +93,7 @@ def _programs(folder: Path) -> Iterator[Path]:
     for home, inner, names in islice(os.walk(folder), FOLDERS_MAX):
         inner[:] = sorted(name for name in inner if not name.startswith(".") and name not in _SKIPPED)
         for name in sorted(names):
-            if name.endswith(SUFFIX) and not name.startswith("."):
+            if is_program_name(name) and not name.startswith("."):
                 files += 1
                 if files > FILES_MAX:
                     return

@@ -13,7 +13,6 @@ from pygls.uris import from_fs_path
 
 from elitescript import __version__
 from elitescript.assist.document import Document
-from elitescript.environment.program_file import SUFFIX
 from elitescript.lsp import commands, explaining, findings, marking, navigating, writing
 from elitescript.lsp.background import BackgroundRuns
 from elitescript.lsp.client import Client
@@ -21,6 +20,7 @@ from elitescript.lsp.feature import Feature
 from elitescript.lsp.findings import Findings
 from elitescript.lsp.session import Session
 from elitescript.lsp.settings import SECTION
+from elitescript.paths import PROGRAM_SUFFIX, is_program_name
 
 FEATURES: Final[dict[str, Feature]] = {
     **explaining.FEATURES,
@@ -32,7 +32,7 @@ FEATURES: Final[dict[str, Feature]] = {
 }
 """Every request about texts, by its method."""
 
-_WATCHED: Final = (f"**/*{SUFFIX}", "**/*.toml")
+_WATCHED: Final = (f"**/*{PROGRAM_SUFFIX}", f"**/*{PROGRAM_SUFFIX.upper()}", "**/*.toml")
 """Programs, and world files and files of arms."""
 
 REGISTERED_AFTER_S: Final = 1.0
@@ -178,7 +178,7 @@ class Server(Session):
             self.begin(self._pull_settings())
 
     def _files_changed(self, params: types.DidChangeWatchedFilesParams) -> None:
-        if any(change.uri.endswith(SUFFIX) for change in params.changes):
+        if any(is_program_name(change.uri) for change in params.changes):
             self.begin(self.in_thread(self.files.forget))
         if any(change.uri.endswith(".toml") for change in params.changes):
             # One of them may be the world file, or describe the arm, of some folder.

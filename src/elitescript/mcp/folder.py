@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from elitescript.errors import UsageError
-from elitescript.paths import real_path
+from elitescript.paths import is_program_name, real_path
 from elitescript.shown import encodable, with_bytes
 
 
@@ -34,7 +34,7 @@ class Folder:
 
         Args:
             name: relative to the folder, or absolute.
-            suffixes: one of which it must have.
+            suffixes: one of which it must have, in small or capital letters.
 
         Raises:
             UsageError: it is outside the folder, no ordinary file or of another kind.
@@ -42,7 +42,7 @@ class Folder:
         try:
             found = (self.path / with_bytes(name)).resolve()
             is_inside = found.is_relative_to(self.path)
-            if is_inside and found.suffix not in suffixes:
+            if is_inside and found.suffix.lower() not in suffixes:
                 raise UsageError(f"{name}: a file with the suffix {' or '.join(suffixes)} is needed")
             if is_inside and not found.is_file():
                 raise UsageError(f"{name}: there is no such file in {self.path}")
@@ -59,7 +59,8 @@ class Folder:
         """
         found = sorted(
             encodable(str(path.relative_to(self.path)))
-            for path in self.path.rglob("*.script")
-            if not any(part.startswith(".") for part in path.relative_to(self.path).parts)
+            for path in self.path.rglob("*.*")
+            if is_program_name(path.name)
+            and not any(part.startswith(".") for part in path.relative_to(self.path).parts)
         )
         return found[:most], len(found)

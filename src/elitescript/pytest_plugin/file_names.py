@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from fnmatch import fnmatch, fnmatchcase
+from fnmatch import fnmatchcase
 from typing import Final
-
-SUFFIX: Final = ".script"
 
 TEST_FILES: Final = ("test_*.script", "*_test.script")
 """Files whose functions `test_...` are collected without being named on the command line."""
@@ -13,7 +11,7 @@ TEST_FILES: Final = ("test_*.script", "*_test.script")
 
 def holds_tests(name: str) -> bool:
     """Return whether a file is one of tests, by its name."""
-    return any(fnmatch(name, pattern) for pattern in TEST_FILES)
+    return any(fnmatchcase(name.lower(), pattern) for pattern in TEST_FILES)
 
 
 CASE_FILES: Final = ("CASE.toml", "*.case.toml")

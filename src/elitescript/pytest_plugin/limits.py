@@ -34,6 +34,9 @@ SETTINGS: Final = (LIMIT, WALL_LIMIT)
 DEFAULTS: Final[Mapping[str, float]] = {LIMIT: 600.0, WALL_LIMIT: 60.0}
 """*Assumed*: longer than tests last, shorter than a CI job waits."""
 
+LONGEST_S: Final = 1e8
+"""Three years; timers of systems take no much longer time."""
+
 AGAIN_S: Final = 2.0
 """Wall time between the limit and the next attempt, which raises an exception in whatever hangs."""
 EXIT_S: Final = 30.0
@@ -69,20 +72,37 @@ def limits_of(config: pytest.Config, settings: Mapping[str, Any]) -> Limits:
     Raises:
         UsageError: one is no number of at least 0.
     """
-    found = []
-    for name in SETTINGS:
-        value = settings.get(name)
-        where = f"@pytest.mark.elitescript({name}=)"
-        if value is None:
-            value, where = config.getini(ini_name(name)) or DEFAULTS[name], ini_name(name)
-        try:
-            number = float(value)
-        except (TypeError, ValueError):
-            number = -1.0
-        if not number >= 0.0:
-            raise UsageError(f"{where}: write seconds, or 0 for no limit, not {value!r}")
-        found.append(None if number in (0.0, float("inf")) else number)
-    return Limits(*found)
+    return Limits(*(_limit_of(config, name, settings.get(name)) for name in SETTINGS))
+
+
+def _limit_of(config: pytest.Config, name: str, given: Any) -> float | None:
+    if given is not None:
+        return limit(given, f"@pytest.mark.elitescript({name}=)")
+    text = config.getini(ini_name(name))
+    try:
+        # Only a file has numbers as texts.
+        return limit(float(text) if text else DEFAULTS[name], ini_name(name))
+    except ValueError:
+        raise _refused(text, ini_name(name)) from None
+
+
+def limit(value: Any, where: str) -> float | None:
+    """Return a limit that users give, s; None for 0, which is none, and for what lasts longer than any test.
+
+    Raises:
+        UsageError: no number of at least 0; the text names the place, `where`.
+    """
+    try:
+        number = -1.0 if isinstance(value, bool | str | bytes) else float(value)
+    except (TypeError, ValueError, OverflowError):
+        number = -1.0
+    if not number >= 0.0:
+        raise _refused(value, where)
+    return number if 0.0 < number < LONGEST_S else None
+
+
+def _refused(value: Any, where: str) -> UsageError:
+    return UsageError(f"{where}: write seconds, or 0 for no limit, not {value!r}")
 
 
 class Guard:

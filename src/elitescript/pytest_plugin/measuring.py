@@ -23,13 +23,16 @@ from elitescript.coverage.recording import Record, digest_of, read_record
 from elitescript.coverage.terminal import table, unmet_lines
 from elitescript.coverage.unmet import Unmet
 from elitescript.environment.coverage_file import content_of, records_in
+from elitescript.environment.repository import from_root, repository_root
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.text.source import SourceFile
 from elitescript.observer import COVERAGE_VARIABLE
 from elitescript.outputs.call_paths import MADE, Read, Written, check_paths, why_not_written
 from elitescript.outputs.writing import why_no_page, write_file
-from elitescript.pytest_plugin.file_names import SUFFIX, holds_tests
+from elitescript.paths import is_program_name, real_path
+from elitescript.pytest_plugin.file_names import holds_tests
 from elitescript.pytest_plugin.unmet_facts import unmet_of
+from elitescript.records import replace
 from elitescript.runtime.probe import set_default
 from elitescript.services.coverage import count_programs
 from elitescript.shown import shown, shown_word
@@ -66,7 +69,7 @@ class Measuring:
         for path in self._paths:
             if not path.exists():
                 raise pytest.UsageError(f"--script-cov={path}: there is no such file or folder")
-            if path.is_file() and path.suffix != SUFFIX:
+            if path.is_file() and not is_program_name(path.name):
                 raise pytest.UsageError(
                     f"--script-cov={path}: this is no program; --script-cov without PATH stands behind the test files"
                 )
@@ -221,6 +224,12 @@ class Measuring:
 
     # ---------------------------------------------------------------- reports
 
+    def _from(self, root: Path) -> list[ProgramCoverage]:
+        """Return the coverage under paths from the root of the repository, as services find files."""
+        return [
+            replace(program, path=from_root(self._root / program.path, root).as_posix()) for program in self._programs
+        ]
+
     def _write(self, kind: str, target: Path) -> None:
         if kind == "html":
             target.mkdir(parents=True, exist_ok=True)
@@ -228,10 +237,11 @@ class Measuring:
                 write_file(target / name, text)
             return
         if kind == "lcov":
-            text = lcov(self._programs)
+            text = lcov(self._from(repository_root()))
         elif kind == "xml":
+            root = repository_root()
             version, time_ms = elitescript.__version__, int(time.time() * 1000)
-            text = cobertura(self._programs, root=str(self._root), version=version, time_ms=time_ms)
+            text = cobertura(self._from(root), root=str(root), version=version, time_ms=time_ms)
         else:
             text = json_report(self._programs, self._unmet)
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -295,5 +305,6 @@ def _programs_below(folder: Path) -> Iterator[Path]:
             if not name.startswith(".") and name not in _NOT_SEARCHED and not Path(place, name, "pyvenv.cfg").exists()
         )
         for name in files:
-            if name.endswith(SUFFIX) and not holds_tests(name):
-                yield Path(place, name)
+            if is_program_name(name) and not holds_tests(name):
+                # A link is the program that it leads to.
+                yield real_path(Path(place, name))

@@ -9,21 +9,38 @@ import os
 import sys
 from collections.abc import Generator, Iterator
 from contextlib import suppress
+from fnmatch import fnmatch
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import pytest
 from _pytest._code.code import ExceptionRepr, TerminalRepr
 
 from elitescript.observer import OBSERVATION
-from elitescript.pytest_plugin.file_names import SUFFIX, holds_tests, is_case
+from elitescript.paths import is_program_name, real_path
+from elitescript.pytest_plugin.file_names import holds_tests, is_case
 from elitescript.pytest_plugin.watching import RunWatcher
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from elitescript.pytest_plugin.limits import Guard, Limits
     from elitescript.pytest_plugin.served import ServedRobot
     from elitescript.robot import VirtualRobot
+
+try:
+    _LINKS: Final[pytest.StashKey[dict[Path, Path]]] = pytest.StashKey()
+    """The first link of this session to a file that is collected under no other path, by what it leads to."""
+    _around = pytest.hookimpl(wrapper=True)
+except (AttributeError, TypeError):
+    from elitescript.errors import UsageError
+    from elitescript.extras import require
+
+    try:
+        require("pytest")
+    except UsageError as error:
+        # Of a plugin that raises while it is loaded, pytest shows a traceback; 4 is its code for a wrong call.
+        print(f"elitescript: {error}", file=sys.stderr)
+        raise SystemExit(4) from None
+    raise
 
 MARKER_TEXT: Final = (
     "elitescript(robot=, firmware=, world=, plant=, safety=, ...): options of the fixtures `robot` and `served_robot`, "
@@ -69,7 +86,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
     group.addoption(
         "--script-cov-fail-under",
-        type=float,
+        type=_percent,
         metavar="PERCENT",
         help="fail if less of lines and branches of all reported programs was run",
     )
@@ -85,6 +102,17 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
     for name, text in _INI.items():
         parser.addini(name, text)
+
+
+def _percent(text: str) -> float:
+    """Return a percentage of the command line."""
+    try:
+        number = float(text)
+    except ValueError:
+        number = -1.0
+    if not 0.0 <= number <= 100.0:
+        raise pytest.UsageError(f"--script-cov-fail-under: write a number from 0 to 100, not {text!r}")
+    return number
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -163,7 +191,7 @@ def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, bool, bool]:
         del item.stash[_WATCHER]
 
 
-@pytest.hookimpl(wrapper=True)
+@_around
 def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
     """Let a test fail whose runs were ended by a limit, or whose programs are warned about, if that is asked for."""
     yield
@@ -200,7 +228,7 @@ def _refuse(warnings: list[str]) -> None:
         pytest.fail("\n".join(["warnings, which --script-strict refuses:", *map(shown, warnings)]), pytrace=False)
 
 
-@pytest.hookimpl(wrapper=True)
+@_around
 def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
     """Add to the report of a failed test what its robots did."""
     report = yield
@@ -238,7 +266,7 @@ def pytest_runtest_logreport(report: pytest.TestReport) -> None:
         report.longrepr.sections = changed(report.longrepr.sections)
 
 
-@pytest.hookimpl(wrapper=True)
+@_around
 def pytest_report_to_serializable() -> Generator[None, Any, Any]:
     """Let reports have texts that can be sent: at half a surrogate pair a worker of xdist ends, and loses its tests."""
     return _encodable((yield))
@@ -270,16 +298,48 @@ def _add_section(report: pytest.TestReport, name: str, content: str) -> None:
 # ---------------------------------------------------------------- tests in the language
 
 
+def _is_found(name: str) -> bool:
+    """Return whether a file is collected without being named."""
+    return is_case(name) or holds_tests(name)
+
+
+def _is_second(path: Path, session: pytest.Session) -> bool:
+    """Return whether a path is a link to a file that is collected under another path, or has been."""
+    leads_to = real_path(path)
+    for argument in session.config.args:
+        # As pytest makes paths: without dots, but with links.
+        given = session.config.invocation_params.dir / argument.partition("::")[0]
+        given = Path(os.path.normpath(given))
+        root = real_path(given)
+        if leads_to.is_relative_to(root):
+            inner = leads_to.relative_to(root)
+            if given / inner == path:
+                return False
+            ignored = session.config.getini("norecursedirs")
+            if _is_found(inner.name) and not any(fnmatch(part, row) for part in inner.parts[:-1] for row in ignored):
+                return True
+    return session.stash.setdefault(_LINKS, {}).setdefault(leads_to, path) != path
+
+
+def pytest_ignore_collect(collection_path: Path) -> bool | None:
+    """Leave out links to a folder that they are in: pytest would follow them round and round."""
+    if not collection_path.is_symlink() or not collection_path.is_dir():
+        return None
+    leads_to, home = real_path(collection_path), real_path(collection_path.parent)
+    return True if leads_to == home or leads_to in home.parents else None
+
+
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
     """Collect the tests of a script, of one that is named like a test or that the command line names, and cases."""
+    is_named = parent.session.isinitpath(file_path)
+    if not _is_found(file_path.name) and not (is_named and is_program_name(file_path.name)):
+        return None
+    if not is_named and _is_second(file_path, parent.session):
+        return None
     if is_case(file_path.name):
         from elitescript.pytest_plugin.case_files import CaseFile
 
         return CaseFile.from_parent(parent, path=file_path, **_node_id(file_path, parent))
-    if file_path.suffix != SUFFIX:
-        return None
-    if not holds_tests(file_path.name) and not parent.session.isinitpath(file_path):
-        return None
     from elitescript.pytest_plugin.script_files import ScriptFile
 
     return ScriptFile.from_parent(parent, path=file_path, **_node_id(file_path, parent))

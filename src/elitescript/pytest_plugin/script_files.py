@@ -19,7 +19,7 @@ from elitescript.language.options import DEFAULT, PROGRAM, SCRIPT, SECONDARY, Op
 from elitescript.language.parser import Parsed, parse
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Alarm, Event
-from elitescript.pytest_plugin.limits import LIMIT
+from elitescript.pytest_plugin.limits import LIMIT, ini_name, limit, limits_of
 from elitescript.pytest_plugin.limits import SETTINGS as LIMITS
 from elitescript.pytest_plugin.marker import ROBOT, WORLD, check_setting, robot_arguments
 from elitescript.pytest_plugin.script_program import PREFIX, RETURNED, make_test, tests_of, why_not_called
@@ -30,10 +30,9 @@ from elitescript.shown import continued, shown, shown_word
 
 UNTIL: Final = "until"
 """Setting of a test script alone: limit of robot time, s."""
-UNTIL_S: Final = 600.0
-"""Default of `until` (*assumed*)."""
 
-_HEADER: Final = re.compile(r"\s*#\s*elitescript:(.*)")
+HEADER: Final = "elitescript:"
+_HEADER: Final = re.compile(rf"\s*#\s*{HEADER}(.*)")
 
 
 class ScriptFile(pytest.File):
@@ -73,7 +72,9 @@ class ScriptTest(pytest.Item):
         """Run the statements of the file in a fresh robot, then the function."""
         assert isinstance(self.parent, ScriptFile)
         settings = dict(self.parent.settings)
-        until_s = settings.pop(UNTIL, settings.get(LIMIT) or UNTIL_S)
+        until_s = settings.pop(UNTIL, None)
+        if until_s is None:
+            until_s = limits_of(self.config, settings).robot_s
         stack: list[tuple[int, str]] = []
         source = source_of(self.path)
 
@@ -147,7 +148,8 @@ class ScriptFailure(Exception):
                 f"{shown_word(row.name)}: line {row.line}, waits for {continued(row.waits_for or 'its turn')}"
                 for row in run.threads
             ]
-            return [f"still running after {run.time_s:g} s of robot time (`until` of the file's header)", *where]
+            others = f"another limit: `# {HEADER} {UNTIL}=SECONDS`, or {ini_name(LIMIT)} in the ini file"
+            return [f"still running after {run.time_s:g} s of robot time; {others}", *where]
         if run.state == "finished":
             return [f"the file has returned before {self.test} was called"]
         return [f"the program has ended before {self.test} returned: {run.state}"]
@@ -200,6 +202,9 @@ def _value(name: str, text: str) -> Any:
         return text
     kind = Number(0.0, unit="s") if name == UNTIL or name in LIMITS else OPTIONS[name].kind
     try:
+        if name in LIMITS:
+            limit(number := float(text), name)
+            return number
         if isinstance(kind, Number):
             return kind.accept(float(text))
         if isinstance(kind, Whole):

@@ -10,6 +10,7 @@ import asyncio
 from typing import Any, Final
 
 from elitescript.errors import UsageError
+from elitescript.extras import require
 
 USER: Final = "root"
 LONGEST_S: Final = 10.0
@@ -31,10 +32,9 @@ def fetch_program(host: str, port: int, password: str, path: str, known_hosts: A
         UsageError: the extra is missing, there is no SSH port, its key is not known, the login is refused, or there is
             no such file. Says which.
     """
-    try:
-        import asyncssh
-    except ModuleNotFoundError as error:
-        raise UsageError(f"--fetch-program needs {error.name}: pip install 'elitescript[ssh]'") from error
+    require("ssh", "--fetch-program")
+    import asyncssh
+
     where = f"SSH port {host}:{port}"
     try:
         return asyncio.run(asyncio.wait_for(_read(host, port, password, path, known_hosts), LONGEST_S))

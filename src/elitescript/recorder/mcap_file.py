@@ -19,9 +19,9 @@ from statistics import median
 from typing import Any, BinaryIO, Final
 
 from elitescript.errors import UsageError, did_you_mean
+from elitescript.extras import require
 from elitescript.protocol.rtsi.variables import OUTPUTS
 from elitescript.recorder.channels import CHANGES, LISTS, PACKAGE, ROW, ROWS, SLOW, TALKING, TIME, columns_of
-from elitescript.recorder.extra import check_mcap
 from elitescript.recorder.facts import facts_of
 from elitescript.recorder.protobuf import RowLayout, layout_of
 from elitescript.recorder.recording import Message, Recording
@@ -58,7 +58,7 @@ def read_recording(path: str | Path, columns: Collection[str] | None = None) -> 
         UsageError: the extra is missing; no such file; no MCAP file, or one without rows of a controller; a file that
             is damaged before its end; an unknown column. Says which and where.
     """
-    check_mcap()
+    require("mcap")
     first = Path(path)
     if columns is not None:
         _check_columns(columns)

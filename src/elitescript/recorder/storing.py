@@ -9,11 +9,11 @@ from typing import Any, Final
 
 from elitescript.client.rtsi_messages import OutputLayout
 from elitescript.errors import UsageError
+from elitescript.extras import require
 from elitescript.paths import MOVED, REMOVED
 from elitescript.protocol.binary import Number
 from elitescript.recorder import channels
 from elitescript.recorder.channels import CHANGES, DASHBOARD, EVENTS, PRIMARY, SLOW
-from elitescript.recorder.extra import check_mcap
 from elitescript.recorder.facts import CLOCK, CONNECTED, STATES
 from elitescript.recorder.mcap_file import files_of, rotated
 from elitescript.recorder.protobuf import RowLayout
@@ -52,6 +52,7 @@ class McapSink:
     Attributes:
         rows: that were written.
         files: number of files.
+        rows_lost: those of `rows` whose files others have removed or truncated.
         losses: what was lost of files that others have removed or truncated meanwhile, in words.
 
     Raises:
@@ -66,7 +67,7 @@ class McapSink:
         rotation: Rotation | None = None,
         say: Callable[[str], None] = lambda text: None,
     ) -> None:
-        check_mcap()
+        require("mcap")
         if not path.name:
             raise UsageError(f"{path} is no name of a file")
         if not path.parent.is_dir():
@@ -78,6 +79,7 @@ class McapSink:
         self.rows = 0
         self.files = 0
         self.losses: list[str] = []
+        self.rows_lost = 0
         self._say = say
         self._moved: Path | None = None
         """The file that was said to be moved."""
@@ -197,6 +199,7 @@ class McapSink:
                 self._say(f"{file.path} {fate} while it was written; it goes on where it is")
             return False
         rows = self.rows - self._rows_before
+        self.rows_lost += rows
         rest = "" if fate == REMOVED else ", but for what can be read of it"
         self.losses.append(f"{file.path} {fate}: its {rows:,} row{'s' if rows != 1 else ''} are lost{rest}")
         file.abandon()

@@ -14,11 +14,11 @@ from typing import Any, BinaryIO, Final, cast
 
 from elitescript import __version__
 from elitescript.errors import UsageError
+from elitescript.extras import require
 from elitescript.outputs.writing import opened_new
 from elitescript.paths import what_became_of
 from elitescript.protocol.binary import Number
 from elitescript.recorder.channels import LISTS, PACKAGE, ROW, ROWS, SCHEMAS, TALKING, columns_by_variable, encoded
-from elitescript.recorder.extra import check_mcap
 from elitescript.recorder.protobuf import DOUBLE, RowField, RowLayout
 from elitescript.recorder.recording import Recording
 from elitescript.shown import encodable
@@ -51,7 +51,7 @@ class RecordingFile:
     """
 
     def __init__(self, path: Path, about: Mapping[str, str]) -> None:
-        check_mcap()
+        require("mcap")
         from mcap.writer import CompressionType, Writer
 
         self.path = path

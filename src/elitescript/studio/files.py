@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Final
 
 from elitescript.conversation.messages import TEXT_MAX
-from elitescript.environment.program_file import SUFFIX
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.text.source import BOM, SourceFile
 from elitescript.outputs.writing import write_file
+from elitescript.paths import PROGRAM_SUFFIX, is_program_name
 from elitescript.records import NamedTuple
 from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes
 
@@ -32,7 +32,7 @@ _LOOKED_AT_MAX: Final = 20_000
 _FIRST_MAX: Final = 20
 """Programs of a folder of which one must be readable for a page to begin with it."""
 
-NEW_NAME: Final = f"program{SUFFIX}"
+NEW_NAME: Final = f"program{PROGRAM_SUFFIX}"
 """Name of the new program that a folder without programs begins with."""
 
 _LINE_END: Final = re.compile(r"\r\n|\r|\n")
@@ -98,7 +98,7 @@ class Programs:
         looked_at = 0
         for home, folders, files in os.walk(self.folder):
             folders[:] = sorted(name for name in folders if not name.startswith("."))
-            programs = [Path(home, name) for name in files if name.endswith(SUFFIX) and not name.startswith(".")]
+            programs = [Path(home, name) for name in files if is_program_name(name) and not name.startswith(".")]
             found += [path.relative_to(self.folder).as_posix() for path in programs]
             looked_at += len(folders) + len(files)
             if len(found) >= PROGRAMS_MAX or looked_at >= _LOOKED_AT_MAX:
@@ -111,7 +111,7 @@ class Programs:
 
     def _new_name(self) -> str:
         """Return the name of a program that the folder does not have."""
-        numbered = (f"program_{number}{SUFFIX}" for number in count(2))
+        numbered = (f"program_{number}{PROGRAM_SUFFIX}" for number in count(2))
         return next(name for name in chain((NEW_NAME,), numbered) if not (self.folder / name).exists())
 
     def path(self, name: str) -> Path:
@@ -130,13 +130,13 @@ class Programs:
                 )
             return self.folder / name
         given = Path(name)
-        if given.is_absolute() or given.drive or given.suffix != SUFFIX:
-            raise UsageError(f"{name!r:.200}: the relative path of a {SUFFIX} file is needed")
+        if given.is_absolute() or given.drive or not is_program_name(given.name):
+            raise UsageError(f"{name!r:.200}: the relative path of a {PROGRAM_SUFFIX} file is needed")
         try:
             found = (self.folder / given).resolve()
         except (OSError, ValueError, RuntimeError) as error:
             raise UsageError(f"{name!r:.200} is no path: {error}") from None
-        if not found.is_relative_to(self.folder) or found.suffix != SUFFIX:
+        if not found.is_relative_to(self.folder) or not is_program_name(found.name):
             raise UsageError(f"{name!r:.200} is outside {self.folder}: only programs in this folder can be opened")
         return found
 

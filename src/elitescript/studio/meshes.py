@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from elitescript.errors import UsageError
 from elitescript.paths import real_path
-from elitescript.untrusted.files import MESH, read_bytes
+from elitescript.untrusted.files import MESH, EncodingError, plain_text, read_bytes
 
 SUFFIXES: Final = frozenset((".stl", ".dae", ".png", ".jpg", ".jpeg"))
 """What a description consists of besides the URDF; nothing else is given away."""
@@ -41,9 +41,9 @@ class Meshes:
     def urdf(self) -> dict[str, Any]:
         """Return the text of the URDF."""
         try:
-            text = read_bytes(self._path, MESH).decode()
-        except UnicodeDecodeError:
-            raise UsageError(f"--urdf {self._path}: it is not UTF-8") from None
+            text = plain_text(read_bytes(self._path, MESH))
+        except EncodingError as error:
+            raise UsageError(f"--urdf {self._path}:{error.line}: it is not UTF-8: {error.why}") from None
         return {"name": self.name, "text": text}
 
     def file(self, name: str) -> dict[str, Any]:

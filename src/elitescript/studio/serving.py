@@ -15,11 +15,10 @@ from types import FrameType
 from typing import Any, Final
 
 from elitescript.environment.collecting import Collector
-from elitescript.environment.program_file import SUFFIX
 from elitescript.errors import UsageError
 from elitescript.kernel.options import robot_options
 from elitescript.models.model import load_model
-from elitescript.paths import real_path
+from elitescript.paths import PROGRAM_SUFFIX, is_program_name, real_path
 from elitescript.studio.connected.controller import ConnectedController
 from elitescript.studio.connected.source import ConnectedSource
 from elitescript.studio.connected.target import Target
@@ -53,8 +52,8 @@ def workplace(path: str | None, given: Mapping[str, Any], world: str | None, urd
     programs = None if path is None else Programs(Path(path))
     if programs is not None and programs.only is not None:
         found = read(programs.path(programs.only))
-        if not found.digest and not programs.only.endswith(SUFFIX):
-            raise UsageError(f"{path}: there is no such file or folder; a new program is a {SUFFIX} file")
+        if not found.digest and not is_program_name(programs.only):
+            raise UsageError(f"{path}: there is no such file or folder; a new program is a {PROGRAM_SUFFIX} file")
     load_model(robot_options(given, {} if world is None else load_world_file(world).options).model)
     return Workplace(
         programs,

@@ -19,7 +19,7 @@ from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
 from elitescript.paths import real_path, why_no_file
 from elitescript.properties.parsing import function_place
-from elitescript.sweep.chaos.profile import is_profile_file, profile_named, profile_of
+from elitescript.sweep.chaos.profile import is_profile_file, profile_named, read_profile
 from elitescript.sweep.failures.cases import is_case
 from elitescript.sweep.plans.plan import Plan, Variation
 from elitescript.sweep.plans.python_files import python_texts
@@ -177,7 +177,7 @@ def _profile_text(chaos: str) -> str:
         profile_named(chaos)
     text = read_text(chaos, PROFILE)
     # What is wrong in it is said with the name of the file, which a plan does not have.
-    profile_of(text, chaos)
+    read_profile(text, chaos)
     return text
 
 

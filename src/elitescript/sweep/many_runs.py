@@ -12,7 +12,7 @@ from weakref import finalize
 
 from elitescript.environment.process import cores
 from elitescript.errors import UsageError
-from elitescript.kernel.options import OPTIONS, Section, accept, check_keywords
+from elitescript.kernel.options import OPTIONS, UNTIL, Section, Whole, accept, accepted, check_keywords
 from elitescript.messages.signals import Value
 from elitescript.records import replace
 from elitescript.run import Run
@@ -108,6 +108,12 @@ def sweep(
         >>> len(result), [row.choices.run for row in result.failures]
         (20, [5])
     """
+    for name, given_s in (("until_s", until_s), ("step_s", step_s), ("max_wall_s", max_wall_s)):
+        if given_s is not None:
+            accepted(UNTIL, given_s, name)
+    for name, count in (("runs", runs), ("jobs", jobs)):
+        if count is not None:
+            accepted(Whole(1), count, name)
     checks = [ensure] if isinstance(ensure, str) or callable(ensure) else list(ensure)
     functions: dict[str, Callable[[Run], Any]] = {}
     table = None if out is None else Path(out)
@@ -133,7 +139,7 @@ def sweep(
         has_margins=margins,
         without_files=[*(files or ())],
     )
-    count = runs_of(plan.variations, runs)
+    number = runs_of(plan.variations, runs)
     runner = Runner(plan, functions)
     if functions and resume:
         raise UsageError(
@@ -145,16 +151,14 @@ def sweep(
             "functions are called in this process, so jobs must be 1 and there is no engine; "
             "for several processes write them into a file: 'checks.py:is_stacked'"
         )
-    if jobs is not None and jobs < 1:
-        raise UsageError(f"jobs must be >= 1, got {jobs}")
     if max_wall_s is not None and not max_wall_s > 0.0:
         raise UsageError(f"max_wall_s must be > 0 s, got {max_wall_s:g}")
     result = Sweep(runner)
     if files is not None and resume and (found := files.finished(plan)) is not None:
-        count = max(count, found.runs)
+        number = max(number, found.runs)
     totals = Totals(plan.variations, properties_of(plan), tuple(plan.measures))
     with files.journal(plan, resumes=resume) if files else Journal(result.journal, plan, resumes=False) as journal:
-        sweeping = Sweeping(plan, count, journal)
+        sweeping = Sweeping(plan, number, journal)
         if functions:
             sweeping.go(HereEngine(runner), on_progress)
         elif engine is not None:

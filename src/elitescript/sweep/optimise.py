@@ -12,6 +12,7 @@ from math import floor, isfinite, log10
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import UsageError
+from elitescript.extras import require
 from elitescript.records import field, record, replace
 from elitescript.sweep.engines.engine import Engine
 from elitescript.sweep.plans.plan import LOST, Choices, Plan, Row, Variation
@@ -22,8 +23,6 @@ from elitescript.sweep.single import Runner
 if TYPE_CHECKING:
     from optuna.distributions import BaseDistribution
     from optuna.trial import Trial
-
-MISSING: Final = "--minimise and --maximise need optuna: pip install 'elitescript[optimise]'"
 
 BATCH: Final = 8
 """Candidates that are asked for at once, whatever the number of workers: with it the result would change."""
@@ -373,10 +372,9 @@ class _Sampler:
     __slots__ = ("_distributions", "_grids", "_search", "_study")
 
     def __init__(self, search: Search) -> None:
-        try:
-            import optuna
-        except ModuleNotFoundError:
-            raise UsageError(MISSING) from None
+        require("optimise")
+        import optuna
+
         optuna.logging.set_verbosity(optuna.logging.ERROR)
         self._search = search
         self._grids: dict[str, Draw] = {}

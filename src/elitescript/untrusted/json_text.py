@@ -9,6 +9,8 @@ from collections.abc import Callable
 from math import isfinite
 from typing import Any, Final
 
+from elitescript.untrusted.files import EncodingError, plain_text, without_mark
+
 DEPTH_MAX: Final = 100
 """Lists and objects within each other. Code that walks the values may recurse so deep."""
 
@@ -52,10 +54,9 @@ def json_value(
         JsonError: it is none, is nested deeper, or has a number with more digits than Python reads.
     """
     try:
-        text = data if isinstance(data, str) else bytes(data).decode()
-    except UnicodeDecodeError as error:
-        line = error.object.count(b"\n", 0, error.start) + 1
-        raise JsonError(f"not UTF-8: {error.reason}", error.start, line) from None
+        text = without_mark(data) if isinstance(data, str) else plain_text(bytes(data))
+    except EncodingError as error:
+        raise JsonError(f"not UTF-8: {error.why}", error.at, error.line) from None
     if depth_max is not None and text.count("[") + text.count("{") > depth_max:
         _check_depth(text, depth_max)
     try:

@@ -6,6 +6,8 @@ import re
 from collections.abc import Mapping
 from typing import Final
 
+from elitescript.untrusted.files import without_mark
+
 Path = tuple[str | int, ...]
 """Keys, and numbers of list elements from 0: `("tcp", 1, "replies", 0, "to")`."""
 
@@ -57,7 +59,7 @@ class _TomlScanner:
     __slots__ = ("_at", "_counts", "_line", "_lines", "_text")
 
     def __init__(self, text: str) -> None:
-        self._text = text.replace("\r\n", "\n")
+        self._text = without_mark(text).replace("\r\n", "\n")
         self._at = 0
         self._line = 1
         self._lines: dict[Path, int] = {}

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 from elitescript.errors import UsageError
+from elitescript.untrusted.files import without_mark
 from elitescript.untrusted.toml_lines import Path, line_of_refusal, lines_of, nearest
 
 DEPTH_MAX: Final = 32
@@ -52,6 +53,7 @@ def toml_tables(text: str, file: str, noun: str) -> dict[str, Any]:
     """
     import tomllib
 
+    text = without_mark(text)
     _check_bounds(text, file, noun)
     try:
         tables = tomllib.loads(text)

@@ -8,6 +8,7 @@ from elitescript.devices.channels.faults import TABLE
 from elitescript.errors import UsageError
 from elitescript.sweep.chaos.kinds import KINDS
 from elitescript.sweep.chaos.profile import profile_named, profile_of, read_profile
+from elitescript.sweep.making import make_plan
 
 
 def test_every_fault_but_a_reconnect_can_be_drawn() -> None:
@@ -85,3 +86,11 @@ def test_a_file_without_a_base_has_its_own_rates_alone() -> None:
 def test_what_makes_no_sense_is_refused_with_its_line(text: str, message: str) -> None:
     with pytest.raises(UsageError, match=f"^{message}"):
         read_profile(text, "p.toml")
+
+
+@pytest.mark.parametrize("text", ["x = \n", "channels", ""])
+def test_a_broken_file_is_named_as_it_was_given(tmp_path, text):
+    path = tmp_path / "mychaos.toml"
+    path.write_text(text)
+    with pytest.raises(UsageError, match=r"mychaos\.toml:1: "):
+        make_plan("def p():\nend\n", chaos=str(path))

@@ -303,7 +303,7 @@ export const zh: Texts = {
   problems_rules: "已检查 {count} 条规则。",
   problems_unknown: "尚未检查。",
   fix: "修复",
-  refused_connections: "运行没有打开到 {where} 的连接。",
+  refused_connections: "运行没有打开此连接：{where}。",
   refused_hint: "实时运行不建立连接：请按“允许连接”，或提供设备会应答的 world 文件。",
   messages_none: "没有写出任何内容。",
   messages_left_out: "此处略去 {count} 个事件，第一个在 {t}；连同被截断的文字共 {size}。页面最多接收一次运行的 50,000 个事件或 8 MB，然后是其报警和最后 500 个事件。",

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import re
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any, Final
 from urllib.parse import quote
 
 from elitescript import __version__
 from elitescript.cli.output.screen import palette_of, rendered
+from elitescript.environment.repository import from_root, repository_root
 from elitescript.errors import CODES
 from elitescript.json_records import jsonlines
 from elitescript.language.diagnostics import Diagnostic, Fix, Severity, to_json
@@ -37,6 +38,11 @@ class CheckedFile(NamedTuple):
     source: SourceFile
     problems: tuple[Diagnostic, ...]
     repairs: tuple[Repair, ...] = ()
+
+    @property
+    def is_stream(self) -> bool:
+        """Whether it is no file, but `<stdin>`."""
+        return self.name.startswith("<")
 
 
 class CheckReport:
@@ -93,12 +99,16 @@ class JsonCheckReport(CheckReport):
 class GithubReport(CheckReport):
     """Writes workflow commands, which GitHub shows at the lines of a change."""
 
+    def __init__(self, out: Writable) -> None:
+        super().__init__(out)
+        self._root = repository_root()
+
     def repair(self, checked: CheckedFile, repair: Repair) -> None:
-        place = f"file={_property(_relative(checked.name))},line={repair.line}"
+        place = f"file={_property(self._place(checked))},line={repair.line}"
         self._line(f"::notice {place},title={repair.code}::{_message(f'repaired: {repair.title}')}")
 
     def problem(self, checked: CheckedFile, problem: Diagnostic) -> None:
-        fields = {"file": _relative(checked.name), "line": problem.line, "col": problem.column}
+        fields: dict[str, str | int] = {"file": self._place(checked), "line": problem.line, "col": problem.column}
         fields["endLine"] = problem.end_line
         if problem.end_line == problem.line:
             fields["endColumn"] = problem.end_column
@@ -107,12 +117,16 @@ class GithubReport(CheckReport):
         place = ",".join(f"{name}={_property(str(value))}" for name, value in fields.items())
         self._line(f"::{problem.severity} {place}::{_message(text)}")
 
+    def _place(self, checked: CheckedFile) -> str:
+        return checked.name if checked.is_stream else from_root(checked.name, self._root).as_posix()
+
 
 class SarifReport(CheckReport):
     """Writes one SARIF 2.1.0 log after all texts."""
 
     def __init__(self, out: Writable) -> None:
         super().__init__(out)
+        self._root = repository_root()
         self._results: list[dict[str, Any]] = []
         self._codes: list[str] = []
 
@@ -122,7 +136,7 @@ class SarifReport(CheckReport):
     def problem(self, checked: CheckedFile, problem: Diagnostic) -> None:
         if problem.code not in self._codes:
             self._codes.append(problem.code)
-        artifact = _artifact(checked.name)
+        artifact = self._artifact(checked)
         text = encodable(f"{problem.text}\nhint: {problem.hint}" if problem.hint else problem.text)
         region = _region(problem.line, problem.column, problem.end_line, problem.end_column)
         result: dict[str, Any] = {
@@ -141,11 +155,17 @@ class SarifReport(CheckReport):
         run = {
             "tool": {"driver": driver},
             "columnKind": "unicodeCodePoints",
-            "invocations": [{"executionSuccessful": True}],
+            "invocations": [{"executionSuccessful": True, "workingDirectory": {"uri": _folder_uri(Path.cwd())}}],
+            "originalUriBaseIds": {_ROOT: {"uri": _folder_uri(self._root)}},
             "results": self._results,
         }
         log = {"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}
         self._line(jsonlines.line(log))
+
+    def _artifact(self, checked: CheckedFile) -> dict[str, Any]:
+        if checked.is_stream:
+            return {"uri": quote(checked.name.strip("<>"))}
+        return artifact_location(from_root(checked.name, self._root))
 
 
 FORMATS: Final[dict[str, type[CheckReport]]] = {
@@ -156,6 +176,8 @@ FORMATS: Final[dict[str, type[CheckReport]]] = {
 }
 """By the word of `--format`."""
 
+_ROOT: Final = "%SRCROOT%"
+"""Name of the root of the repository in SARIF, which code scanning knows."""
 _LINK: Final = re.compile(r"\[([^\[\]]*)\]\(")
 _SCHEMA: Final = "https://json.schemastore.org/sarif-2.1.0.json"
 _LEVELS: Final = {Severity.ERROR: "error", Severity.WARNING: "warning"}
@@ -180,23 +202,20 @@ def _property(text: str) -> str:
     return _message(text).replace(":", "%3A").replace(",", "%2C")
 
 
-def _relative(name: str) -> str:
-    """Return a path as seen from the working directory, with slashes; unchanged if it is not below."""
-    try:
-        return Path(name).absolute().relative_to(Path.cwd()).as_posix()
-    except ValueError:
-        return Path(name).as_posix()
+def artifact_location(path: PurePath) -> dict[str, str]:
+    """Return where a file is, as SARIF has it.
 
-
-def _artifact(name: str) -> dict[str, Any]:
-    if name.startswith("<"):
-        return {"uri": quote(os.fsencode(name.strip("<>")))}
-    relative = _relative(name)
-    path = Path(relative)
+    Args:
+        path: relative to the root of the repository, or absolute.
+    """
     if path.is_absolute():
         return {"uri": path.as_uri()}
-    # A colon in the first part would be read as a scheme.
-    return {"uri": quote(os.fsencode(relative)), "uriBaseId": "%SRCROOT%"}
+    # Names are bytes, which need not be UTF-8. A colon in the first part would be read as a scheme.
+    return {"uri": quote(os.fsencode(path.as_posix())), "uriBaseId": _ROOT}
+
+
+def _folder_uri(folder: Path) -> str:
+    return folder.as_uri().removesuffix("/") + "/"
 
 
 def _region(line: int, column: int, end_line: int, end_column: int) -> dict[str, int]:

@@ -30,7 +30,6 @@ STOPS: Final = "stops"
 WITHOUT_READER: Final[dict[str, WithoutReader]] = {
     "run": ENDS,
     "sweep": ENDS,
-    "mcp": ENDS,
     "serve": STOPS,
     "devices": STOPS,
     "record": STOPS,

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from elitescript.errors import ProgramError
 from elitescript.language.diagnostics import Diagnostic, Fix, diagnostic
 from elitescript.records import field, record
+from elitescript.untrusted.files import EncodingError, plain_text
 
 BOM = "\ufeff"
 
@@ -33,15 +34,15 @@ class SourceFile:
 
     @classmethod
     def from_bytes(cls, name: str, data: bytes) -> SourceFile:
-        """Decode a file.
+        """Decode a file; a byte order mark is no part of the text.
 
         Raises:
             ProgramError: E002 at the first byte that is not UTF-8.
         """
         try:
-            return cls(name, data.decode("utf-8"))
-        except UnicodeDecodeError as error:
-            raise ProgramError((_bad_byte(data, error.start),)) from None
+            return cls(name, plain_text(data))
+        except EncodingError as error:
+            raise ProgramError((_bad_byte(data, error),), name) from None
 
     def line(self, n: int) -> str:
         """Return the line `n`, counted from 1, without its line end; empty outside the text."""
@@ -67,7 +68,7 @@ def apply_fixes(text: str, fixes: Iterable[Fix]) -> str:
     return mark + body
 
 
-def _bad_byte(data: bytes, position: int) -> Diagnostic:
-    lines = SourceFile("", data[:position].decode("utf-8")).lines
-    text = f"byte 0x{data[position]:02X} is not UTF-8 text"
+def _bad_byte(data: bytes, error: EncodingError) -> Diagnostic:
+    lines = SourceFile("", data[: error.at].decode("utf-8")).lines
+    text = "the text is UTF-16, not UTF-8" if error.is_utf_16 else f"byte 0x{data[error.at]:02X} is not UTF-8 text"
     return diagnostic("E002", len(lines), len(lines[-1]) + 1, text, hint="save the file as UTF-8")

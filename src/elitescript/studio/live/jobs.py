@@ -11,6 +11,7 @@ from elitescript.environment.memory import FolderCopy, folder_contents
 from elitescript.environment.network_option import STUDIO, WORLD_FILE
 from elitescript.messages.signals import Value
 from elitescript.models.model import is_model_file
+from elitescript.paths import is_program_name
 from elitescript.records import field, fields_of, record
 from elitescript.robot import VirtualRobot
 from elitescript.world_file import closed_world, files_read
@@ -70,7 +71,7 @@ def files_of(job: Job) -> list[Path]:
 
 def code_name(name: str) -> str:
     """Return the name of a text in tracebacks, which must not be that of a file of Python."""
-    return name if name.endswith(".script") else f"{name}.script"
+    return name if is_program_name(name) else f"{name}.script"
 
 
 def _reach(job: Job, world: World) -> dict[str, str]:

@@ -127,10 +127,10 @@ def _range(toml: TomlText, path: tuple[str | int, ...], given: Any) -> Range:
     return low, high
 
 
-def profile_of(chaos: str, file: str = "PROFILE.toml") -> Profile:
+def profile_of(chaos: str) -> Profile:
     """Return what a plan has of chaos: the name of a profile, or the text of a profile file.
 
     Raises:
         UsageError: it makes no sense.
     """
-    return profile_named(chaos) if chaos.isidentifier() else read_profile(chaos, file)
+    return profile_named(chaos) if chaos.isidentifier() else read_profile(chaos, "PROFILE.toml")

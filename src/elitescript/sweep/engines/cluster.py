@@ -8,6 +8,7 @@ platform it made them.
 
 from __future__ import annotations
 
+import asyncio
 import json
 import logging
 import re
@@ -21,6 +22,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from elitescript import __version__
 from elitescript.errors import InternalError, UsageError
+from elitescript.extras import require
 from elitescript.records import NamedTuple
 from elitescript.sweep.engines.cluster_worker import platform_here, run_about, run_order, run_range, work_bytes
 from elitescript.sweep.engines.engine import JOB, row_of_result, rows_of_results
@@ -33,10 +35,8 @@ from elitescript.sweep.plans.variations import Draw
 if TYPE_CHECKING:
     from distributed import Client, Future
 
-MISSING: Final = "--dask needs distributed: pip install 'elitescript[cluster]'"
-
-CONNECT_S: Final = 10.0
-"""Wall time in which a scheduler must answer, *assumed*."""
+CONNECT_S: Final = 8.0
+"""Wall time in which a scheduler must answer, *assumed*: with the start of the command, 10 s."""
 
 TASK_S: Final = 1.5
 """Wall time of a task: the scheduler's 1 to 3 ms beside it do not count."""
@@ -175,15 +175,15 @@ class Cluster:
         self._quiet: Any = None
 
     def __enter__(self) -> Cluster:
-        try:
-            from distributed import Client
-        except ModuleNotFoundError:
-            raise UsageError(MISSING) from None
+        require("cluster")
+        from distributed import Client
+
         self._quiet = _no_logs()
         self._quiet.__enter__()
         try:
             if self._client is None:
                 self._check_certificates()
+                asyncio.run(self._greet())
                 try:
                     self._client = Client(self._address, timeout=CONNECT_S, set_as_default=False, name="elitescript")
                 except OSError as error:
@@ -313,6 +313,34 @@ class Cluster:
             f"--dask {self._address}: the scheduler has gone, or has dropped the work; what had come is kept, "
             "--resume goes on from there"
         )
+
+    async def _greet(self) -> None:
+        """Exchange the first messages of Dask with what is at the address, and leave again.
+
+        `Client` waits for ever for a server that accepts a connection and says nothing, and cannot be ended when it has
+        got something else than a message.
+        """
+        from distributed import Security
+        from distributed.comm.core import CommClosedError, connect
+
+        try:
+            async with asyncio.timeout(CONNECT_S):
+                # Its own limit is for the connection alone, and says why there is none.
+                arguments = Security().get_connection_args("client")
+                connection = await connect(self._address, timeout=0.9 * CONNECT_S, **arguments)
+                await connection.close()
+        except TimeoutError:
+            why = f"what is there says nothing within {CONNECT_S:g} s"
+        except CommClosedError:
+            why = "what is there closes the connection"
+        except OSError as error:
+            why = str(error)
+        except Exception:
+            # Whatever reading something else than a message raises.
+            why = "what is there sends something else"
+        else:
+            return
+        raise UsageError(f"--dask {self._address}: no Dask scheduler answers there: {why}")
 
     def _check_certificates(self) -> None:
         from distributed import Security

@@ -42,6 +42,10 @@ OUT_OF_MEMORY: Final = 3
 """Exit code after a piece of work that needs more memory than there is."""
 
 
+_GONE: Final = object()
+"""In the place of a description, which may be None."""
+
+
 def _main(job: str, life: int, memory_bytes: int) -> None:
     end_with_parent(life)
     if memory_bytes:
@@ -76,8 +80,8 @@ def _messages() -> Iterator[Any]:
 
 def _serve(job: str, send: Callable[..., None]) -> None:
     messages = _messages()
-    description = next(messages, None)
-    if description is None:
+    description = next(messages, _GONE)
+    if description is _GONE:
         # The parent has gone before it could say anything.
         return
     module, _, function = job.partition(":")

@@ -15,6 +15,7 @@ from typing import IO, Any, Final
 from zlib import crc32
 
 from elitescript.errors import InternalError, UsageError
+from elitescript.kernel.options import OPTIONS
 from elitescript.outputs.locking import locked
 from elitescript.paths import why_no_file
 from elitescript.sweep.plans.plan import Plan, Row
@@ -254,13 +255,24 @@ _DIFFERENCES_MAX: Final = 5
 
 
 def plan_parts(plan: Plan) -> dict[str, Any]:
-    """Return what a plan is made of, by what a user calls it; texts and files as digests."""
+    """Return what a plan is made of, by what a user calls it; texts and files as digests.
+
+    What begins with `--` is an option with its value, what ends with `=` a keyword of Python.
+    """
     data = plan_data(plan)
     parts = {_CALLED.get(name, f"--{name}"): value for name, value in data.items() if name not in _SEVERAL}
     parts["--vary"] = [f"{name}={kind}({', '.join(map(repr, values))})" for name, kind, values in data["variations"]]
-    parts |= {f"--{name}": value for name, value in data["options"].items()}
+    options = dict(data["options"])
+    if text := options.pop("model_text", ""):
+        parts["the arm file"] = data_digest(text)
+    for name, value in options.items():
+        row = OPTIONS.get(name)
+        parts[row.flag if row is not None and "sweep" in row.commands else f"{name}="] = value
+    if not data["chaos"].isidentifier() and data["chaos"]:
+        parts["the chaos profile"] = data_digest(parts.pop("--chaos"))
     parts["the program"] = data_digest(data["program"])
-    parts["the world file"] = data_digest(data["world"])
+    if data["world"]:
+        parts["the world file"] = data_digest(data["world"])
     parts |= {f"{name} of the task folder": data_digest(text) for name, text in data["files"].items()}
     parts |= {name: data_digest(text) for name, text in data["python"].items()}
     return parts
@@ -268,15 +280,20 @@ def plan_parts(plan: Plan) -> dict[str, Any]:
 
 _SEVERAL: Final = ("variations", "options", "program", "world", "files", "python")
 
+_PROGRAM_NAME: Final = "the name of the program"
+_VERSION: Final = "the version of elitescript"
+_NAMES: Final = (_PROGRAM_NAME, _VERSION)
+"""Parts that are shown with their value."""
+
 _CALLED: Final = {
-    "program_name": "the name of the program",
-    "world_name": "the name of the world file",
+    "program_name": _PROGRAM_NAME,
+    "world_name": "--world",
     "settings": "--set",
     "until_s": "--until",
     "measures": "--measure",
     "step_s": "--step",
     "has_margins": "--margins",
-    "version": "the version of elitescript",
+    "version": _VERSION,
 }
 
 
@@ -293,21 +310,27 @@ def _part(parts: Mapping[str, Any], name: str) -> str | None:
 
 
 def _differs(name: str, old: Mapping[str, Any], new: Mapping[str, Any]) -> str:
-    if name not in old:
-        return f"{name} {_shown(new[name])}, was not there"
-    if name not in new:
-        return f"{name} is not given, was {_shown(old[name])}"
-    if name.startswith("--"):
-        return f"{name} {_shown(new[name])}, was {_shown(old[name])}"
-    if name.startswith("the version"):
-        return f"{name} is {new[name]}, was {old[name]}"
-    return f"{name} is another one"
+    if name in _NAMES:
+        return f"{name} is {_cut(str(new.get(name)))} now, and was {_cut(str(old.get(name)))}"
+    if name.startswith("--") or name.endswith("="):
+        now, then = _written(name, new.get(name)), _written(name, old.get(name))
+        return f"{now or f'no {name}'} now, {then or 'not given'} then"
+    return f"{name} {'is new' if name not in old else 'is gone' if name not in new else 'has changed'}"
 
 
-def _shown(value: Any) -> str:
-    if isinstance(value, list):
-        value = " ".join(map(str, value)) or "nothing"
+def _written(name: str, value: Any) -> str:
+    """Return an option as it is written with a value; empty if it is not given then."""
+    if value is None or value is False or value == "" or value == [] or value == {}:
+        return "" if name.startswith("--") or value is None else f"{name}{value!r}"
+    if value is True:
+        return name if name.startswith("--") else f"{name}True"
     if isinstance(value, dict):
-        value = " ".join(f"{key}={item}" for key, item in value.items()) or "nothing"
-    text = str(value) or "nothing"
+        value = [f"{key}={item}" for key, item in value.items()]
+    if isinstance(value, list):
+        is_one = all(isinstance(item, int | float) for item in value)
+        value = ",".join(map(str, value)) if is_one else f" {name} ".join(map(str, value))
+    return f"{name} {_cut(str(value))}" if name.startswith("--") else f"{name}{_cut(str(value))}"
+
+
+def _cut(text: str) -> str:
     return text if len(text) <= _SHOWN else text[:_SHOWN] + "..."

@@ -10,6 +10,7 @@ from typing import IO, Any, Final, Protocol
 
 from elitescript.codec.json_text import to_text
 from elitescript.errors import UsageError
+from elitescript.extras import require
 from elitescript.outputs.call_paths import ORDINARY, why_not_written
 from elitescript.outputs.writing import Output, WriteError
 from elitescript.shown import encodable
@@ -152,14 +153,7 @@ def json_line(names: Iterable[str], cells: Iterable[Any]) -> str:
 
 
 def _pyarrow() -> Any:
-    try:
-        import pyarrow
-        import pyarrow.parquet
-    except ImportError:
-        raise UsageError(
-            "tables as Parquet need a library: pip install 'elitescript[parquet]'; CSV and JSON lines need none"
-        ) from None
-    return pyarrow
+    return require("parquet")
 
 
 def _write_parquet(file: IO[bytes], plan: Plan, rows: Iterable[Row]) -> None:
