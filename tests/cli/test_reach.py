@@ -91,7 +91,7 @@ def test_a_file_that_is_no_program_is_named(tmp_path, capsys):
     (tmp_path / "bad.script").write_bytes(b"\xff\xfe\x00")
     assert main(["check", "--reach", str(tmp_path / "bad.script")]) == 3
     assert main(["check", "--reach", str(tmp_path / "none.script")]) == 2
-    assert "bad.script is no text" in capsys.readouterr().err
+    assert "the text is UTF-16, not UTF-8" in capsys.readouterr().err
 
 
 REFUSED = "def p():\n  socket_open('10.0.0.1', 80)\n  socket_open('10.0.0.1', 80)\nend\n"

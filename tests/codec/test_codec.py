@@ -253,7 +253,7 @@ class TestRefusal:
 
 
 class TestText:
-    @pytest.mark.parametrize("text", ["", "{", "[1,", "nul", "[" * 100_000, "1" * 5000, "\ufeff[]", b"\xff\xfe\x00"])
+    @pytest.mark.parametrize("text", ["", "{", "[1,", "nul", "[" * 100_000, "1" * 5000, b"\xff\xfe\x00"])
     def test_of_what_is_no_json_is_refused(self, text):
         with pytest.raises(CodecError, match="no JSON"):
             from_text(text)

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-import importlib.util
+import sys
 
 import pytest
 
@@ -45,7 +45,7 @@ def test_addresses():
 
 
 def test_without_pyserial_a_port_of_this_computer_names_the_extra(monkeypatch):
-    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    with pytest.raises(UsageError, match=r"^tool=/dev/ttyUSB0: .* pip install 'elitescript\[serial\]'"):
+    monkeypatch.setitem(sys.modules, "serial", None)
+    with pytest.raises(UsageError, match=r"tool=/dev/ttyUSB0 needs .* pip install 'elitescript\[serial\]'"):
         parse_bindings(["tool=/dev/ttyUSB0"])
     assert parse_bindings(["tool=socket://h:1"]) == {"tool": "socket://h:1"}

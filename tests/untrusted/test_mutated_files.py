@@ -25,7 +25,7 @@ from elitescript.robot import VirtualRobot
 from elitescript.services.journal.replay import Replay
 from elitescript.services.journal.writer import JournalReader
 from elitescript.shown import shown
-from elitescript.sweep.chaos.profile import profile_of
+from elitescript.sweep.chaos.profile import read_profile
 from elitescript.sweep.failures.cases import read_case
 from elitescript.untrusted.escaping import markdown_text
 from elitescript.untrusted.files import PROFILE, read_text
@@ -106,7 +106,7 @@ KINDS: dict[str, tuple[str, bytes | str, Reader]] = {
     "world of solids": ("w.toml", "tray_cell.toml", lambda path: load_world_file(path, is_trusted=False)),
     "arm": ("a.toml", "my_arm.toml", load_model_file),
     "case": ("a.case.toml", CASE, read_case),
-    "profile": ("p.toml", PROFILE_TEXT, lambda path: profile_of(read_text(path, PROFILE), "p.toml")),
+    "profile": ("p.toml", PROFILE_TEXT, lambda path: read_profile(read_text(path, PROFILE), "p.toml")),
     "state": ("s.json", STATE, read_state),
     "points": ("p.json", POINTS, lambda path: points_of_file(read_text(path, PROFILE), "p.json")),
     "points of lines": (

@@ -18,7 +18,7 @@ from elitescript.messages.inputs import ChannelClosed, ChannelData, ChannelEvent
 from elitescript.messages.timing import TICKS_PER_S
 from elitescript.records import NamedTuple
 from elitescript.runtime.environment import Channels, Files
-from elitescript.untrusted.files import without_mark
+from elitescript.untrusted.plain_text import without_mark
 
 WORD: Final = "external_control"
 PORT: Final = 50002

@@ -413,10 +413,10 @@ class RobotOptions:
     )
 
     def __post_init__(self) -> None:
-        for name in _CHECKED:
-            value = getattr(self, name)
-            if (accepted := accept(name, value, name)) is not value:
-                object.__setattr__(self, name, accepted)
+        for name, kind in _CHECKED.items():
+            given = getattr(self, name)
+            if (held := accepted(kind, given, name)) is not given:
+                object.__setattr__(self, name, held)
 
 
 UNTIL: Final = Duration()
@@ -433,7 +433,7 @@ IN_VIRTUAL_TIME: Final[dict[str, Any]] = {"power_on": True, "power_times": AT_ON
 SECTIONS: Final[dict[str, Section]] = {name: row.kind for name, row in OPTIONS.items() if isinstance(row.kind, Section)}
 """Options that are a section of a world file."""
 
-_CHECKED: Final = tuple(name for name, row in OPTIONS.items() if row.kind is not None)
+_CHECKED: Final = {name: row.kind for name, row in OPTIONS.items() if row.kind is not None}
 
 
 KEYWORDS: Final = tuple(name for name in _CHECKED if name != "model")
@@ -498,9 +498,7 @@ def accept(name: str, value: Any, called: str) -> Any:
     Raises:
         UsageError: the option does not take this value.
     """
-    kind = OPTIONS[name].kind
-    assert kind is not None
-    return accepted(kind, value, called)
+    return accepted(_CHECKED[name], value, called)
 
 
 def accepted(kind: Any, value: Any, called: str) -> Any:

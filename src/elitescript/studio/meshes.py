@@ -8,7 +8,8 @@ from typing import Any, Final
 
 from elitescript.errors import UsageError
 from elitescript.paths import real_path
-from elitescript.untrusted.files import MESH, EncodingError, plain_text, read_bytes
+from elitescript.untrusted.files import MESH, read_bytes
+from elitescript.untrusted.plain_text import EncodingError, plain_text
 
 SUFFIXES: Final = frozenset((".stl", ".dae", ".png", ".jpg", ".jpeg"))
 """What a description consists of besides the URDF; nothing else is given away."""

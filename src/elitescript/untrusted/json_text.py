@@ -9,7 +9,7 @@ from collections.abc import Callable
 from math import isfinite
 from typing import Any, Final
 
-from elitescript.untrusted.files import EncodingError, plain_text, without_mark
+from elitescript.untrusted.plain_text import EncodingError, plain_text, without_mark
 
 DEPTH_MAX: Final = 100
 """Lists and objects within each other. Code that walks the values may recurse so deep."""

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from typing import Final
 
-from elitescript.untrusted.files import without_mark
+from elitescript.untrusted.plain_text import without_mark
 
 Path = tuple[str | int, ...]
 """Keys, and numbers of list elements from 0: `("tcp", 1, "replies", 0, "to")`."""

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 from elitescript.errors import UsageError
-from elitescript.untrusted.files import without_mark
+from elitescript.untrusted.plain_text import without_mark
 from elitescript.untrusted.toml_lines import Path, line_of_refusal, lines_of, nearest
 
 DEPTH_MAX: Final = 32

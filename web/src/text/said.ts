@@ -88,7 +88,7 @@ export const SAID: readonly (readonly [english: string, chinese: string])[] = [
   ["{1}: there is no folder {2}", "{1}：没有文件夹 {2}"],
   ["there is no file {1}", "没有文件 {1}"],
   ["{1}: only {2} are loaded", "{1}：只加载 {2}"],
-  ["--urdf {1}: it is not UTF-8", "--urdf {1}：不是 UTF-8"],
+  ["--urdf {1}:{2}: it is not UTF-8: {3}", "--urdf {1}:{2}：不是 UTF-8：{3}"],
   ["an old draft stays: {1}", "旧草稿保留：{1}"],
   ["unsaved text cannot be kept: {1}", "无法保留未保存的文本：{1}"],
   ["{1} has changed on disk: {2}", "{1} 在磁盘上已更改：{2}"],

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from elitescript.errors import ProgramError
 from elitescript.language.diagnostics import Diagnostic, Fix, diagnostic
 from elitescript.records import field, record
-from elitescript.untrusted.files import EncodingError, plain_text
+from elitescript.untrusted.plain_text import EncodingError, plain_text
 
 BOM = "\ufeff"
 
