@@ -244,7 +244,7 @@ class TestConnecting:
             port = server.sockets[0].getsockname()[1]
             server.close()
             await server.wait_closed()
-            with pytest.raises(LinkError, match=f"RTSI port {HOST}:{port}"):
+            with pytest.raises(LinkError, match=f"^RTSI port {HOST}:{port}: connection refused$"):
                 async with connected(HOST, port, "RTSI"):
                     pass
 

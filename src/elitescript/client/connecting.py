@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import os
 import socket
 from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import Final
@@ -90,7 +91,7 @@ async def connected(host: str, port: int, name: str, timeout_s: float = CONNECT_
     except TimeoutError:
         raise LinkError(f"{where}: nobody answers within {timeout_s:g} s") from None
     except OSError as error:
-        raise LinkError(f"{where}: {error.strerror or error}") from None
+        raise LinkError(f"{where}: {_reason(error)}") from None
     except UnicodeError:
         raise LinkError(f"{where}: no name of a computer") from None
     peer: socket.socket | None = writer.get_extra_info("socket")
@@ -107,6 +108,14 @@ async def connected(host: str, port: int, name: str, timeout_s: float = CONNECT_
     finally:
         # Abort: what waits in buffers is not to reach a controller later on.
         writer.transport.abort()
+
+
+def _reason(error: OSError) -> str:
+    """Return why a connection does not open, as the system says it; the text of `asyncio` is the address again."""
+    text = error.strerror or str(error)
+    if not isinstance(error, socket.gaierror) and error.errno:
+        text = os.strerror(error.errno)
+    return text[:1].lower() + text[1:]
 
 
 async def read_some(reader: asyncio.StreamReader, timeout_s: float, what: str) -> bytes:

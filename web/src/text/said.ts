@@ -146,6 +146,7 @@ export const SAID: readonly (readonly [english: string, chinese: string])[] = [
   ["primary port: a robot message has {1} bytes; its head alone has {2}", "主端口：机器人消息有 {1} 字节；仅其头部就有 {2}"],
   ["primary port: a robot state ends within the head of a part, at byte {1}", "主端口：机器人状态在子包头部内结束，位于字节 {1}"],
   ["primary port: part {1} of a robot state at byte {2} says that it has {3} bytes", "主端口：机器人状态的子包 {1}（字节 {2}）声称有 {3} 字节"],
+  ["ctl: no controller is served here ({1}); start one with `elitescript serve`", "ctl：本机没有提供控制器（{1}）；用 `elitescript serve` 启动一个"],
   ["RTSI: the connection has ended", "RTSI：连接已结束"],
   ["RTSI: the controller does not start to send packages", "RTSI：控制器没有开始发送数据包"],
   ["RTSI: the controller does not stop to send packages", "RTSI：控制器没有停止发送数据包"],
@@ -181,7 +182,10 @@ interface Row {
 const special = /[.*+?^${}()|[\]\\]/g;
 /** The one with the most words of its own counts. */
 const words = (english: string) => english.replace(/\{\d\}/g, "").length;
-const rows: readonly Row[] = [...SAID].sort(([a], [b]) => words(b) - words(a)).map(([english, chinese]) => ({
+/** What a port says of itself; at a connection its address stands instead. */
+const ports = /^(?:primary port|RTSI|dashboard): /;
+const withoutPort = SAID.filter(([english]) => ports.test(english)).map(([english, chinese]) => [english.replace(ports, ""), chinese.slice(chinese.indexOf("：") + 1)] as const);
+const rows: readonly Row[] = [...SAID, ...withoutPort].sort(([a], [b]) => words(b) - words(a)).map(([english, chinese]) => ({
   pattern: new RegExp(`^${english.split(/\{\d\}/).map((part) => part.replace(special, "\\$&")).join("(.+?)")}$`, "s"),
   chinese,
 }));
