@@ -314,6 +314,23 @@ def test_many_writers_leave_one_whole_content(old: Path) -> None:
     assert names(old.parent) == ["out.html"]
 
 
+def test_what_another_process_has_taken_for_left_over_is_made_again(old: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    real, calls = writing.lock, []
+
+    def late(descriptor: int) -> None:
+        calls.append(descriptor)
+        if len(calls) == 1:
+            raise BlockingIOError(errno.EAGAIN, "another process looks at it")
+        real(descriptor)
+
+    monkeypatch.setattr(writing, "lock", late)
+    first = Output(old)
+    with pytest.raises(WriteError, match="another process writes it"):
+        Output(old)
+    first.finish(b"first")
+    assert old.read_bytes() == b"first"
+
+
 def test_without_locks_files_are_written_too(old: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def none(_: int) -> None:
         raise OSError(errno.ENOLCK, "No locks available")

@@ -180,14 +180,23 @@ class Output:
                     raise
                 self._claim_elsewhere(real)
                 return
-            with suppress(BlockingIOError):  # another process looks whether it was left over
-                _lock(self._descriptor)
-            if _is_same(_status(beside), os.fstat(self._descriptor)):
+            if self._is_locked() and _is_same(_status(beside), os.fstat(self._descriptor)):
                 self._beside = beside
                 return
             os.close(self._descriptor)
             self._descriptor = -1
         raise BlockingIOError(errno.EBUSY, "another process writes it")
+
+    def _is_locked(self) -> bool:
+        """Lock the new file; return whether that was in time.
+
+        Before it is locked another process may take it for one that was left over: then that one locks and removes it.
+        """
+        try:
+            _lock(self._descriptor)
+        except BlockingIOError:
+            return False
+        return True
 
     def _claim_elsewhere(self, real: Path) -> None:
         """Make a file without a name for content that will overwrite the old one: there is no place beside it."""
