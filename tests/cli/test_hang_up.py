@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,14 @@ from tests.cli.calls import LIMIT_S, Call, await_ready, beside, chosen, prepare,
 pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="there is no SIGHUP")
 
 MCAP_END = b"\x89MCAP0\r\n"
+
+
+@pytest.fixture(autouse=True)
+def _heeds_hang_ups() -> Iterator[None]:
+    """Start processes that end by SIGHUP: below `nohup` and some runners of CI jobs they would not."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
 
 
 def test_a_recording_has_its_footer_and_index(tmp_path: Path) -> None:

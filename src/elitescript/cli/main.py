@@ -207,7 +207,12 @@ def _dispatch(options: argparse.Namespace, *, is_process: bool) -> int:
         # What is loaded stays, and need not be looked at again.
         gc.freeze()
         gc.enable()
-    return command(options)
+    if not any(row.writes and getattr(options, name) not in (None, False) for name, row in options.paths.items()):
+        return command(options)
+    from elitescript.cli.call_paths import outputs_of
+
+    with outputs_of(options):
+        return command(options)
 
 
 def _needs_another_process(arguments: list[str]) -> bool:
@@ -274,6 +279,7 @@ def _parsed(arguments: list[str]) -> argparse.Namespace:
         COMMANDS[word][1](call)
         if (found := call.read(arguments[1:])) is not None:
             found.command = word
+            found.paths = call.paths
             return found
     parser, subparsers = _parser(word if word in COMMANDS else "")
     if word and word[0] != "-" and word not in COMMANDS:
@@ -283,6 +289,9 @@ def _parsed(arguments: list[str]) -> argparse.Namespace:
         command = subparsers.choices[options.command]
         near = _nearest_option(left[0], command)
         command.error(f"unrecognized arguments: {' '.join(left)}{near}")
+    call = PlainCall()
+    COMMANDS[options.command][1](call)
+    options.paths = call.paths
     return options
 
 
@@ -314,7 +323,9 @@ def _parser(command: str) -> tuple[argparse.ArgumentParser, argparse._SubParsers
     class Parser(argparse.ArgumentParser):
         def add_argument(self, *flags: Any, **settings: Any) -> argparse.Action:
             known: dict[str, Any] = {
-                name: argparse.SUPPRESS if value is OMITTED else value for name, value in settings.items()
+                name: argparse.SUPPRESS if value is OMITTED else value
+                for name, value in settings.items()
+                if name not in ("reads", "writes")
             }
             return super().add_argument(*flags, **known)
 

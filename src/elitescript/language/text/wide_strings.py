@@ -9,7 +9,6 @@ from itertools import chain
 from typing import Final
 
 from elitescript.language.text.lexer import WideSign
-from elitescript.language.text.masked import NAME, compiled
 from elitescript.language.text.strings import string_end_pattern
 from elitescript.language.text.wide_signs import (
     BLANKS,
@@ -29,6 +28,7 @@ _CLOSING: Final = {
     **dict(zip(CORNERS[::2], CORNERS[1::2], strict=True)),
 }
 _NUMBER: Final = r"\d+(?:\.\d+)?(?![\w.])"
+_NAME: Final = r"[^\W\d]\w*"
 _FAR: Final = 500
 """Characters from a mark in which the one that closes it is looked for."""
 _NESTING_MAX: Final = 2
@@ -81,7 +81,7 @@ def _line_end(text: str, at: int) -> int:
 
 
 def _places(marks: str, text: str, start: int, end: int) -> Iterator[int]:
-    return (found.start() for found in compiled(f"[{marks}]").finditer(text, start, end))
+    return (found.start() for found in re.compile(f"[{marks}]").finditer(text, start, end))
 
 
 def wide_closer(text: str, body: int, end: int, quote: str) -> int:
@@ -152,12 +152,12 @@ def corner_brackets(text: str, at: int) -> tuple[int, str]:
     is_index = text[at - 1 : at].isalnum() or text[at - 1 : at] in ("_", ")", "]")
     if (is_index or "," in body) and _all_are(_NUMBER, body):
         return partner, "["
-    is_code = not body or (body.isascii() and _all_are(rf"(?:{_NUMBER}|{NAME}(?:\.{NAME})*)", body))
+    is_code = not body or (body.isascii() and _all_are(rf"(?:{_NUMBER}|{_NAME}(?:\.{_NAME})*)", body))
     return partner, "" if is_code else '"'
 
 
 def _all_are(term: str, body: str) -> bool:
-    return compiled(rf"[-+]?{term}(?:[ \t]*[,+\-*/][ \t]*[-+]?{term})*").fullmatch(body) is not None
+    return re.compile(rf"[-+]?{term}(?:[ \t]*[,+\-*/][ \t]*[-+]?{term})*").fullmatch(body) is not None
 
 
 def wide_in_fields(text: str, body: int, end: int, quote: str) -> Iterator[WideSign]:

@@ -184,11 +184,12 @@ class Sockets:
             and rule(connection.received, False)[0] is None
         ):
             self._warn_once(f"sec read {name}", NOT_ALL_THERE.format(what=f"socket {name!r}"))
+        looked = rule
         if connection is None:
             self._tell_not_open(name, "read")
         else:
-            looked = self._looking_for_line_end(name, connection, rule)
             if isinstance(rule, Texts):
+                looked = self._looking_for_line_end(name, connection, rule)
                 looked = self._looking_at_encoding(name, connection, looked)
             if (value := connection.read(looked, reason, timeout_s)) is not None:
                 connection.is_behind_numbers = isinstance(rule, Floats) and bool(value)
@@ -202,9 +203,9 @@ class Sockets:
         text = f"there is no open socket {shown!r}: nothing is {done}"
         self._warn_once(f"socket {name} not open", text, hint=_OPEN_FIRST)
 
-    def _looking_for_line_end(self, name: str, connection: ScriptConnection, rule: Rule) -> Rule:
+    def _looking_for_line_end(self, name: str, connection: ScriptConnection, rule: Texts) -> Rule:
         """Return the rule; if it reads text after numbers, one that warns of a line end left by these."""
-        if not (connection.is_behind_numbers and isinstance(rule, Texts) and not rule.prefix):
+        if not connection.is_behind_numbers or rule.prefix:
             return rule
 
         def looking(data: bytearray, is_last: bool) -> tuple[Any, int]:
