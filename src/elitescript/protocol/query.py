@@ -7,9 +7,10 @@ form `plain` is that of the vendor's article: `ID success : VALUE`, `ID failure 
 The statement follows the rules of secondary programs; the robot evaluates it. Replies come in the order of the
 requests, but one request too many fails at once. When the robot is restarted, requests without a reply fail.
 
-Evidence: the bracketed form of a success is *observed*, of a failure *assumed*; the words `parse failed` and
-`execute failed` are *documented* (the vendor's article on the port); that the blank behind the id may be missing is
-*observed* in one of its samples. Line end and limits are *assumed*, and so are the order of replies and that a request too many fails to execute.
+Evidence: the bracketed form of a success is *observed*, of a failure *assumed*; the words `parse failed` and `execute
+failed` are *documented* (the vendor's article on the port); that the blank behind the id may be missing is *observed*
+in one of its samples. Line end and limits are *assumed*, and so are the order of replies and that a request too many
+fails to execute.
 """
 
 from __future__ import annotations
