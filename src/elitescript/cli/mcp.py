@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from io import BufferedReader
+from io import BufferedReader, FileIO
 
 from elitescript.errors import UsageError
 from elitescript.extras import require
@@ -29,7 +29,7 @@ def mcp(options: argparse.Namespace) -> int:
     before = sys.stdin
     # The library has something else at the number of standard output.
     output = os.dup(sys.stdout.fileno())
-    sys.stdin = requests(BufferedReader(UntilReaderGoes(sys.stdin.buffer.raw, output)))
+    sys.stdin = requests(BufferedReader(UntilReaderGoes(FileIO(sys.stdin.fileno(), closefd=False), output)))
     try:
         make_server(folder, options.max_wall).run("stdio")
     except ExceptionGroup as failures:
