@@ -82,7 +82,7 @@ class Compliance(NamedTuple):
         change = joint_speeds(arm, q_ahead, _sum(wanted, free, -1.0), T_flange_tcp)
         assert change is not None, "solved for the same joints above"
         share = self._share(now.qd, kept, change)
-        is_kept = share is not None
+        is_kept, free_after = share is not None, free
         if share is None:
             q, qd = self._given_way(now, _sum(kept, change))
         else:
