@@ -56,6 +56,7 @@ W218   warning   statement that does nothing
 W219   warning   result that is not used
 W220   warning   `return` that is missing on one path
 W221   warning   reading that a secondary program does not wait for
+W222   warning   text in GBK that is UTF-8 by chance
 W240   warning   comparison that is never, or always, true
 W241   warning   condition that is always true, or not what it seems
 W242   warning   measured values compared exactly

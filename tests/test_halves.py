@@ -25,7 +25,7 @@ from elitescript.coverage.model import Function, Handler, ProgramCoverage
 from elitescript.coverage.terminal import table
 from elitescript.coverage.unmet import Unmet
 from elitescript.dap.framing import framed
-from elitescript.paths import write_page
+from elitescript.outputs.writing import Output, write_file
 from elitescript.recorder.channels import PRIMARY, encoded
 from elitescript.robot import VirtualRobot
 from elitescript.shown import encodable
@@ -78,7 +78,7 @@ def sweep_table(suffix: str) -> Callable[[str, Path], str]:
 
 
 def page(text: str, folder: Path) -> str:
-    write_page(folder / "x.html", text)
+    write_file(folder / "x.html", text)
     return (folder / "x.html").read_bytes().decode()
 
 
@@ -111,7 +111,7 @@ def recorded(text: str, folder: Path) -> str:
 
 
 def trace(text: str, folder: Path) -> str:
-    with TraceFile(folder / "x.csv", signals=[text]) as file:
+    with TraceFile(Output(folder / "x.csv"), signals=[text]) as file:
         assert file is not None
     return (folder / "x.csv").read_bytes().decode()
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import os
 import stat
 from pathlib import Path
@@ -10,6 +9,9 @@ from typing import Final
 
 STREAMS: Final = ("/dev/stdin", "/dev/stdout", "/dev/stderr", "/dev/fd/", "/proc/self/fd/")
 """Names of streams that a shell has opened: `elitescript run /dev/stdin`, `elitescript run <(generate)`."""
+
+_STANDARD: Final = ("stdin", "stdout", "stderr")
+_LINKS_MAX: Final = 40
 
 _KINDS: Final = (
     (stat.S_ISDIR, "a folder"),
@@ -72,25 +74,24 @@ def why_no_file(path: str | os.PathLike[str], *, is_stream_allowed: bool = False
     return f"is {kind}, not a file" if kind else ""
 
 
-def why_no_output(path: str | os.PathLike[str]) -> str:
-    """Return why a path cannot be written, or opening it might wait for ever for a reader; empty if neither.
+def stream_of(path: str | os.PathLike[str]) -> int | None:
+    """Return the descriptor of the stream of the shell to which a path leads, also through links; None if it does not.
 
-    Devices are written, as `/dev/null`, and what the shell has opened.
+    It is to be duplicated, not opened: a second opening would write over what is written through the first.
     """
-    why = why_no_file(path, is_stream_allowed=True)
-    return "" if why == "is a device, not a file" else why
-
-
-def write_page(path: Path, text: str) -> None:
-    """Write a text that a command makes as UTF-8 with line feeds; halves of surrogate pairs, which programs may hold,
-    are escaped.
-
-    Raises:
-        OSError: it cannot be written, or the path is a pipe, a socket or a folder.
-    """
-    if why := why_no_output(path):
-        raise OSError(errno.EINVAL, f"it {why}")
-    path.write_text(text, encoding="utf-8", errors="backslashreplace", newline="\n")
+    name = os.fspath(path)
+    for _ in range(_LINKS_MAX):
+        folder, last = os.path.split(name)
+        folder = os.path.realpath(folder)
+        if folder == "/dev" and last in _STANDARD:
+            return _STANDARD.index(last)
+        if folder in ("/dev/fd", f"/proc/{os.getpid()}/fd") and last.isascii() and last.isdigit():
+            return int(last)
+        try:
+            name = os.path.join(folder, os.readlink(os.path.join(folder, last)))  # noqa: PTH115, PTH118
+        except (OSError, ValueError):
+            return None
+    return None
 
 
 def kind_of(mode: int) -> str:

@@ -81,7 +81,8 @@ def test_a_page_has_both_runs(folder, capsys):
         (["run.mcap", "--run", "first"], "write the number of a run, or all"),
         (["run.mcap", "--tolerance", "angle=1"], "there are joints, time, share"),
         (["run.mcap", "--tolerance", "joints=-1"], "a number of at least 0"),
-        (["run.mcap", "--fit", "run.mcap"], "ends in .toml"),
+        (["run.mcap", "--fit", "run.mcap"], "this is the recording"),
+        (["run.mcap", "--fit", "arm.mcap"], "ends in .toml"),
         (["run.mcap", "--page", "run.mcap"], "--page"),
     ],
 )

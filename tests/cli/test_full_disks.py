@@ -11,6 +11,9 @@ from typing import Final
 
 import pytest
 
+from elitescript.page import MARK
+from tests.cli.calls import Call, chosen, finish, prepare
+
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(not hasattr(os, "fork"), reason="needs limits of processes"),
@@ -76,3 +79,27 @@ def test_a_file_is_whole_or_its_loss_is_said(name: str, size: int, tmp_path: Pat
         assert b"elitescript" in found.stderr
     if name == "layout":
         assert full.read_bytes() in (before, whole.read_bytes())
+
+
+OLDER: Final = {
+    ".html": f"<html><head>{MARK}</head></html>",
+    ".json": '{"format": "elitescript state", "version": 1, "signals": {"flag[3]": true}}',
+}
+
+
+@pytest.mark.parametrize("size", [0, 100, 4_096, 65_536])
+@pytest.mark.parametrize("call", chosen(lambda call: call.writes and call.ends == "itself" and not call.beside))
+def test_the_older_file_is_left_where_the_new_one_is_not_whole(call: Call, size: int, tmp_path: Path) -> None:
+    prepare(call, tmp_path)
+    older = {name: OLDER.get(Path(name).suffix, "older").encode() for name in call.writes}
+    for name, content in older.items():
+        (tmp_path / name).write_bytes(content)
+    done = finish(call, tmp_path, preexec_fn=partial(_limit, size))
+    if done.returncode == call.code:
+        assert {name: (tmp_path / name).read_bytes() for name in older} != older
+    else:
+        assert done.returncode == 2
+        assert {name: (tmp_path / name).read_bytes() for name in older} == older
+        # A sweep keeps its rows in a journal first.
+        assert all(name in done.stderr.decode() or b"journal: " in done.stderr for name in older)
+    assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []

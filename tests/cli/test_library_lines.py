@@ -21,7 +21,9 @@ def test_a_line_that_is_repeated_is_written_once_in_a_while() -> None:
     assert said[1:] == ["socket 7 is closed (999 times more since then)"]
 
 
-def test_whatever_a_library_reports_goes_to_the_log(capfd) -> None:
+def test_whatever_a_library_reports_goes_to_the_log(capfd, monkeypatch) -> None:
+    # The library of `mcp` sets a handler for its process, which is this one where a test makes such a server.
+    monkeypatch.setattr(logging.getLogger(), "handlers", [])
     said: list[str] = []
 
     class Bad:

@@ -171,7 +171,7 @@ def test_a_missing_extra_is_said_with_the_line_that_installs_it(monkeypatch, tmp
 @pytest.mark.parametrize(
     ("words", "text"),
     [
-        (["--out", "."], "is no name of a file"),
+        (["--out", "."], "--out .: it is a folder, not a file"),
         (["--rotate", "9" * 400 + "kB"], "write a size"),
     ],
 )

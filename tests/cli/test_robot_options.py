@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
-
 import pytest
 
-from elitescript.cli.main import _parsed, main
+from elitescript.cli.main import _parsed, _parser, main
 from elitescript.cli.robot_options import add_options, options_from
 from elitescript.errors import UsageError
 
@@ -26,7 +24,7 @@ BY_HAND = {
 
 @pytest.mark.parametrize("command", BY_HAND)
 def test_a_command_has_these_flags_and_no_others(command: str) -> None:
-    parser = argparse.ArgumentParser(add_help=False)
+    parser = type(_parser(command)[0])(add_help=False)
     add_options(parser, command)
     assert {flag for action in parser._actions for flag in action.option_strings} == BY_HAND[command]
 

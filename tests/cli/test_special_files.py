@@ -22,7 +22,6 @@ def folder(tmp_path, monkeypatch):
         "pipe.jsonl",
         "pipe.html",
         "kept.json.lock",
-        "other.json.new",
     ):
         os.mkfifo(name)
     os.mkfifo("pipe.case.toml")
@@ -46,16 +45,15 @@ def folder(tmp_path, monkeypatch):
         (["plot", "pipe.csv"], "cannot read pipe.csv: it is a named pipe, not a file"),
         (["run", "good.script", "--world", "pipe.toml"], "cannot read pipe.toml: it is a named pipe, not a file"),
         (["run", "good.script", "--robot", "pipe.toml"], "cannot read pipe.toml: it is a named pipe, not a file"),
-        (["run", "good.script", "--trace", "pipe.csv"], "--trace pipe.csv: it is a named pipe, not a file"),
-        (["run", "good.script", "--trace", "pipe.jsonl"], "--trace pipe.jsonl: it is a named pipe, not a file"),
-        (["plot", "good.script", "-o", "pipe.html"], "-o pipe.html: it is a named pipe, not a file"),
         (["plot", "good.script", "-o", "folder"], "-o folder: it is a folder, not a file"),
-        (["sweep", "good.script", "--runs", "1", "--page", "pipe.html"], "--page pipe.html: it is a named pipe"),
-        (["run", "good.script", "--state", "pipe"], "pipe is a named pipe, not a file"),
+        (
+            ["sweep", "good.script", "--runs", "1", "--out", "pipe.csv"],
+            "--out pipe.csv: it is a named pipe, not a file",
+        ),
+        (["run", "good.script", "--state", "pipe"], "--state pipe: it is a named pipe, not a file"),
         (["run", "good.script", "--state", "kept.json"], "kept.json.lock is a named pipe, not a file"),
-        (["run", "good.script", "--state", "other.json"], "other.json.new is a named pipe, not a file"),
-        (["run", "good.script", "--state", "folder"], "folder is a folder, not a file"),
-        (["run", "good.script", "--state", "/dev/null"], "/dev/null is a device, not a file"),
+        (["run", "good.script", "--state", "folder"], "--state folder: it is a folder, not a file"),
+        (["run", "good.script", "--state", "/dev/null"], "--state /dev/null: it is a device, not a file"),
         (["run", "loop.script"], "cannot read loop.script: Too many levels of symbolic links"),
         (["run", "good.script", "--state", "loop.json"], "Too many levels of symbolic links"),
         (["run", "good.script", "--world", "loop.toml"], "cannot read loop.toml: Too many levels of symbolic links"),
@@ -71,7 +69,7 @@ def folder(tmp_path, monkeypatch):
         (["audit", "pipe"], "cannot read pipe: it is a named pipe, not a file"),
         (["fit", "good.script", "--pairs", "pipe.csv"], "cannot read pipe.csv: it is a named pipe, not a file"),
         (["serve", "--in-process", "--port", "all=0", "--world", "parts.toml"], "parts.toml:1: a name of 5000 parts"),
-        (["serve", "--port", "all=0", "--state", "pipe"], "pipe is a named pipe, not a file"),
+        (["serve", "--port", "all=0", "--state", "pipe"], "--state pipe: it is a named pipe, not a file"),
         (["serve", "--port", "all=0", "--world", "pipe.toml"], "cannot read pipe.toml: it is a named pipe, not a file"),
     ],
 )

@@ -9,6 +9,7 @@ from elitescript.cli.main import main
 from elitescript.cli.output.trace_file import TraceFile
 from elitescript.controller.views.trace import TRACE_COLUMNS
 from elitescript.errors import UsageError
+from elitescript.outputs.writing import Output
 from elitescript.plotting.trace_reader import read_trace
 from tests.plotting.recordings import PROGRAM, recorded
 
@@ -96,7 +97,7 @@ def test_other_bytes_and_missing_files_are_errors(tmp_path):
 @pytest.mark.parametrize("suffix", [".csv", ".jsonl"])
 def test_measured_positions_come_back_too(tmp_path, suffix):
     rows = recorded(plant=PlantConfig(lag_s=0.02, noise_rad=1e-5)).rows
-    with TraceFile(tmp_path / f"out{suffix}", has_actual=True) as file:
+    with TraceFile(Output(tmp_path / f"out{suffix}"), has_actual=True) as file:
         for each in rows:
             file.write(each)
     assert read_trace(tmp_path / f"out{suffix}") == rows

@@ -269,6 +269,10 @@ class TestPaths:
             ),
             ("--script-cov-report=pdf:a", "*--script-cov-report=pdf:a: there are term, term-missing, lcov:PATH,*"),
             ("--script-cov-report=lcov", "*--script-cov-report=lcov: write lcov:PATH*"),
+            ("--script-cov-report=json:programs/cell.script", "*cell.script: it is no report of kind json*"),
+            ("--script-cov-report=xml:programs", "*programs: it is a folder, not a file*"),
+            ("--script-cov-report=html:test_cell.py", "*pages go into a folder, and this is none*"),
+            ("--script-record=test_cell.py", "*--script-record=test_cell.py: pages go into a folder*"),
         ],
     )
     def test_a_wrong_option_is_refused(self, pytester, cell, word, text):

@@ -14,6 +14,7 @@ import pytest
 
 from elitescript.conversation.messages import read_message
 from elitescript.errors import UsageError
+from elitescript.outputs import writing
 from elitescript.studio import files
 from elitescript.studio.files import FILE_BYTES_MAX, NONE, Conflict, Programs, read, save
 
@@ -123,22 +124,10 @@ class TestSave:
         def full(*_: object) -> None:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-        class Full:
-            def __init__(self, handle: int, _mode: str) -> None:
-                self.handle = handle
-
-            def __enter__(self) -> Full:
-                return self
-
-            def __exit__(self, *_: object) -> None:
-                os.close(self.handle)
-
-            write = full
-
         if call == "write":
-            monkeypatch.setattr(files.os, "fdopen", Full)
+            monkeypatch.setattr(writing._Raw, "write", full)
         elif call == "fsync":
-            monkeypatch.setattr(files.os, "fsync", full)
+            monkeypatch.setattr(os, "fsync", full)
         else:
             monkeypatch.setattr(Path, "replace", full)
         with pytest.raises(UsageError, match=r"cannot write .*a\.script: No space left on device"):
@@ -150,7 +139,7 @@ class TestSave:
     def test_a_read_only_file_stays_although_its_folder_could_be_written(self, tmp_path: Path, monkeypatch) -> None:
         path = tmp_path / "a.script"
         path.write_bytes(b"old")
-        monkeypatch.setattr(files.os, "access", lambda *_: False)
+        monkeypatch.setattr(os, "access", lambda *_: False)
         with pytest.raises(UsageError, match="it is read-only"):
             save(path, "new", digest(b"old"))
         assert path.read_bytes() == b"old"

@@ -110,9 +110,9 @@ def test_what_a_killed_process_has_left_goes(tmp_path):
     program = tmp_path / "a.script"
     memory.keep(program, "text", "", "one")
     (draft,) = (tmp_path / "drafts").iterdir()
-    old, new = (draft.with_name(f"{draft.name}.{name}") for name in ("0000", "1111"))
+    old, new = (draft.with_name(f".{name}.json.elitescript") for name in ("0000", "1111"))
     for path in (old, new):
         path.write_text("{")
     os.utime(old, (1, 1))
     memory.keep(program, "text 2", "", "one")
-    assert sorted((tmp_path / "drafts").iterdir()) == [draft, new]
+    assert sorted((tmp_path / "drafts").iterdir()) == [new, draft]

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from elitescript.cli.main import main
-from elitescript.errors import UsageError
+from elitescript.outputs.writing import Output
 from elitescript.sweep.chaos.properties import properties_of
 from elitescript.sweep.failures.findings import Finding
 from elitescript.sweep.plans.plan import Plan, Row
@@ -60,7 +60,9 @@ def test_failing_runs_and_the_nearest_have_pages_that_show_their_run(tmp_path: P
     finding = Finding(first, first.failure, smallest, 3, None, Path("CASE one.toml"))
     target = tmp_path / "out.html"
     said: list[str] = []
-    write_pages(target, runner, totals, summary_of(totals), [finding], "elitescript sweep job.script", said.append)
+    write_pages(
+        Output(target), runner, totals, summary_of(totals), [finding], "elitescript sweep job.script", said.append
+    )
     pages = sorted(path.name for path in (tmp_path / "out.replays").iterdir())
     runs = [row.choices.run for group in totals.groups.values() for row in group.rows[:3]]
     nearest = [entry.run for entry in totals.nearest if entry is not None]
@@ -93,11 +95,15 @@ def test_without_the_front_end_it_is_refused_before_anything_runs(
     assert "make studio" in capsys.readouterr().err
 
 
-def test_a_page_that_cannot_be_written_is_a_usage_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_replay_that_cannot_be_written_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pretend_built(tmp_path, monkeypatch)
-    runner, totals = swept(2)
-    with pytest.raises(UsageError, match="--page"):
-        write_pages(tmp_path / "none" / "deep" / "x.html", runner, totals, summary_of(totals), [], "", lambda _: None)
+    runner, totals = swept(12)
+    (tmp_path / "x.replays").mkdir()
+    for number in range(12):
+        (tmp_path / "x.replays" / f"run-{number}.html").mkdir()
+    output = Output(tmp_path / "x.html", "--page x.html")
+    with pytest.raises(OSError, match=r"--page x\.html: .*run-\d+\.html: it is a folder, not a file"):
+        write_pages(output, runner, totals, summary_of(totals), [], "", lambda _: None)
 
 
 @pytest.mark.parametrize("words", [["--only", "7", "--out", "x.csv"], ["--only", "100"], ["--only", "-1"]])

@@ -49,7 +49,7 @@ def program(tmp_path: Path) -> str:
         (["--measure", "state=time_s"], "a column that every table has"),
         (["--measure", "a=time_s", "--measure", "a=time_s"], "a is measured twice"),
         (["--out", "out.xlsx"], "must end in .csv"),
-        (["--out", ""], "must end in .csv"),
+        (["--out", ""], "--out : the name of the file is missing"),
         (["--runs", "9" * 30], "--runs must be 1000000000000 at most"),
         (["--vary", f"pause_s=uniform(0,{'9' * 400})"], "a number is too large"),
         (["--json", "--measure", "type=time_s"], "a column called 'type' would hide what each line is"),

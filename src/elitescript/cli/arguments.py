@@ -1,4 +1,8 @@
-"""Arguments of the commands: one function for each command, called only for the one that is run."""
+"""Arguments of the commands: one function for each command, called only for the one that is run.
+
+An argument whose value is a path, or may name one, says what it `reads` or `writes`: a key of `cli.call_paths.READS` or
+`WRITES`. From that its paths are checked, and shells complete its value.
+"""
 
 from __future__ import annotations
 
@@ -27,14 +31,16 @@ def add_run(parser: Parser) -> None:
         "Run a program to its end in virtual time. Exit code: 0 finished or stopped, 1 alarm, 2 usage, 3 the program "
         "does not compile, 4 time limit, 5 stuck, 130 Ctrl-C."
     )
-    parser.add_argument("file", nargs="?", metavar="FILE", help="program text, UTF-8; with --case that of the case")
+    parser.add_argument(
+        "file", nargs="?", metavar="FILE", reads="program", help="program text, UTF-8; with --case that of the case"
+    )
     clock = "controller clock at the start: seconds since 1970 or ISO 8601"
     add_options(parser, "run", epoch_s={"help": clock})
     _add_case(parser)
     parser.add_argument("--realtime", action="store_true", help="one tick per 4 ms of wall time")
     _add_until(parser)
     parser.add_argument("--max-wall", type=float, metavar="SECONDS", help="stop after so much wall time")
-    parser.add_argument("--task-dir", metavar="DIR", help=FOLDER_OF_FILE)
+    parser.add_argument("--task-dir", metavar="DIR", reads="folder", help=FOLDER_OF_FILE)
     _add_task_dir_limit(parser, "the task folder")
     _add_set(parser, "signal or global at the start, e.g. standard_digital_in[3]=true; may be repeated")
     _add_world(parser, "what is around the robot: options of it, devices, wires, safety limits, inputs")
@@ -42,6 +48,7 @@ def add_run(parser: Parser) -> None:
     parser.add_argument(
         "--state",
         metavar="FILE",
+        writes="state",
         help="begin with the registers, flags and general Modbus values of this file, and write them back at the end",
     )
     parser.add_argument(
@@ -50,7 +57,7 @@ def add_run(parser: Parser) -> None:
         metavar="SIZE",
         help="memory that the run may have, such as 8GiB (default %(default)s)",
     )
-    parser.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", help="write a row for every tick")
+    parser.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", writes="trace", help="write a row for every tick")
     parser.add_argument(
         "--step",
         type=float,
@@ -73,7 +80,7 @@ def add_sweep(parser: Parser) -> None:
         "Run a program many times and say what holds. Exit code: 0 all hold, 1 something failed, 2 usage, 3 the "
         "program does not compile, 130 Ctrl-C."
     )
-    parser.add_argument("file", metavar="FILE", help="program text, UTF-8")
+    parser.add_argument("file", metavar="FILE", reads="program", help="program text, UTF-8")
     parser.add_argument(
         "--vary",
         action="append",
@@ -93,22 +100,37 @@ def add_sweep(parser: Parser) -> None:
         action="append",
         default=[],
         metavar="EXPRESSION|FILE.py:FUNCTION",
+        reads="expression",
         help="what must hold in every run; may be repeated (default: never_stuck and no_alarm)",
     )
     parser.add_argument(
-        "--measure", action="append", default=[], metavar="NAME=EXPRESSION", help="a column of numbers; may be repeated"
+        "--measure",
+        action="append",
+        default=[],
+        metavar="NAME=EXPRESSION",
+        reads="expression",
+        help="a column of numbers; may be repeated",
     )
     parser.add_argument(
-        "--chaos", metavar="PROFILE", help="what goes wrong: channels, inputs, stops, people, all, or FILE.toml"
+        "--chaos",
+        metavar="PROFILE",
+        reads="profile",
+        help="what goes wrong: channels, inputs, stops, people, all, or FILE.toml",
     )
     parser.add_argument("--margins", action="store_true", help="a column with the margin of each property")
     parser.add_argument(
         "--step", type=float, metavar="SECONDS", help="time between two rows of a moving arm that properties see"
     )
-    parser.add_argument("--out", metavar="FILE.csv|jsonl|parquet", help="table of the runs, in their order")
     parser.add_argument(
-        "--page", metavar="FILE.html", help="a page with plots and failures; replays are in the folder FILE.replays"
+        "--out", metavar="FILE.csv|jsonl|parquet", writes="table", help="table of the runs, in their order"
     )
+    parser.add_argument(
+        "--page",
+        metavar="FILE.html",
+        writes="page of a sweep",
+        help="a page with plots and failures; replays are in the folder FILE.replays",
+    )
+    _add_force(parser)
     parser.add_argument("--only", type=int, metavar="RUN", help="only the run of this number; with --page, its replay")
     parser.add_argument(
         "--resume", action="store_true", help="go on with a sweep that was ended, or with more runs than its table has"
@@ -152,7 +174,7 @@ def add_sweep(parser: Parser) -> None:
         metavar="SIZE",
         help="memory that a process may have, such as 8GiB (default %(default)s)",
     )
-    parser.add_argument("--task-dir", metavar="DIR", help=f"{FOLDER_OF_FILE}; each run has a copy")
+    parser.add_argument("--task-dir", metavar="DIR", reads="folder", help=f"{FOLDER_OF_FILE}; each run has a copy")
     _add_set(parser, "signal or global at the start of every run; may be repeated")
     _add_world(parser, "what is around the robot, as for run")
     _add_color(parser)
@@ -163,10 +185,11 @@ def _add_search(parser: Parser) -> None:
     parser.add_argument(
         "--minimise",
         metavar="EXPRESSION",
+        reads="expression",
         help="look for the values of --over that make this measure smallest, with as "
         "many runs as --runs says, while every --ensure holds; needs the extra `optimise`",
     )
-    parser.add_argument("--maximise", metavar="EXPRESSION", help="the same, largest")
+    parser.add_argument("--maximise", metavar="EXPRESSION", reads="expression", help="the same, largest")
     parser.add_argument(
         "--over",
         nargs="+",
@@ -193,7 +216,11 @@ def add_check(parser: Parser) -> None:
         "call cannot be read, 3 errors."
     )
     parser.add_argument(
-        "files", nargs="*", metavar="FILE", help="programs, folders (every *.script in them), or - for standard input"
+        "files",
+        nargs="*",
+        metavar="FILE",
+        reads="programs",
+        help="programs, folders (every *.script in them), or - for standard input",
     )
     add_options(
         parser, "check", model={"help": "arm that the programs are for, with its limits and its reach (default: any)"}
@@ -203,7 +230,9 @@ def add_check(parser: Parser) -> None:
         choices=["text", "json", "github", "sarif"],
         help="form of the report: text, JSON lines (as --json), GitHub workflow commands, SARIF 2.1.0",
     )
-    parser.add_argument("--fix", action="store_true", help="make the repairs that are safe; of - to standard output")
+    parser.add_argument(
+        "--fix", action="store_true", writes="programs", help="make the repairs that are safe; of - to standard output"
+    )
     parser.add_argument("--explain", metavar="CODE", help="say what a code such as E303 means, with an example")
     parser.add_argument(
         "--reach",
@@ -213,7 +242,10 @@ def add_check(parser: Parser) -> None:
     )
     _add_serial(parser)
     parser.add_argument(
-        "--world", metavar="FILE", help="what is around the robot: its options and the joint ranges of its safety count"
+        "--world",
+        metavar="FILE",
+        reads="world",
+        help="what is around the robot: its options and the joint ranges of its safety count",
     )
     _add_color(parser)
     _add_json_lines(parser)
@@ -230,6 +262,8 @@ def add_fmt(parser: Parser) -> None:
         "files",
         nargs="*",
         metavar="FILE",
+        reads="programs",
+        writes="programs",
         help="programs, folders (every *.script in them), or - to format standard input to standard output",
     )
     parser.add_argument("--check", action="store_true", help="change nothing; exit code 1 if a file is not formatted")
@@ -249,22 +283,42 @@ def add_plot(parser: Parser) -> None:
         "program: as for run."
     )
     parser.add_argument(
-        "file", nargs="?", metavar="FILE", help="a program, or a trace: OUT.csv or OUT.jsonl of run --trace"
+        "file",
+        nargs="?",
+        metavar="FILE",
+        reads="program or trace",
+        help="a program, or a trace: OUT.csv or OUT.jsonl of run --trace",
     )
-    parser.add_argument("-o", "--output", metavar="OUT.html", help="the page (default: NAME.plot.html, in this folder)")
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="OUT.html",
+        default="",
+        writes="page of a plot",
+        help="the page (default: NAME.plot.html, in this folder)",
+    )
+    _add_force(parser)
     _add_case(parser)
     add_options(parser, "plot", model={"help": "arm whose limits are drawn, or its file (default CS66)"})
     _add_until(parser, "stop after so much virtual time (default 300)")
-    parser.add_argument("--task-dir", metavar="DIR", help=FOLDER_OF_FILE)
+    parser.add_argument("--task-dir", metavar="DIR", reads="folder", help=FOLDER_OF_FILE)
     _add_set(parser, "signal or global at the start; may be repeated")
     _add_world(parser, "what is around the robot, as for run")
     parser.add_argument(
-        "--compare", metavar="OTHER", help="lay a second run over the first: another program, or a trace"
+        "--compare",
+        metavar="OTHER",
+        reads="compared",
+        help="lay a second run over the first: another program, or a trace",
     )
     parser.add_argument(
-        "--compare-robot", metavar="MODEL", help="arm of the second run; without --compare: of the same program"
+        "--compare-robot",
+        metavar="MODEL",
+        reads="arm",
+        help="arm of the second run; without --compare: of the same program",
     )
-    parser.add_argument("--compare-world", metavar="WORLD.toml", help="world of the second run, in the same way")
+    parser.add_argument(
+        "--compare-world", metavar="WORLD.toml", reads="world", help="world of the second run, in the same way"
+    )
     _add_color(parser)
 
 
@@ -296,6 +350,7 @@ def add_serve(parser: Parser) -> None:
     parser.add_argument(
         "--ssh-password",
         metavar="TEXT|@FILE",
+        reads="password",
         help="of the user root (default: a random one, printed once); other users of this computer can read TEXT",
     )
     parser.add_argument("--instance", type=int, default=0, metavar="N", help="moves every port by 100 * N (default 0)")
@@ -318,12 +373,15 @@ def add_serve(parser: Parser) -> None:
         remote={"help": "begin in local control: clients may only look"},
     )
     parser.add_argument("--robots", type=int, default=1, metavar="N", help="so many of each --robot (default 1)")
-    parser.add_argument("--task-dir", metavar="DIR", help="task folder of the robots (default: an empty one in memory)")
+    parser.add_argument(
+        "--task-dir", metavar="DIR", reads="folder", help="task folder of the robots (default: an empty one in memory)"
+    )
     _add_task_dir_limit(parser, "each robot's task folder")
     _add_set(parser, "signal at the start; may be repeated")
     parser.add_argument(
         "--state",
         metavar="FILE",
+        writes="state",
         help="remember registers, flags and general Modbus values in this file over restarts, as the robot does; of "
         "further robots in files with a number in their names (default: nothing is remembered)",
     )
@@ -352,6 +410,7 @@ def add_serve(parser: Parser) -> None:
     parser.add_argument(
         "--journal",
         metavar="FILE",
+        writes="session",
         help="write the session down for `elitescript replay`; of further robots to files with a number in their names",
     )
     _add_log(parser)
@@ -373,7 +432,9 @@ def add_serve(parser: Parser) -> None:
 def add_ctl(parser: Parser) -> None:
     parser.description = "Speak to a `serve` on this computer. `elitescript ctl help` lists the verbs."
     parser.add_argument("--instance", type=int, default=0, metavar="N", help="which robot (default 0)")
-    parser.add_argument("--socket", metavar="PATH", help="which robot, by the address that serve has printed")
+    parser.add_argument(
+        "--socket", metavar="PATH", reads="address", help="which robot, by the address that serve has printed"
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument(
         "--wait", action="store_true", help="with play: return when the task has ended; exit code 1 after an alarm"
@@ -387,7 +448,7 @@ def add_devices(parser: Parser) -> None:
         "Serve the devices of a world file to a real robot or to any other program: TCP devices on their ports, serial "
         "devices on pseudo-terminals or on serial ports. Ctrl-C ends it."
     )
-    parser.add_argument("file", metavar="FILE.toml", help="the world file")
+    parser.add_argument("file", metavar="FILE.toml", reads="world", help="the world file")
     parser.add_argument("--host", default="127.0.0.1", metavar="ADDRESS", help="where to listen (default %(default)s)")
     parser.add_argument(
         "--port",
@@ -405,9 +466,9 @@ def add_replay(parser: Parser) -> None:
         "Play a journal of serve --journal as fast as possible, print what the session printed, and check that every "
         "tick comes out the same. Exit code 1 if one does not."
     )
-    parser.add_argument("file", metavar="FILE", help="the journal")
+    parser.add_argument("file", metavar="FILE", reads="session", help="the journal")
     _add_until(parser, "stop after so much robot time")
-    parser.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", help="write a row for every tick")
+    parser.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", writes="trace", help="write a row for every tick")
     _add_trace_signals(parser)
     _add_log(parser)
     _add_color(parser)
@@ -457,7 +518,9 @@ def add_mcp(parser: Parser) -> None:
         "through programs, explain codes, look commands up. Only files in FOLDER can be named; nothing outside the "
         "robot is real. Needs: pip install 'elitescript[mcp]'"
     )
-    parser.add_argument("folder", nargs="?", default=".", metavar="FOLDER", help="folder of programs (default: this)")
+    parser.add_argument(
+        "folder", nargs="?", default=".", metavar="FOLDER", reads="folder", help="folder of programs (default: this)"
+    )
     parser.add_argument(
         "--max-wall",
         type=float,
@@ -479,6 +542,8 @@ def add_studio(parser: Parser) -> None:
         "path",
         nargs="?",
         metavar="FILE|FOLDER",
+        reads="folder",
+        writes="edited",
         help="a program, which need not exist yet, or a folder of programs (default: this one; with --connect none)",
     )
     parser.add_argument(
@@ -488,7 +553,10 @@ def add_studio(parser: Parser) -> None:
     add_options(parser, "studio")
     _add_world(parser, "what is around the robot, as for run")
     parser.add_argument(
-        "--urdf", metavar="FILE", help="draw the arm from this URDF, with the meshes in the folder of the file"
+        "--urdf",
+        metavar="FILE",
+        reads="urdf",
+        help="draw the arm from this URDF, with the meshes in the folder of the file",
     )
     parser.add_argument(
         "--connect", metavar="HOST", help="show the controller at this address through its ordinary ports instead"
@@ -498,7 +566,10 @@ def add_studio(parser: Parser) -> None:
         "--instance", type=int, default=0, metavar="N", help="with --connect: which robot of a serve (default 0)"
     )
     parser.add_argument(
-        "--socket", metavar="PATH", help="with --connect: the ctl address of a robot that is served on this computer"
+        "--socket",
+        metavar="PATH",
+        reads="address",
+        help="with --connect: the ctl address of a robot that is served on this computer",
     )
     parser.add_argument(
         "--ends-with-input",
@@ -522,8 +593,10 @@ def add_audit(parser: Parser) -> None:
         "target joints, times, signals. Exit code: 0 they agree, 1 they differ or the recording is not "
         "complete, 2 usage. Needs: pip install 'elitescript[mcap]'"
     )
-    parser.add_argument("file", metavar="RUN.mcap", help="a recording of `elitescript record`")
-    parser.add_argument("--program", metavar="FILE", help="the program that ran (default: the one in the recording)")
+    parser.add_argument("file", metavar="RUN.mcap", reads="recording", help="a recording of `elitescript record`")
+    parser.add_argument(
+        "--program", metavar="FILE", reads="program", help="the program that ran (default: the one in the recording)"
+    )
     add_options(
         parser,
         "audit",
@@ -539,8 +612,13 @@ def add_audit(parser: Parser) -> None:
         "--partial", action="store_true", help="a recording that begins or ends within the program may agree too (0)"
     )
     _add_tolerance(parser)
-    parser.add_argument("--fit", metavar="MY_ARM.toml", help="write an arm file with what the recording determines")
-    parser.add_argument("--page", metavar="OUT.html", help="write a page that lays both runs over each other")
+    parser.add_argument(
+        "--fit", metavar="MY_ARM.toml", writes="arm", help="write an arm file with what the recording determines"
+    )
+    parser.add_argument(
+        "--page", metavar="OUT.html", writes="page", help="write a page that lays both runs over each other"
+    )
+    _add_force(parser)
     _add_color(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
@@ -551,23 +629,28 @@ def add_fit(parser: Parser) -> None:
         "(get_inverse_kin(pose, qnear=joints), pick_q and pick_p), or of a file. Exit code: 0 the model agrees, 1 it "
         "differs, 2 usage."
     )
-    parser.add_argument("files", nargs="*", metavar="FILE", help="programs of one arm")
+    parser.add_argument("files", nargs="*", metavar="FILE", reads="programs", help="programs of one arm")
     parser.add_argument(
         "--pairs",
         action="append",
         default=[],
         metavar="FILE",
+        reads="points",
         help="points of the same arm: CSV with q1 to q6 (rad) and x, y, z, rx, ry, rz (m, rad), or JSON with a list of "
         '{"q": [...], "pose": [...]}; may be repeated',
     )
     parser.add_argument(
-        "--robot", default="CS66", metavar="MODEL", help="model to begin with, or its file (default %(default)s)"
+        "--robot",
+        default="CS66",
+        metavar="MODEL",
+        reads="arm",
+        help="model to begin with, or its file (default %(default)s)",
     )
     parser.add_argument(
         "--tcp", metavar="X,Y,Z,RX,RY,RZ", help="TCP offset of the poses, m and rad (default: set_tcp of the program)"
     )
     parser.add_argument("--zeros", action="store_true", help="find the zeros of the joints as well")
-    parser.add_argument("--out", metavar="MY_ARM.toml", help="write an arm file for --robot")
+    parser.add_argument("--out", metavar="MY_ARM.toml", writes="arm", help="write an arm file for --robot")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
@@ -579,16 +662,24 @@ def add_record(parser: Parser) -> None:
     )
     parser.add_argument("host", metavar="HOST", help="name or address of the controller")
     parser.add_argument(
-        "--out", metavar="RUN.mcap", default="run.mcap", help="the file, which must not exist (default %(default)s)"
+        "--out",
+        metavar="RUN.mcap",
+        default="run.mcap",
+        writes="recording",
+        help="the file, which must not exist (default %(default)s)",
     )
     parser.add_argument(
         "--for", dest="seconds", type=float, metavar="SECONDS", help="end so long after the first connection"
     )
-    parser.add_argument("--program", metavar="FILE", help="the program that runs there, to be kept in the recording")
-    _add_fetching(parser)
-    parser.add_argument("--world", metavar="FILE.toml", help="what is around the robot, to be kept in the recording")
     parser.add_argument(
-        "--robot", metavar="MODEL", help="model of the arm, or its file, which is kept in the recording"
+        "--program", metavar="FILE", reads="program", help="the program that runs there, to be kept in the recording"
+    )
+    _add_fetching(parser)
+    parser.add_argument(
+        "--world", metavar="FILE.toml", reads="world", help="what is around the robot, to be kept in the recording"
+    )
+    parser.add_argument(
+        "--robot", metavar="MODEL", reads="arm", help="model of the arm, or its file, which is kept in the recording"
     )
     parser.add_argument(
         "--rotate",
@@ -611,7 +702,7 @@ def add_shadow(parser: Parser) -> None:
         "address."
     )
     parser.add_argument("host", metavar="HOST", help="name or address of the controller")
-    parser.add_argument("--program", metavar="FILE", help="the program that runs there")
+    parser.add_argument("--program", metavar="FILE", reads="program", help="the program that runs there")
     _add_fetching(parser)
     add_options(
         parser,
@@ -706,10 +797,14 @@ def _add_fetching(parser: Parser) -> None:
     parser.add_argument(
         "--fetch-program",
         metavar="PATH",
+        reads="elsewhere",
         help="read the program from this path of the controller instead, by SFTP (extra `ssh`); needs --ssh-password",
     )
     parser.add_argument(
-        "--ssh-password", metavar="TEXT|@FILE", help="of the user root of the controller, for --fetch-program"
+        "--ssh-password",
+        metavar="TEXT|@FILE",
+        reads="password",
+        help="of the user root of the controller, for --fetch-program",
     )
 
 
@@ -730,7 +825,10 @@ def _add_until(parser: Parser, text: str = "stop after so much virtual time") ->
 
 def _add_case(parser: Parser) -> None:
     parser.add_argument(
-        "--case", metavar="CASE.toml", help="play a run again that failed in a sweep, with all that went wrong in it"
+        "--case",
+        metavar="CASE.toml",
+        reads="case",
+        help="play a run again that failed in a sweep, with all that went wrong in it",
     )
 
 
@@ -739,8 +837,8 @@ def _add_set(parser: Parser, text: str) -> None:
 
 
 def _add_world(parser: Parser, text: str) -> None:
-    parser.add_argument("--world", metavar="FILE.toml", help=text)
-    parser.add_argument("--cell", dest="world", help=OMITTED)
+    parser.add_argument("--world", metavar="FILE.toml", reads="world", help=text)
+    parser.add_argument("--cell", dest="world", reads="world", help=OMITTED)
 
 
 def _add_serial(parser: Parser) -> None:
@@ -749,6 +847,7 @@ def _add_serial(parser: Parser) -> None:
         action="append",
         default=[],
         metavar="PORT=DEVICE",
+        reads="device",
         help="what is on a serial port: tool=/dev/ttyUSB0, box=socket://HOST:PORT; may be repeated",
     )
 
@@ -784,4 +883,10 @@ def _add_trace_signals(parser: Parser) -> None:
         "--trace-signals",
         metavar="NAME,...|all",
         help="columns of the trace for these signals, such as standard_digital_in[3], or families: standard_digital_in",
+    )
+
+
+def _add_force(parser: Parser) -> None:
+    parser.add_argument(
+        "--force", action="store_true", help="let the page replace a file that is no page of elitescript"
     )

@@ -19,7 +19,6 @@ from elitescript.language.text.source import SourceFile
 from elitescript.models.datafile import parsed, read_text
 from elitescript.models.model import is_model_file
 from elitescript.page import NOT_BUILT, is_built
-from elitescript.paths import write_page
 from elitescript.shown import shown
 from elitescript.untrusted.files import ARM, text_of
 
@@ -40,9 +39,6 @@ def audit(options: argparse.Namespace) -> int:
     path = Path(options.file)
     if options.fit is not None and not is_model_file(options.fit):
         raise UsageError(f"--fit {options.fit}: the name of an arm file ends in .toml")
-    for flag, target in (("--page", options.page), ("--fit", options.fit)):
-        if target is not None and Path(target).exists() and path.exists() and Path(target).samefile(path):
-            raise UsageError(f"{flag} {target}: this is the recording")
     if options.page is not None and not is_built():
         raise UsageError(f"--page: {NOT_BUILT}")
     tolerance = parse_tolerance(options.tolerance)
@@ -62,11 +58,11 @@ def audit(options: argparse.Namespace) -> int:
         print_problems("audit", options.program, error)
         return USAGE
     if options.fit is not None:
-        _write(options.fit, "--fit", _arm_text(found, getattr(options, "model", None)))
+        options.outputs["fit"].finish(_arm_text(found, getattr(options, "model", None)))
     if options.page is not None:
         from elitescript.audit.page import audit_page
 
-        _write(options.page, "--page", audit_page(found, path.name).text)
+        options.outputs["page"].finish(audit_page(found, path.name).text)
     if options.json:
         print(json.dumps(found.json(), ensure_ascii=False, allow_nan=False))
     else:
@@ -143,10 +139,3 @@ def _arm_text(found: Audit, robot: str | None) -> str:
         [joint.qd_max for joint in found.model.joints],
         about="fitted to a recording of its controller",
     )
-
-
-def _write(path: str, flag: str, text: str) -> None:
-    try:
-        write_page(Path(path), text)
-    except OSError as error:
-        raise UsageError(f"{flag} {path}: {error.strerror or error}") from error

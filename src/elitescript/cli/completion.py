@@ -16,8 +16,9 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     import argparse
 
-_FILE: Final = re.compile(r"FILE|OUT|PATH|PROGRAM")
-_FOLDER: Final = re.compile(r"DIR\b|FOLDER")
+_FOLDERS: Final = ("folder",)
+_NO_FILES: Final = ("", "device", "elsewhere", "expression", "password")
+"""What is read where a shell has no names to offer: the value is more than a path, or on another computer."""
 
 
 class Argument(NamedTuple):
@@ -76,8 +77,8 @@ class _Collected:
         self.options: list[Argument] = [Argument(("-h", "--help"), "show the help", False, (), False, False, False)]
         self.positionals: list[Argument] = []
 
-    def add_argument(self, *flags: str, **settings: Any) -> None:
-        """Take an argument, described as for `argparse`."""
+    def add_argument(self, *flags: str, reads: str = "", writes: str = "", **settings: Any) -> None:
+        """Take an argument, described as for `argparse`, with what it reads and writes if it is a path."""
         help_text = settings.get("help")
         if help_text is OMITTED:
             return
@@ -91,8 +92,8 @@ class _Collected:
             _summary(help_text or metavar),
             action in ("store", "append"),
             words,
-            _FILE.search(metavar) is not None or name in ("model", "models"),
-            _FOLDER.search(metavar) is not None,
+            reads not in (*_NO_FILES, *_FOLDERS) or "FILE" in metavar or (writes != "" and action != "store_true"),
+            reads in _FOLDERS,
             action == "append" or settings.get("nargs") in ("*", "+"),
         )
         (self.options if is_option else self.positionals).append(argument)

@@ -17,7 +17,7 @@ from elitescript.errors import UsageError
 from elitescript.messages.motion import Six
 from elitescript.models.datafile import parsed, read_text
 from elitescript.models.model import RobotModel, is_model_file, load_model
-from elitescript.paths import write_page
+from elitescript.outputs.writing import Output
 from elitescript.shown import shown, shown_word
 from elitescript.untrusted import files as untrusted_files
 
@@ -33,6 +33,8 @@ def fit(options: argparse.Namespace) -> int:
     """Fit the lengths of an arm to the points of the command line; return the exit code."""
     if not options.files and not options.pairs:
         raise UsageError("name programs with points, or --pairs FILE with joints and poses")
+    if options.out is not None and not is_model_file(options.out):
+        raise UsageError(f"--out {options.out}: the name of an arm file ends in .toml")
     model = load_model(options.robot)
     tcp = None if options.tcp is None else parse_six("--tcp", options.tcp, "m and rad")
     if tcp is not None and not all(map(isfinite, tcp)):
@@ -40,7 +42,7 @@ def fit(options: argparse.Namespace) -> int:
     points = _all_points(options.files, options.pairs, tcp)
     fitted = fit_lengths(points, model.arm, zeros=options.zeros)
     if options.out is not None:
-        _write_arm(options.out, options.robot, model, fitted)
+        _write_arm(options.outputs["out"], options.robot, model, fitted)
     if options.json:
         print(json.dumps({"robot": model.name, **fitted.json()}, allow_nan=False))
     else:
@@ -78,18 +80,13 @@ def _text(name: str) -> str:
     return untrusted_files.read_text(path, untrusted_files.POINTS, is_stream_allowed=True)
 
 
-def _write_arm(out: str, robot: str, model: RobotModel, fitted: LengthFit) -> None:
-    if not out.endswith(".toml"):
-        raise UsageError(f"--out {out}: the name of an arm file ends in .toml")
+def _write_arm(output: Output, robot: str, model: RobotModel, fitted: LengthFit) -> None:
     base: dict[str, Any] = {"base": model.name}
     if is_model_file(robot):
         base = parsed(robot, read_text(Path(robot)))
     about = f"lengths fitted to {fitted.used} points with joints and poses"
     text = arm_text(base, fitted.parameters, [joint.qd_max for joint in model.joints], about=about)
-    try:
-        write_page(Path(out), text)
-    except OSError as error:
-        raise UsageError(f"--out {out}: {error.strerror}") from None
+    output.finish(text)
 
 
 def _print(model: RobotModel, fitted: LengthFit) -> None:

@@ -38,6 +38,12 @@ _CLEANS_UP = ("run", "plot", "sweep")
 """Commands that have something to do when SIGTERM or SIGHUP ends them, and are not kept from it by a program: another
 process watches it."""
 
+_TEMPORARY = ("check", "fit", "fmt")
+"""Commands that have only unfinished files to remove then: without any, the system ends them."""
+
+_TEMPORARY_OF_PROGRAMS = ("audit", "replay")
+"""The same, with programs in this process, which may block its signal handlers."""
+
 _AT_WORK = frozenset(("elitescript.world_file", "_lsprof", "bdb"))
 """Modules that have something to do when a call is over."""
 
@@ -199,7 +205,8 @@ def _dispatch(options: argparse.Namespace, *, is_process: bool) -> int:
         count_programs(folder)
     command: Callable[[argparse.Namespace], int]
     command = getattr(import_module(f"elitescript.cli.{options.command}"), options.command)
-    if is_process and options.command in _CLEANS_UP:
+    is_writing = any(row.writes and getattr(options, name) not in (None, False) for name, row in options.paths.items())
+    if is_process and options.command in (*_CLEANS_UP, *(_TEMPORARY if is_writing else ())):
         from elitescript.environment.stop_signals import leave_by_signals
 
         leave_by_signals()
@@ -207,7 +214,20 @@ def _dispatch(options: argparse.Namespace, *, is_process: bool) -> int:
         # What is loaded stays, and need not be looked at again.
         gc.freeze()
         gc.enable()
-    return command(options)
+    if not is_writing:
+        return command(options)
+    from contextlib import ExitStack
+
+    from elitescript.cli.call_paths import outputs_of
+
+    with ExitStack() as stack:
+        if is_process and options.command in _TEMPORARY_OF_PROGRAMS:
+            from elitescript.cli.last_resort import last_resort
+            from elitescript.environment.stop_signals import leave
+
+            stack.enter_context(last_resort(f"elitescript {options.command}"))(leave)
+        stack.enter_context(outputs_of(options))
+        return command(options)
 
 
 def _needs_another_process(arguments: list[str]) -> bool:
@@ -274,6 +294,7 @@ def _parsed(arguments: list[str]) -> argparse.Namespace:
         COMMANDS[word][1](call)
         if (found := call.read(arguments[1:])) is not None:
             found.command = word
+            found.paths = call.paths
             return found
     parser, subparsers = _parser(word if word in COMMANDS else "")
     if word and word[0] != "-" and word not in COMMANDS:
@@ -283,6 +304,9 @@ def _parsed(arguments: list[str]) -> argparse.Namespace:
         command = subparsers.choices[options.command]
         near = _nearest_option(left[0], command)
         command.error(f"unrecognized arguments: {' '.join(left)}{near}")
+    call = PlainCall()
+    COMMANDS[options.command][1](call)
+    options.paths = call.paths
     return options
 
 
@@ -314,7 +338,9 @@ def _parser(command: str) -> tuple[argparse.ArgumentParser, argparse._SubParsers
     class Parser(argparse.ArgumentParser):
         def add_argument(self, *flags: Any, **settings: Any) -> argparse.Action:
             known: dict[str, Any] = {
-                name: argparse.SUPPRESS if value is OMITTED else value for name, value in settings.items()
+                name: argparse.SUPPRESS if value is OMITTED else value
+                for name, value in settings.items()
+                if name not in ("reads", "writes")
             }
             return super().add_argument(*flags, **known)
 

@@ -18,7 +18,7 @@ from elitescript.sweep.plans.plan import Plan
 from elitescript.sweep.plans.program_values import constant_lines
 from elitescript.sweep.plans.variations import parse_variation
 from elitescript.sweep.results.table_files import TableFiles
-from elitescript.sweep.results.tables import json_line, write_table
+from elitescript.sweep.results.tables import json_line, output_of, write_table
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -75,16 +75,21 @@ def search_values(options: argparse.Namespace, plan: Plan, engine: Engine, files
     if not options.json:
         _print_problems(problems, plan)
     meter = _Meter(search, options.json)
+    output = None if files is None else output_of(files.table)
     try:
         with engine:
             outcome = optimise(search, engine, on_candidate=meter.note)
-    except KeyboardInterrupt as stop:
+    except BaseException as stop:
+        if output is not None:
+            output.drop()
+        if not isinstance(stop, KeyboardInterrupt):
+            raise
         done = f"ended by {cause_of(stop)} after {meter.done} candidates; {meter.shown()}"
         print(f"elitescript sweep: {done}", file=sys.stderr)
         return exit_code_of(stop)
-    if files is not None:
+    if files is not None and output is not None:
         files.forget()
-        write_table(files.table, search.table_plan, (row for candidate in outcome.candidates for row in candidate.rows))
+        write_table(output, search.table_plan, (row for candidate in outcome.candidates for row in candidate.rows))
     if options.json:
         data = outcome_data(outcome)
         print(json_line(data, data.values()))

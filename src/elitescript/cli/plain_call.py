@@ -27,24 +27,49 @@ OMITTED: Final[Any] = object()
 """As a default: the option is in the result only if it is given. As a help text: it is not shown."""
 
 
-class PlainCall:
-    """Collects the arguments of a command, then reads a call of it."""
+class PathArgument:
+    """An argument whose value is a path, or may name one.
 
-    __slots__ = ("_options", "_positionals", "_settings", "description")
+    Args:
+        flag: as messages call it, `--world` or `FILE`.
+        reads: what it reads, a key of `cli.call_paths.READS`; empty for nothing.
+        writes: what it writes, a key of `cli.call_paths.WRITES`; empty for nothing.
+    """
+
+    __slots__ = ("flag", "reads", "writes")
+
+    def __init__(self, flag: str, reads: str, writes: str) -> None:
+        self.flag = flag
+        self.reads = reads
+        self.writes = writes
+
+
+class PlainCall:
+    """Collects the arguments of a command, then reads a call of it.
+
+    Attributes:
+        paths: the arguments that are paths, by their names in the options.
+    """
+
+    __slots__ = ("_options", "_positionals", "_settings", "description", "paths")
 
     def __init__(self) -> None:
         self.description: str | None = None
+        self.paths: dict[str, PathArgument] = {}
         self._options: dict[str, dict[str, Any]] = {}
         self._positionals: list[dict[str, Any]] = []
         self._settings: list[dict[str, Any]] = []
 
-    def add_argument(self, *flags: str, **settings: Any) -> None:
-        """Take an argument, described as for `argparse`."""
+    def add_argument(self, *flags: str, reads: str = "", writes: str = "", **settings: Any) -> None:
+        """Take an argument, described as for `argparse`, with what it reads and writes if it is a path."""
         is_option = flags[0].startswith("-")
         name = next((flag for flag in flags if flag.startswith("--")), flags[0]).lstrip("-").replace("-", "_")
         settings.setdefault("dest", name)
         settings.setdefault("default", False if settings.get("action") == "store_true" else None)
         self._settings.append(settings)
+        if reads or writes:
+            shown = flags[0] if is_option else settings.get("metavar", flags[0])
+            self.paths.setdefault(settings["dest"], PathArgument(shown, reads, writes))
         if is_option:
             self._options.update(dict.fromkeys(flags, settings))
         else:

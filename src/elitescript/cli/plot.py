@@ -21,8 +21,9 @@ from elitescript.language.options import Options
 from elitescript.lint.engine import compile_checked
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
+from elitescript.outputs.writing import Output
 from elitescript.page import NOT_BUILT, is_built
-from elitescript.paths import real_path, why_no_output, write_page
+from elitescript.paths import real_path
 from elitescript.plotting.page import page_of
 from elitescript.plotting.recorder import RunRecorder
 from elitescript.plotting.recording import Recording
@@ -47,10 +48,6 @@ def plot(options: argparse.Namespace) -> int:
     if options.file is None:
         raise UsageError(NO_FILE)
     path = Path(options.file)
-    target = Path(options.output) if options.output else Path(f"{path.stem}.plot.html")
-    if target.exists() and path.exists() and target.samefile(path):
-        raise UsageError(f"-o {target}: this is the file that is to be plotted")
-    _check_target(target)
     comparing = options.compare is not None or options.compare_robot is not None or options.compare_world is not None
     compared: Recording | None = None
     try:
@@ -65,7 +62,7 @@ def plot(options: argparse.Namespace) -> int:
         if comparing:
             raise UsageError(f"--compare: {NOT_BUILT}")
         print(f"a plain page is written: {NOT_BUILT}", file=sys.stderr)
-    _write(target, recording, compared)
+    _write(options.outputs["output"], recording, compared)
     return code
 
 
@@ -75,8 +72,6 @@ def _plot_case(options: argparse.Namespace) -> int:
     from elitescript.cli.case import replay_of
 
     path = Path(options.case)
-    target = Path(options.output) if options.output else Path(f"{path.stem}.plot.html")
-    _check_target(target)
     replay = replay_of(options)
     report = TextRunReport(sys.stderr, sys.stderr)
     robot = replay.robot(report.event)
@@ -86,26 +81,20 @@ def _plot_case(options: argparse.Namespace) -> int:
     if not is_built():
         print(f"a plain page is written: {NOT_BUILT}", file=sys.stderr)
     source = source_of(replay.program)
-    _write(target, recorder.recording(path.name, robot, source, run, replay.runner.problems))
+    _write(options.outputs["output"], recorder.recording(path.name, robot, source, run, replay.runner.problems))
     return EXIT_CODES[run.state]
 
 
-def _check_target(target: Path) -> None:
-    """Refuse what cannot be written before the run."""
-    if why := why_no_output(target):
-        raise UsageError(f"-o {target}: it {why}")
-
-
-def _write(target: Path, recording: Recording, compared: Recording | None = None) -> None:
+def _write(output: Output, recording: Recording, compared: Recording | None = None) -> None:
     found = page_of(recording, compared)
-    try:
-        write_page(target, found.text)
-    except OSError as error:
-        raise UsageError(f"-o {target}: {error.strerror or error}") from error
+    output.finish(found.text)
     step_s = max(recording.step_s, found.step_s)
     step = "" if step_s <= PERIOD_S else f", a row every {1000.0 * step_s:g} ms"
     other = "" if compared is None else f"; compared with {_in_words(compared)}"
-    print(f"{shown_word(str(target))}: {_in_words(recording)}{step}{other} ({target.stat().st_size / 1000:.0f} kB)")
+    size = f"{len(found.text) / 1000:.0f} kB"
+    # Not into a page that goes to standard output.
+    stream = sys.stdout if output.is_file else sys.stderr
+    print(f"{shown_word(str(output.path))}: {_in_words(recording)}{step}{other} ({size})", file=stream)
 
 
 def _in_words(recording: Recording) -> str:

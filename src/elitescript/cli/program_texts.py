@@ -91,23 +91,14 @@ def write_out(data: bytes) -> None:
 
 
 def rewrite(path: Path, data: bytes) -> None:
-    """Replace the contents of a file atomically; its permissions stay.
+    """Replace the contents of a file; see `outputs.writing`.
 
     Raises:
         UsageError: it cannot be written.
     """
-    import shutil
-    import tempfile
+    from elitescript.outputs.writing import write_file
 
-    real = Path(os.path.realpath(path))
-    temporary = ""
     try:
-        handle, temporary = tempfile.mkstemp(dir=real.parent, prefix=f".{real.name}.")
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-        shutil.copymode(real, temporary)
-        Path(temporary).replace(real)
+        write_file(path, data)
     except OSError as error:
-        if temporary:
-            Path(temporary).unlink(missing_ok=True)
         raise UsageError(f"cannot write {path}: {error.strerror or error}") from error

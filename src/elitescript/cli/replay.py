@@ -45,7 +45,7 @@ def replay(options: argparse.Namespace) -> int:
         raise UsageError("--trace-signals goes with --trace")
     signals = None if options.trace_signals is None else TraceSignals(options.trace_signals)
     names = () if signals is None else signals.names
-    trace = TraceFile(Path(options.trace), has_actual=True, signals=names) if options.trace else None
+    trace = TraceFile(options.outputs["trace"], has_actual=True, signals=names) if options.trace else None
     with contextlib.ExitStack() as stack:
         if trace is not None:
             stack.enter_context(trace)

@@ -25,6 +25,8 @@ def add_options(parser: argparse.ArgumentParser | PlainCall, command: str, **cha
         if command in option.commands:
             # Only given options are in the result: a world file may have the others.
             settings = {"dest": name, "default": OMITTED, "help": help_text(name), **_form(name, option)}
+            if name == "model":
+                settings["reads"] = "arm"
             parser.add_argument(option.flag, **{**settings, **changed.get(name, {})})
 
 

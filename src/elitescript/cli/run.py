@@ -150,11 +150,11 @@ def _run_case(options: argparse.Namespace, report: RunReport) -> int:
 def _trace(options: argparse.Namespace, robot: VirtualRobot, stack: ExitStack) -> Trace | Literal[False]:
     """Return what writes the rows of `--trace`; False without it."""
     if options.trace is not None:
-        step_ticks(options.step)  # before the file of that name is emptied
+        step_ticks(options.step)
         has_actual = not robot.controller.is_plant_ideal
         signals = None if options.trace_signals is None else TraceSignals(options.trace_signals)
         names = () if signals is None else signals.names
-        file = stack.enter_context(TraceFile(Path(options.trace), has_actual=has_actual, signals=names))
+        file = stack.enter_context(TraceFile(options.outputs["trace"], has_actual=has_actual, signals=names))
         return Trace(file.write, options.step, signals)
     if options.step is not None:
         raise UsageError("--step goes with --trace")

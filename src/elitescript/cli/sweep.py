@@ -22,7 +22,6 @@ from elitescript.environment.stop_signals import Stopped, cause_of, exit_code_of
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.text.source import SourceFile
 from elitescript.page import NOT_BUILT, is_built
-from elitescript.paths import why_no_output
 from elitescript.shown import shown, shown_word
 from elitescript.sweep.chaos.properties import properties_of
 from elitescript.sweep.engines.engine import Engine
@@ -66,8 +65,6 @@ def sweep(options: argparse.Namespace) -> int:
         files.check()
     if options.page is not None and not is_built():
         raise UsageError(f"--page: {NOT_BUILT}")
-    if options.page is not None and (why := why_no_output(options.page)):
-        raise UsageError(f"--page {options.page}: it {why}")
     plan = make_plan(
         Path(options.file),
         world=options.world,
@@ -240,12 +237,14 @@ def _write_pages(
 ) -> None:
     """Write the page of the sweep and its replays."""
     progress = progress_on(sys.stderr)
-    target = Path(options.page)
+    output = options.outputs["page"]
     command = shlex.join(["elitescript", *_without(options.command_line, "--page", "--only", "--out", "--jobs")])
     note = progress.note if progress is not None else lambda _: None
-    write_pages(target, runner, totals, summary, findings, command, note)
+    size = write_pages(output, runner, totals, summary, findings, command, note)
     if not options.json:
-        print(f"\n{shown_word(str(target))}: {totals.runs:,} runs ({target.stat().st_size / 1000:.0f} kB)")
+        # Not into a page that goes to standard output.
+        stream = sys.stdout if output.is_file else sys.stderr
+        print(f"\n{shown_word(str(output.path))}: {totals.runs:,} runs ({size / 1000:.0f} kB)", file=stream)
 
 
 def _without(arguments: list[str], *names: str) -> list[str]:

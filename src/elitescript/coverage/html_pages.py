@@ -9,6 +9,7 @@ from typing import Final
 
 from elitescript.coverage.model import Numbers, ProgramCoverage, percent_text, total
 from elitescript.coverage.unmet import Unmet
+from elitescript.page import MARK
 
 INDEX: Final = "index.html"
 
@@ -69,7 +70,7 @@ def _names(programs: Iterable[ProgramCoverage]) -> list[str]:
 
 def _page(title: str, body: Iterable[str]) -> str:
     head = (
-        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        f'<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n{MARK}\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<title>{escape(title)}</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n"
     )

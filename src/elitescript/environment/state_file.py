@@ -4,18 +4,15 @@
 {"format": "elitescript state", "version": 1, "signals": {"flag[3]": true, "general_register[0]": 700}}
 ```
 
-Only points that are not at their default are in it, under the names that `--set` takes. A file is replaced as a whole:
-the new one is written beside it, brought to the disk, and takes its name. So there is the old one or the new one at
-every moment, whatever happens to process or computer. A file that is not understood, or that another process has
-changed since it was read, is left as it is.
+Only points that are not at their default are in it, under the names that `--set` takes. There is the old file or the
+new one at every moment, whatever happens to process or computer (`outputs.writing`). A file that is not understood, or
+that another process has changed since it was read, is left as it is.
 """
 
 from __future__ import annotations
 
 import contextlib
 import json
-import os
-import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import IO, Any, Final
@@ -23,6 +20,8 @@ from typing import IO, Any, Final
 from elitescript.controller.signals.by_name import signal_write
 from elitescript.errors import UsageError
 from elitescript.messages.signals import KEPT, SIGNALS, Value, parse_signal_name, signal_name
+from elitescript.outputs.locking import locked
+from elitescript.outputs.writing import write_file
 from elitescript.paths import real_path, why_no_file
 from elitescript.untrusted.json_text import JsonError, json_value
 
@@ -48,23 +47,13 @@ class Disk:
         with path.open("rb") as file:
             return file.read(size_max)
 
-    def write(self, path: Path, data: bytes) -> None:
-        """Make a file, or replace what is in it."""
-        path.write_bytes(data)
+    def put(self, path: Path, data: bytes) -> None:
+        """Let a file have this content, whole and on the disk, or the one that it had.
 
-    def sync(self, path: Path) -> None:
-        """Bring a file, or the names in a folder, to the disk."""
-        if os.name != "posix" and path.is_dir():
-            return  # Other systems cannot, and need not.
-        handle = os.open(path, os.O_RDONLY if os.name == "posix" else os.O_RDWR)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)
-
-    def replace(self, path: Path, target: Path) -> None:
-        """Give a file another name, which another file may have until then."""
-        path.replace(target)
+        Raises:
+            OSError: it cannot be written.
+        """
+        write_file(path, data, is_synced=True)
 
     def lock(self, path: Path) -> IO[bytes]:
         """Lock a file, which is made if there is none, until what this returns is closed.
@@ -72,25 +61,7 @@ class Disk:
         Raises:
             BlockingIOError: another process has it.
         """
-        file = path.open("ab")
-        try:
-            if sys.platform == "win32":
-                import msvcrt
-
-                # Behind everything that is in the file: nobody else can write the byte that is locked.
-                os.lseek(file.fileno(), 1 << 40, os.SEEK_SET)
-                try:
-                    msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-                except OSError as error:
-                    raise BlockingIOError(str(error)) from error
-            else:
-                import fcntl
-
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BaseException:
-            file.close()
-            raise
-        return file
+        return locked(path)
 
 
 class StateFile:
@@ -115,7 +86,7 @@ class StateFile:
         """What was there when it was looked at last; None without a file."""
         if disk is None and not self._path.parent.is_dir():
             raise UsageError(f"state file {self._path}: there is no folder {self._path.parent}")
-        for used in (self._path, self._lock_path, self._new_path):
+        for used in (self._path, self._lock_path):
             if why := why_no_file(used):
                 raise UsageError(f"state file {self._path}: {used} {why}")
 
@@ -127,10 +98,6 @@ class StateFile:
     @property
     def _lock_path(self) -> Path:
         return self._path.with_name(self._path.name + ".lock")
-
-    @property
-    def _new_path(self) -> Path:
-        return self._path.with_name(self._path.name + ".new")
 
     def hold(self) -> None:
         """Lock out other processes until `release`.
@@ -180,13 +147,9 @@ class StateFile:
         with self._held():
             if self._read() != self._seen:
                 raise UsageError(f"state file {self._path}: somebody else has changed it; it was left as it is")
-            beside = self._new_path
             try:
-                self._disk.write(beside, data)
-                self._disk.sync(beside)
-                self._disk.replace(beside, self._path)
+                self._disk.put(self._path, data)
                 self._seen = data
-                self._disk.sync(self._path.parent)
             except OSError as error:
                 raise self._trouble("cannot be written", error) from error
 

@@ -5,15 +5,13 @@ from __future__ import annotations
 import ast
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from elitescript.language.nodes import children
 from elitescript.language.scopes import Scope
 from elitescript.lint.flow import Flow
+from elitescript.lint.program import AnalysedProgram
 from elitescript.records import NamedTuple
-
-if TYPE_CHECKING:
-    from elitescript.lint.program import AnalysedProgram
 
 _UNSET: Final = ("delete", "except", "match")
 """Bindings of names that may lose their value again, or get it in a way that is not followed."""

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from elitescript.language.scopes import Scope
+from elitescript.lint.program import AnalysedProgram
 from elitescript.records import NamedTuple
 from elitescript.values.description import TEXT, WHOLE
-
-if TYPE_CHECKING:
-    from elitescript.lint.program import AnalysedProgram
 
 
 class Called(NamedTuple):

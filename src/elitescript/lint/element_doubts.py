@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from elitescript.commands.definition.plausibility import POSE_MOST_M, SURELY_DEGREES, Doubt
 from elitescript.lint.constants import Unknown
-
-if TYPE_CHECKING:
-    from elitescript.lint.program import AnalysedProgram, Doubted
+from elitescript.lint.program import AnalysedProgram, Doubted
 
 _UNITS: Final = ("m", "rad")
 _LIST_UNITS: Final = {"pose": ("m",) * 3 + ("rad",) * 3, "joints": ("rad",) * 6, "tcp": ("m",) * 3 + ("rad",) * 3}
 _ORDER: Final = (ast.Lt, ast.LtE, ast.Gt, ast.GtE)
 
 
-def element_doubts(program: AnalysedProgram) -> Iterator[Doubted]:
-    """Yield the numbers that are hardly metres or radians, where one of them is set, added or compared."""
+def element_doubts(program: AnalysedProgram) -> list[Doubted]:
+    """Return the numbers that are hardly metres or radians, where one of them is set, added or compared."""
+    return list(_found(program))
+
+
+def _found(program: AnalysedProgram) -> Iterator[Doubted]:
     for node in program.nodes(ast.Assign):
         for target in node.targets:
             if isinstance(target, ast.Subscript):
@@ -51,8 +53,6 @@ def _unit_of_element(program: AnalysedProgram, target: ast.Subscript) -> str:
 
 
 def _judged(program: AnalysedProgram, node: ast.expr, unit: str, place: str) -> Iterator[Doubted]:
-    from elitescript.lint.program import Doubted
-
     if not unit:
         return
     scope = program.symbols.scope_of(node)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Callable, Collection, Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final, TypeVar
 
@@ -27,8 +27,6 @@ from elitescript.records import NamedTuple
 
 if TYPE_CHECKING:
     from elitescript.errors import ScriptError
-    from elitescript.lint.assignment import Assignments
-    from elitescript.lint.called import CalledCommands
     from elitescript.values.program import Values
 
 _SIX: Final = 6
@@ -39,6 +37,7 @@ _MOST_SUGGESTIONS: Final = 20
 """Limit of unknown names of one program for which similar names are searched."""
 
 _Node = TypeVar("_Node", bound=ast.AST)
+_Derived = TypeVar("_Derived")
 
 
 class Span(NamedTuple):
@@ -131,6 +130,7 @@ class AnalysedProgram:
         self.arm = arm
         self.symbols = Symbols(parsed)
         self.census = Census(parsed.tree)
+        self._derived: dict[Any, Any] = {}
 
     @cached_property
     def values(self) -> Values:
@@ -305,19 +305,12 @@ class AnalysedProgram:
         known: Placements = {}
         return tuple(arrange(found.command, found.call, known) for found in self.command_calls)
 
-    @cached_property
-    def assignments(self) -> Assignments:
-        """The variables that are read without a value."""
-        from elitescript.lint.assignment import Assignments
-
-        return Assignments(self)
-
-    @cached_property
-    def called(self) -> CalledCommands:
-        """The calls of commands by name."""
-        from elitescript.lint.called import CalledCommands
-
-        return CalledCommands(self)
+    def derived(self, make: Callable[[AnalysedProgram], _Derived]) -> _Derived:
+        """Return what is computed of the program by a function or class, once."""
+        if make not in self._derived:
+            self._derived[make] = make(self)
+        found: _Derived = self._derived[make]
+        return found
 
     @cached_property
     def refusals(self) -> tuple[ArgumentRefusal, ...]:
@@ -409,10 +402,6 @@ class AnalysedProgram:
                     text = f"{called.command.name}: {param.name}{doubt.text}"
                     doubt = doubt._replace(text=text)
                     found.append(Doubted(element(node, doubt.element), doubt, param, node, called.scope))
-        if self._has_large_numbers:
-            from elitescript.lint.element_doubts import element_doubts
-
-            found += element_doubts(self)
         return tuple(found)
 
     def _is_of_the_arm(self, node: ast.expr) -> bool:
@@ -425,7 +414,7 @@ class AnalysedProgram:
         return value.role == "pose" and bool(value.must & (COMMANDED | MEASURED))
 
     @property
-    def _has_large_numbers(self) -> bool:
+    def has_large_numbers(self) -> bool:
         """Whether any operator has a number beside it that is no length in metres."""
         kinds: tuple[type[ast.expr] | type[ast.stmt], ...] = (ast.BinOp, ast.Compare, ast.Assign)
         return any(

@@ -19,7 +19,7 @@ from elitescript.language.diagnostics import Fix
 from elitescript.records import NamedTuple
 
 if TYPE_CHECKING:
-    from elitescript.lint.program import AnalysedProgram, Span
+    from elitescript.lint.program import AnalysedProgram, Doubted, Span
 
 
 class Finding(NamedTuple):
@@ -38,6 +38,8 @@ class Finding(NamedTuple):
     fix: Fix | None = None
 
 
+_OF_ELEMENTS: Final = ("W230", "W231")
+"""Codes of doubts about numbers beside elements of poses."""
 _SHOWN: Final = 60
 """Characters of an expression that a message repeats."""
 
@@ -85,11 +87,16 @@ def rule(
 
 def doubt_findings(program: AnalysedProgram, code: str) -> Iterator[Finding]:
     """Yield the doubts about values with a code as findings of its rule."""
-    from elitescript.lint.unit_fixes import unit_fix
+    doubts: Iterable[Doubted] = program.doubts
+    if code in _OF_ELEMENTS and program.has_large_numbers:
+        from elitescript.lint.element_doubts import element_doubts
 
-    for doubted in program.doubts:
+        doubts = [*doubts, *program.derived(element_doubts)]
+    for doubted in doubts:
         doubt = doubted.doubt
         if doubt.code == code:
+            from elitescript.lint.unit_fixes import unit_fix
+
             yield Finding(doubted.node, doubt.text, doubt.hint, unit_fix(program, doubted))
 
 
@@ -100,6 +107,12 @@ def shown_source(program: AnalysedProgram, node: ast.AST) -> str:
 
 
 _WORDS: Final[dict[str, tuple[str, ...]]] = {
+    "always_true": ("if", "while"),
+    "joined_lists": ("+", "*"),
+    "measured_exactly": ("==", "!="),
+    "never_equal": ("=", "<", ">", " is "),
+    "not_a_function": ("=", "for ", "as "),
+    "time_in_milliseconds": ("time", "t=", "read", "move", "servoj", "speed", "modbus", "watchdog", "watch"),
     "assigned_in_one_branch": ("if",),
     "changed_alias": ("=",),
     "channel_not_open": ("socket_open",),

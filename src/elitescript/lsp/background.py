@@ -24,6 +24,7 @@ from elitescript.lsp.run_data import Outcome, decoded
 from elitescript.lsp.session import Session
 from elitescript.lsp.settings import ClientSettings
 from elitescript.lsp.texts import path_of
+from elitescript.outputs.writing import write_file
 from elitescript.paths import is_program_name
 from elitescript.untrusted.json_text import json_value
 
@@ -146,7 +147,7 @@ class BackgroundRuns:
             self._pages = TemporaryDirectory(prefix="elitescript-")
         name = "program" if program is None else program.stem
         path = Path(self._pages.name, f"{name}.plot.html")
-        path.write_text(text, encoding="utf-8", errors="backslashreplace", newline="\n")
+        write_file(path, text)
         return path
 
     # ---------------------------------------------------------------- progress

@@ -16,6 +16,9 @@ RECORDED: Final = "recorded.html"
 SWEEP: Final = "sweep.html"
 """Page of a sweep: likewise, with a place for its data."""
 
+MARK: Final = '<meta name="generator" content="elitescript">'
+"""In the head of every page that this package writes, built or plain."""
+
 NOT_BUILT: Final = "the studio's page is not built: in a working copy, run `make studio`; an installed package has it"
 
 _BUILT: Final = Path(__file__).parent / "built"

@@ -20,7 +20,7 @@ from elitescript.messages.events import (
     Warned,
 )
 from elitescript.messages.timing import TICKS_PER_S, seconds
-from elitescript.paths import write_page
+from elitescript.outputs.writing import why_no_page, write_file
 from elitescript.plotting.line_times import stretches
 from elitescript.plotting.page import page
 from elitescript.plotting.recording import Recording
@@ -38,10 +38,10 @@ _SERVED: Final = ("type", "name", "value", "state", "code", "class", "text")
 """What is shown of a line that `serve --json` has printed, in this order."""
 
 
-def section(watched: Iterable[WatchedRun], pages: Iterable[Path] = ()) -> str:
+def section(watched: Iterable[WatchedRun], pages: Iterable[str] = ()) -> str:
     """Return the section of a report about the runs of a test."""
     parts = [_about(run) for run in watched]
-    parts += [f"page: {shown_word(str(path))}" for path in pages]
+    parts += [f"page: {shown_word(text)}" for text in pages]
     return "\n".join(parts)
 
 
@@ -135,8 +135,8 @@ def _short(text: str) -> str:
     return text if len(text) <= TEXT_MAX else f"{text[: TEXT_MAX - 3]}..."
 
 
-def write_pages(folder: Path, test: str, watched: Iterable[WatchedRun]) -> list[Path]:
-    """Write a page for each run that has rows; return their paths.
+def write_pages(folder: Path, test: str, watched: Iterable[WatchedRun]) -> list[str]:
+    """Write a page for each run that has rows; return their paths, with the reason for one that is not written.
 
     Args:
         folder: is made if it is missing.
@@ -145,7 +145,7 @@ def write_pages(folder: Path, test: str, watched: Iterable[WatchedRun]) -> list[
     """
     found = [run for run in watched if run.rows is not None and len(run.rows.rows)]
     stem = re.sub(r"[^\w.]+", "-", test).strip("-.")[-NAME_MAX:]
-    paths = []
+    paths: list[str] = []
     for number, watch in enumerate(found, 1):
         assert watch.rows is not None
         run, events = watch.run(), watch.record.read()
@@ -162,6 +162,9 @@ def write_pages(folder: Path, test: str, watched: Iterable[WatchedRun]) -> list[
         )
         path = folder / (f"{stem}.html" if len(found) == 1 else f"{stem}.{number}.html")
         folder.mkdir(parents=True, exist_ok=True)
-        write_page(path, page(recording))
-        paths.append(path)
+        if why := why_no_page(path):
+            paths.append(f"{path} is not written: {why}")
+            continue
+        write_file(path, page(recording))
+        paths.append(str(path))
     return paths

@@ -15,7 +15,7 @@ import pytest
 import elitescript
 from elitescript.coverage.analysis import AnalysedProgram, added, analyse, program_coverage
 from elitescript.coverage.cobertura import cobertura
-from elitescript.coverage.html_pages import html_pages
+from elitescript.coverage.html_pages import INDEX, html_pages
 from elitescript.coverage.json_report import json_report
 from elitescript.coverage.lcov import lcov
 from elitescript.coverage.model import ProgramCoverage, total
@@ -24,17 +24,19 @@ from elitescript.coverage.terminal import table, unmet_lines
 from elitescript.coverage.unmet import Unmet
 from elitescript.environment.coverage_file import content_of, records_in
 from elitescript.environment.repository import from_root, repository_root
-from elitescript.errors import ProgramError
+from elitescript.errors import ProgramError, UsageError
 from elitescript.language.text.source import SourceFile
 from elitescript.observer import COVERAGE_VARIABLE
-from elitescript.paths import is_program_name, real_path, write_page
+from elitescript.outputs.call_paths import MADE, Read, Written, check_paths, why_not_written
+from elitescript.outputs.writing import why_no_page, write_file
+from elitescript.paths import is_program_name, real_path
 from elitescript.pytest_plugin.file_names import holds_tests
 from elitescript.pytest_plugin.unmet_facts import unmet_of
 from elitescript.records import replace
 from elitescript.runtime.probe import set_default
 from elitescript.services.coverage import count_programs
 from elitescript.shown import shown, shown_word
-from elitescript.untrusted.files import PROGRAM, read_bytes
+from elitescript.untrusted.files import PROGRAM, opened, read_bytes
 
 if TYPE_CHECKING:
     from _pytest.terminal import TerminalReporter
@@ -43,6 +45,10 @@ TERM: Final = "term"
 TERM_MISSING: Final = "term-missing"
 FILES: Final = ("lcov", "xml", "html", "json")
 """Kinds of reports that need a destination."""
+
+_BEGINS: Final = {"lcov": (b"TN:", b"SF:"), "xml": (b"<",), "json": (b"{",)}
+"""How reports begin."""
+_HEAD_BYTES: Final = 100
 
 _NOT_SEARCHED: Final = ("build", "dist", "node_modules", "venv", "__pycache__")
 """Folders without programs of the user; so are those that begin with a full stop, or hold an environment of Python."""
@@ -68,6 +74,7 @@ class Measuring:
                     f"--script-cov={path}: this is no program; --script-cov without PATH stands behind the test files"
                 )
         self._reports = [_report(text, self._start) for text in options.script_cov_report or [TERM]]
+        _check_reports(self._reports, self._paths)
         self._fail_under: float | None = options.script_cov_fail_under
         self._programs: list[ProgramCoverage] = []
         self._unmet = Unmet()
@@ -227,7 +234,7 @@ class Measuring:
         if kind == "html":
             target.mkdir(parents=True, exist_ok=True)
             for name, text in html_pages(self._programs, self._unmet).items():
-                write_page(target / name, text)
+                write_file(target / name, text)
             return
         if kind == "lcov":
             text = lcov(self._from(repository_root()))
@@ -238,7 +245,7 @@ class Measuring:
         else:
             text = json_report(self._programs, self._unmet)
         target.parent.mkdir(parents=True, exist_ok=True)
-        write_page(target, text)
+        write_file(target, text)
 
 
 def _report(text: str, folder: Path) -> tuple[str, Path | None]:
@@ -252,6 +259,42 @@ def _report(text: str, folder: Path) -> tuple[str, Path | None]:
     if not target:
         raise pytest.UsageError(f"--script-cov-report={text}: write {kind}:PATH")
     return kind, folder / target
+
+
+def _check_reports(reports: Iterable[tuple[str, Path | None]], programs: Iterable[Path]) -> None:
+    """Refuse reports that cannot be written, or would destroy another file.
+
+    Raises:
+        pytest.UsageError: the text names the report.
+    """
+    read = [Read(path, f"--script-cov={path}", "a program") for path in programs if path.is_file()]
+    written: list[Written] = []
+    for kind, target in reports:
+        if target is None:
+            continue
+        called = f"--script-cov-report={kind}:{target}"
+        file = target / INDEX if kind == "html" else target
+        if kind == "html" and target.exists() and not target.is_dir():
+            raise pytest.UsageError(f"{called}: pages go into a folder, and this is none")
+        # Folders are made.
+        if file.parent.exists() and (why := why_not_written(file)):
+            raise pytest.UsageError(f"{called}: {why}")
+        if why := why_no_page(file) if kind == "html" else _why_no_report(kind, file):
+            raise pytest.UsageError(f"{called}: {why}; give it another name")
+        written.append(Written(file, called, MADE))
+    try:
+        check_paths(read, written)
+    except UsageError as error:
+        raise pytest.UsageError(str(error)) from None
+
+
+def _why_no_report(kind: str, file: Path) -> str:
+    """Return why a file is no report that may be replaced; empty if it is one, is empty, or is not there."""
+    if not file.is_file() or not file.stat().st_size:
+        return ""
+    with opened(file) as there:
+        is_report = there.read(_HEAD_BYTES).lstrip().startswith(_BEGINS[kind])
+    return "" if is_report else f"it is no report of kind {kind}, and would be lost"
 
 
 def _programs_below(folder: Path) -> Iterator[Path]:

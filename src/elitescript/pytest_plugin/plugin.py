@@ -120,6 +120,9 @@ def pytest_configure(config: pytest.Config) -> None:
     # Here nothing is captured yet.
     with suppress(OSError, ValueError):
         config.stash[_STANDARD_ERROR] = os.dup(sys.__stderr__.fileno() if sys.__stderr__ else 2)
+    pages: str | None = config.option.script_record
+    if pages is not None and (folder := config.invocation_params.dir / pages).exists() and not folder.is_dir():
+        raise pytest.UsageError(f"--script-record={pages}: pages go into a folder, and this is none")
     if _measures(config):
         from elitescript.pytest_plugin.measuring import Measuring
 

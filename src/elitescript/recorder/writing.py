@@ -15,6 +15,7 @@ from typing import Any, BinaryIO, Final, cast
 from elitescript import __version__
 from elitescript.errors import UsageError
 from elitescript.extras import require
+from elitescript.outputs.writing import opened_new
 from elitescript.paths import what_became_of
 from elitescript.protocol.binary import Number
 from elitescript.recorder.channels import LISTS, PACKAGE, ROW, ROWS, SCHEMAS, TALKING, columns_by_variable, encoded
@@ -199,9 +200,7 @@ def write_recording(path: Path, recording: Recording) -> None:
 
 def _created(path: Path) -> BinaryIO:
     try:
-        # Appending, so that what is written behind the cut of another process shows in the size.
-        flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
-        return os.fdopen(os.open(path, flags | getattr(os, "O_CLOEXEC", 0), 0o666), "wb")
+        return os.fdopen(opened_new(path), "wb")
     except FileExistsError:
         raise UsageError(f"{path} exists already; a recording is never written over") from None
     except FileNotFoundError:

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import os
 import re
-import stat
 from collections import Counter
-from contextlib import suppress
-from errno import EACCES
 from hashlib import sha256
 from itertools import chain, count, takewhile
 from pathlib import Path
-from secrets import token_hex
 from typing import Final
 
 from elitescript.conversation.messages import TEXT_MAX
 from elitescript.errors import ProgramError, UsageError
 from elitescript.language.text.source import BOM, SourceFile
+from elitescript.outputs.writing import write_file
 from elitescript.paths import PROGRAM_SUFFIX, is_program_name
 from elitescript.records import NamedTuple
 from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes
@@ -37,9 +34,6 @@ _FIRST_MAX: Final = 20
 
 NEW_NAME: Final = f"program{PROGRAM_SUFFIX}"
 """Name of the new program that a folder without programs begins with."""
-
-_BINARY: Final[int] = getattr(os, "O_BINARY", 0)
-"""On Windows, without which line ends are changed."""
 
 _LINE_END: Final = re.compile(r"\r\n|\r|\n")
 
@@ -175,9 +169,9 @@ def digest_of(data: bytes) -> str:
 
 
 def save(path: Path, text: str, seen: str, *, force: bool = False) -> str:
-    """Write a program atomically; return the digest of the file.
+    """Write a program as `outputs.writing` does; return the digest of the file.
 
-    The file keeps its permissions, its byte order mark, and its line ends: that of a line which has not changed, else
+    The file keeps its byte order mark, and its line ends: that of a line which has not changed, else
     the one that most lines have.
 
     Args:
@@ -196,7 +190,10 @@ def save(path: Path, text: str, seen: str, *, force: bool = False) -> str:
         return digest_of(data)
     if not force and ("" if before is None else digest_of(before)) != seen:
         raise Conflict(NONE if before is None else Found(_text(path, before), digest_of(before)))
-    _replace(path, data, is_new=before is None)
+    try:
+        write_file(path, data, is_synced=True)
+    except OSError as error:
+        raise UsageError(f"cannot write {path}: {error.strerror or error}") from None
     return digest_of(data)
 
 
@@ -250,24 +247,3 @@ def _line_ends(rows: list[str], old_rows: list[str], old_ends: list[str]) -> lis
     same = max(0, sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs)) - 1)
     behind = min(same, room - before)
     return old_ends[:before] + [usual] * (count - before - behind) + old_ends[len(old_ends) - behind :]
-
-
-def _replace(path: Path, data: bytes, *, is_new: bool) -> None:
-    # Its length does not depend on that of the name, which may be as long as the system lets it.
-    temporary = path.with_name(f".{token_hex(8)}.tmp")
-    try:
-        if not is_new and not os.access(path, os.W_OK):
-            # Replacing it would succeed: that depends on the permissions of the folder alone.
-            raise PermissionError(EACCES, "it is read-only")
-        mode = 0o666 if is_new else 0o600
-        with os.fdopen(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY, mode), "wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        if not is_new:
-            temporary.chmod(stat.S_IMODE(path.stat().st_mode))
-        temporary.replace(path)
-    except OSError as error:
-        with suppress(OSError):
-            temporary.unlink(missing_ok=True)
-        raise UsageError(f"cannot write {path}: {error.strerror or error}") from None

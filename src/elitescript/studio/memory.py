@@ -1,8 +1,8 @@
 """What the studio remembers in the user's folder: texts that were never saved, and the settings of the page.
 
 A draft is a file of one conversation, named after its program too: two pages on one program do not overwrite each
-other's text, in whichever process they are. Files are replaced atomically, so that the end of this process at any
-moment leaves the text before or the newest; only the user can read them.
+other's text, in whichever process they are. The end of this process at any moment leaves the text before or the newest
+(`outputs.writing`); only the user can read them.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from time import time
 from typing import Any, Final
 
 from elitescript.errors import UsageError
+from elitescript.outputs.writing import BESIDE, write_file
 from elitescript.records import NamedTuple
 from elitescript.untrusted.files import Kind, read_bytes
 from elitescript.untrusted.json_text import JsonError, json_value
@@ -100,7 +101,7 @@ class Memory:
 
     def _sweep(self) -> None:
         """Remove what processes that were killed in the middle of a write have left."""
-        for path in (self._folder / "drafts").glob("*.json.*"):
+        for path in (self._folder / "drafts").glob(f".*{BESIDE}"):
             with suppress(OSError):
                 if time() - path.stat().st_mtime > UNFINISHED_S:
                     path.unlink()
@@ -168,13 +169,5 @@ def _read(path: Path, size_max: int) -> dict[str, Any]:
 def _write(path: Path, data: dict[str, Any]) -> None:
     path.parent.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     path.parent.mkdir(mode=0o700, exist_ok=True)
-    temporary = path.with_name(f"{path.name}.{token_hex(4)}")
-    try:
-        with os.fdopen(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
-            # ASCII: a text may hold half a character, which no UTF-8 has.
-            file.write(json.dumps(data).encode("ascii"))
-        temporary.replace(path)
-    except OSError:
-        with suppress(OSError):
-            temporary.unlink(missing_ok=True)
-        raise
+    # ASCII: a text may hold half a character, which no UTF-8 has.
+    write_file(path, json.dumps(data).encode("ascii"), mode=0o600)

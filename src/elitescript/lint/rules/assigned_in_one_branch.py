@@ -22,6 +22,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
+from elitescript.lint.assignment import Assignments
 from elitescript.lint.placing import conditions
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
@@ -31,7 +32,7 @@ from elitescript.lint.registry import Finding, rule
 def assigned_in_one_branch(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the first such reading of each variable."""
     symbols = program.symbols
-    for found in program.assignments.found:
+    for found in program.derived(Assignments).found:
         branch = found.branch
         if branch is None or program.is_tried(found.node) or not _depends_on_outside(program, branch.test):
             continue

@@ -19,7 +19,7 @@ from typing import Final
 
 from elitescript.language.advice.unknown_names import nearest
 from elitescript.language.diagnostics import Edit, Fix
-from elitescript.lint.called import Called
+from elitescript.lint.called import Called, CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -34,7 +34,7 @@ _TEXTS: Final = ("str", "name", "var_name", "value")
 @rule(code="W246", since="0.3", needs_all_lines=True)
 def channel_not_open(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each use of such a name."""
-    called = program.called
+    called = program.derived(CalledCommands)
     opened: set[str] = set()
     for found in called.of(_OPEN):
         names = called.texts(found, _NAME, USUAL)
@@ -58,7 +58,7 @@ def _told(program: AnalysedProgram, found: Called, name: str, opened: set[str]) 
         text = f"{found.name}: no channel is named, and nothing opens the usual one, {USUAL!r}"
         return Finding(found.call, text, f"name the channel: {listed}")
     text = f"{found.name}: nothing opens a channel {name!r}"
-    if any(not opened.isdisjoint(program.called.texts(found, param, "")) for param in _TEXTS):
+    if any(not opened.isdisjoint(program.derived(CalledCommands).texts(found, param, "")) for param in _TEXTS):
         return Finding(node, text, "what is sent comes first, the name of the channel behind it")
     if not name.strip("\r\n"):
         return Finding(node, text, f"the name comes first: suffix={name!r} is the mark behind the text")

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from elitescript.language.scopes import Scope
-from elitescript.lint.called import Called
+from elitescript.lint.called import Called, CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 from elitescript.lint.rules.channel_not_open import USUAL
@@ -29,7 +29,7 @@ _NAME: Final = "socket_name"
 @rule(code="W247", since="0.3")
 def channel_of_another_server(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each `socket_open` of another address."""
-    called = program.called
+    called = program.derived(CalledCommands)
     opens = called.of(_OPEN)
     if len(opens) < 2 or called.are_passed_on(_CLOSE):
         return

@@ -19,6 +19,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from elitescript.language.options import PROGRAM
+from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -29,7 +30,7 @@ _INDEX: Final = "encoder_index"
 @rule(code="N221", since="0.3", needs_all_lines=True)
 def encoder_not_set_up(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such call in a whole program."""
-    called = program.called
+    called = program.derived(CalledCommands)
     # A script without a `def` may be a part.
     if program.parsed.kind != PROGRAM or called.are_passed_on(*_SET_UP):
         return

@@ -21,7 +21,7 @@ from typing import Final
 
 from elitescript.language.options import PROGRAM, SCRIPT
 from elitescript.language.scopes import Scope
-from elitescript.lint.called import Called
+from elitescript.lint.called import Called, CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -36,7 +36,7 @@ def ended_thread(program: AnalysedProgram) -> Iterator[Finding]:
     if program.parsed.kind not in (PROGRAM, SCRIPT):
         return
     symbols = program.symbols
-    for found in program.called.of(_START):
+    for found in program.derived(CalledCommands).of(_START):
         statements = symbols.body.statements
         place = next((index for index, statement in enumerate(statements) if _holds(statement, found.call)), None)
         if place is None or not isinstance(statements[place], (ast.Expr, ast.Assign)):
@@ -108,7 +108,7 @@ def _too_late(program: AnalysedProgram, target: Scope, left_s: float) -> Called 
 def _effect(program: AnalysedProgram, node: ast.AST) -> Called | None:
     if not isinstance(node, ast.Call):
         return None
-    for found in program.called:
+    for found in program.derived(CalledCommands):
         if found.call is node and found.name.startswith(_EFFECTS):
             return found
     return None

@@ -14,6 +14,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
+from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule, shown_source
 from elitescript.values.description import INT, LIST, TUPLE
@@ -54,7 +55,11 @@ def index_out_of_range(program: AnalysedProgram) -> Iterator[Finding]:
 
 def _are_counts_written(program: AnalysedProgram) -> bool:
     """Return whether each reading says as a number how many values it waits for; else that may be filled in later."""
-    readings = [found for found in program.called if "number" in found.given and found.name.startswith("socket_read_")]
+    readings = [
+        found
+        for found in program.derived(CalledCommands)
+        if "number" in found.given and found.name.startswith("socket_read_")
+    ]
     return all(isinstance(found.given["number"], ast.Constant) for found in readings)
 
 

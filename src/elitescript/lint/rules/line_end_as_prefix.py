@@ -15,6 +15,7 @@ import ast
 from collections.abc import Iterator
 
 from elitescript.language.diagnostics import Edit, Fix
+from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -22,7 +23,7 @@ from elitescript.lint.registry import Finding, rule
 @rule(code="W248", since="0.3")
 def line_end_as_prefix(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such reading."""
-    called = program.called
+    called = program.derived(CalledCommands)
     for found in called.of("socket_read_string"):
         node = found.given.get("prefix")
         if node is None or called.texts(found, "suffix", "") != ("",):

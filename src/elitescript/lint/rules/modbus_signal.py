@@ -21,7 +21,7 @@ from typing import Final
 
 from elitescript.language.advice.unknown_names import nearest
 from elitescript.language.diagnostics import Edit, Fix
-from elitescript.lint.called import Called
+from elitescript.lint.called import Called, CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -35,7 +35,7 @@ _WRITER_OF: Final = {kind: writer for writer, kind in _WRITERS.items()}
 
 def added_signals(program: AnalysedProgram) -> dict[str, set[int | None]]:
     """Return the types of the signals that a program adds, None for one that is unknown; empty if any may be added."""
-    called = program.called
+    called = program.derived(CalledCommands)
     added: dict[str, set[int | None]] = {}
     for found in called.of(_ADD, _ADD_BOTH):
         names = called.texts(found, _NAME, "")
@@ -53,11 +53,11 @@ def modbus_signal(program: AnalysedProgram) -> Iterator[Finding]:
     added = added_signals(program)
     if not added or program.shares_globals:
         return
-    for found in program.called:
+    for found in program.derived(CalledCommands):
         node = found.given.get(_NAME)
         if node is None or found.name in (_ADD, _ADD_BOTH):
             continue
-        names = program.called.texts(found, _NAME, "")
+        names = program.derived(CalledCommands).texts(found, _NAME, "")
         if names and added.keys().isdisjoint(names):
             yield _unknown(program, found, node, names[0], added)
         elif found.name in _WRITERS and len(names) == 1:

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from elitescript.lint.assignment import Assignments
 from elitescript.lint.insertions import declare
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
@@ -27,7 +28,7 @@ from elitescript.lint.registry import Finding, rule
 @rule(code="W256", since="0.3", needs_all_lines=True)
 def no_value_yet(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the first such reading of each variable."""
-    for found in program.assignments.found:
+    for found in program.derived(Assignments).found:
         name, scope = found.node.id, found.scope
         # A `global` somewhere else is told by another rule.
         if found.branch is not None or name in program.symbols.global_names or program.is_tried(found.node):

@@ -16,6 +16,7 @@ from collections.abc import Iterator
 from math import inf
 from typing import Final
 
+from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 from elitescript.values.description import Value
@@ -31,7 +32,7 @@ _HOLDS: Final = {
 def number_too_large(program: AnalysedProgram) -> Iterator[Finding]:
     """Report numbers that are certainly outside."""
     for (command, param), (low, high, bits) in _HOLDS.items():
-        for found in program.called.of(command):
+        for found in program.derived(CalledCommands).of(command):
             node = found.given.get(param)
             for part in node.elts if isinstance(node, ast.List) else [node]:
                 value = None if part is None else program.values.of(part)

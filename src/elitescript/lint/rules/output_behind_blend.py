@@ -17,6 +17,7 @@ import ast
 from collections.abc import Iterator
 from typing import Final
 
+from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -32,15 +33,15 @@ _OUTPUTS: Final = (
 def output_behind_blend(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the first output in the line behind each such move."""
     radii: dict[ast.AST, float] = {}
-    for found in program.called.of(*_MOVES):
+    for found in program.derived(CalledCommands).of(*_MOVES):
         node = found.given.get("r")
         radius_m = None if node is None else program.least_number(node, found.scope)
         if radius_m is not None and radius_m > 0:
             radii[found.call] = radius_m
     if not radii:
         return
-    moves = {found.call for found in program.called.of(*_MOVES)}
-    for found in program.called.of(*_OUTPUTS):
+    moves = {found.call for found in program.derived(CalledCommands).of(*_MOVES)}
+    for found in program.derived(CalledCommands).of(*_OUTPUTS):
         behind = _statement_before(program, found.call)
         if isinstance(behind, ast.Expr) and behind.value in radii and _moves_on(program, found.call, moves):
             radius_m = radii[behind.value]

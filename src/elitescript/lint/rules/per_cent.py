@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
+from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -24,7 +25,7 @@ _LEAST: Final = 2.0
 @rule(code="W267", since="0.3")
 def per_cent(program: AnalysedProgram) -> Iterator[Finding]:
     """Report fractions of 2 and more."""
-    for found in program.called.of("interpolate_pose"):
+    for found in program.derived(CalledCommands).of("interpolate_pose"):
         node = found.given.get("alpha")
         number = None if node is None else program.least_number(node, found.scope)
         if node is not None and number is not None and number >= _LEAST:

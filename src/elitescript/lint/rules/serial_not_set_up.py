@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
+from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -27,7 +28,7 @@ _BYTES: Final = ("read", "write", "flush")
 @rule(code="W253", since="0.3", needs_all_lines=True)
 def serial_not_set_up(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the first such command of each port."""
-    called = program.called
+    called = program.derived(CalledCommands)
     if called.are_passed_on(*_CONFIGS.values()) or program.shares_globals:
         return
     set_up = {prefix: called.of(config) for prefix, config in _CONFIGS.items()}

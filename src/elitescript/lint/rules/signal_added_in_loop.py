@@ -18,7 +18,7 @@ import ast
 from collections.abc import Iterator
 from typing import Final
 
-from elitescript.lint.called import Called
+from elitescript.lint.called import Called, CalledCommands
 from elitescript.lint.placing import loops
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
@@ -32,7 +32,7 @@ _DELETE: Final = "modbus_delete_signal"
 @rule(code="W251", since="0.3")
 def signal_added_in_loop(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such call."""
-    called = program.called
+    called = program.derived(CalledCommands)
     uses: dict[tuple[str, ast.AST], dict[str, list[Called]]] = {}
     adds = called.of(_ADD, "modbus_add_rw_signal")
     for found in (*adds, *called.of(_READ, _DELETE)):

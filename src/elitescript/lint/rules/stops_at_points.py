@@ -20,7 +20,7 @@ from math import hypot
 from typing import Final
 
 from elitescript.language.scopes import Scope
-from elitescript.lint.called import Called
+from elitescript.lint.called import Called, CalledCommands
 from elitescript.lint.placing import loops
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
@@ -33,7 +33,7 @@ _COORDINATES: Final = 3
 @rule(code="N224", since="0.3")
 def stops_at_points(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the move of each such loop."""
-    for found in program.called.of("movel"):
+    for found in program.derived(CalledCommands).of("movel"):
         loop = next(loops(program.symbols, found.call), None)
         node = found.given.get("p")
         if loop is None or node is None or not _stops(program, found):

@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
+from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -25,7 +26,7 @@ _CONFIG: Final = "set_tool_digital_io_config"
 @rule(code="W255", since="0.3")
 def tool_pin_input(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such call."""
-    called = program.called
+    called = program.derived(CalledCommands)
     states: dict[int | None, set[str]] = {}
     if called.are_passed_on(_CONFIG):
         return

@@ -21,7 +21,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from elitescript.language.scopes import Scope
-from elitescript.lint.called import Called
+from elitescript.lint.called import Called, CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -39,7 +39,7 @@ Variable = tuple[str, Scope | None]
 @rule(code="W262", since="0.3", needs_all_lines=True)
 def unasked_reading(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the first use of each such reading."""
-    readings = [found for found in program.called.of(*_READERS) if found.call.lineno]
+    readings = [found for found in program.derived(CalledCommands).of(*_READERS) if found.call.lineno]
     if not readings:
         return
     refused = {refusal.node for refusal in program.refusals}
@@ -59,7 +59,7 @@ def unasked_reading(program: AnalysedProgram) -> Iterator[Finding]:
 def _sinks(program: AnalysedProgram) -> dict[Variable | ast.Call, Called]:
     """Return the first move, output or register that each variable, and each call, reaches."""
     found: dict[Variable | ast.Call, Called] = {}
-    sinks = [called for called in program.called if called.name.startswith(_SINKS)]
+    sinks = [called for called in program.derived(CalledCommands) if called.name.startswith(_SINKS)]
     for sink in sorted(sinks, key=lambda called: called.call.lineno):
         for node in sink.given.values():
             for part in ast.walk(node):

@@ -19,7 +19,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from elitescript.language.diagnostics import Edit, Fix
-from elitescript.lint.called import Called
+from elitescript.lint.called import Called, CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -37,11 +37,11 @@ _BLOCK_LENGTH: Final = 9_999
 @rule(code="W252", since="0.3")
 def unfit_address(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such address."""
-    for found in program.called.of(*_HOLDERS):
+    for found in program.derived(CalledCommands).of(*_HOLDERS):
         for param in _HOSTS:
             node = found.given.get(param)
             if node is not None:
-                for text in program.called.texts(found, param, ""):
+                for text in program.derived(CalledCommands).texts(found, param, ""):
                     why, hint, fixed = _host(text, found.name)
                     if why:
                         fix = None
@@ -77,7 +77,7 @@ def _host(text: str, command: str) -> tuple[str, str, str]:
 
 
 def _registers(program: AnalysedProgram, found: Called) -> Iterator[Finding]:
-    called = program.called
+    called = program.derived(CalledCommands)
     kind = called.number(found, "signal_type") if "signal_type" in found.given else 3
     if kind not in _BLOCKS:
         return

@@ -29,6 +29,7 @@ from elitescript.messages.events import Alarm, TaskStateChanged
 from elitescript.messages.outcomes import Outcome
 from elitescript.messages.outputs import Output
 from elitescript.messages.timing import seconds
+from elitescript.outputs.writing import write_file
 from elitescript.protocol.browsers import is_web_request
 from elitescript.services.clients.turns import Turns
 from elitescript.services.control.debug_events import DebugEvents, debug_result
@@ -157,7 +158,7 @@ class ControlChannel:
         self._listener = await asyncio.start_server(self._serve, "127.0.0.1", 0, limit=LINE_MAX)
         self._token = secrets.token_hex(16)
         port = self._listener.sockets[0].getsockname()[1]
-        self._path.write_text(json.dumps({"port": port, "token": self._token}), encoding="utf-8")
+        write_file(self._path, json.dumps({"port": port, "token": self._token}), mode=0o600)
 
     async def close(self) -> None:
         """Listen no more."""

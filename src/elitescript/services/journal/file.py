@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Final
 
 from elitescript.errors import UsageError
+from elitescript.outputs.writing import opened_new
 from elitescript.paths import CHANGED, REMOVED, what_became_of
 
 LAG_S: Final = 0.02
@@ -155,14 +156,10 @@ def write(descriptor: int, data: bytes) -> None:
 
 def _opened(path: Path) -> int:
     """Open a new file, or a device that is there; return its descriptor."""
-    # Appending, so that what is written behind the cut of another process shows in the size.
-    flags = os.O_WRONLY | os.O_APPEND | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
     try:
         if path.exists() and not path.is_char_device():
             what = "is a folder" if path.is_dir() else "exists"
             raise UsageError(f"--journal {path}: the file {what}; name another one, or remove it")
-        # Of two sessions that choose the same name at the same moment, only one gets it.
-        new = 0 if path.exists() else os.O_CREAT | os.O_EXCL
-        return os.open(path, flags | new, 0o644)
+        return opened_new(path)
     except OSError as error:
         raise UsageError(f"--journal {path}: {error.strerror or error}") from error

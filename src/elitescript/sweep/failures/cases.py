@@ -33,6 +33,7 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Iterable, Mapping, Sequence
+from errno import EEXIST
 from pathlib import Path
 from typing import Any, Final
 
@@ -41,7 +42,8 @@ from elitescript.environment.start_values import parse_settings
 from elitescript.errors import UsageError
 from elitescript.kernel.options import OPTIONS
 from elitescript.messages.signals import Value
-from elitescript.paths import real_path, write_page
+from elitescript.outputs.writing import write_file
+from elitescript.paths import real_path
 from elitescript.records import field, record
 from elitescript.shown import encodable, with_bytes
 from elitescript.sweep.chaos.applying import check, disturbance_of, in_order, settings_of
@@ -276,16 +278,21 @@ def text_of(case: Case, story: Sequence[str] = ()) -> str:
     return "\n".join(out) + "\n"
 
 
-def write_case(path: Path, case: Case, story: Sequence[str] = ()) -> None:
-    """Write a case, with the story as a comment.
+def write_case(path: Path, case: Case, story: Sequence[str] = ()) -> bool:
+    """Write a case, with the story as a comment; return whether its name was free.
+
+    Another sweep may take it at the same moment.
 
     Raises:
         UsageError: the file cannot be written.
     """
     try:
-        write_page(path, text_of(case, story))
+        write_file(path, text_of(case, story), is_new=True)
     except OSError as error:
+        if error.errno == EEXIST:
+            return False
         raise UsageError(f"{path}: {error.strerror or error}") from error
+    return True
 
 
 def relative_to(path: str | Path, folder: Path) -> str:

@@ -142,9 +142,8 @@ def find(
             path = next((row.case for row in found if _is_same_run(row, choices, failure)), None)
         is_written = path is None
         if path is None:
-            path = _free_name(places.folder)
             lines = [failure.text] if story is None else story.lines
-            write_case(path, case_of_run(runner, choices, failure, places), lines)
+            path = _written(places.folder, case_of_run(runner, choices, failure, places), lines)
         is_complete = shrunk is None or shrunk.is_complete
         found.append(Finding(first, failure, choices, tried, story, path, is_complete, is_written))
     return found
@@ -268,10 +267,15 @@ def case_of_run(runner: Runner, choices: Choices, failure: Failure, places: Plac
     )
 
 
-def _free_name(folder: Path) -> Path:
+def _written(folder: Path, case: Case, lines: Sequence[str]) -> Path:
+    """Write a case under the first free name of a folder; return its path.
+
+    Raises:
+        UsageError: it cannot be written, or there is no such name.
+    """
     for number in range(1, CASES_MAX + 1):
         path = folder / (FILE_NAME if number == 1 else f"CASE-{number}{SUFFIX}")
-        if not path.exists():
+        if not path.exists() and write_case(path, case, lines):
             return path
     raise UsageError(f"{folder}: there are {CASES_MAX} cases already; delete those that hold")
 

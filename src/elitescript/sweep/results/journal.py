@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import IO, Any, Final
 from zlib import crc32
 
-from elitescript.environment.state_file import Disk
 from elitescript.errors import InternalError, UsageError
 from elitescript.kernel.options import OPTIONS
+from elitescript.outputs.locking import locked
 from elitescript.paths import why_no_file
 from elitescript.sweep.plans.plan import Plan, Row
 from elitescript.sweep.plans.plan_json import data_digest, plan_data, row_data, row_of
@@ -24,6 +24,9 @@ from elitescript.untrusted.json_text import json_value
 
 LINE_MAX: Final = 1 << 28
 """Bytes of a line at most: those of 10,000 rows are some MB."""
+
+JOURNAL_BEGIN: Final = b'{"journal":'
+"""First bytes of every journal."""
 
 _FORMAT: Final = 1
 
@@ -234,7 +237,7 @@ def _locked(path: Path) -> IO[bytes]:
     if why := why_no_file(path):
         raise UsageError(f"{path} {why}")
     try:
-        return Disk().lock(path)
+        return locked(path)
     except BlockingIOError:
         raise UsageError(f"{path}: another sweep writes it; wait for it, or give --out another name") from None
     except OSError:

@@ -5,13 +5,11 @@ from __future__ import annotations
 import os
 import shlex
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Final
 from urllib.parse import quote
 
-from elitescript.errors import UsageError
 from elitescript.language.text.source import SourceFile
-from elitescript.paths import write_page
+from elitescript.outputs.writing import Output, write_file
 from elitescript.plotting.page import page as page_of_run
 from elitescript.plotting.recorder import RunRecorder
 from elitescript.plotting.sampling import Sampling
@@ -31,18 +29,18 @@ OF_KIND: Final = 3
 
 
 def write_pages(
-    target: Path,
+    output: Output,
     runner: Runner,
     totals: Totals,
     summary: Summary,
     findings: Sequence[Finding],
     command: str,
     note: Callable[[str], None],
-) -> None:
-    """Write the page of a sweep, and its replays into `NAME.replays` beside it.
+) -> int:
+    """Write the page of a sweep, and its replays into `NAME.replays` beside it; return its size in bytes.
 
     Args:
-        target: file of the page.
+        output: file of the page.
         runner: of the plan.
         totals: of all rows.
         summary: of them.
@@ -51,8 +49,10 @@ def write_pages(
         note: shows what is done.
 
     Raises:
-        UsageError: a file cannot be written, or the front end is not built.
+        UsageError: the front end is not built.
+        OSError: a file cannot be written.
     """
+    target = output.path
     folder = target.with_name(target.stem + REPLAYS)
     name = runner.plan.program_name
     replays: dict[int, Replay] = {}
@@ -64,7 +64,8 @@ def write_pages(
         text = replay_of(runner, choices, f"{name}, {title}")
         if not text:
             return ""
-        _write(folder / file, text)
+        folder.mkdir(exist_ok=True)
+        write_file(folder / file, text, f"{output.called}: {folder / file}")
         return f"{quote(os.fsencode(folder.name))}/{file}"
 
     for finding in findings:
@@ -87,7 +88,9 @@ def write_pages(
         replays,
         smallest,
     )
-    _write(target, sweep_page(runner.plan, totals, summary, texts))
+    text = sweep_page(runner.plan, totals, summary, texts)
+    output.finish(text)
+    return len(text)
 
 
 def replay_of(runner: Runner, choices: Choices, title: str) -> str:
@@ -117,11 +120,3 @@ def _rows_of(totals: Totals) -> list[Row]:
             if place < len(rows) and len(chosen) < REPLAYS_MAX:
                 chosen.setdefault(rows[place].choices.run, rows[place])
     return [chosen[run] for run in sorted(chosen)]
-
-
-def _write(path: Path, text: str) -> None:
-    try:
-        path.parent.mkdir(exist_ok=True)
-        write_page(path, text)
-    except OSError as error:
-        raise UsageError(f"--page {path}: {error.strerror or error}") from error

@@ -15,10 +15,12 @@ from typing import IO, Any, Final, cast
 from zlib import error as zlib_error
 
 from elitescript.errors import UsageError
+from elitescript.outputs.writing import Output
 from elitescript.paths import why_no_file
 from elitescript.records import record
 from elitescript.sweep.plans.plan import Plan
 from elitescript.sweep.results.journal import (
+    JOURNAL_BEGIN,
     LINE_MAX,
     Journal,
     content_of,
@@ -27,7 +29,7 @@ from elitescript.sweep.results.journal import (
     parts_of_head,
     plan_parts,
 )
-from elitescript.sweep.results.tables import FORMATS, complete
+from elitescript.sweep.results.tables import FORMATS
 
 PART: Final = ".part"
 """Behind the name of the table: the journal of a sweep that goes on, or was ended."""
@@ -36,6 +38,7 @@ KEPT: Final = ".sweep"
 """Behind the name of the table: settings and rows of a finished one."""
 
 _FORMAT: Final = 1
+_GZIP_BEGIN: Final = b"\x1f\x8b"
 _LEVEL: Final = 3
 """Of compression: less costs more bytes, more costs time."""
 _BLOCK: Final = 1 << 20
@@ -87,6 +90,9 @@ class TableFiles:
         for path in self:
             if why := why_no_file(path):
                 raise UsageError(f"--out: {path} {why}")
+        for path, begin in ((self.part, JOURNAL_BEGIN), (self.kept, _GZIP_BEGIN)):
+            if not begin.startswith(_first_bytes(path, len(begin))):
+                raise UsageError(f"--out: {path} is there, and is none of a sweep; give --out another name, or move it")
 
     def finished(self, plan: Plan) -> Finished | None:
         """Return what is known of the table, if a sweep with these settings has finished it; None if there is none.
@@ -145,7 +151,7 @@ class TableFiles:
         head = {"table": _FORMAT, "digest": _digest(self.table), "runs": journal.done, "failed": failed}
         try:
             with (
-                complete(self.kept) as file,
+                Output(self.kept) as file,
                 cast("IO[bytes]", gzip.GzipFile("", "wb", _LEVEL, file, 0)) as packed,
                 journal.path.open("rb") as rows,
             ):
@@ -188,6 +194,15 @@ class TableFiles:
                 copyfileobj(packed, file, _BLOCK)
         except (EOFError, gzip.BadGzipFile, zlib_error):
             pass  # what is torn is dropped, and run again
+
+
+def _first_bytes(path: Path, count: int) -> bytes:
+    """Return the first bytes of a file; none if there is no file, or it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return file.read(count)
+    except OSError:
+        return b""
 
 
 def is_of_sweep(name: str) -> bool:

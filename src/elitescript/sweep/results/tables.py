@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from itertools import islice
 from pathlib import Path
-from tempfile import NamedTemporaryFile
 from typing import IO, Any, Final, Protocol
 
 from elitescript.codec.json_text import to_text
 from elitescript.errors import UsageError
 from elitescript.extras import require
-from elitescript.paths import why_no_file
+from elitescript.outputs.call_paths import ORDINARY, why_not_written
+from elitescript.outputs.writing import Output, WriteError
 from elitescript.shown import encodable
 from elitescript.sweep.chaos.properties import properties_of
 from elitescript.sweep.plans.plan import Plan, Row
@@ -49,10 +48,8 @@ def check_table(path: Path) -> None:
         UsageError: no such format or folder, no file, or the library for the format is missing.
     """
     format_of(path)
-    if not path.parent.is_dir():
-        raise UsageError(f"--out {path}: there is no folder {path.parent}")
-    if why := why_no_file(path):
-        raise UsageError(f"--out {path}: it {why}")
+    if why := why_not_written(path, ORDINARY):
+        raise UsageError(f"--out {path}: {why}")
 
 
 def columns(plan: Plan) -> tuple[str, ...]:
@@ -90,39 +87,30 @@ def values(row: Row, plan: Plan) -> tuple[Any, ...]:
     return (choices.run, choices.seed, *varied, row.state, row.time_s, *measures, *margins, row.failed, row.digest)
 
 
-def write_table(path: Path, plan: Plan, rows: Iterable[Row]) -> None:
+def write_table(target: Path | Output, plan: Plan, rows: Iterable[Row]) -> None:
     """Write a table in one pass; the file is there when it is complete, and not before.
 
     Raises:
         UsageError: the file cannot be written, or the library for its format is missing.
     """
-    write = _WRITERS[format_of(path)]
+    output = target if isinstance(target, Output) else output_of(target)
     try:
-        with complete(path) as file:
-            write(file, plan, rows)
-    except OSError as error:
-        raise UsageError(f"--out {path}: {error.strerror or error}") from error
+        with output as file:
+            _WRITERS[format_of(output.path)](file, plan, rows)
+    except WriteError as error:
+        raise UsageError(str(error)) from error
 
 
-@contextmanager
-def complete(path: Path) -> Iterator[IO[bytes]]:
-    """Open a file that takes the place of another one when the body has written it."""
-    with NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}.", delete=False) as file:
-        temporary = Path(file.name)
-        try:
-            with file:
-                yield file
-            # Closed: Windows neither moves nor deletes a file that is open.
-            temporary.chmod(_mode(path))
-            temporary.replace(path)
-        except BaseException:
-            temporary.unlink(missing_ok=True)
-            raise
+def output_of(path: Path) -> Output:
+    """Return what a table is written with.
 
-
-def _mode(path: Path) -> int:
-    """Return the permissions of a file that is written anew: those that it has, else the usual ones."""
-    return path.stat().st_mode & 0o777 if path.exists() else 0o644
+    Raises:
+        UsageError: it cannot be written, or another process writes it.
+    """
+    try:
+        return Output(path, f"--out {path}")
+    except WriteError as error:
+        raise UsageError(str(error)) from error
 
 
 class _Write(Protocol):
