@@ -10,6 +10,7 @@ from typing import Final
 from elitescript.language.nodes import children
 from elitescript.language.scopes import Scope
 from elitescript.lint.flow import Flow
+from elitescript.lint.placing import conditions
 from elitescript.lint.program import AnalysedProgram
 from elitescript.records import NamedTuple
 
@@ -150,13 +151,19 @@ class _Follower:
             branch = self.branches.get(name)
             if branch is None:
                 return
-        elif self._is_bound_in_a_loop_around(name):
+        elif self._may_be_bound_in_an_earlier_turn(node):
             return
         self.found[name] = Unassigned(node, self.scope, branch)
 
-    def _is_bound_in_a_loop_around(self, name: str) -> bool:
-        lines = [binding.line for binding in self.scope.bindings[name]]
-        return any(first <= line <= last for first, last in self.spans for line in lines)
+    def _may_be_bound_in_an_earlier_turn(self, node: ast.Name) -> bool:
+        """Return whether a loop around a reading gives the variable a value, and the first turn may not come here."""
+        lines = [binding.line for binding in self.scope.bindings[node.id]]
+        around = [any(first <= line <= last for line in lines) for first, last in self.spans]
+        if not any(around):
+            return False
+        return not all(around) or any(
+            not isinstance(statement, (ast.For, ast.While)) for statement, _ in conditions(self.program.symbols, node)
+        )
 
     # Statements
 

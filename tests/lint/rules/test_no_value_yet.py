@@ -8,6 +8,17 @@ from tests.lint.checking import body
 @pytest.mark.parametrize(
     "lines",
     [
+        (
+            "counter = 0",
+            "def w():",
+            "  while True:",
+            "    counter = counter + 1",
+            "    sync()",
+            "  end",
+            "end",
+            "start_thread(w, ())",
+            "textmsg(counter)",
+        ),
         ("count = 0", "def bump():", "  count = count + 1", "end", "bump()", "textmsg(count)"),
         ("count = 0", "def bump():", "  count += 1", "end", "bump()", "textmsg(count)"),
         (

@@ -8,6 +8,13 @@ from tests.lint.checking import body
 @pytest.mark.parametrize(
     "lines",
     [
+        (
+            "a = get_target_tcp_pose()",
+            "b = pose_add(a, [0, 0, 0.1, 0, 0, 0])",
+            "for i in range(101):",
+            "  movel(interpolate_pose(a, b, i))",
+            "end",
+        ),
         ("a = get_target_tcp_pose()", "b = pose_add(a, [0, 0, 0.1, 0, 0, 0])", "movel(interpolate_pose(a, b, 50))"),
         (
             "a = get_target_tcp_pose()",

@@ -13,11 +13,13 @@ Beyond 1 the line goes on, so that 50 is a place fifty times as far away.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import inf
 from typing import Final
 
 from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.values.description import INT, OUTSIDE
 
 _LEAST: Final = 2.0
 
@@ -27,7 +29,13 @@ def per_cent(program: AnalysedProgram) -> Iterator[Finding]:
     """Report fractions of 2 and more."""
     for found in program.derived(CalledCommands).of("interpolate_pose"):
         node = found.given.get("alpha")
-        number = None if node is None else program.least_number(node, found.scope)
-        if node is not None and number is not None and number >= _LEAST:
+        if node is None:
+            continue
+        number = program.least_number(node, found.scope)
+        value = program.values.of(node)
+        if value.kinds == INT and _LEAST <= value.high < inf and not value.may & OUTSIDE:
+            # Whole numbers that go on: a loop over per cent.
+            number = value.high
+        if number is not None and number >= _LEAST:
             hint = f"{number:g} looks like per cent: that is {number / 100:g}"
             yield Finding(node, f"interpolate_pose: alpha is {number:g}; 1 is already the second pose", hint)

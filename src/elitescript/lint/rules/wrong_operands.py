@@ -116,9 +116,15 @@ def _operands(
         hint = "pose_sub, or element by element: [a - b for a, b in zip(p, q)]"
     else:
         hint = _advice(op, one, other)
-    what = f"{shown_source(program, left)} is {words(one)}, {shown_source(program, right)} is {words(other)}"
+    what = f"{_said(program, left, one)}, {_said(program, right, other)}"
     sign = _SIGNS[type(op)]
     yield Finding(node, f"{what}: `{sign}` does not take them", hint)
+
+
+def _said(program: AnalysedProgram, node: ast.expr, value: Value) -> str:
+    if isinstance(node, ast.Constant):
+        return f"{shown_source(program, node)} is a {'text' if value.kinds & (TEXT | BYTES) else 'number'}"
+    return f"{shown_source(program, node)} is {words(value)}"
 
 
 _SIGNS: Final[dict[type[ast.AST], str]] = {
