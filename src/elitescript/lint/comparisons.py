@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from typing import Final
 
+from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, shown_source
 from elitescript.values.description import (
@@ -58,6 +60,10 @@ def _comparison(program: AnalysedProgram, node: ast.Compare) -> Iterator[Finding
             hint = "lists are equal if they have the same number of equal elements"
             yield Finding(node, _told(program, node, left, right), hint)
             return
+    analog = _analog(program, node)
+    if analog is not None:
+        yield analog
+        return
     known = _by_range(program, node)
     if known is not None:
         side = sides[0] if _is_from_outside(left) else sides[1]
@@ -104,6 +110,34 @@ def _by_range(program: AnalysedProgram, node: ast.Compare) -> bool | None:
     ):
         return None
     return outcome
+
+
+_CURRENT_MOST_A: Final = 0.025
+_VOLTAGE_MOST_V: Final = 11.0
+"""More than an analog input measures."""
+_ANALOG_UNIT: Final = "A or V"
+_MILLIAMPERES: Final = 20
+"""Most that such an input measures, and what people write for it."""
+_DOMAIN: Final = "set_standard_analog_input_domain"
+
+
+def _analog(program: AnalysedProgram, node: ast.Compare) -> Finding | None:
+    """Return the finding of an analog input that is compared with more than it ever measures."""
+    sides = [(node.left, node.comparators[0]), (node.comparators[0], node.left)]
+    for side, other in sides:
+        value, limit = program.values.of(side), program.values.of(other)
+        if value.role != _ANALOG_UNIT or not value.must & MEASURED or not limit.has_constant or limit.kinds & ~NUMBER:
+            continue
+        called = program.derived(CalledCommands)
+        domains = {called.number(found, "domain") for found in called.of(_DOMAIN)}
+        is_current = domains == {0}
+        most = _CURRENT_MOST_A if is_current else _VOLTAGE_MOST_V
+        if limit.constant > most:
+            range_text = "a current of 0.004 to 0.02 A" if is_current else "0 to 10 V, or 0.004 to 0.02 A"
+            text = f"{shown_source(program, side)} is {range_text}, and never reaches {limit.constant:g}"
+            hint = f"{limit.constant:g} mA are {limit.constant / 1000:g} A" if limit.constant <= _MILLIAMPERES else ""
+            return Finding(node, text, hint)
+    return None
 
 
 def _said(program: AnalysedProgram, node: ast.expr, value: Value) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable
 from math import inf
-from typing import Any
+from typing import Any, Final
 
 from elitescript.values.description import (
     _CARRIED,
@@ -149,10 +149,20 @@ def _role(op: ast.operator, left: Value, right: Value) -> str:
             return one
         return other if other and not one and left.must & LITERAL else ""
     if isinstance(op, ast.Mult):
-        return one if not other and right.must & LITERAL else other if not one and left.must & LITERAL else ""
+        return one if not other and _is_factor(right) else other if not one and _is_factor(left) else ""
     if isinstance(op, ast.Div):
-        return one if not other and right.must & LITERAL else ""
+        return one if not other and _is_factor(right) else ""
     return ""
+
+
+_MOST_FACTOR: Final = 20
+"""A number is multiplied with or divided by more to bring it into another unit: 1000 for mm, 57.3 for degrees."""
+
+
+def _is_factor(value: Value) -> bool:
+    """Return whether a number leaves the unit of what is multiplied with it as it is."""
+    most = max(abs(value.low), abs(value.high))
+    return bool(value.must & LITERAL) and most <= _MOST_FACTOR and not (value.has_constant and most * _MOST_FACTOR < 1)
 
 
 def _arithmetic(op: ast.operator, left: Value, right: Value) -> Value:

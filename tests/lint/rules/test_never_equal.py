@@ -48,3 +48,23 @@ def test_it_is_found(lines):
 )
 def test_what_almost_is_one_is_not_found(lines):
     assert body(*lines.split("\n")) == []
+
+
+@pytest.mark.parametrize(
+    ("domain", "condition", "is_found"),
+    [
+        (0, "get_standard_analog_in(0) > 10", True),
+        (0, "12 < get_standard_analog_in(0)", True),
+        (0, "get_standard_analog_in(0) > 0.01", False),
+        (1, "get_standard_analog_in(0) > 8", False),
+        (1, "get_standard_analog_in(0) > 50", True),
+    ],
+)
+def test_an_analog_input_never_reaches_more_than_its_domain(domain, condition, is_found):
+    lines = (f"set_standard_analog_input_domain(0, {domain})", f"if {condition}:", "  halt()", "end")
+    assert body(*lines) == (["W240 3:6"] if is_found else [])
+
+
+def test_a_coordinate_in_millimetres_is_no_length_in_metres():
+    assert body("z = get_actual_tcp_pose()[2] * 1000", "if z > 300:", "  halt()", "end") == []
+    assert body("z = get_actual_tcp_pose()[2]", "if z > 300:", "  halt()", "end") == ["W231 3:10"]
