@@ -373,7 +373,7 @@ COMMANDS = [CATALOGUE.get(name) for name in CATALOGUE.names()]
 def problems(text: str) -> list[str]:
     found = Document("cell.script", text, 0, Settings(profile=NEWEST)).problems
     # The newest simulated firmware may lack a command.
-    return [str(problem) for problem in found if problem.code != "E302" if problem.severity != "note"]
+    return [str(problem) for problem in found if problem.code != "E302" and problem.severity != "note"]
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.name)

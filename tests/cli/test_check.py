@@ -58,3 +58,31 @@ def test_a_file_that_is_not_utf_8_is_reported_like_any_problem(tmp_path, capsys)
     path.write_bytes(b"\xff\xfe")
     assert main(["check", str(path)]) == 3
     assert "E002" in capsys.readouterr().out
+
+
+NOTED = """def job():
+  movel([0.4, 0, 0.4, 3.14, 0, 0], r=0.02)
+  set_standard_digital_out(0, True)
+  movel([0.5, 0, 0.4, 3.14, 0, 0])
+end
+"""
+
+
+def test_a_note_is_shown_and_spoils_nothing(tmp_path, capsys):
+    path = write(tmp_path, "noted.script", NOTED)
+    assert main(["check", str(path)]) == 0
+    printed = capsys.readouterr()
+    assert ":3:3: note N223: set_standard_digital_out comes 20 mm before the point of line 2" in printed.out
+    assert printed.err == "1 file checked: 0 errors, 0 warnings, 1 note\n"
+    assert main(["check", "--strict", str(path)]) == 0
+
+
+def test_a_note_has_its_level_in_every_format(tmp_path, capsys):
+    path = write(tmp_path, "noted.script", NOTED)
+    main(["check", "--json", str(path)])
+    assert json.loads(capsys.readouterr().out)["severity"] == "note"
+    main(["check", "--format", "github", str(path)])
+    assert capsys.readouterr().out.startswith("::notice ")
+    main(["check", "--format", "sarif", str(path)])
+    (run,) = json.loads(capsys.readouterr().out)["runs"]
+    assert run["results"][0]["level"] == "note"

@@ -88,7 +88,8 @@ def test_hints_turn_the_number_into_the_unit():
         ("joints", "pose", True),
         ("pose", "joints", True),
         ("pose", "pose", False),
-        ("tcp", "joints", False),
+        ("tcp", "joints", True),
+        ("tcp", "pose", False),
         ("pose", "", False),
     ],
 )

@@ -4,7 +4,7 @@ import pytest
 
 from elitescript.errors import CODES, InternalError
 from elitescript.lint import rules
-from elitescript.lint.registry import all_rules, rule
+from elitescript.lint.registry import all_rules, rule, rules_for
 
 REPORTED_ELSEWHERE = {"W210", "W222"}
 """What the language package reports while it reads the text."""
@@ -44,3 +44,13 @@ def test_a_code_that_is_taken_or_unknown_is_a_mistake_of_ours(code):
 
 def test_codes_that_a_rule_replaces_exist():
     assert {code for each in all_rules() for code in each.instead_of} <= set(CODES)
+
+
+def test_a_short_text_needs_few_rules():
+    assert len(rules_for('textmsg("hello")')) <= len(all_rules()) * 2 // 3
+
+
+@pytest.mark.parametrize("each", all_rules(), ids=lambda each: each.code)
+def test_the_words_of_a_rule_are_in_its_own_example(each):
+    example = "\n".join(line for line in each.explanation.split("\n") if line.startswith("    "))
+    assert each in rules_for(example)
