@@ -32,3 +32,8 @@ def test_it_is_found(lines):
 )
 def test_what_almost_is_one_is_not_found(lines):
     assert "N221" not in [problem.split()[0] for problem in body(*lines)]
+
+
+def test_a_command_that_the_firmware_lacks_is_told_alone():
+    lines = ("encoder_enable_pulse_decode(0, 1, 16, 17)", "track_conveyor_linear([1, 0, 0, 0, 0, 0], 10000)")
+    assert body(*lines, firmware="2.10") == ["E302 2:3"]

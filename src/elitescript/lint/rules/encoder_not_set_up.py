@@ -31,10 +31,12 @@ _INDEX: Final = "encoder_index"
 def encoder_not_set_up(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such call in a whole program."""
     called = program.derived(CalledCommands)
-    # A script without a `def` may be a part.
-    if program.parsed.kind != PROGRAM or called.are_passed_on(*_SET_UP):
+    # A script without a `def` may be a part. What the firmware lacks, or is passed on, may set up any encoder.
+    set_up = called.of(*_SET_UP)
+    uses = [use for use in program.outside if use.name in _SET_UP]
+    if program.parsed.kind != PROGRAM or len(uses) > len(set_up):
         return
-    ready = {called.number(found, _INDEX) for found in called.of(*_SET_UP)}
+    ready = {called.number(found, _INDEX) for found in set_up}
     if None in ready:
         return
     for found in called.of("track_conveyor_linear", "track_conveyor_circular"):
