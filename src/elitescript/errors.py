@@ -6,7 +6,7 @@ a bug of this library and is never swallowed.
 
 `CODES` is the only table of codes, severities and titles. Codes E0xx and E1xx
 stop a program from starting, E3xx are findings against the command catalogue, W2xx are
-warnings, R are alarms at run time.
+warnings, N2xx notes on what a sound program may have, R are alarms at run time.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ class Code(NamedTuple):
 
     code: str
     severity: str
-    """`error` or `warning`; an alarm at run time is an error."""
+    """`error`, `warning` or `note`; an alarm at run time is an error."""
     title: str
     is_tolerated: bool = False
     """A warning without `--strict` and an error with it, whatever `severity` is."""
@@ -98,6 +98,9 @@ _ROWS: Final = (
     Code("W272", "warning", "reading that begins with the line end of the one before"),
     Code("W273", "warning", "arm, tool or payload that touches something"),
     Code("W274", "warning", "connection that the options of the robot do not let through"),
+    # What observers of a run find.
+    Code("N280", "note", "data that was left unread"),
+    Code("W280", "warning", "end of a program while the arm is under way"),
     # What contradicts the command catalogue; a program may catch it, so it starts unless it is strict.
     Code("E301", "error", "unknown command"),
     Code("E302", "error", "command of a newer firmware"),

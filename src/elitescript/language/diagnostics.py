@@ -18,10 +18,11 @@ LINE_KEPT: Final = 1000
 
 
 class Severity(StrEnum):
-    """Severity of a finding. An error keeps the program from starting."""
+    """Severity of a finding. An error keeps the program from starting; a note is no problem, only worth knowing."""
 
     ERROR = "error"
     WARNING = "warning"
+    NOTE = "note"
 
 
 class Edit(NamedTuple):

@@ -16,7 +16,7 @@ from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.lint.registry import Finding, Rule, all_rules
 from elitescript.lint.suppression import without_suppressed
 from elitescript.messages.profile import Profile
-from elitescript.records import NamedTuple
+from elitescript.records import NamedTuple, replace
 
 _ANY_SYNTAX = "E001"
 _BESIDE_SYNTAX = ("E104", "E105", "E107", "E115")
@@ -109,7 +109,8 @@ def check_parsed(
         problems += error.problems
     else:
         problems += unit.diagnostics
-    return CheckResult(unit, _reported(problems, parsed.source), options.strict)
+    found = _reported(problems, parsed.source)
+    return CheckResult(None if unit is None else replace(unit, findings=found), found, options.strict)
 
 
 @without_collection
