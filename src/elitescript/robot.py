@@ -28,7 +28,14 @@ from elitescript.errors import UsageError
 from elitescript.kernel.arm import named_model
 from elitescript.kernel.kernel import Kernel
 from elitescript.kernel.option_signature import takes_options
-from elitescript.kernel.options import DEFAULTS, IN_VIRTUAL_TIME, check_keywords, given_ticks, robot_options
+from elitescript.kernel.options import (
+    DEFAULTS,
+    IN_VIRTUAL_TIME,
+    RobotOptions,
+    check_keywords,
+    given_ticks,
+    robot_options,
+)
 from elitescript.language.compiler import CompiledUnit, compile_task, compile_unit
 from elitescript.language.hash_order import may_hold_set
 from elitescript.language.options import SECONDARY, Options
@@ -307,7 +314,8 @@ class VirtualRobot:
 
     def text_options(self, source: SourceFile, kind: str | None = None) -> Options:
         """Return the options to compile a text with for this robot, one that is compiled elsewhere too."""
-        return probed(self._kernel.probe, Options(strict=self.options.strict, kind=kind), source)
+        options = Options(strict=self.options.strict, kind=kind, ignored=self.options.ignored)
+        return probed(self._kernel.probe, options, source)
 
     def run(
         self,
@@ -432,9 +440,7 @@ class VirtualRobot:
         run = Run(unit, self.tick)
         run.is_alone = self._outside.is_alone and self._clients is None and not may_hold_set(values.values())
         run.look = lambda: self._look(run)
-        run.check_text = partial(
-            _findings_of, unit, self.profile, self.model, tuple(values), strict=self.options.strict
-        )
+        run.check_text = partial(_findings_of, unit, self.profile, self.model, tuple(values), self.options)
         self._run = run
         self._choose_record()
         if self.options.power_on and not self.controller.safety.refusal("power_on"):
@@ -778,7 +784,7 @@ class VirtualRobot:
 
 
 def _findings_of(
-    unit: CompiledUnit, firmware: Profile, arm: RobotModel, presets: tuple[str, ...], *, strict: bool
+    unit: CompiledUnit, firmware: Profile, arm: RobotModel, presets: tuple[str, ...], options: RobotOptions
 ) -> tuple[Diagnostic, ...]:
     """Return what `check` finds in the text of a program."""
     if unit.findings is not None:
@@ -786,7 +792,7 @@ def _findings_of(
     # Imported late: a run itself needs no rules.
     from elitescript.lint.engine import check_source
 
-    return check_source(unit.source, firmware, strict=strict, presets=presets, arm=arm)
+    return check_source(unit.source, firmware, strict=options.strict, presets=presets, arm=arm, ignored=options.ignored)
 
 
 def _weakly(method: Any) -> Callable[[Any], None]:

@@ -199,6 +199,20 @@ class Run:
         return found.listed(() if self.check_text is None else self.check_text())
 
     @property
+    def has_findings(self) -> bool:
+        """Whether `findings` may have a row: False costs less than the list."""
+        return self._found is not None or self.unit.findings != ()
+
+    @property
+    def why(self) -> str | None:
+        """Why it did not finish, in a sentence; None if it finished, was stopped or still runs."""
+        if self.alarms and self.state in ("alarm", "stuck"):
+            return f"{self.alarms[-1].class_name}: {self.alarms[-1].text}"
+        if self.state != "time_limit":
+            return None
+        return "; ".join(f"{thread.name} is in line {thread.line}, {thread.doing}" for thread in self.threads)
+
+    @property
     def time_s(self) -> float:
         """Virtual time since the program began; at the end, until program and arm came to rest."""
         return self._now.time_s

@@ -53,6 +53,16 @@ class Findings(tuple[Finding, ...]):
         return all(finding.severity == NOTE for finding in self)
 
     @property
+    def of_run(self) -> Findings:
+        """Those that the run itself has found, perhaps `check` too."""
+        return Findings(finding for finding in self if finding.t is not None)
+
+    @property
+    def without_alarms(self) -> Findings:
+        """Those that are no alarm of a run."""
+        return Findings(finding for finding in self if not finding.code.startswith("R"))
+
+    @property
     def words(self) -> str:
         """Numbers by severity, such as `1 error, 3 warnings`; empty without findings."""
         return ", ".join(

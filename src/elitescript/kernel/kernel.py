@@ -98,6 +98,7 @@ class Kernel:
         "_handlers",
         "_has_happened",
         "_has_run",
+        "_ignored",
         "_left",
         "_limit",
         "_observers",
@@ -147,6 +148,7 @@ class Kernel:
         self.on_change: Callable[[Change], None] | None = None
         self._on_end = on_end
         self._limit = WarningLimit()
+        self._ignored = options.ignored
         self._observers: Observers | None = None
         """Of the program that runs, from the first thing on that one takes."""
         self._events: list[Event] = []
@@ -463,6 +465,8 @@ class Kernel:
             self._events.append(event)
 
     def _event(self, event: Event) -> None:
+        if type(event) is Warned and self._is_ignored(event):
+            return
         self._has_happened = True
         if type(event) in _IN_WINDOW:
             self.popup.take(event)
@@ -486,6 +490,21 @@ class Kernel:
             self.on_change(change)
         else:
             self._on_event(event_of(change))
+
+    def _is_ignored(self, event: Warned) -> bool:
+        """Return whether the option `ignore`, or a comment in its line, leaves a warning out."""
+        if event.code and event.code in self._ignored:
+            return True
+        program = self.host.program
+        if not event.line or program is None or event.thread.startswith(SECONDARY_THREAD):
+            return False
+        source = program.source
+        if source is None or CHECK_MARK not in source.text:
+            return False
+        # Imported late: few programs have such a comment.
+        from elitescript.lint.suppression import hides
+
+        return hides(source, event.line, event.code)
 
     def _observe(self, seen: Event | Observation) -> None:
         """Warn of what observers find by an event or an observation."""
@@ -537,6 +556,10 @@ class Kernel:
         self.emit(DeviceNoted(self.controller.tick, "fault", text))
 
 
+CHECK_MARK: Final = "check:"
+"""In every text with a comment that hides findings."""
+SECONDARY_THREAD: Final = "sec"
+"""Begin of the name of a thread whose lines are not those of the program."""
 _IN_WINDOW: Final = frozenset({Popup, TaskStateChanged})
 """Events that open or close the message window."""
 

@@ -110,6 +110,9 @@ RECORD: Final[dict[str, Name]] = {
     "log": Name(LIST, lambda run: run.log, "texts of `textmsg`"),
     "printed": Name(LIST, lambda run: run.printed, "texts of `print`"),
     "warnings": Name(LIST, lambda run: run.warnings, "texts of warnings"),
+    "findings": Name(
+        TABLE, lambda run: run.findings.counts(), "numbers of findings of text and run: `error`, `warning`, `note`"
+    ),
     "contacts": Name(LIST, _contacts, "where arm, tool or payload touched something: a table for each", keys=CONTACT),
     "clearance": Name(NUMBER, _clearance, "the closest that they came to a thing of the world, m", M),
 }

@@ -50,7 +50,7 @@ class CheckReport:
 
     def __init__(self, out: Writable) -> None:
         self._out = out
-        self._files = self._errors = self._warnings = self._repairs = 0
+        self._files = self._errors = self._warnings = self._notes = self._repairs = 0
 
     def file(self, checked: CheckedFile) -> None:
         """Report one text."""
@@ -60,7 +60,8 @@ class CheckReport:
             self.repair(checked, repair)
         for problem in checked.problems:
             self._errors += problem.is_error
-            self._warnings += not problem.is_error
+            self._warnings += problem.severity is Severity.WARNING
+            self._notes += problem.severity is Severity.NOTE
             self.problem(checked, problem)
 
     def repair(self, checked: CheckedFile, repair: Repair) -> None:
@@ -76,9 +77,10 @@ class CheckReport:
 
     @property
     def summary(self) -> str:
-        """Numbers of files, errors, warnings and repairs, as one line."""
+        """Numbers of files, errors, warnings, notes and repairs, as one line."""
         repaired = f", {_count(self._repairs, 'repair')}" if self._repairs else ""
         found = f"{_count(self._errors, 'error')}, {_count(self._warnings, 'warning')}"
+        found += f", {_count(self._notes, 'note')}" if self._notes else ""
         return f"{_count(self._files, 'file')} checked: {found}{repaired}"
 
     def _line(self, text: str) -> None:
@@ -112,10 +114,10 @@ class GithubReport(CheckReport):
         fields["endLine"] = problem.end_line
         if problem.end_line == problem.line:
             fields["endColumn"] = problem.end_column
-        fields["title"] = f"{problem.code} {CODES[problem.code].title}"
+        fields["title"] = f"{problem.code} {CODES[problem.code].title}" if problem.code else "elitescript"
         text = f"{problem.text}\nhint: {problem.hint}" if problem.hint else problem.text
         place = ",".join(f"{name}={_property(str(value))}" for name, value in fields.items())
-        self._line(f"::{problem.severity} {place}::{_message(text)}")
+        self._line(f"::{_COMMANDS[problem.severity]} {place}::{_message(text)}")
 
     def _place(self, checked: CheckedFile) -> str:
         return checked.name if checked.is_stream else from_root(checked.name, self._root).as_posix()
@@ -134,14 +136,13 @@ class SarifReport(CheckReport):
         """Leave repairs out: a log has problems only."""
 
     def problem(self, checked: CheckedFile, problem: Diagnostic) -> None:
-        if problem.code not in self._codes:
+        if problem.code and problem.code not in self._codes:
             self._codes.append(problem.code)
         artifact = self._artifact(checked)
         text = encodable(f"{problem.text}\nhint: {problem.hint}" if problem.hint else problem.text)
         region = _region(problem.line, problem.column, problem.end_line, problem.end_column)
         result: dict[str, Any] = {
-            "ruleId": problem.code,
-            "ruleIndex": self._codes.index(problem.code),
+            **({"ruleId": problem.code, "ruleIndex": self._codes.index(problem.code)} if problem.code else {}),
             "level": _LEVELS[problem.severity],
             "message": {"text": _plain(text)},
             "locations": [{"physicalLocation": {"artifactLocation": artifact, "region": region}}],
@@ -180,7 +181,8 @@ _ROOT: Final = "%SRCROOT%"
 """Name of the root of the repository in SARIF, which code scanning knows."""
 _LINK: Final = re.compile(r"\[([^\[\]]*)\]\(")
 _SCHEMA: Final = "https://json.schemastore.org/sarif-2.1.0.json"
-_LEVELS: Final = {Severity.ERROR: "error", Severity.WARNING: "warning"}
+_LEVELS: Final = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "note"}
+_COMMANDS: Final = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.NOTE: "notice"}
 
 
 def _count(number: int, noun: str) -> str:

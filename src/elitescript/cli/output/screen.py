@@ -40,6 +40,7 @@ _CODES: Final = {
     "alarm": "1;31",
     "error": "1;31",
     "warning": "33",
+    "note": "36",
     "finished": "32",
     "caret": "1;31",
     "hint": "36",
@@ -83,13 +84,13 @@ def palette_of(stream: object) -> Palette:
 def rendered(problem: Diagnostic, source: SourceFile | None, palette: Palette) -> str:
     """Return a finding as text: severity, code, caret and hint in colours."""
     # Imported late: every command has this module, and few have findings.
-    from elitescript.language.diagnostics import Severity, render
+    from elitescript.language.diagnostics import render
 
     text = shown(str(problem)) if source is None else render(problem, source.name, source.line(problem.line))
     if not palette.is_colored:
         return text
     rows = text.split("\n")
-    role = "error" if problem.severity is Severity.ERROR else "warning"
+    role = str(problem.severity)
     label = f"{problem.severity} {problem.code}"
     place, found, rest = rows[0].partition(label)
     rows[0] = palette.paint("place", place) + palette.paint(role, found) + rest if found else rows[0]
