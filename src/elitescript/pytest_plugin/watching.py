@@ -25,7 +25,7 @@ class WatchedRun:
     """One run of a test. It keeps what has happened, and not the robot, which a test may drop.
 
     Attributes:
-        run: returns its record; None if nobody has it any more.
+        run: returns its record; None if it is no longer held.
         unit: the program.
         start_tick: its first tick.
         record: its events.

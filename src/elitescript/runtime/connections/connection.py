@@ -114,7 +114,7 @@ class ScriptConnection:
         if isinstance(event, ChannelData):
             if len(self.received) + len(event.data) + self._taken > CHANNEL_WINDOW:
                 self._channels.close(self.channel)
-                reason = f"the peer sent more than {CHANNEL_WINDOW} bytes that nobody has read"
+                reason = f"the peer sent more than {CHANNEL_WINDOW} bytes that are not read"
                 self.log.closed(reason)
                 self._end(reason)
             else:
