@@ -12,7 +12,7 @@ FAMILIES = """
 E001-E099   error     what is no text of a program
 E101-E199   error     what keeps a program from starting
 W201-W299   warning   what suspects a mistake
-N201-N299   note      what a sound program may have, and is worth knowing
+N201-N299   note      what a sound program may have too
 E301-E399   error     what contradicts the catalogue of commands
 R100-R199   error     alarms while a program runs
 """

@@ -132,6 +132,9 @@ _ROWS: Final = (
     Code("W273", "warning", "arm, tool or payload that touches something"),
     Code("W274", "warning", "connection that the options of the robot do not let through"),
     Code("W275", "warning", "text that a device sends in GBK"),
+    # What observers of a run find.
+    Code("N280", "note", "data that was left unread"),
+    Code("W280", "warning", "end of a program while the arm is under way"),
     # What contradicts the command catalogue; a program may catch it, so it starts unless it is strict.
     Code("E301", "error", "unknown command"),
     Code("E302", "error", "command of a newer firmware"),

@@ -106,3 +106,14 @@ def real_path(path: str | Path) -> Path:
     Python 3.11 and 3.12 raises an error that no caller expects.
     """
     return Path(os.path.realpath(path))
+
+
+def file_above(folder: str, name: str) -> str | None:
+    """Return the file of a name that is nearest above a folder, or in it; None if there is none."""
+    folder = os.path.abspath(folder)  # noqa: PTH100 - every call of ours looks, and pathlib takes longer
+    while not os.path.isfile(path := os.path.join(folder, name)):  # noqa: PTH113, PTH118
+        above = os.path.dirname(folder)  # noqa: PTH120
+        if above == folder:
+            return None
+        folder = above
+    return path

@@ -7,6 +7,7 @@ run.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from keyword import iskeyword
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Literal
@@ -27,7 +28,14 @@ from elitescript.errors import UsageError
 from elitescript.kernel.arm import named_model
 from elitescript.kernel.kernel import Kernel
 from elitescript.kernel.option_signature import takes_options
-from elitescript.kernel.options import DEFAULTS, IN_VIRTUAL_TIME, check_keywords, given_ticks, robot_options
+from elitescript.kernel.options import (
+    DEFAULTS,
+    IN_VIRTUAL_TIME,
+    RobotOptions,
+    check_keywords,
+    given_ticks,
+    robot_options,
+)
 from elitescript.language.compiler import CompiledUnit, compile_task, compile_unit
 from elitescript.language.hash_order import may_hold_set
 from elitescript.language.options import SECONDARY, Options
@@ -39,7 +47,7 @@ from elitescript.messages.state import RobotState
 from elitescript.messages.timing import seconds, ticks_for
 from elitescript.models.model import RobotModel
 from elitescript.observer import OBSERVATION
-from elitescript.run import NOT_DELIVERED, EndState, Look, Run
+from elitescript.run import FINDINGS, NOT_DELIVERED, EndState, Look, Run
 from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.probe import Probe, noted, probed, witness
 from elitescript.runtime.threads.strand import is_stop
@@ -51,6 +59,8 @@ if TYPE_CHECKING:
     from elitescript.environment.state_file import StateFile
     from elitescript.kernel.clients import Client, Clients
     from elitescript.kernel.option_keywords import RobotKeywords
+    from elitescript.language.diagnostics import Diagnostic
+    from elitescript.messages.profile import Profile
     from elitescript.runtime.host import ScriptHost
     from elitescript.solids.contacts import Contact, ContactWatch
 
@@ -304,7 +314,8 @@ class VirtualRobot:
 
     def text_options(self, source: SourceFile, kind: str | None = None) -> Options:
         """Return the options to compile a text with for this robot, one that is compiled elsewhere too."""
-        return probed(self._kernel.probe, Options(strict=self.options.strict, kind=kind), source)
+        options = Options(strict=self.options.strict, kind=kind, ignored=self.options.ignored)
+        return probed(self._kernel.probe, options, source)
 
     def run(
         self,
@@ -429,6 +440,7 @@ class VirtualRobot:
         run = Run(unit, self.tick)
         run.is_alone = self._outside.is_alone and self._clients is None and not may_hold_set(values.values())
         run.look = lambda: self._look(run)
+        run.check_text = partial(_findings_of, unit, self.profile, self.model, tuple(values), self.options)
         self._run = run
         self._choose_record()
         if self.options.power_on and not self.controller.safety.refusal("power_on"):
@@ -627,7 +639,7 @@ class VirtualRobot:
         if run.is_over:
             return
         for event in self._limit.rest(self.tick):
-            run.add(event)
+            run.add(event, is_sum=True)
             self._tell(event)
         # A tick that has not run is the next program's: what the arm does in it is not known yet.
         has_run = self._kernel.has_run
@@ -752,6 +764,8 @@ class VirtualRobot:
             run.add(event)
             if self._clients is not None or self._on_event is not None:
                 self._tell(event)
+        elif isinstance(event, FINDINGS):
+            run.find(event)
 
     def _tell(self, event: Event) -> None:
         """Pass an event on to clients and listener."""
@@ -767,6 +781,18 @@ class VirtualRobot:
             # Scripts must not catch what is wrong with a listener: it leaves through `run`.
             self._listener_error = error
             self._host.interrupt()
+
+
+def _findings_of(
+    unit: CompiledUnit, firmware: Profile, arm: RobotModel, presets: tuple[str, ...], options: RobotOptions
+) -> tuple[Diagnostic, ...]:
+    """Return what `check` finds in the text of a program."""
+    if unit.findings is not None:
+        return unit.findings
+    # Imported late: a run itself needs no rules.
+    from elitescript.lint.engine import check_source
+
+    return check_source(unit.source, firmware, strict=options.strict, presets=presets, arm=arm, ignored=options.ignored)
 
 
 def _weakly(method: Any) -> Callable[[Any], None]:

@@ -27,6 +27,8 @@ from elitescript.records import NamedTuple
 
 if TYPE_CHECKING:
     from elitescript.controller.views.trace_rows import TraceRows
+    from elitescript.findings.found import Findings, Found
+    from elitescript.language.diagnostics import Diagnostic
     from elitescript.solids.contacts import Contact, ContactWatch
 
 RECORDS_MAX: Final = 50_000
@@ -109,6 +111,7 @@ class Run:
             most ten, and then their number, here and in `events`.
         alarms: what stopped the program.
         undelivered: data that the program sent and that did not arrive, as text; each is a warning too.
+        check_text: returns what `check` finds in the text; None leaves that out of `findings`.
         look: returns the present values of the properties; None before the start and after the end.
         watch: finds contacts; None if the world has no solids.
         threads: script threads at the end of a program that did not end by itself: where each was.
@@ -118,10 +121,12 @@ class Run:
     __slots__ = (
         "__weakref__",
         "_end",
+        "_found",
         "_signals",
         "_texts",
         "_trace",
         "alarms",
+        "check_text",
         "is_alone",
         "is_paced",
         "log",
@@ -151,6 +156,9 @@ class Run:
         """What `events` are read from."""
         self._trace: TraceRows | None = None
         self.undelivered: list[str] = []
+        self.check_text: Callable[[], tuple[Diagnostic, ...]] | None = None
+        self._found: Found | None = None
+        """Findings of the run itself, from the first on."""
         self.look: Callable[[], Look] | None = None
         self._end: Look | None = None
         self._signals: SignalRecord | None = None
@@ -177,6 +185,32 @@ class Run:
     def events_dropped(self) -> int:
         """How many events have gone, so that a run of days does not fill the memory."""
         return self.record.dropped
+
+    @property
+    def findings(self) -> Findings:
+        """What `check` finds in the text and what the run has found, in one list: the worst first, then by line.
+
+        Equal ones are one row with their number; `findings.error`, `findings.warning` and `findings.note` count rows.
+        """
+        # Imported late: of most runs nothing asks for it.
+        from elitescript.findings.found import Found
+
+        found = Found() if self._found is None else self._found
+        return found.listed(() if self.check_text is None else self.check_text())
+
+    @property
+    def has_findings(self) -> bool:
+        """Whether `findings` may have a row: False costs less than the list."""
+        return self._found is not None or self.unit.findings != ()
+
+    @property
+    def why(self) -> str | None:
+        """Why it did not finish, in a sentence; None if it finished, was stopped or still runs."""
+        if self.alarms and self.state in ("alarm", "stuck"):
+            return f"{self.alarms[-1].class_name}: {self.alarms[-1].text}"
+        if self.state != "time_limit":
+            return None
+        return "; ".join(f"{thread.name} is in line {thread.line}, {thread.doing}" for thread in self.threads)
 
     @property
     def time_s(self) -> float:
@@ -279,11 +313,27 @@ class Run:
             raise AlarmError(self.alarms[-1], self.unit.source.name)
         return self
 
-    def add(self, event: Event) -> None:
-        """Record an event of this run."""
+    def find(self, event: Warned | DeviceNoted | Alarm) -> None:
+        """Count a warning or alarm among `findings`."""
+        if self._found is None:
+            # Imported late: many runs find nothing.
+            from elitescript.findings.found import Found
+
+            self._found = Found()
+        self._found.take(event, self.start_tick)
+
+    def add(self, event: Event, *, is_sum: bool = False) -> None:
+        """Record an event of this run.
+
+        Args:
+            event: the event.
+            is_sum: it only says how many findings have no event.
+        """
         self.record.add(event)
         if type(event) not in _WITH_TEXT:
             return
+        if isinstance(event, FINDINGS) and not is_sum:
+            self.find(event)
         if isinstance(event, TextMessage):
             self._keep(self.log, 0, event.text)
         elif isinstance(event, Printed):
@@ -311,6 +361,10 @@ class Run:
 
 _WITH_TEXT: Final = frozenset({TextMessage, Printed, Popup, Warned, DeviceNoted, Alarm})
 """Events with a text of any length; most have a list of their own in a run."""
+
+
+FINDINGS: Final = (Warned, DeviceNoted, Alarm)
+"""Events that can be findings."""
 
 
 _SURPLUS_FROM: Final = RECORDS_MAX + RECORDS_MAX // 10

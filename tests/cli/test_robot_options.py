@@ -11,13 +11,13 @@ from elitescript.errors import UsageError
 BY_HAND = {
     "run": {
         *("--robot", "--firmware", "--strict", "--seed", "--joints", "--speed", "--epoch", "--rpc-timeout"),
-        *("--network", "--controller-version"),
+        *("--network", "--controller-version", "--ignore"),
     },
-    "plot": {"--robot", "--firmware", "--seed", "--joints", "--speed", "--network"},
-    "check": {"--robot", "--firmware", "--strict", "--network"},
+    "plot": {"--robot", "--firmware", "--seed", "--joints", "--speed", "--network", "--ignore"},
+    "check": {"--robot", "--firmware", "--strict", "--network", "--ignore"},
     "serve": {
         *("--robot", "--firmware", "--strict", "--seed", "--joints", "--speed", "--rpc-timeout"),
-        *("--power-on", "--local", "--query-form", "--controller-version"),
+        *("--power-on", "--local", "--query-form", "--controller-version", "--ignore"),
     },
 }
 

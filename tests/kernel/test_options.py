@@ -50,10 +50,12 @@ BY_HAND = {
     "rpc_timeout_s": 60.0,
     "network": "local",
     "strict": False,
+    "ignore": "",
     "confirms_popups": False,
 }
 """What users may set, with the defaults."""
 
+CODES = 'ignore must be codes of findings such as "W230,N280", '
 NETWORK = 'network must be "none", "local", "all" or addresses such as "192.168.1.5:502,camera.local"'
 
 
@@ -92,6 +94,9 @@ def test_the_defaults_are_those_that_are_promised():
         ("controller_version", "2.-1", "controller_version must be a version such as 2.15.0.0, each part up to 255"),
         ("query_form", "json", """query_form must be "bracketed" or "plain", got 'json'"""),
         ("strict", 1, "strict must be true or false, got 1"),
+        ("ignore", 1, CODES + "got 1"),
+        ("ignore", "W230, W9", CODES + "there is no code 'W9'"),
+        ("ignore", "E001", CODES + "E001 (Python syntax) cannot be left out"),
         ("robot_id", 7, "robot_id must be a text, got 7"),
         ("joints", [0.0] * 5, "joints must be six numbers in rad, got 5"),
         ("joints", "000000", "joints must be six numbers in rad, got '000000'"),

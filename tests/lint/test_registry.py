@@ -9,10 +9,13 @@ from elitescript.lint.registry import all_rules, rule, rules_for
 REPORTED_ELSEWHERE = {"W210", "W222"}
 """What the language package reports while it reads the text."""
 
+OF_RUNS = ("W27", "W28", "N28")
+"""Begin of the codes of what only a run can find."""
+
 
 def test_every_code_of_the_checker_has_one_rule():
     codes = [each.code for each in all_rules()]
-    wanted = {code for code in CODES if code[:2] in ("W2", "E3", "N2") and code[:3] != "W27"} - REPORTED_ELSEWHERE
+    wanted = {code for code in CODES if code[:2] in ("W2", "E3", "N2") and code[:3] not in OF_RUNS} - REPORTED_ELSEWHERE
     assert len(codes) == len(set(codes))
     assert set(codes) == wanted
 

@@ -29,7 +29,8 @@ def add_run(parser: Parser) -> None:
 
     parser.description = (
         "Run a program to its end in virtual time. Exit code: 0 finished or stopped, 1 alarm, 2 usage, 3 the program "
-        "does not compile, 4 time limit, 5 stuck, 130 Ctrl-C."
+        "does not compile, 4 time limit, 5 stuck, 130 Ctrl-C. With --strict 1 also if it finished with "
+        "warnings of its own."
     )
     parser.add_argument(
         "file", nargs="?", metavar="FILE", reads="program", help="program text, UTF-8; with --case that of the case"
@@ -66,6 +67,12 @@ def add_run(parser: Parser) -> None:
     )
     _add_trace_signals(parser)
     _add_log(parser)
+    parser.add_argument(
+        "--format",
+        choices=["text", "json", "github", "sarif"],
+        help="form of the report: text, JSON lines (as --json), or the findings of text and run as GitHub workflow "
+        "commands or SARIF 2.1.0, with all else on standard error",
+    )
     _add_color(parser)
     _add_json_lines(parser)
 
@@ -232,6 +239,13 @@ def add_check(parser: Parser) -> None:
     )
     parser.add_argument(
         "--fix", action="store_true", writes="programs", help="make the repairs that are safe; of - to standard output"
+    )
+    parser.add_argument(
+        "--baseline",
+        metavar="FILE",
+        writes="baseline",
+        help="leave out the findings of this file, which are known; a file that does not exist is written with all "
+        "that is found now",
     )
     parser.add_argument("--explain", metavar="CODE", help="say what a code such as E303 means, with an example")
     parser.add_argument(

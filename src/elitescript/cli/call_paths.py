@@ -321,6 +321,7 @@ WRITES: Final[dict[str, _Writes]] = {
     "recording": _written(NEW),
     "session": _journal,
     "programs": _rewritten,
+    "baseline": _written(ORDINARY),
     "edited": _edited,
 }
 """What is written, by what `cli.arguments` calls it: the paths of one value."""

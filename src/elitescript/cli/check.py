@@ -59,12 +59,20 @@ def check(options: argparse.Namespace) -> int:
     robot, arm, has_solids = _robot(options)
     code = 0
     progress = progress_on(sys.stderr) if name == "text" else None
+    known = None
+    if options.baseline is not None:
+        # Imported late: few calls have one.
+        from elitescript.cli.baseline import Baseline
+
+        known = Baseline(options.baseline)
     for number, text in enumerate(program_texts(options.files, "check")):
         if progress is not None:
             progress.note(f"{number} files checked; {text.name}")
         checked = _check(text, robot, arm, is_fixed=options.fix)
         if has_solids and not any(problem.is_error for problem in checked.problems):
             checked = _with_contacts(checked, text, options)
+        if known is not None:
+            checked = known.without_known(checked)
         report.file(checked)
         if text.data is None and text.is_named:
             code = NOT_FOUND
@@ -72,7 +80,8 @@ def check(options: argparse.Namespace) -> int:
         elif code == 0 and any(problem.is_error for problem in checked.problems):
             code = FOUND_ERRORS
     report.end()
-    print(report.summary, file=sys.stderr)
+    left_out = "" if known is None else f"; {shown(known.end())}"
+    print(f"{report.summary}{left_out}", file=sys.stderr)
     return code
 
 
@@ -151,4 +160,5 @@ def _check(text: ProgramText, robot: RobotOptions, arm: ArmFacts | None, *, is_f
         elif fixed != before:
             rewrite(text.path, fixed.encode("utf-8"))
         source = SourceFile(text.name, fixed)
-    return CheckedFile(text.name, source, check_source(source, firmware, strict=robot.strict, arm=arm), repairs)
+    found = check_source(source, firmware, strict=robot.strict, arm=arm, ignored=robot.ignored)
+    return CheckedFile(text.name, source, found, repairs)

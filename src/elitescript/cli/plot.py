@@ -17,7 +17,6 @@ from elitescript.environment.program_file import refused_source, source_of
 from elitescript.environment.start_values import parse_settings
 from elitescript.errors import ProgramError, UsageError
 from elitescript.kernel.options import DEFAULTS, OPTIONS, UNTIL, accepted
-from elitescript.language.options import Options
 from elitescript.lint.engine import compile_checked
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
@@ -151,9 +150,7 @@ def _played(path: Path, options: argparse.Namespace) -> tuple[Recording, int]:
     robot.set_start(signals)
     source = source_of(path)
     recorder = RunRecorder(robot, Sampling())
-    checked = compile_checked(
-        source, robot.profile, Options(strict=robot.options.strict), presets=presets, arm=robot.model
-    )
+    checked = compile_checked(source, robot.profile, robot.text_options(source), presets=presets, arm=robot.model)
     progress = progress_on(sys.stderr, robot.time_s)
 
     def watch(robot: VirtualRobot) -> None:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+import os
+from typing import Any, Final
 
 from elitescript.cli.plain_call import OMITTED, PlainCall
 from elitescript.cli.settings import parse_epoch, parse_joints
 from elitescript.kernel.options import DEFAULTS, OPTIONS, Joints, Number, Option, Switch, Text, Time, Whole, accept
+from elitescript.paths import file_above
+
+PROJECT: Final = "pyproject.toml"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -69,4 +73,24 @@ def options_from(arguments: argparse.Namespace) -> dict[str, Any]:
             elif isinstance(option.kind, Time):
                 value = parse_epoch(value)
             given[name] = accept(name, value, option.flag)
+    if "ignore" not in given and getattr(arguments, "command", "") in OPTIONS["ignore"].commands:
+        project = file_above(_folder_of(arguments), PROJECT)
+        if project is not None and (codes := _ignored_in(project)):
+            given["ignore"] = accept("ignore", codes, "pyproject.toml: [tool.elitescript] ignore")
     return given
+
+
+def _ignored_in(project: str) -> str:
+    # Imported late: few programs are in a project of Python.
+    from elitescript.environment.project import project_ignore
+
+    return project_ignore(project)
+
+
+def _folder_of(arguments: argparse.Namespace) -> str:
+    """Return the folder of the program of a call; of several, the working directory."""
+    files = getattr(arguments, "files", None) or [getattr(arguments, "file", None)]
+    if len(files) != 1 or not files[0]:
+        return os.curdir
+    file: str = files[0]
+    return file if os.path.isdir(file) else os.path.dirname(file)  # noqa: PTH112, PTH120 - see project.py

@@ -28,7 +28,7 @@ from elitescript.language.parser import parse
 from elitescript.messages.events import DeviceNoted
 from elitescript.paths import real_path
 from elitescript.robot import VirtualRobot
-from elitescript.run import EXIT_CODES
+from elitescript.run import EXIT_CODES, Run
 from elitescript.shown import shown
 
 TYPE_CHECKING = False
@@ -51,8 +51,28 @@ def run(options: argparse.Namespace) -> int:
     """Run the program of the command line; return the exit code."""
     if watch_for_crashes():
         limit_memory(parse_size(options.memory_limit, "--memory-limit"))
+    if options.json and options.format not in (None, "json"):
+        raise UsageError(f"--json and --format {options.format} contradict each other")
+    options.json = options.json or options.format == "json"
+    report = _report(options)
+    code = _run(options, report)
+    report.finish()
+    return code
+
+
+def _report(options: argparse.Namespace) -> RunReport:
     logs = parse_logs(options.log)
-    report: RunReport = JsonRunReport(sys.stdout) if options.json else TextRunReport(sys.stdout, sys.stderr, logs)
+    if options.json:
+        return JsonRunReport(sys.stdout)
+    if options.format in ("github", "sarif"):
+        # Imported late: a run for people needs no other form.
+        from elitescript.cli.output.run_formats import FindingsReport
+
+        return FindingsReport(options.format, logs)
+    return TextRunReport(sys.stdout, sys.stderr, logs)
+
+
+def _run(options: argparse.Namespace, report: RunReport) -> int:
     if options.case is not None:
         return _run_case(options, report)
     if options.file is None:
@@ -69,7 +89,7 @@ def run(options: argparse.Namespace) -> int:
         **options_from(options),
     )
     robot.set_network_by(COMMAND_LINE)
-    robot.reports_signals = options.json or "signals" in logs
+    robot.reports_signals = options.json or "signals" in parse_logs(options.log)
     robot.set_start(levels)
     for name, value in (("--until", options.until), ("--max-wall", options.max_wall)):
         if value is not None:
@@ -111,8 +131,15 @@ def run(options: argparse.Namespace) -> int:
                     raise
                 print(f"elitescript run: {shown(str(error))}", file=sys.stderr)
                 return FAILED
-    report.end(result, is_interrupted=bool(interrupted.number), overruns=None if pace is None else pace.overruns)
-    return interrupted.exit_code or EXIT_CODES[result.state]
+    spoilt = robot.options.strict and _is_spoilt(result)
+    overruns = None if pace is None else pace.overruns
+    report.end(result, is_interrupted=bool(interrupted.number), overruns=overruns, is_spoilt=spoilt)
+    return interrupted.exit_code or EXIT_CODES[result.state] or (FAILED if spoilt else 0)
+
+
+def _is_spoilt(run: Run) -> bool:
+    """Return whether a run has finished, with warnings of its own."""
+    return run.state == "finished" and run.has_findings and not run.findings.of_run.is_clean
 
 
 def _run_case(options: argparse.Namespace, report: RunReport) -> int:

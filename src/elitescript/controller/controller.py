@@ -76,6 +76,7 @@ from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import SpeedProfile
 
 if TYPE_CHECKING:
+    from elitescript.messages.observations import Observation
     from elitescript.modbus.port_image import PortImage
 
 PROGRAM: Final = "program"
@@ -96,6 +97,7 @@ class Controller:
         epoch_s: the controller's clock at tick 0, seconds since 1970.
         on_event: receives every event in order.
         on_change: receives the changes of signals instead of `on_event`; that gets their events if None.
+        on_observation: receives what observers of a run may see.
         home: joint positions at the start, rad; the model's home if None.
         speed_scale: speed percentage at the start, as a fraction.
         contact: what the TCP can touch; nothing if None.
@@ -116,6 +118,7 @@ class Controller:
         "_node",
         "_on_change",
         "_on_event",
+        "_on_observation",
         "_tick",
         "arm",
         "arm_state",
@@ -140,6 +143,7 @@ class Controller:
         epoch_s: float,
         on_event: Callable[[Event], None],
         on_change: Callable[[Change], None] | None = None,
+        on_observation: Callable[[Observation], None] = lambda seen: None,
         home: Six | None = None,
         speed_scale: float = 1.0,
         contact: ContactConfig | None = None,
@@ -157,6 +161,7 @@ class Controller:
         self.joint_ranges: tuple[tuple[float, float], ...] = model.joint_ranges
         self._epoch_s = epoch_s
         self._on_event = on_event
+        self._on_observation = on_observation
         self._on_change = on_change or (lambda change: on_event(event_of(change)))
         self._tick = 0
         self.requests = 0
@@ -581,6 +586,10 @@ class Controller:
         """Record an event."""
         self._on_event(event)
 
+    def observe(self, seen: Observation) -> None:
+        """Hand an observation to the observers of the run."""
+        self._on_observation(seen)
+
     # ---------------------------------------------------------------- the task, for the runtime and robot.py
 
     def power_up(self) -> None:
@@ -619,6 +628,8 @@ class Controller:
 
     def _task_changed(self, before: TaskState, after: TaskState) -> None:
         ending = self._ending if after is TaskState.STOPPED else ""
+        if ending == "finished" and self.arm_state.is_moving:
+            self._observe_motion_left()
         self.emit(TaskStateChanged(self._tick, after, self.task.name, ending, self.task.successor))
         if after is TaskState.PAUSED:
             self.arm_state.pause(self._tick)
@@ -632,6 +643,18 @@ class Controller:
             by, self._by = self._by, PROGRAM
             self.signals.set_running(self.task.is_running)
             self._by = by
+
+    def _observe_motion_left(self) -> None:
+        """Let observers see what of the arm is under way at the end of a program that has finished."""
+        # Imported late: few programs end so.
+        from elitescript.messages.observations import MotionLeft
+
+        if (left := self.motion.left(self._tick)) is not None:
+            self.observe(left)
+        if (caller := self.yielding.force_caller) is not None:
+            self.observe(MotionLeft(self._tick, "force_mode", caller.line, caller.thread))
+        if (tracker := self.tracking.caller) is not None:
+            self.observe(MotionLeft(self._tick, "tracking", *tracker))
 
     def _motion_ended(self, move: int, is_complete: bool) -> None:
         self.task.program.motion_ended(move, is_complete)

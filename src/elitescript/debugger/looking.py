@@ -72,7 +72,17 @@ NO_WAY: Final[Way] = (0, "", 0)
 _CALLABLE: Final = PURE_BUILTINS - {"id", "hash", "type", "format"}
 _PURE_MODULES: Final = frozenset(("math", "cmath"))
 _CHANGING: Final = frozenset(
-    ("write", "request", "request_from", "request_motion", "request_path_offset", "cancel_move", "emit", "put")
+    (
+        "write",
+        "request",
+        "request_from",
+        "request_motion",
+        "request_path_offset",
+        "cancel_move",
+        "emit",
+        "observe",
+        "put",
+    )
 )
 """What a command may not ask of the machine while it is only looked at."""
 

@@ -43,7 +43,8 @@ def _popup(event: events.Popup) -> Record:
 
 def _warning(event: events.Warned) -> Record:
     given = (name for name in ("code", "hint", "column") if getattr(event, name))
-    record = _fields("warning", "text", "thread", "line", *given)(event)
+    kind = "note" if event.severity == "note" else "warning"
+    record = _fields(kind, "text", "thread", "line", *given, "source")(event)
     return record | {"severity": event.severity} if event.code else record
 
 

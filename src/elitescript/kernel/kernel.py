@@ -23,7 +23,7 @@ from elitescript.kernel.arm import model_of
 from elitescript.kernel.options import RobotOptions
 from elitescript.kernel.parts import PopupWindow, RobotParts
 from elitescript.messages.enums import TaskState
-from elitescript.messages.events import Change, DeviceNoted, Event, Popup, TaskStateChanged, Warned, event_of
+from elitescript.messages.events import OBSERVED, Change, DeviceNoted, Event, Popup, TaskStateChanged, Warned, event_of
 from elitescript.messages.machine import DisturbInput
 from elitescript.messages.motion import Six
 from elitescript.messages.profile import profile
@@ -40,12 +40,15 @@ if TYPE_CHECKING:
     from elitescript.controller.views.snapshots import SnapshotBuilder
     from elitescript.devices.channels.faulty_channels import FaultyChannels
     from elitescript.environment.request_channels import RequestChannels
+    from elitescript.findings.observing import Observers
     from elitescript.kernel.compiling import Workshop
     from elitescript.kernel.debugging import Debugging
     from elitescript.kernel.handlers import InputHandlers
     from elitescript.messages.cut import Cut
+    from elitescript.messages.findings import Finding
     from elitescript.messages.inputs import ChannelEvent, Input
     from elitescript.messages.machine import EndInputFaults, WriteSignal
+    from elitescript.messages.observations import Observation
     from elitescript.messages.outputs import Output, TickResult
     from elitescript.messages.snapshot import RobotDescription, Snapshot
     from elitescript.protocol.connection import Connection
@@ -95,8 +98,10 @@ class Kernel:
         "_handlers",
         "_has_happened",
         "_has_run",
+        "_ignored",
         "_left",
         "_limit",
+        "_observers",
         "_on_end",
         "_on_event",
         "_output",
@@ -143,6 +148,9 @@ class Kernel:
         self.on_change: Callable[[Change], None] | None = None
         self._on_end = on_end
         self._limit = WarningLimit()
+        self._ignored = options.ignored
+        self._observers: Observers | None = None
+        """Of the program that runs, from the first thing on that one takes."""
         self._events: list[Event] = []
         self._posted: list[Input] = []
         self._output: Output | None = None
@@ -164,6 +172,7 @@ class Kernel:
             epoch_s=options.epoch_s,
             on_event=self._event,
             on_change=self._change,
+            on_observation=self._observe,
             home=None if options.joints is None else _checked_joints(self.model, options.joints),
             speed_scale=options.speed,
             contact=options.contact,
@@ -456,9 +465,15 @@ class Kernel:
             self._events.append(event)
 
     def _event(self, event: Event) -> None:
+        if type(event) is Warned and self._is_ignored(event):
+            return
         self._has_happened = True
         if type(event) in _IN_WINDOW:
             self.popup.take(event)
+            if self._observers is not None and isinstance(event, TaskStateChanged):
+                self._end_observers(event)
+        if type(event) in OBSERVED:
+            self._observe(event)
         self.host.spend_event()
         if self._witness is not None:
             self._witness.event(event)
@@ -475,6 +490,51 @@ class Kernel:
             self.on_change(change)
         else:
             self._on_event(event_of(change))
+
+    def _is_ignored(self, event: Warned) -> bool:
+        """Return whether the option `ignore`, or a comment in its line, leaves a warning out."""
+        if event.code and event.code in self._ignored:
+            return True
+        program = self.host.program
+        if not event.line or program is None or event.thread.startswith(SECONDARY_THREAD):
+            return False
+        source = program.source
+        if source is None or CHECK_MARK not in source.text:
+            return False
+        # Imported late: few programs have such a comment.
+        from elitescript.lint.suppression import hides
+
+        return hides(source, event.line, event.code)
+
+    def _observe(self, seen: Event | Observation) -> None:
+        """Warn of what observers find by an event or an observation."""
+        if self._observers is None:
+            # Imported late: in few programs anything happens that they take.
+            from elitescript.findings.observing import Observers
+
+            self._observers = Observers()
+        self._tell_found(self._observers.see(seen))
+
+    def _end_observers(self, event: TaskStateChanged) -> None:
+        """Warn of what observers find at the end of the program, and forget them."""
+        if event.state is TaskState.STOPPED and self._observers is not None:
+            observers, self._observers = self._observers, None
+            self._tell_found(observers.end(event.ending))
+
+    def _tell_found(self, findings: list[Finding]) -> None:
+        for found in findings:
+            self.emit(
+                Warned(
+                    self.controller.tick,
+                    found.text,
+                    found.thread,
+                    found.line,
+                    found.code,
+                    found.hint,
+                    found.column,
+                    found.severity,
+                )
+            )
 
     def _record(self, event: Event) -> None:
         """Have the clients get an event, unless it is a warning of which the program has made many."""
@@ -496,6 +556,10 @@ class Kernel:
         self.emit(DeviceNoted(self.controller.tick, "fault", text))
 
 
+CHECK_MARK: Final = "check:"
+"""In every text with a comment that hides findings."""
+SECONDARY_THREAD: Final = "sec"
+"""Begin of the name of a thread whose lines are not those of the program."""
 _IN_WINDOW: Final = frozenset({Popup, TaskStateChanged})
 """Events that open or close the message window."""
 

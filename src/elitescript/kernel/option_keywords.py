@@ -59,5 +59,8 @@ class RobotKeywords(TypedDict, total=False):
     computer; HOST[:PORT],..., these as well; all (default: 'local')"""
     strict: bool
     """refuse what only warns otherwise (default: False)"""
+    ignore: str
+    """codes of findings that check and runs leave out, such as W230,N280; what ends a program cannot be left out
+    (default: '')"""
     confirms_popups: bool
     """confirm popups that block at once; if not, a client of the dashboard does (default: True)"""

@@ -17,7 +17,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.controller.modes import AT_ONCE, REALISTIC, PowerTimes
-from elitescript.errors import UsageError, did_you_mean
+from elitescript.errors import CODES, UsageError, did_you_mean
 from elitescript.messages.motion import Six
 from elitescript.messages.profile import (
     BRACKETED,
@@ -176,6 +176,26 @@ class Network:
             return ",".join(parse_values([value], "--network")[2])
         except UsageError as error:
             raise UsageError(f"must be {self}, got {value!r}: {str(error).partition(': ')[2]}") from None
+
+
+class Codes:
+    """Codes of findings, separated by commas. What keeps a text from starting cannot be named."""
+
+    __slots__ = ()
+
+    def __str__(self) -> str:
+        return 'codes of findings such as "W230,N280"'
+
+    def accept(self, value: Any) -> str:
+        if not isinstance(value, str):
+            raise UsageError(f"must be {self}, got {value!r}")
+        codes = [code.strip().upper() for code in value.split(",") if code.strip()]
+        for code in codes:
+            if code not in CODES:
+                raise UsageError(f"must be {self}, there is no code {code!r}")
+            if code[:2] in ("E0", "E1") or code[0] == "R":
+                raise UsageError(f"must be {self}, {code} ({CODES[code].title}) cannot be left out")
+        return ",".join(codes)
 
 
 class VersionText:
@@ -405,12 +425,25 @@ class RobotOptions:
         flag="--strict",
         commands=("run", "sweep", "check", "serve"),
     )
+    ignore: str = option(
+        "",
+        "codes of findings that check and runs leave out, such as W230,N280; what ends a program cannot be left out",
+        Codes(),
+        flag="--ignore",
+        metavar="CODES",
+        commands=("run", "plot", "sweep", "check", "serve"),
+    )
     compiles_elsewhere: bool = option(
         False, "whether long programs are compiled in another process, and begin when they come back from there"
     )
     confirms_popups: bool = option(
         False, "confirm popups that block at once; if not, a client of the dashboard does", Switch()
     )
+
+    @property
+    def ignored(self) -> frozenset[str]:
+        """The codes of `ignore`."""
+        return frozenset(self.ignore.split(",")) if self.ignore else frozenset()
 
     def __post_init__(self) -> None:
         for name, kind in _CHECKED.items():

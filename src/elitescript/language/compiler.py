@@ -56,6 +56,7 @@ class CompiledUnit:
         has_line_marks: it calls the `@line` hook.
         shows_hash_order: it may show the order of a set; see `language.hash_order`.
         probes: what its probes count; none unless `Options.probes` asks for them.
+        findings: all of `check`, in the order of the text; None if the text was compiled without.
     """
 
     source: SourceFile
@@ -67,6 +68,7 @@ class CompiledUnit:
     has_line_marks: bool
     shows_hash_order: bool
     probes: ProbeTable = NO_PROBES
+    findings: tuple[Diagnostic, ...] | None = None
 
     @property
     def statements(self) -> Sequence[CountedStatement]:

@@ -29,6 +29,7 @@ class Options:
             channel does.
         probes: count statements: `steps` for a debugger, `coverage`; see `language.probes`. Empty for not.
         first_probe: number of the first of them.
+        ignored: codes of findings that `check` leaves out.
     """
 
     strict: bool = False
@@ -36,6 +37,7 @@ class Options:
     one_line_blocks: bool = False
     probes: str = ""
     first_probe: int = 0
+    ignored: frozenset[str] = frozenset()
 
 
 DEFAULT: Final = Options()

@@ -16,7 +16,7 @@ from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.lint.registry import Finding, Rule, loaded_rules, rules_for
 from elitescript.lint.suppression import without_suppressed
 from elitescript.messages.profile import Profile
-from elitescript.records import NamedTuple
+from elitescript.records import NamedTuple, replace
 
 _ANY_SYNTAX = "E001"
 _BESIDE_SYNTAX = ("E104", "E105", "E107", "E115")
@@ -51,6 +51,7 @@ def check_source(
     strict: bool = False,
     presets: Collection[str] = (),
     arm: ArmFacts | None = None,
+    ignored: frozenset[str] = frozenset(),
 ) -> tuple[Diagnostic, ...]:
     """Return all problems of a text, in its order: what keeps it from starting, and what the rules find.
 
@@ -62,8 +63,10 @@ def check_source(
         strict: make an error of what only this implementation accepts, and of what cannot be meant.
         presets: names of globals that have a value before the program begins.
         arm: the arm that it is for, a `RobotModel`; None leaves out what depends on it.
+        ignored: codes of findings to leave out.
     """
-    return compile_checked(source, profile, Options(strict=strict), presets=presets, arm=arm).problems
+    options = Options(strict=strict, ignored=ignored)
+    return compile_checked(source, profile, options, presets=presets, arm=arm).problems
 
 
 @without_collection
@@ -109,7 +112,8 @@ def check_parsed(
         problems += error.problems
     else:
         problems += unit.diagnostics
-    return CheckResult(unit, _reported(problems, parsed.source), options.strict)
+    found = _reported(problems, parsed.source, options.ignored)
+    return CheckResult(None if unit is None else replace(unit, findings=found), found, options.strict)
 
 
 @without_collection
@@ -117,7 +121,7 @@ def problems_of(program: AnalysedProgram) -> tuple[Diagnostic, ...]:
     """Return all problems of a text that was analysed, as `check_source`, and leave its tree as it is."""
     parsed = program.parsed
     problems = _findings(program) if parsed.is_complete else []
-    return _reported([*problems, *problems_in(parsed, program.census)], parsed.source)
+    return _reported([*problems, *problems_in(parsed, program.census)], parsed.source, parsed.options.ignored)
 
 
 def _findings(program: AnalysedProgram) -> list[Diagnostic]:
@@ -127,8 +131,8 @@ def _findings(program: AnalysedProgram) -> list[Diagnostic]:
     return [_located(finding, rule, program) for rule in rules for finding in rule.check(program)]
 
 
-def _reported(problems: list[Diagnostic], source: SourceFile) -> tuple[Diagnostic, ...]:
-    return in_order(_merged(without_suppressed(problems, source)))
+def _reported(problems: list[Diagnostic], source: SourceFile, ignored: frozenset[str]) -> tuple[Diagnostic, ...]:
+    return in_order(_merged(without_suppressed(problems, source, ignored)))
 
 
 def _located(finding: Finding, rule: Rule, program: AnalysedProgram) -> Diagnostic:

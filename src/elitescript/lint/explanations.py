@@ -19,7 +19,7 @@ _KINDS: Final = {
     "catch it, and `run --strict` refuses it.",
     "R1": "An alarm: the program ends on this line, unless it catches the exception.",
     "W2": "The program starts.",
-    "N2": "The program starts; a sound program may have it.",
+    "N2": "The program starts. A note: a sound program may have it too, and no verdict depends on it.",
 }
 
 
@@ -479,6 +479,19 @@ _TEXTS: Final[dict[str, str]] = {
               textmsg("good")
             end
             data = socket_read_byte_list(4)    # no finding: bytes(data[1:]).decode("gbk") is the text
+        """,
+    "N280": """
+        Data that a channel had received was not read when the program ended. Often it is the end of an answer of which
+        the program read only the beginning; the next question to the same device then gets the answer to the last one.
+
+            socket_send_line("GET POS")
+            n = socket_read_ascii_float(1)     # the answer was (1.5, 2.5): what follows is left
+        """,
+    "W280": """
+        The program ended while it still moved the arm: `servoj` was before its target, `speedj` or `speedl` had no
+        stop behind it, force mode or the tracking of a conveyor was on. The arm brakes where it is at that moment.
+
+            servoj(q, t=0.008)                 # W280: returns after 8 ms, 0.79 rad before q, and the program ends
         """,
     "R150": """
         The program has requested more memory than the run may have. Make shorter lists and texts, or keep fewer of

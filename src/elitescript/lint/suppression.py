@@ -1,4 +1,4 @@
-"""Hides findings on lines with `# check: ignore`.
+"""Hides findings on lines with `# check: ignore`, those of `check` and those of runs.
 
 `# check: ignore` hides every finding on its line, `# check: ignore[W203, E305]` those with these codes. What
 keeps the program from starting cannot be hidden.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from functools import cache
+from functools import cache, lru_cache
 
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.text.masked import lex
@@ -17,13 +17,23 @@ from elitescript.language.text.source import SourceFile
 _MARK = "check:"
 
 
-def without_suppressed(problems: Iterable[Diagnostic], source: SourceFile) -> list[Diagnostic]:
-    """Return the problems that no comment hides."""
-    found = list(problems)
+def without_suppressed(
+    problems: Iterable[Diagnostic], source: SourceFile, ignored: frozenset[str] = frozenset()
+) -> list[Diagnostic]:
+    """Return the problems that no comment hides, and whose codes are not ignored."""
+    found = [problem for problem in problems if problem.code not in ignored or not can_be_hidden(problem)]
     if _MARK not in source.text:
         return found
     hidden = _suppressions(source)
     return [problem for problem in found if not _is_hidden(problem, hidden)]
+
+
+def hides(source: SourceFile, line: int, code: str) -> bool:
+    """Return whether a comment in a line hides what a run finds there; without a code only one that hides all."""
+    if _MARK not in source.text:
+        return False
+    codes = _kept_suppressions(source).get(line)
+    return codes is not None and (not codes or code in codes)
 
 
 def can_be_hidden(problem: Diagnostic) -> bool:
@@ -55,6 +65,11 @@ def _is_hidden(problem: Diagnostic, hidden: dict[int, frozenset[str]]) -> bool:
 @cache
 def _pattern() -> re.Pattern[str]:
     return re.compile(r"#\s*check:\s*ignore\b(?:\s*\[(?P<codes>[^\]]*)\])?")
+
+
+@lru_cache(maxsize=8)
+def _kept_suppressions(source: SourceFile) -> dict[int, frozenset[str]]:
+    return _suppressions(source)
 
 
 def _suppressions(source: SourceFile) -> dict[int, frozenset[str]]:

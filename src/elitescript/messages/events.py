@@ -59,6 +59,19 @@ UNDELIVERED: Final = "W270"
 BARRED: Final = "W274"
 """Code of warnings about connections that the options of the robot do not let through."""
 
+SOURCES: Final = {
+    "N280": "end",
+    "R110": "limit",
+    "R130": "end",
+    "R140": "limit",
+    "R141": "limit",
+    "R142": "limit",
+    "W273": "contact",
+    "W280": "end",
+    UNDELIVERED: "end",
+}
+"""What has found a warning or alarm, by its code; `run` for all others. See `findings.Finding.source`."""
+
 
 @record
 class Warned:
@@ -75,9 +88,15 @@ class Warned:
     column: int = 0
     """From 1, in characters; 0 if unknown."""
     severity: str = "warning"
-    """`error` for a finding that `check` calls an error, though the program starts."""
+    """`error` for a finding that `check` calls an error, though the program starts; `note` for what a sound program
+    may have too."""
     is_exception: bool = False
     """Whether an exception has ended a secondary program, or kept one from starting."""
+
+    @property
+    def source(self) -> str:
+        """What has found it: `run`, `contact`, `limit` or `end`."""
+        return SOURCES.get(self.code, "run")
 
     def __str__(self) -> str:
         """Place, severity, code, text and hint in one line."""
@@ -310,3 +329,7 @@ def event_of(change: Event | Change) -> Event:
         return change
     tick, family, index, value, by, line = change
     return SignalChanged(tick, point_names(family)[index], value, by, line)
+
+
+OBSERVED: Final[frozenset[type]] = frozenset()
+"""Events that an observer of `findings.observing` takes; a test compares both."""

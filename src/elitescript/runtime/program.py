@@ -181,9 +181,14 @@ class Program:
             profile=self._profile,
         )
 
+    @property
+    def source(self) -> SourceFile | None:
+        """The text of the program; None before it has one."""
+        return next(iter(self._sources.values()), None)
+
     def shown(self, alarm: Alarm) -> Alarm:
         """Return an alarm from outside with the text of the program's line."""
-        source = next(iter(self._sources.values()), None)
+        source = self.source
         if source is None or not alarm.line:
             return alarm
         text = source.line(alarm.line)

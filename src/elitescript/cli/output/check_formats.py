@@ -114,7 +114,7 @@ class GithubReport(CheckReport):
         fields["endLine"] = problem.end_line
         if problem.end_line == problem.line:
             fields["endColumn"] = problem.end_column
-        fields["title"] = f"{problem.code} {CODES[problem.code].title}"
+        fields["title"] = f"{problem.code} {CODES[problem.code].title}" if problem.code else "elitescript"
         text = f"{problem.text}\nhint: {problem.hint}" if problem.hint else problem.text
         place = ",".join(f"{name}={_property(str(value))}" for name, value in fields.items())
         self._line(f"::{_COMMANDS[problem.severity]} {place}::{_message(text)}")
@@ -136,14 +136,13 @@ class SarifReport(CheckReport):
         """Leave repairs out: a log has problems only."""
 
     def problem(self, checked: CheckedFile, problem: Diagnostic) -> None:
-        if problem.code not in self._codes:
+        if problem.code and problem.code not in self._codes:
             self._codes.append(problem.code)
         artifact = self._artifact(checked)
         text = encodable(f"{problem.text}\nhint: {problem.hint}" if problem.hint else problem.text)
         region = _region(problem.line, problem.column, problem.end_line, problem.end_column)
         result: dict[str, Any] = {
-            "ruleId": problem.code,
-            "ruleIndex": self._codes.index(problem.code),
+            **({"ruleId": problem.code, "ruleIndex": self._codes.index(problem.code)} if problem.code else {}),
             "level": _LEVELS[problem.severity],
             "message": {"text": _plain(text)},
             "locations": [{"physicalLocation": {"artifactLocation": artifact, "region": region}}],

@@ -40,6 +40,10 @@ LOGS: Final = ("signals", "channels")
 """Events that lines of text leave out unless `--log` names them."""
 
 
+NO_FINDINGS: Final = {"error": 0, "warning": 0, "note": 0}
+"""Numbers of findings of a run that has none."""
+
+
 def parse_logs(text: str | None) -> frozenset[str]:
     """Return the names of `--log`, separated by commas; none if it is not given.
 
@@ -84,7 +88,7 @@ class JsonRunReport:
     def still_running(self, robot: VirtualRobot, wall_s: float) -> None:
         print(_where(robot, wall_s), file=sys.stderr)
 
-    def end(self, run: Run, *, is_interrupted: bool, overruns: int | None) -> None:
+    def end(self, run: Run, *, is_interrupted: bool, overruns: int | None, is_spoilt: bool = False) -> None:
         record: dict[str, Any] = {
             "type": "end",
             "state": run.state,
@@ -104,7 +108,12 @@ class JsonRunReport:
             record["reproducible"] = False
         if run.state not in ("finished", "alarm"):
             record["threads"] = [thread._asdict() for thread in run.threads]
+        record["findings"] = run.findings.counts() if run.has_findings else dict(NO_FINDINGS)
+        record["why"] = run.why
         self._write(record)
+
+    def finish(self) -> None:
+        pass
 
 
 class TextRunReport:
@@ -182,7 +191,7 @@ class TextRunReport:
     def _warned(self, event: Warned) -> None:
         if (event.code, event.line) in self._reported:
             return
-        role = "error" if event.severity == "error" else "warning"
+        role = event.severity
         kind = self._palette.paint(role, shown_word(f"{event.severity} {event.code}".rstrip()))
         where = f"line {event.line}: " if event.line else ""
         self._problem(event.tick, f"{kind}: {where}{shown(event.text)}")
@@ -219,8 +228,15 @@ class TextRunReport:
         self._out.flush()
         print(_where(robot, wall_s), file=self._err)
 
-    def end(self, run: Run, *, is_interrupted: bool, overruns: int | None) -> None:
-        """Report the end of a run; `overruns` are ticks that began late, None if it was not paced."""
+    def end(self, run: Run, *, is_interrupted: bool, overruns: int | None, is_spoilt: bool = False) -> None:
+        """Report the end of a run.
+
+        Args:
+            run: the run.
+            is_interrupted: whether Ctrl-C has ended it.
+            overruns: ticks that began late; None if it was not paced.
+            is_spoilt: whether it has finished with warnings that `--strict` does not allow.
+        """
         wall_s = time.perf_counter() - self._start_s
         words = {
             "finished": "finished",
@@ -236,7 +252,16 @@ class TextRunReport:
         late = f"; {overruns} ticks began late" if overruns else ""
         role = {"finished": "finished", "alarm": "alarm"}.get(run.state, "warning")
         state = palette_of(self._out).paint(role, words[run.state])
-        print(f"{run.time_s:10.3f} s  {state} (robot time; {wall_s:.2f} s of yours{late})", file=self._out)
+        # An alarm is the state.
+        counted = run.findings.without_alarms.words if run.has_findings else ""
+        found = f", {counted}" if counted else ""
+        spoilt = ", which --strict does not allow" if is_spoilt else ""
+        print(
+            f"{run.time_s:10.3f} s  {state}{found}{spoilt} (robot time; {wall_s:.2f} s of yours{late})", file=self._out
+        )
+
+    def finish(self) -> None:
+        """Complete the report, also of a program that was refused."""
 
 
 RunReport = JsonRunReport | TextRunReport

@@ -23,6 +23,7 @@ from elitescript.messages.yielding import YieldRequest
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.plausibility import Doubt
+    from elitescript.messages.observations import Observation
 
 
 class Machine(Protocol):
@@ -157,6 +158,9 @@ class Machine(Protocol):
 
     def emit(self, event: Event) -> None:
         """Record an event."""
+
+    def observe(self, seen: Observation) -> None:
+        """Hand an observation to the observers of the run."""
 
 
 Rule = Callable[[bytearray, bool], tuple[Any, int]]

@@ -174,6 +174,11 @@ class ComplianceControl:
             self._is_guided_by_input = True
 
     @property
+    def force_caller(self) -> Caller | None:
+        """Line and thread that have begun force mode; None if it is off."""
+        return self._force.caller if self._force.is_on else None
+
+    @property
     def is_guiding(self) -> bool:
         """Whether hand guiding is on, or the arm still comes to rest after it."""
         return self._guiding.is_on or self._guiding.is_active

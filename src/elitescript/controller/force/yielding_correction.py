@@ -130,6 +130,11 @@ class YieldingCorrection(ABC):
         self.is_on = False
 
     @property
+    def caller(self) -> Caller:
+        """Line and thread that have begun it last."""
+        return self._caller
+
+    @property
     @abstractmethod
     def is_active(self) -> bool:
         """Whether the arm yields, or comes to rest."""

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Callable, Hashable, Iterable
+from typing import TYPE_CHECKING, Final
 
 from elitescript.controller.motion.joint_drive import Drive, JointDrive
 from elitescript.controller.motion.move_sequencing import (
@@ -49,8 +50,15 @@ from elitescript.motion.streaming.twist import ToolMotion
 from elitescript.motion.timing.timescale import stop_ramp, stop_ramp_tool
 from elitescript.records import replace
 
+if TYPE_CHECKING:
+    from elitescript.messages.observations import MotionLeft
+
 AnyDrive = JointDrive | ToolDrive | ServoDrive
 AnySource = Move | Braking | AnyDrive
+
+
+LEFT_MIN: Final = 1e-3
+"""Way of a joint to its target, rad, or speed, rad/s, below which the arm is there, or stands."""
 
 
 class MotionControl:
@@ -282,6 +290,21 @@ class MotionControl:
         source = self._source
         if not (isinstance(source, Move) and source.is_returned and self._next is None):
             self.stop(tick)
+
+    def left(self, tick: int) -> MotionLeft | None:
+        """Return the stream or the speed that is under way though its program has finished; None if there is none."""
+        source = self._source
+        if not isinstance(source, Drive) or source.is_stopping:
+            return None
+        # Imported late: few programs end so.
+        from elitescript.messages.observations import MotionLeft
+
+        q, qd = self.setpoint(tick)
+        left = max(abs(a - b) for a, b in zip(source.q_rest, q, strict=True)) if source.has_target else 0.0
+        speed = max(map(abs, qd))
+        if left < LEFT_MIN and (source.has_target or speed < LEFT_MIN):
+            return None
+        return MotionLeft(tick, source.command, source.line, source.thread, left, speed)
 
     def take_over(self, profile: SpeedProfile, tick: int, thread: str) -> int:
         """Come to rest by a profile that begins in the present state; return the number of the call that ends then."""

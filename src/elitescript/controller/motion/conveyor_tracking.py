@@ -143,6 +143,11 @@ class Tracking:
         """Whether a conveyor is tracked."""
         return self._conveyor is not None
 
+    @property
+    def caller(self) -> tuple[int, str] | None:
+        """Line and thread that have begun the tracking; None if no conveyor is tracked."""
+        return None if self._conveyor is None else (self._line, self._thread)
+
     def request(
         self, request: TrackRequest, tick: int, now: Setpoint, T_flange_tcp: Transform, line: int, thread: str
     ) -> int:

@@ -40,6 +40,8 @@ class Drive:
 
     reaches_end = True
     is_stepped = False
+    has_target = False
+    """Whether it comes to rest at a target, `q_rest`."""
 
     def __init__(self, call: MotionCall, request: DriveRequest, t_s: float | None) -> None:
         self.is_stopping = False
@@ -56,6 +58,11 @@ class Drive:
         self._timeout_tick = None if t_s is None else call.tick + ticks
         self._held_ticks = -1
         return ticks
+
+    @property
+    def command(self) -> str:
+        """Name of the command that asked for it last."""
+        return type(self.request).__name__.lower()
 
     def is_awaited(self, number: int) -> bool:
         """Return whether the call of that number is not over."""

@@ -229,6 +229,7 @@ class ServoDrive(Stepped):
 
     __slots__ = ("_deceleration", "_gain", "_is_near_range", "_limits", "_q_target", "_window", "state")
 
+    has_target = True
     _ahead: ServoState | Obstacle | None
 
     def __init__(

@@ -130,7 +130,9 @@ class Sockets:
     def close_all(self) -> None:
         """Close every connection: the program is over."""
         self._is_over = True
-        for name in list(self._by_name):
+        for name, connection in list(self._by_name.items()):
+            if connection.received:
+                connection.log.left(bytes(connection.received))
             self.close(name)
 
     def is_connected(self, name: str) -> bool:

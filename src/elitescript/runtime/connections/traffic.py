@@ -86,6 +86,12 @@ class Traffic:
             data = LEFT_OUT
         self._machine.emit(ChannelActivity(tick, channel[:NAME_MAX], kind, what, data, line, thread))
 
+    def left(self, kind: str, channel: str, data: bytes, *, line: int, thread: str) -> None:
+        """Let observers see what a program has left unread at its end."""
+        from elitescript.messages.observations import ChannelLeft
+
+        self._machine.observe(ChannelLeft(self._machine.tick, channel[:NAME_MAX], kind, data, line, thread))
+
     def bar(self, kind: str, channel: str, reason: str, *, line: int, thread: str) -> None:
         """Record a connection that the options of the robot do not let through, and warn of it once for each line."""
         self.note(kind, channel, "refused", reason, line=line, thread=thread)
@@ -160,6 +166,10 @@ class ChannelLog:
     def lost(self, reason: str) -> None:
         """Record that the peer has closed, or the connection broke."""
         self._traffic.note(self._kind, self._channel, "closed", reason or "by the other side")
+
+    def left(self, data: bytes) -> None:
+        """Let observers see what the program has left unread at its end, with the statement that has opened it."""
+        self._traffic.left(self._kind, self._channel, data, line=self._line, thread=self._thread)
 
     def closed(self, reason: str, *, is_late: bool = False) -> None:
         """Record that this side has closed; `is_late` if it has not opened in time."""

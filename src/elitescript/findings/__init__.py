@@ -1,0 +1,1 @@
+"""What is found in a run: observers, and the one list of findings of text and run."""

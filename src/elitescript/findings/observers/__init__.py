@@ -1,0 +1,1 @@
+"""Observers of runs, one file each; `findings.observing` says how one is written."""
