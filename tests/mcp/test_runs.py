@@ -142,5 +142,6 @@ def test_findings_of_text_and_run_come_first_with_the_reason_of_the_end():
     assert [(row["code"], row["line"], row["source"]) for row in answer["findings"]] == [
         ("R100", 2, "run"),
         ("E301", 3, "check"),
+        ("W264", 2, "check"),
     ]
     assert (answer["findings_left_out"], answer["why"]) == (0, "ZeroDivisionError: division by zero: the divisor is 0")
