@@ -8,7 +8,7 @@ from elitescript.cli.main import main
 
 SERVO = "def f():\n  q = get_actual_joint_positions()\n  q[0] = q[0] + 0.8\n  servoj(q, t=0.008)\nend\n"
 SOUND = "def f():\n  sleep(0.1)\nend\n"
-ALARM = "def f():\n  x = 1 / 0\nend\n"
+ALARM = "def f():\n  x = 1 / len([])\nend\n"
 HANG = "def f():\n  while not get_standard_digital_in(3):\n    sleep(0.1)\n  end\nend\n"
 TEXT = "def f():\n  import numpy\nend\n"
 
@@ -79,7 +79,7 @@ def test_a_warning_says_code_line_hint_and_source(call):
 
 
 def test_sarif_has_findings_of_text_and_run_and_nothing_else_is_on_standard_output(call):
-    code, out, err = call('def f():\n  textmsg("hello")\n  x = 1 / 0\n  movj(1)\nend\n', "--format", "sarif")
+    code, out, err = call('def f():\n  textmsg("hello")\n  x = 1 / len([])\n  movj(1)\nend\n', "--format", "sarif")
     log = json.loads(out)
     assert code == 1
     assert [row["ruleId"] for row in log["runs"][0]["results"]] == ["R100", "E301"]
