@@ -132,7 +132,7 @@ class Witness:
             self.outside.append(f"{where}, but {words(value)!r} was said of it\n{described.unit.source.text}")
 
 
-_DEBUGGING = ("tests/dap/", "tests/debugger/", "tests/studio/", "tests/mcp/")
+_DEBUGGING = ("tests/dap/", "tests/debugger/", "tests/studio/", "tests/mcp/", "tests/sweep/")
 WITNESS = Witness()
 _WAIT, _BODY_OF = Scheduler.wait, Program.body_of
 
@@ -155,7 +155,7 @@ def pytest_configure() -> None:
 @pytest.hookimpl(hookwrapper=True)
 def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
     """Fail a test in whose programs a value is outside of what was said of it."""
-    # Where calls are counted, those that look at values would be counted too; a debugger changes variables.
+    # Where calls are counted, those that look at values would be counted too; debuggers and sweeps change variables.
     WITNESS.is_on = "calls" not in item.name and not item.nodeid.startswith(_DEBUGGING)
     yield
     if WITNESS.outside:
