@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import socket
@@ -118,8 +119,8 @@ def test_what_is_no_scheduler_is_told_in_time(stranger: str, monkeypatch: pytest
     ("cause", "said"),
     [
         (None, "what is there closes the connection"),
-        (ConnectionResetError(), "what is there closes the connection"),
-        (ConnectionRefusedError(), "Timed out trying to connect"),
+        (ConnectionResetError(errno.ECONNRESET, "reset"), "what is there closes the connection"),
+        (ConnectionRefusedError(errno.ECONNREFUSED, "refused"), "Timed out trying to connect"),
     ],
 )
 def test_what_closes_before_the_first_message_is_told(

@@ -16,6 +16,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
+from errno import ECONNRESET
 from math import ceil
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Final
@@ -322,7 +323,6 @@ class Cluster:
         """
         from distributed import Security
         from distributed.comm.core import CommClosedError, connect
-        from tornado.iostream import StreamClosedError
 
         try:
             async with asyncio.timeout(CONNECT_S):
@@ -335,9 +335,9 @@ class Cluster:
         except OSError as error:
             # What closes at once may be gone before the first message, which is tried again until the time is up.
             last = error if isinstance(error, CommClosedError) else error.__cause__
-            ends = (type(None), StreamClosedError, ConnectionResetError)
-            was_open = last is error or (isinstance(last, CommClosedError) and isinstance(last.__cause__, ends))
-            why = "what is there closes the connection" if was_open else str(error)
+            # An end that is in order has no number of the system; one that never opened has another.
+            is_end = isinstance(last, CommClosedError) and getattr(last.__cause__, "errno", None) in (None, ECONNRESET)
+            why = "what is there closes the connection" if is_end else str(error)
         except Exception:
             # Whatever reading something else than a message raises.
             why = "what is there sends something else"
