@@ -54,7 +54,7 @@ def test_a_password_is_given_as_text_or_in_a_file(tmp_path: Path) -> None:
     assert login(f"@{tmp_path / 'pw'}") == Login("root", "from file", is_random=False)
 
 
-@pytest.mark.parametrize("text", ["", "x" * 257, "a\nb", "a\0"])
+@pytest.mark.parametrize("text", ["", "x" * 257, "a\nb", "abcdefg\0"])
 def test_what_is_no_password_is_refused(text: str, tmp_path: Path) -> None:
     (tmp_path / "pw").write_text(text)
     for given in (text, f"@{tmp_path / 'pw'}"):
