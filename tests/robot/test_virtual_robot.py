@@ -477,6 +477,15 @@ def test_other_units_are_guessed(robot, call, hint):
     assert hint in alarm.details["hint"]
 
 
+@pytest.fixture
+def _interrupts():
+    """Handle SIGINT as Python does, also where the caller ignores it, as shells do for what runs in the background."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("_interrupts")
 def test_ctrl_c_ends_the_run_cleanly_and_then_interrupts():
     def press(event):
         if getattr(event, "text", "") == "now":
