@@ -101,6 +101,13 @@ _ROWS: Final = (
     # What observers of a run find.
     Code("N280", "note", "data that was left unread"),
     Code("W280", "warning", "end of a program while the arm is under way"),
+    Code("W281", "warning", "answer that is not to the question"),
+    Code("W282", "warning", "numbers that were dropped"),
+    Code("W283", "warning", "reading that ended with data there"),
+    Code("W284", "warning", "open name that is opened for another server"),
+    Code("N281", "note", "connection that the peer has closed"),
+    Code("N282", "note", "text beyond ASCII"),
+    Code("N283", "note", "reading that ended with a part"),
     # What contradicts the command catalogue; a program may catch it, so it starts unless it is strict.
     Code("E301", "error", "unknown command"),
     Code("E302", "error", "command of a newer firmware"),

@@ -25,7 +25,18 @@ from typing import Any, Final
 from elitescript.errors import CODES
 from elitescript.messages.events import Event
 from elitescript.messages.findings import Finding
-from elitescript.messages.observations import ChannelLeft, MotionLeft, Observation
+from elitescript.messages.observations import (
+    ChannelLeft,
+    MotionLeft,
+    NumbersDropped,
+    Observation,
+    OddAnswer,
+    OtherServer,
+    PeerClosed,
+    ReadingEnded,
+    ReadingResumed,
+    TextBeyondAscii,
+)
 from elitescript.records import NamedTuple
 
 
@@ -57,6 +68,12 @@ class Row(NamedTuple):
 OBSERVERS: Final = (
     Row("unread_data", "UnreadData", (ChannelLeft,)),
     Row("end_under_way", "EndUnderWay", (MotionLeft,)),
+    Row("odd_answers", "OddAnswers", (OddAnswer,)),
+    Row("dropped_numbers", "DroppedNumbers", (NumbersDropped,)),
+    Row("unfinished_readings", "UnfinishedReadings", (ReadingEnded, ReadingResumed)),
+    Row("closed_peers", "ClosedPeers", (PeerClosed,)),
+    Row("other_servers", "OtherServers", (OtherServer,)),
+    Row("beyond_ascii", "BeyondAscii", (TextBeyondAscii,)),
 )
 """All observers, in the order in which they see what they share."""
 

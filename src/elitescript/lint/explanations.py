@@ -459,6 +459,54 @@ _TEXTS: Final[dict[str, str]] = {
 
             servoj(q, t=0.008)                 # W280: returns after 8 ms, 0.79 rad before q, and the program ends
         """,
+    "W281": """
+        `socket_get_var` sends `GET POS` and takes the next line for the answer. When that line has another form, or
+        none came within 2 s, the value is 0. A line that had come before the question was sent belongs to something
+        else, such as an `ack` to `socket_set_var`; from then on each answer is that to the question before.
+
+            socket_set_var("GTO", 1, "g")      # the device answers "ack"
+            pos = socket_get_var("POS", "g")   # W281: read "ack" first, socket_read_string("g", suffix="\\n")
+        """,
+    "W282": """
+        `socket_read_ascii_float` drops what is more than it was asked for, and everything from the first field on that
+        is no number. Six numbers for three are decimal commas: a comma separates numbers. Fewer numbers than asked for
+        are no finding: the first element of the result says how many came.
+
+            r = socket_read_ascii_float(3)     # W282 for (1,5, 2,5, 3,5): 1, 5 and 2; let (1.5, 2.5, 3.5) be sent
+        """,
+    "W283": """
+        A reading ended by its timeout, so it gave no text or no numbers, although data had come: the prefix, the suffix
+        or the parenthesis that it waits for was not in it. The data stays, and is in front of the next text. A reading
+        of less than 0.5 s is told at the end of the program, and only if no later one has brought the data.
+
+            s = socket_read_string("cam", suffix="\\r\\n")    # W283 for "12.5\\n": read with suffix="\\n"
+        """,
+    "W284": """
+        `socket_open` keeps a connection of that name that still stands, and returns True, whatever address it is given.
+        What is sent then goes to the first server. Without a name both have the same one. The same address again is no
+        finding.
+
+            socket_open("192.168.1.20", 5000)          # camera
+            socket_open("192.168.1.50", 6000)          # W284: still the camera; name it: "plc"
+        """,
+    "N281": """
+        The peer has closed the connection, or it broke, and the program goes on reading or sending. Readings give
+        nothing, sending returns False. Told once a connection; what had arrived before the close is read without it.
+
+            ok = socket_send_line("next", 0, "cam")    # N281: look at ok, close the name and open it anew
+        """,
+    "N282": """
+        The manual has ASCII in texts. Other characters go as UTF-8, in two to four bytes each, which a receiver may
+        read as something else.
+
+            socket_send_line("22 °C")                  # N282: ° goes as c2 b0; "22 C" is let pass
+        """,
+    "N283": """
+        A reading of so many bytes or numbers ended by its timeout with a part of them. The result says how many there
+        are; a sound program looks at that.
+
+            b = socket_read_byte_list(9)               # N283 for 5 bytes: b[0] is 5
+        """,
     "R150": """
         The program has requested more memory than the run may have. Make shorter lists and texts, or keep fewer of
         them; `run --memory-limit` sets what a run may have.

@@ -41,4 +41,121 @@ class MotionLeft:
     """Speed of the fastest joint, rad/s."""
 
 
-Observation = ChannelLeft | MotionLeft
+@record
+class OddAnswer:
+    """A question of `socket_get_var` got an answer that is not to it, or none."""
+
+    tick: int
+    channel: str
+    kind: str
+    line: int
+    thread: str
+    question: str
+    """As it was sent, without its line end."""
+    earlier: str
+    """What had arrived before the question was sent and was not read."""
+    answer: str | None
+    """The line that was taken for the answer and has another form; None if the form is right or no line came."""
+    is_late: bool
+    """Whether no whole line came in time."""
+
+
+@record
+class NumbersDropped:
+    """A list in parentheses had more numbers than were asked for, or something in it was no number."""
+
+    tick: int
+    channel: str
+    kind: str
+    line: int
+    thread: str
+    text: str
+    """The list as it came, without its parentheses."""
+    asked: int
+    came: int
+    """Fields of the list."""
+    read: int
+    """Those that the program gets."""
+
+
+@record
+class ReadingEnded:
+    """A reading ended by its timeout although data was there."""
+
+    tick: int
+    channel: str
+    kind: str
+    line: int
+    thread: str
+    data: bytes
+    lacks: str
+    """What kept it from ending: `prefix`, `suffix`, `parenthesis`, or `count`."""
+    wanted: str
+    """The mark that did not come; of a count, what came of how much."""
+    waited_s: float
+
+
+@record
+class ReadingResumed:
+    """A reading behind one that ended early has brought its data."""
+
+    tick: int
+    channel: str
+    kind: str
+    line: int
+    thread: str
+
+
+@record
+class PeerClosed:
+    """A program uses a connection that its peer has closed, for the first time since."""
+
+    tick: int
+    channel: str
+    kind: str
+    line: int
+    thread: str
+    done: str
+    """`read` or `sent`."""
+    reason: str
+    """Of the close; empty if the peer has just closed."""
+
+
+@record
+class OtherServer:
+    """A name that is open was opened for another server: the connection stays as it is."""
+
+    tick: int
+    channel: str
+    kind: str
+    line: int
+    thread: str
+    place: str
+    """Address and port that the name stands for."""
+    wanted: str
+    """Address and port that were given."""
+
+
+@record
+class TextBeyondAscii:
+    """A text was sent that has characters beyond ASCII."""
+
+    tick: int
+    channel: str
+    kind: str
+    line: int
+    thread: str
+    text: str
+
+
+Observation = (
+    ChannelLeft
+    | MotionLeft
+    | OddAnswer
+    | NumbersDropped
+    | ReadingEnded
+    | ReadingResumed
+    | PeerClosed
+    | OtherServer
+    | TextBeyondAscii
+)
