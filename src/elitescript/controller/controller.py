@@ -29,7 +29,8 @@ from elitescript.controller.safety.force_watch import ForceWatch
 from elitescript.controller.safety.limits import SafetyLimits
 from elitescript.controller.safety.monitor import SafetyMonitor
 from elitescript.controller.safety.reduced_speed import ReducedSpeed
-from elitescript.controller.signals.image import SIGNAL_SETTINGS, SignalImage
+from elitescript.controller.signals.image import SIGNAL_SETTINGS, TOOL_PIN_IN, SignalImage
+from elitescript.controller.signals.signal_watch import SignalWatch
 from elitescript.controller.tasks import ProgramPort, Task
 from elitescript.controller.tool_setup import SETUP_HANDLERS, Setup
 from elitescript.errors import MotionError, ScriptStateError
@@ -120,6 +121,7 @@ class Controller:
         "_on_event",
         "_on_observation",
         "_tick",
+        "_watch",
         "arm",
         "arm_state",
         "joint_ranges",
@@ -167,6 +169,7 @@ class Controller:
         self.requests = 0
         """Requests that were carried out, or refused, since the start."""
         self._inbox = RequestQueue()
+        self._watch = SignalWatch(on_observation)
         self.signals = SignalImage(self._signal_changed, self._write_overridden)
         mode = RobotMode.RUNNING if is_powered else RobotMode.POWER_OFF
         self.power = Power(lambda mode: on_event(RobotModeChanged(self._tick, mode)), mode, power_times)
@@ -459,7 +462,13 @@ class Controller:
 
     def read(self, name: str, index: int = 0) -> Value:
         """Return the level of a signal."""
+        if self._watch.inputs:
+            self._look(name, index)
         return self.signals.read(name, index)
+
+    def _look(self, name: str, index: int) -> None:
+        thread, line = self.task.program.caller
+        self._watch.looked((name, index), self._tick, line, thread)
 
     def port_register(self, address: int, version: tuple[int, ...]) -> int:
         """See `commands.definition.context.Machine.port_register`."""
@@ -485,6 +494,8 @@ class Controller:
 
     def tool_pin(self, index: int) -> bool:
         """Return the level of a tool pin."""
+        if self._watch.inputs:
+            self._look(TOOL_PIN_IN, index)
         return self.signals.tool_pin(index)
 
     def non_default_signals(self) -> dict[str, Value]:
@@ -610,6 +621,7 @@ class Controller:
         self.task.require("start")
         self.task.name = name
         self._node = (0, "")
+        self._watch.begin_program()
         self.motion.begin_program()
         self.path_offset.begin_program(self._tick)
         self.yielding.begin_program()
@@ -671,7 +683,13 @@ class Controller:
         if SIGNALS[name].is_input:
             if name == SPEED_SIGNAL:
                 self.tracking.encoders[index].turn(float(value), self._tick)
+            self._watch.input_changed((name, index), value)
             self.safety.signal_changed(name, value, self._tick)
+        elif line:
+            program, before = self.task.program, self.signals.replaced
+            self._watch.output_changed(
+                (name, index), before, value, self._tick, line, program.caller[0], program.is_cleanup
+            )
 
     def _write_overridden(self, name: str, index: int, level: Value) -> None:
         point = signal_name(SIGNALS[name], index)

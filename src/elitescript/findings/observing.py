@@ -27,6 +27,10 @@ from elitescript.messages.events import Event
 from elitescript.messages.findings import Finding
 from elitescript.messages.observations import (
     ChannelLeft,
+    InputMissed,
+    ModbusReadAgain,
+    ModbusReadEarly,
+    ModbusReplaced,
     MotionLeft,
     NumbersDropped,
     Observation,
@@ -35,6 +39,8 @@ from elitescript.messages.observations import (
     PeerClosed,
     ReadingEnded,
     ReadingResumed,
+    RegisterCut,
+    SignalPulsed,
     TextBeyondAscii,
 )
 from elitescript.records import NamedTuple
@@ -74,6 +80,11 @@ OBSERVERS: Final = (
     Row("closed_peers", "ClosedPeers", (PeerClosed,)),
     Row("other_servers", "OtherServers", (OtherServer,)),
     Row("beyond_ascii", "BeyondAscii", (TextBeyondAscii,)),
+    Row("early_modbus", "EarlyModbus", (ModbusReadEarly, ModbusReadAgain)),
+    Row("replaced_modbus", "ReplacedModbus", (ModbusReplaced,)),
+    Row("cut_registers", "CutRegisters", (RegisterCut,)),
+    Row("pulses_in_a_tick", "PulsesInATick", (SignalPulsed,)),
+    Row("missed_inputs", "MissedInputs", (InputMissed,)),
 )
 """All observers, in the order in which they see what they share."""
 

@@ -507,6 +507,66 @@ _TEXTS: Final[dict[str, str]] = {
 
             b = socket_read_byte_list(9)               # N283 for 5 bytes: b[0] is 5
         """,
+    "W285": """
+        A MODBUS signal is 0 or False until its device has answered for the first time, some 10 ms to 0.1 s after it was
+        added. What was read before is no value. A signal that is added again in the loop that reads it never gets one.
+
+            modbus_add_signal("192.168.1.50", 255, 0, 2, "level")
+            level = modbus_get_signal_status("level")      # W285: sleep(0.5) between both lets it pass
+        """,
+    "W286": """
+        A MODBUS output is sent 10 times a second. A value that the program replaces before that never reaches the
+        device. Told at the end of the program; of a stream, such as a beat counter, it is the note N286.
+
+            modbus_set_output_signal("start", True)
+            sleep(0.02)
+            modbus_set_output_signal("start", False)       # W286: sleep(0.2) lets the device see it
+        """,
+    "W287": """
+        A register has 16 bits. Of a value that is not in -32768 to 65535 the low 16 bits are sent, which is another
+        number.
+
+            modbus_set_output_register("speed", 70000)     # W287: 4464 is sent; two registers hold it
+        """,
+    "W288": """
+        An output, register or flag changed and changed back in one tick of 4 ms. Outside, on a wire, on RTSI, in a
+        device, nothing has happened. In a block of `except` or `finally` it is the note N285.
+
+            set_standard_digital_out(0, True)
+            set_standard_digital_out(0, False)             # W288: sleep(0.1) between both makes it a pulse
+        """,
+    "W289": """
+        A digital input changed to and fro between two looks of a line that looks again and again: a pulse was missed,
+        and others will be. A line that looks at an input once a cycle, seldomer than each second, is no finding.
+
+            while not get_standard_digital_in(3):          # W289 for a pulse of 20 ms
+              sleep(0.1)                                   # sync() looks in every tick
+            end
+        """,
+    "N284": """
+        A line read a MODBUS signal before its first answer, and again later. The first readings were 0 or False, which
+        no device had sent; a loop that waits for another value is not harmed by that.
+
+            while modbus_get_signal_status("ready") == 0: sync()     # N284: the first zeros are no answers
+        """,
+    "N285": """
+        An output, register or flag got two levels in one tick of 4 ms: nothing outside has seen the first one.
+
+            write_output_integer_register(0, 5)
+            write_output_integer_register(0, 6)            # N285: 5 was never there; sync() between shows both
+        """,
+    "N286": """
+        A MODBUS output is set faster than it is sent, again and again, so that the device gets some of the values. For
+        a beat counter or a measurement that is as good.
+
+            modbus_set_output_register("beat", n % 256)    # N286 in every tick; modbus_set_signal_update_frequency
+        """,
+    "N287": """
+        A negative value goes into a register as its 16 bits: -5 as 65531. A device with signed registers reads -5, and
+        `modbus_get_signal_status` gives 65531.
+
+            modbus_set_output_register("offset", -5)       # N287
+        """,
     "R150": """
         The program has requested more memory than the run may have. Make shorter lists and texts, or keep fewer of
         them; `run --memory-limit` sets what a run may have.

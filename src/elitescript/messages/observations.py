@@ -6,6 +6,7 @@ nothing. `findings.observing` says which observer takes which.
 
 from __future__ import annotations
 
+from elitescript.messages.signals import Value
 from elitescript.records import record
 
 
@@ -148,6 +149,95 @@ class TextBeyondAscii:
     text: str
 
 
+@record
+class SignalPulsed:
+    """A program has changed an output, register or flag twice in one tick: nothing outside has seen the first level."""
+
+    tick: int
+    signal: str
+    line: int
+    """Of the second change."""
+    thread: str
+    first_line: int
+    unseen: Value
+    value: Value
+    """The level after the second change."""
+    is_back: bool
+    """Whether that is the level before the first one."""
+    is_cleanup: bool
+    """Whether the second change stands in a block of `except` or `finally`."""
+
+
+@record
+class InputMissed:
+    """A digital input has changed more than once between two looks of a line that polls it."""
+
+    tick: int
+    signal: str
+    line: int
+    thread: str
+    changes: int
+    step_ticks: int
+    """Between two looks of the line."""
+
+
+@record
+class ModbusReadEarly:
+    """A program has read a MODBUS signal before its first answer."""
+
+    tick: int
+    signal: str
+    line: int
+    thread: str
+    value: str
+    """What the program got."""
+    age_ticks: int
+    """Since the signal was added."""
+
+
+@record
+class ModbusReadAgain:
+    """A line that has read a MODBUS signal before its first answer has read it after that."""
+
+    tick: int
+    signal: str
+    line: int
+    thread: str
+
+
+@record
+class ModbusReplaced:
+    """A program has set a MODBUS signal anew before the value that it had set was sent."""
+
+    tick: int
+    signal: str
+    line: int
+    thread: str
+    unsent: str
+    value: str
+    held_ticks: int
+    """How long the value that was not sent had been set."""
+    frequency_hz: int
+    sets: int
+    """How often the signal was set before."""
+    span_ticks: int
+    """Since it was first set."""
+    is_back: bool
+    """Whether the new value is the one before that which was not sent."""
+
+
+@record
+class RegisterCut:
+    """A value for a register is not in 0 to 65535; its low 16 bits are sent."""
+
+    tick: int
+    signal: str
+    line: int
+    thread: str
+    value: int
+    sent: int
+
+
 Observation = (
     ChannelLeft
     | MotionLeft
@@ -158,4 +248,10 @@ Observation = (
     | PeerClosed
     | OtherServer
     | TextBeyondAscii
+    | SignalPulsed
+    | InputMissed
+    | ModbusReadEarly
+    | ModbusReadAgain
+    | ModbusReplaced
+    | RegisterCut
 )

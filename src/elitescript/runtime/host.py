@@ -93,6 +93,7 @@ class ScriptHost:
         "_scheduler",
         "_secondaries",
         "_seed",
+        "_unit",
         "_world",
         "alarm",
         "background",
@@ -141,6 +142,8 @@ class ScriptHost:
         self._has_warned = False
         """Whether the program was warned of a call that has held up the robot."""
         self._program: Program | None = None
+        self._unit: CompiledUnit | None = None
+        """Of the program that runs, or ran last."""
         self._main: Strand | None = None
         self._ending = ""
         self._secondaries = Secondaries(self._scheduler, self._begin_secondary, self._warn_secondary)
@@ -173,6 +176,7 @@ class ScriptHost:
             raise ScriptStateError("a program is running; stop it first")
         if world is not None:
             self._world = world
+        self._unit = unit
         self._program = program = self._new_program(presets or {})
         self.result, self.alarm, self._ending = "", None, ""
         if (meter := self._scheduler.meter) is not None:
@@ -316,6 +320,13 @@ class ScriptHost:
         """Line of the running thread; 0 while none runs."""
         strand = self._scheduler.current
         return 0 if strand is None else strand.line_behind(_FRAMES_OF_A_CHANGE)
+
+    def is_cleanup(self, line: int) -> bool:
+        """See `controller.tasks.ProgramPort.is_cleanup`."""
+        # Imported late: few runs ask for it.
+        from elitescript.language.cleanup import cleanup_lines
+
+        return self._unit is not None and line in cleanup_lines(self._unit.source)
 
     def monitor(self) -> dict[str, Any]:
         """Return the globals of the program that runs or ran last, in the order of first assignment."""

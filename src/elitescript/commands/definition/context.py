@@ -284,7 +284,7 @@ class ModbusSignalAccess(Protocol):
         """Return the value of a signal: a tuple if it has several coils or registers."""
 
     def set(self, name: str, values: tuple[int, ...], *, is_digital: bool) -> None:
-        """Set an output.
+        """Set an output; of each value of a register, the low 16 bits count.
 
         Raises:
             InvalidValueError: it is none of that sort, or has fewer coils or registers.
