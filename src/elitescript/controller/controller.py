@@ -7,6 +7,7 @@ getters and traces sample it, and a leap gives the same as the ticks that it lea
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
+from math import dist
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.controller.arm.cartesian_state import CartesianStateFinder
@@ -22,6 +23,7 @@ from elitescript.controller.motion.control import MotionControl, motion_limits
 from elitescript.controller.motion.conveyor_encoders import ENCODER_HANDLERS, SPEED_SIGNAL
 from elitescript.controller.motion.conveyor_tracking import Tracking
 from elitescript.controller.motion.path_offset import PathOffset
+from elitescript.controller.motion.sources import Move
 from elitescript.controller.request_queue import RequestQueue
 from elitescript.controller.safety.arm_watch import ArmWatch
 from elitescript.controller.safety.control import SafetyControl
@@ -206,6 +208,8 @@ class Controller:
         self.safety = SafetyControl(watch, speed, self.task, on_event, self.switch_off)
         for part in (self.motion, self.tracking, self.path_offset):
             part.on_obstacle = self.safety.meet_obstacle
+        for observed in (self.motion, self.tracking, self.yielding):
+            observed.observe = on_observation
 
     def attach(self, program: ProgramPort) -> None:
         """Set the host of scripts."""
@@ -686,10 +690,22 @@ class Controller:
             self._watch.input_changed((name, index), value)
             self.safety.signal_changed(name, value, self._tick)
         elif line:
+            if self.motion.is_moving:
+                self._look_at_blend(name, index, line)
             program, before = self.task.program, self.signals.replaced
             self._watch.output_changed(
                 (name, index), before, value, self._tick, line, program.caller[0], program.is_cleanup
             )
+
+    def _look_at_blend(self, name: str, index: int, line: int) -> None:
+        """Let observers see an output that comes behind a move with a blend radius and before its point."""
+        source, thread = self.motion.source, self.task.program.caller[0]
+        if isinstance(source, Move) and source.is_returned and not source.is_stopping and source.thread == thread:
+            from elitescript.messages.observations import OutputBeforePoint
+
+            left_m = dist(self.tcp_pose(self.joints().q_target)[:3], source.waypoint[:3])
+            signal = signal_name(SIGNALS[name], index)
+            self.observe(OutputBeforePoint(self._tick, signal, line, thread, source.line, left_m))
 
     def _write_overridden(self, name: str, index: int, level: Value) -> None:
         point = signal_name(SIGNALS[name], index)

@@ -27,6 +27,9 @@ from elitescript.messages.events import Event
 from elitescript.messages.findings import Finding
 from elitescript.messages.observations import (
     ChannelLeft,
+    CommandRefused,
+    EncoderStill,
+    ForceMetNothing,
     InputMissed,
     ModbusReadAgain,
     ModbusReadEarly,
@@ -36,11 +39,14 @@ from elitescript.messages.observations import (
     Observation,
     OddAnswer,
     OtherServer,
+    OutputBeforePoint,
     PeerClosed,
     ReadingEnded,
     ReadingResumed,
     RegisterCut,
+    ServoStarved,
     SignalPulsed,
+    StoppedAgain,
     TextBeyondAscii,
 )
 from elitescript.records import NamedTuple
@@ -85,6 +91,12 @@ OBSERVERS: Final = (
     Row("cut_registers", "CutRegisters", (RegisterCut,)),
     Row("pulses_in_a_tick", "PulsesInATick", (SignalPulsed,)),
     Row("missed_inputs", "MissedInputs", (InputMissed,)),
+    Row("starved_servo", "StarvedServo", (ServoStarved,)),
+    Row("still_encoders", "StillEncoders", (EncoderStill,)),
+    Row("free_force", "FreeForce", (ForceMetNothing,)),
+    Row("swallowed_refusals", "SwallowedRefusals", (CommandRefused,)),
+    Row("short_stops", "ShortStops", (StoppedAgain,)),
+    Row("outputs_before_points", "OutputsBeforePoints", (OutputBeforePoint,)),
 )
 """All observers, in the order in which they see what they share."""
 

@@ -567,6 +567,47 @@ _TEXTS: Final[dict[str, str]] = {
 
             modbus_set_output_register("offset", -5)       # N287
         """,
+    "W290": """
+        A target of `servoj` came after the arm had come to rest at the one before, three times at one line. The arm
+        stops and starts at each target. A new target must come when the time `t` of the one before is over.
+
+            servoj(q, t=0.008)                 # W290 with a sleep(0.1) behind it: give t=0.1 and no sleep
+        """,
+    "W291": """
+        A conveyor was tracked for 0.5 s or more by an encoder that has not counted since the start of the robot, so the
+        arm was not moved. It is not set up, nothing sets its count, or another encoder counts. A belt that has moved
+        before and stands now is no finding.
+
+            track_conveyor_linear([1, 0, 0, 0, 0, 0], 10000)    # W291: encoder_enable_set_tick_count comes before it
+        """,
+    "W292": """
+        A command that moves the arm was refused 10 times in a row at one line, another one 100 times, at most 1 s
+        apart, and the program caught it each time. The robot does nothing, and nothing shows why.
+
+            while True:
+              try: movel(p)                    # W292: end the loop in the block of except, or show the reason
+              except Exception: sleep(0.05)
+            end
+        """,
+    "N288": """
+        Force mode was on for 0.5 s or more and ended, it had a force or torque to exert, and nothing has pressed
+        against the tool. In the simulation only the world has something to touch.
+
+            force_mode([0, 0, 0, 0, 0, 0], [0, 0, 1, 0, 0, 0], [0, 0, -10, 0, 0, 0], 0, [0.1] * 6)   # N288 in the air
+        """,
+    "N289": """
+        Moves of less than 5 mm without a blend radius, more than 30 in a row, one directly behind the other: the arm
+        comes to rest at each point, which takes long and shows in glue or paint.
+
+            movel(points[i], a=1.2, v=0.25)    # N289: r=0.0005 lets it go on through the points
+        """,
+    "N290": """
+        A move with a blend radius returns where the blend begins, before its point. What stands behind it happens
+        there. That may be meant; an output that is to come at the point needs a move without `r`.
+
+            movel(p, v=0.1, r=0.02)
+            set_standard_digital_out(0, True)  # N290: 20 mm before p
+        """,
     "R150": """
         The program has requested more memory than the run may have. Make shorter lists and texts, or keep fewer of
         them; `run --memory-limit` sets what a run may have.

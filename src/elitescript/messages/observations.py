@@ -6,6 +6,7 @@ nothing. `findings.observing` says which observer takes which.
 
 from __future__ import annotations
 
+from elitescript.messages.motion import Six
 from elitescript.messages.signals import Value
 from elitescript.records import record
 
@@ -238,6 +239,84 @@ class RegisterCut:
     sent: int
 
 
+@record
+class ServoStarved:
+    """A target of `servoj` came after the arm had come to rest at the one before."""
+
+    tick: int
+    line: int
+    thread: str
+    step_ticks: int
+    """Since the target before."""
+    t_s: float
+    """Time that the call has for its target."""
+
+
+@record
+class EncoderStill:
+    """The arm has tracked an encoder that has never counted."""
+
+    tick: int
+    line: int
+    """That has begun it."""
+    thread: str
+    encoder: int
+    duration_ticks: int
+    counting: tuple[int, ...]
+    """Encoders that have counted."""
+
+
+@record
+class ForceMetNothing:
+    """Force mode has ended, had a force to exert, and nothing has ever pressed against the tool."""
+
+    tick: int
+    line: int
+    """That has begun it."""
+    thread: str
+    target: Six
+    """N and N m."""
+    duration_ticks: int
+
+
+@record
+class CommandRefused:
+    """A command has refused a call; the program may catch that."""
+
+    tick: int
+    line: int
+    thread: str
+    command: str
+    text: str
+    moves: bool
+    """Whether it is a command that moves the arm."""
+
+
+@record
+class StoppedAgain:
+    """One more of many short moves in a row has begun at rest, where the one before has ended in the same tick."""
+
+    tick: int
+    line: int
+    thread: str
+    stops: int
+    way_m: float
+    """Between the last two points."""
+
+
+@record
+class OutputBeforePoint:
+    """A program has set an output behind a move with a blend radius, before the arm is at its point."""
+
+    tick: int
+    signal: str
+    line: int
+    thread: str
+    move_line: int
+    left_m: float
+    """Way to the point in a straight line."""
+
+
 Observation = (
     ChannelLeft
     | MotionLeft
@@ -254,4 +333,10 @@ Observation = (
     | ModbusReadAgain
     | ModbusReplaced
     | RegisterCut
+    | ServoStarved
+    | EncoderStill
+    | ForceMetNothing
+    | CommandRefused
+    | StoppedAgain
+    | OutputBeforePoint
 )

@@ -5,6 +5,7 @@ Signals outlive the program that has added them: the next one uses them by name 
 
 from __future__ import annotations
 
+from collections.abc import MutableSet
 from typing import Final
 
 from elitescript.commands.definition.context import Machine
@@ -184,7 +185,7 @@ class ModbusSignals:
         shown = signal.shown(signal.values)
         self._machine.observe(ModbusReadEarly(tick, signal.name, line, thread, shown, tick - signal.added_tick))
 
-    def _read_later(self, signal: ModbusSignal, early: set[int]) -> None:
+    def _read_later(self, signal: ModbusSignal, early: MutableSet[int]) -> None:
         """Let observers see that a line which has read a signal before its first answer has read it again."""
         line, thread = self._caller
         if line in early:
