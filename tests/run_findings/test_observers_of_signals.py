@@ -95,10 +95,10 @@ class TestSignalWatch:
     def looks(self, *steps, line=5):
         """Return the observations of looks; each step is a tick and how often the input changes before it."""
         seen = []
-        watch = SignalWatch(seen.append)
+        watch = SignalWatch(seen.append, {})
         for tick, changes in steps:
-            for number in range(changes):
-                watch.input_changed(self.KEY, number % 2 == 0)
+            for _ in range(changes):
+                watch.input_changed(self.KEY)
             if watch.inputs:
                 watch.looked(self.KEY, tick, line, "main")
         return seen
@@ -116,16 +116,16 @@ class TestSignalWatch:
 
     def test_another_line_polls_nothing(self):
         seen = []
-        watch = SignalWatch(seen.append)
-        watch.input_changed(self.KEY, True)
-        watch.input_changed(self.KEY, False)
+        watch = SignalWatch(seen.append, {})
+        watch.input_changed(self.KEY)
+        watch.input_changed(self.KEY)
         watch.looked(self.KEY, 10, 5, "main")
         watch.looked(self.KEY, 20, 6, "main")
         assert seen == []
 
     def test_a_program_that_looks_elsewhere_is_not_slowed_for_ever(self):
-        watch = SignalWatch(lambda seen: None)
-        watch.input_changed(self.KEY, True)
+        watch = SignalWatch(lambda seen: None, {})
+        watch.input_changed(self.KEY)
         for tick in range(LOOKS_MAX + 1):
             watch.looked(("standard_digital_in", 0), tick, 5, "main")
         assert not watch.inputs

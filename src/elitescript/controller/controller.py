@@ -32,7 +32,6 @@ from elitescript.controller.safety.limits import SafetyLimits
 from elitescript.controller.safety.monitor import SafetyMonitor
 from elitescript.controller.safety.reduced_speed import ReducedSpeed
 from elitescript.controller.signals.image import SIGNAL_SETTINGS, TOOL_PIN_IN, SignalImage
-from elitescript.controller.signals.signal_watch import SignalWatch
 from elitescript.controller.tasks import ProgramPort, Task
 from elitescript.controller.tool_setup import SETUP_HANDLERS, Setup
 from elitescript.errors import MotionError, ScriptStateError
@@ -79,6 +78,7 @@ from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import SpeedProfile
 
 if TYPE_CHECKING:
+    from elitescript.controller.signals.signal_watch import SignalWatch
     from elitescript.messages.observations import Observation
     from elitescript.modbus.port_image import PortImage
 
@@ -123,6 +123,7 @@ class Controller:
         "_on_event",
         "_on_observation",
         "_tick",
+        "_unseen",
         "_watch",
         "arm",
         "arm_state",
@@ -171,7 +172,10 @@ class Controller:
         self.requests = 0
         """Requests that were carried out, or refused, since the start."""
         self._inbox = RequestQueue()
-        self._watch = SignalWatch(on_observation)
+        self._watch: SignalWatch | None = None
+        """From the first change of a signal on."""
+        self._unseen: dict[tuple[str, int], int] = {}
+        """See `SignalWatch.inputs`."""
         self.signals = SignalImage(self._signal_changed, self._write_overridden)
         mode = RobotMode.RUNNING if is_powered else RobotMode.POWER_OFF
         self.power = Power(lambda mode: on_event(RobotModeChanged(self._tick, mode)), mode, power_times)
@@ -466,13 +470,21 @@ class Controller:
 
     def read(self, name: str, index: int = 0) -> Value:
         """Return the level of a signal."""
-        if self._watch.inputs:
+        if self._unseen:
             self._look(name, index)
         return self.signals.read(name, index)
 
+    def _watching(self) -> SignalWatch:
+        if self._watch is None:
+            # Imported late: many programs change no signal.
+            from elitescript.controller.signals.signal_watch import SignalWatch
+
+            self._watch = SignalWatch(self._on_observation, self._unseen)
+        return self._watch
+
     def _look(self, name: str, index: int) -> None:
         thread, line = self.task.program.caller
-        self._watch.looked((name, index), self._tick, line, thread)
+        self._watching().looked((name, index), self._tick, line, thread)
 
     def port_register(self, address: int, version: tuple[int, ...]) -> int:
         """See `commands.definition.context.Machine.port_register`."""
@@ -498,7 +510,7 @@ class Controller:
 
     def tool_pin(self, index: int) -> bool:
         """Return the level of a tool pin."""
-        if self._watch.inputs:
+        if self._unseen:
             self._look(TOOL_PIN_IN, index)
         return self.signals.tool_pin(index)
 
@@ -625,7 +637,8 @@ class Controller:
         self.task.require("start")
         self.task.name = name
         self._node = (0, "")
-        self._watch.begin_program()
+        if self._watch is not None:
+            self._watch.begin_program()
         self.motion.begin_program()
         self.path_offset.begin_program(self._tick)
         self.yielding.begin_program()
@@ -687,13 +700,14 @@ class Controller:
         if SIGNALS[name].is_input:
             if name == SPEED_SIGNAL:
                 self.tracking.encoders[index].turn(float(value), self._tick)
-            self._watch.input_changed((name, index), value)
+            if value is True or value is False:
+                self._watching().input_changed((name, index))
             self.safety.signal_changed(name, value, self._tick)
         elif line:
             if self.motion.is_moving:
                 self._look_at_blend(name, index, line)
             program, before = self.task.program, self.signals.replaced
-            self._watch.output_changed(
+            self._watching().output_changed(
                 (name, index), before, value, self._tick, line, program.caller[0], program.is_cleanup
             )
 
@@ -703,7 +717,7 @@ class Controller:
         if isinstance(source, Move) and source.is_returned and not source.is_stopping and source.thread == thread:
             from elitescript.messages.observations import OutputBeforePoint
 
-            left_m = dist(self.tcp_pose(self.joints().q_target)[:3], source.waypoint[:3])
+            left_m = dist(self.tcp_pose(self.motion.setpoint(self._tick).q)[:3], source.waypoint[:3])
             signal = signal_name(SIGNALS[name], index)
             self.observe(OutputBeforePoint(self._tick, signal, line, thread, source.line, left_m))
 

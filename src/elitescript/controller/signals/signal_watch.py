@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from elitescript.messages.signals import SIGNALS, Value, signal_name
 from elitescript.messages.timing import TICKS_PER_S
@@ -35,20 +35,18 @@ class SignalWatch:
 
     Args:
         observe: receives the observations.
-
-    Attributes:
         inputs: digital inputs that have changed since the program last looked at them; while it is empty, looks need
             not be reported.
     """
 
     __slots__ = ("_looks", "_missed", "_observe", "_tick", "_written", "inputs")
 
-    def __init__(self, observe: Callable[[Observation], None]) -> None:
+    def __init__(self, observe: Callable[[Observation], None], inputs: dict[_Key, int]) -> None:
         self._observe = observe
         self._tick = -1
         self._written: dict[_Key, tuple[Value, Value, int]] = {}
         """Outputs that the program has changed in that tick: level before, level after, line."""
-        self.inputs: dict[_Key, int] = {}
+        self.inputs = inputs
         self._missed: dict[_Key, _Missed] = {}
         self._looks = 0
 
@@ -85,11 +83,10 @@ class SignalWatch:
             SignalPulsed(tick, _point(key), line, thread, known[2], unseen, value, value == first, is_cleanup(line))
         )
 
-    def input_changed(self, key: _Key, level: Any) -> None:
-        """Take a change of an input."""
-        if isinstance(level, bool):
-            self.inputs[key] = self.inputs.get(key, 0) + 1
-            self._looks = 0
+    def input_changed(self, key: _Key) -> None:
+        """Take a change of a digital input."""
+        self.inputs[key] = self.inputs.get(key, 0) + 1
+        self._looks = 0
 
     def looked(self, key: _Key, tick: int, line: int, thread: str) -> None:
         """Take a look of the program at a signal, while any input is watched.

@@ -5,7 +5,6 @@ Signals outlive the program that has added them: the next one uses them by name 
 
 from __future__ import annotations
 
-from collections.abc import MutableSet
 from typing import Final
 
 from elitescript.commands.definition.context import Machine
@@ -123,7 +122,7 @@ class ModbusSignals:
         if not signal.has_value and (signal.outputs is None or signal.kind is SignalKind.READ_WRITE):
             self._read_early(signal)
         elif signal.early is not None:
-            self._read_later(signal, signal.early)
+            self._read_later(signal)
         if signal.is_digital:
             levels = tuple(map(bool, signal.values))
             return levels if signal.count > 1 else levels[0]
@@ -185,10 +184,10 @@ class ModbusSignals:
         shown = signal.shown(signal.values)
         self._machine.observe(ModbusReadEarly(tick, signal.name, line, thread, shown, tick - signal.added_tick))
 
-    def _read_later(self, signal: ModbusSignal, early: MutableSet[int]) -> None:
+    def _read_later(self, signal: ModbusSignal) -> None:
         """Let observers see that a line which has read a signal before its first answer has read it again."""
-        line, thread = self._caller
-        if line in early:
+        early, (line, thread) = signal.early, self._caller
+        if early is not None and line in early:
             from elitescript.messages.observations import ModbusReadAgain
 
             early.remove(line)
