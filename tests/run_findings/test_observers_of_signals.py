@@ -4,6 +4,7 @@ import pytest
 
 from elitescript import VirtualRobot
 from elitescript.controller.signals.signal_watch import LOOKS_MAX, POLLING_TICKS, SignalWatch
+from elitescript.controller.tasks import NoProgram
 from elitescript.findings.observers.cut_registers import CutRegisters
 from elitescript.findings.observers.early_modbus import EarlyModbus
 from elitescript.findings.observers.missed_inputs import MissedInputs
@@ -89,18 +90,23 @@ def test_cut_registers(value, sent, code):
     assert f"{value} becomes {sent} in the register 'a'" in text
 
 
+class AtLine(NoProgram):
+    def __init__(self, line):
+        self.caller = ("main", line)
+
+
 class TestSignalWatch:
     KEY = ("standard_digital_in", 3)
 
     def looks(self, *steps, line=5):
         """Return the observations of looks; each step is a tick and how often the input changes before it."""
         seen = []
-        watch = SignalWatch(seen.append, {})
+        watch = SignalWatch(seen.append, {}, lambda: AtLine(line))
         for tick, changes in steps:
             for _ in range(changes):
                 watch.input_changed(self.KEY)
             if watch.inputs:
-                watch.looked(self.KEY, tick, line, "main")
+                watch.looked(self.KEY, tick)
         return seen
 
     def test_two_changes_and_a_look_soon_after(self):
@@ -115,19 +121,19 @@ class TestSignalWatch:
         assert self.looks(*steps) == []
 
     def test_another_line_polls_nothing(self):
-        seen = []
-        watch = SignalWatch(seen.append, {})
+        seen, lines = [], iter((5, 6))
+        watch = SignalWatch(seen.append, {}, lambda: AtLine(next(lines)))
         watch.input_changed(self.KEY)
         watch.input_changed(self.KEY)
-        watch.looked(self.KEY, 10, 5, "main")
-        watch.looked(self.KEY, 20, 6, "main")
+        watch.looked(self.KEY, 10)
+        watch.looked(self.KEY, 20)
         assert seen == []
 
     def test_a_program_that_looks_elsewhere_is_not_slowed_for_ever(self):
-        watch = SignalWatch(lambda seen: None, {})
+        watch = SignalWatch(lambda seen: None, {}, NoProgram)
         watch.input_changed(self.KEY)
         for tick in range(LOOKS_MAX + 1):
-            watch.looked(("standard_digital_in", 0), tick, 5, "main")
+            watch.looked(("standard_digital_in", 0), tick)
         assert not watch.inputs
 
 

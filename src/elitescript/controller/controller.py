@@ -125,6 +125,8 @@ class Controller:
         "_tick",
         "_unseen",
         "_watch",
+        "_written",
+        "_written_tick",
         "arm",
         "arm_state",
         "joint_ranges",
@@ -176,6 +178,9 @@ class Controller:
         """From the first change of a signal on."""
         self._unseen: dict[tuple[str, int], int] = {}
         """See `SignalWatch.inputs`."""
+        self._written: dict[tuple[str, int], tuple[Value, Value, int]] = {}
+        """Outputs that the program has changed in `_written_tick`: level before, level after, line."""
+        self._written_tick = -1
         self.signals = SignalImage(self._signal_changed, self._write_overridden)
         mode = RobotMode.RUNNING if is_powered else RobotMode.POWER_OFF
         self.power = Power(lambda mode: on_event(RobotModeChanged(self._tick, mode)), mode, power_times)
@@ -479,12 +484,11 @@ class Controller:
             # Imported late: many programs change no signal.
             from elitescript.controller.signals.signal_watch import SignalWatch
 
-            self._watch = SignalWatch(self._on_observation, self._unseen)
+            self._watch = SignalWatch(self._on_observation, self._unseen, lambda: self.task.program)
         return self._watch
 
     def _look(self, name: str, index: int) -> None:
-        thread, line = self.task.program.caller
-        self._watching().looked((name, index), self._tick, line, thread)
+        self._watching().looked((name, index), self._tick)
 
     def port_register(self, address: int, version: tuple[int, ...]) -> int:
         """See `commands.definition.context.Machine.port_register`."""
@@ -637,6 +641,7 @@ class Controller:
         self.task.require("start")
         self.task.name = name
         self._node = (0, "")
+        self._written_tick = -1
         if self._watch is not None:
             self._watch.begin_program()
         self.motion.begin_program()
@@ -706,10 +711,15 @@ class Controller:
         elif line:
             if self.motion.is_moving:
                 self._look_at_blend(name, index, line)
-            program, before = self.task.program, self.signals.replaced
-            self._watching().output_changed(
-                (name, index), before, value, self._tick, line, program.caller[0], program.is_cleanup
-            )
+            key, written = (name, index), self._written
+            if self._tick != self._written_tick:
+                self._written_tick = self._tick
+                written.clear()
+            elif key in written:
+                self._watching().output_changed(key, written[key], value, self._tick, line)
+                written[key] = written[key][0], value, line
+                return
+            written[key] = self.signals.replaced, value, line
 
     def _look_at_blend(self, name: str, index: int, line: int) -> None:
         """Let observers see an output that comes behind a move with a blend radius and before its point."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
+from elitescript.controller.tasks import ProgramPort
 from elitescript.messages.signals import SIGNALS, Value, signal_name
 from elitescript.messages.timing import TICKS_PER_S
 
@@ -37,50 +38,51 @@ class SignalWatch:
         observe: receives the observations.
         inputs: digital inputs that have changed since the program last looked at them; while it is empty, looks need
             not be reported.
+        program: returns the host of scripts.
     """
 
-    __slots__ = ("_looks", "_missed", "_observe", "_tick", "_written", "inputs")
+    __slots__ = ("_looks", "_missed", "_observe", "_program", "inputs")
 
-    def __init__(self, observe: Callable[[Observation], None], inputs: dict[_Key, int]) -> None:
+    def __init__(
+        self, observe: Callable[[Observation], None], inputs: dict[_Key, int], program: Callable[[], ProgramPort]
+    ) -> None:
         self._observe = observe
-        self._tick = -1
-        self._written: dict[_Key, tuple[Value, Value, int]] = {}
-        """Outputs that the program has changed in that tick: level before, level after, line."""
         self.inputs = inputs
+        self._program = program
         self._missed: dict[_Key, _Missed] = {}
         self._looks = 0
 
     def begin_program(self) -> None:
         """Forget what was before a program."""
-        self._tick = -1
         self.inputs.clear()
         self._missed.clear()
 
-    def output_changed(
-        self,
-        key: _Key,
-        before: Value,
-        value: Value,
-        tick: int,
-        line: int,
-        thread: str,
-        is_cleanup: Callable[[int], bool],
-    ) -> None:
-        """Take a change of an output by the program; `is_cleanup` says if a line is in an `except` or `finally`."""
-        if tick != self._tick:
-            self._tick = tick
-            self._written = {key: (before, value, line)}
-            return
-        known = self._written.get(key)
-        if known is None:
-            self._written[key] = before, value, line
-            return
+    def output_changed(self, key: _Key, known: tuple[Value, Value, int], value: Value, tick: int, line: int) -> None:
+        """Take one more change of an output by the program in one tick.
+
+        Args:
+            key: family and index.
+            known: level before the tick, level before this change, line that set that.
+            value: the new level.
+            tick: the present one.
+            line: of the change.
+        """
         from elitescript.messages.observations import SignalPulsed
 
-        first, unseen, _ = known
-        self._written[key] = first, value, line
+        first, unseen, first_line = known
+        program = self._program()
         self._observe(
-            SignalPulsed(tick, _point(key), line, thread, known[2], unseen, value, value == first, is_cleanup(line))
+            SignalPulsed(
+                tick,
+                _point(key),
+                line,
+                program.caller[0],
+                first_line,
+                unseen,
+                value,
+                value == first,
+                program.is_cleanup(line),
+            )
         )
 
     def input_changed(self, key: _Key) -> None:
@@ -88,7 +90,7 @@ class SignalWatch:
         self.inputs[key] = self.inputs.get(key, 0) + 1
         self._looks = 0
 
-    def looked(self, key: _Key, tick: int, line: int, thread: str) -> None:
+    def looked(self, key: _Key, tick: int) -> None:
         """Take a look of the program at a signal, while any input is watched.
 
         A missed pulse counts if the same line looks again soon: it polls the input.
@@ -101,6 +103,9 @@ class SignalWatch:
                 self._missed.clear()
             return
         missed = self._missed.pop(key, None)
+        if missed is None and changes < 2:
+            return
+        thread, line = self._program().caller
         if missed is not None and line == missed.line and 0 < tick - missed.tick <= POLLING_TICKS:
             from elitescript.messages.observations import InputMissed
 
