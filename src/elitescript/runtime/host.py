@@ -336,6 +336,19 @@ class ScriptHost:
         """Return the states of the script threads, the main one first."""
         return tuple(map(state_of, self._scheduler.strands))
 
+    def explained_threads(self) -> tuple[ThreadState, ...]:
+        """Return what `threads` returns, with the reason why each does not go on; for the end of a run."""
+        # Imported late: most programs go on.
+        from elitescript.runtime.why import reason_of
+
+        if self._unit is None:
+            return self.threads()
+        source, connections = self._unit.source, list(self.connections.values())
+        return tuple(
+            state_of(strand)._replace(because=reason_of(strand, source, self._machine.read, connections))
+            for strand in self._scheduler.strands
+        )
+
     # ---------------------------------------------------------------- time
 
     def run_tick(self, tick: int) -> None:

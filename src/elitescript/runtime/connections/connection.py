@@ -49,6 +49,7 @@ class ScriptConnection:
         received: bytes that have arrived and are not read.
         is_barred: whether the options of the robot do not let it through; it is opening until it is closed.
         is_behind_numbers: whether the last read gave a list of numbers in parentheses.
+        rule: of the last read; None before.
         late_data: what was there when the last read ended by its timeout; empty if it did not, or nothing was.
         is_close_told: whether observers know that the program uses it though its peer has closed.
     """
@@ -71,6 +72,7 @@ class ScriptConnection:
         "queued",
         "reason",
         "received",
+        "rule",
         "sent",
     )
 
@@ -82,6 +84,7 @@ class ScriptConnection:
         self.received = bytearray()
         self.is_barred = False
         self.is_behind_numbers = False
+        self.rule: Rule | None = None
         self.late_data = b""
         self.is_close_told = False
         self.queued = 0
@@ -143,6 +146,10 @@ class ScriptConnection:
             self.error = event.error
             self._end(event.reason)
         self._wake()
+
+    def is_awaited_by(self, strand: Strand) -> bool:
+        """Return whether a thread waits for an event of it."""
+        return strand in self._waiting
 
     def wait(self, reason: str, until: int | None) -> bool:
         """Let the calling thread wait for an event, or until a tick; return whether there was one.
@@ -211,6 +218,7 @@ class ScriptConnection:
         strand = self._scheduler.current
         assert strand is not None
         deadline = Deadline(self._scheduler, timeout_s)
+        self.rule = rule
         is_last = strand.is_secondary
         is_late = False
         while True:
