@@ -86,11 +86,10 @@ def _data_there(strand: Strand, connections: Iterable[Receiver]) -> str:
 
 def _loop_at(tree: ast.AST, line: int) -> ast.While | None:
     """Return the innermost `while` around a line."""
-    found = None
+    found: ast.While | None = None
     for node in ast.walk(tree):
-        is_around = isinstance(node, ast.While) and node.lineno <= line <= (node.end_lineno or node.lineno)
-        if is_around and (found is None or node.lineno >= found.lineno):
-            found = node
+        if isinstance(node, ast.While) and node.lineno <= line <= (node.end_lineno or node.lineno):
+            found = node if found is None or node.lineno >= found.lineno else found
     return found
 
 
