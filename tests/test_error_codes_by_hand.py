@@ -56,6 +56,7 @@ W218   warning   statement that does nothing
 W219   warning   result that is not used
 W220   warning   `return` that is missing on one path
 W221   warning   reading that a secondary program does not wait for
+W222   warning   text in GBK that is UTF-8 by chance
 E301   error     unknown command
 E302   error     command of a newer firmware
 E303   error     wrong number or names of arguments

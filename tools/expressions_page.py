@@ -44,6 +44,7 @@ OF_RECORD: Final = {
     "log": '"placed 1" in log',
     "printed": "len(printed) == 0",
     "warnings": "len(warnings) == 0",
+    "findings": "findings.error == 0 and findings.warning == 0",
     "contacts": "len(contacts) == 0",
     "clearance": "clearance > 0.02",
 }

@@ -17,7 +17,7 @@ _PROMISES = """
 - A write is answered when the robot has taken it, in its next tick. Whoever asks after that answer, on whatever
   connection, sees what was written. A client has one write under way at a time.
 - A write of several registers or coils happens in one tick, whole or not at all. Function 23 reads right after it
-  wrote; nobody comes in between.
+  wrote; no other request comes in between.
 - A coil is set by itself: clients that write different coils of one word never undo each other's. A register of
   outputs sets all of them.
 - A level that is written together with its domain belongs to the new domain.

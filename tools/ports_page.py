@@ -68,7 +68,7 @@ def ports_page() -> str:
         "- What arrives counts from the next tick of 4 ms; what a tick gives leaves at once.",
         "- A client that reads too slowly misses packages of its stream when more than",
         f"  {backlog} KiB wait for it. It is cut off when {most} KiB wait, or when it has taken nothing for",
-        f"  {stalled_s} s. Nobody else waits.",
+        f"  {stalled_s} s. Other clients do not wait.",
         f"- Of what one client sends, so much is read in a tick as takes {shares.SHARE_NS / 1e6:g} ms, of all clients",
         f"  together {shares.READ_BUDGET_NS / 1e6:g} ms; the rest stays in the sockets. Clients that send little",
         "  are read first. The socket of `ctl` keeps to this, too.",

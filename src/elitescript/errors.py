@@ -81,6 +81,7 @@ _ROWS: Final = (
     Code("W219", "warning", "result that is not used", is_tolerated=True),
     Code("W220", "warning", "`return` that is missing on one path", is_tolerated=True),
     Code("W221", "warning", "reading that a secondary program does not wait for", is_tolerated=True),
+    Code("W222", "warning", "text in GBK that is UTF-8 by chance"),
     # What is legal, but hardly meant: units and targets; see `commands.definition.plausibility`.
     Code("W230", "warning", "angle that looks like degrees", is_tolerated=True),
     Code("W231", "warning", "length that looks like millimetres", is_tolerated=True),
@@ -98,6 +99,7 @@ _ROWS: Final = (
     Code("W272", "warning", "reading that begins with the line end of the one before"),
     Code("W273", "warning", "arm, tool or payload that touches something"),
     Code("W274", "warning", "connection that the options of the robot do not let through"),
+    Code("W275", "warning", "text that a device sends in GBK"),
     # What observers of a run find.
     Code("N280", "note", "data that was left unread"),
     Code("W280", "warning", "end of a program while the arm is under way"),

@@ -9,7 +9,7 @@ from types import CodeType
 from typing import Any
 
 from elitescript.language.compiler import compile_unit
-from elitescript.language.text.lexer import lex
+from elitescript.language.text.masked import lex
 from elitescript.language.text.source import SourceFile
 
 ROOT = Path(__file__).parents[2]

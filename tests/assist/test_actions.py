@@ -20,6 +20,7 @@ TABLE = [
     ("  x = tru¦e\n  textmsg(x)\n", "Write True", "  x = True\n  textmsg(x)\n"),
     ("  print ¦'a'\n", "Write print(...)", "  print('a')\n"),
     ("  syn¦c\n", "Call it", "  sync()\n"),
+    ("  textmsg¦\uff08“好。”\uff0c1\uff09\n", "Write plain signs", '  textmsg("好。",1)\n'),
     ("  sync\n  syn¦c\n", "Repair all 2 of W215", "  sync()\n  sync()\n"),
     ("  mowej¦([0, 0, 0, 0, 0, 1])\n", "Write movej", "  movej([0, 0, 0, 0, 0, 1])\n"),
     ("  speed = 1\n  sleep(sped¦)\n", "Write speed", "  speed = 1\n  sleep(speed)\n"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from elitescript.assist.spacing import spaced
-from elitescript.language.text.lexer import lex
+from elitescript.language.text.masked import lex
 
 ROWS = [
     ("a=1", "a = 1"),

@@ -70,6 +70,27 @@ class TestWhatIsChecked:
         assert "a.script:2:1: error E002: byte 0xFF is not UTF-8 text" in output
         assert "b.script:2:9: error E305" in output
 
+    @pytest.mark.parametrize(("codec", "name"), [("gbk", "GBK"), ("utf-16", "UTF-16"), ("utf-16-le", "UTF-16")])
+    def test_other_encodings_are_named_and_converted(self, folder, capsys, codec, name):
+        text = "def a():\r\n  # 移动到原点\r\n  textmsg(“完成\uff1a”\uff09\r\nend\r\n"
+        path = folder(a_script=text.replace("“", '"').replace("”", '"').encode(codec)) / "a.script"
+        before = path.read_bytes()
+        assert main(["check", "a.script"]) == 3
+        output = capsys.readouterr().out
+        assert f"error E002: the text is {name}, not UTF-8: this line reads `" in output
+        assert ("# 移动到原点" in output) == (name == "GBK")
+        assert "hint: `elitescript check --fix` converts the file to UTF-8" in output
+        assert path.read_bytes() == before
+        assert main(["check", "--fix", "a.script"]) == 0
+        assert f"convert the file from {name} to UTF-8" in "".join(capsys.readouterr())
+        assert path.read_bytes().decode() == 'def a():\r\n  # 移动到原点\r\n  textmsg("完成\uff1a")\r\nend\r\n'
+
+    def test_what_is_in_an_unknown_encoding_stays(self, folder):
+        path = folder(a_script=b"def a():\n textmsg('\xff')\nend\n") / "a.script"
+        before = path.read_bytes()
+        assert main(["check", "--fix", "a.script"]) == 3
+        assert path.read_bytes() == before
+
     def test_a_folder_without_programs(self, folder, capsys):
         folder(note_txt="x")
         assert main(["check", "."]) == 2

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Final
 
 import pytest
 
+from elitescript.cli.watched import MARK
 from tests.cli.calls import LIMIT_S, Call, await_ready, beside, chosen, prepare, start
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="there is no SIGHUP")
@@ -65,3 +70,46 @@ def test_what_a_signal_ends_ends_alike(call: Call, tmp_path: Path) -> None:
         assert set(call.writes) <= {path.name for path in folder.iterdir() if path.stat().st_size}
         found.append(process.returncode)
     assert found == [call.code, call.code]
+
+
+LEFT_WHILE_IT_WRITES = """
+import importlib, os, sys, time
+from elitescript.cli.main import main
+
+number, command = int(sys.argv[1]), sys.argv[2]
+
+def stopped(options):
+    os.kill(os.getpid(), number)
+    time.sleep(60.0)
+
+setattr(importlib.import_module(f"elitescript.cli.{command}"), command, stopped)
+del sys.argv[1]
+sys.exit(main())
+"""
+
+
+def _is_writing(call: Call) -> bool:
+    return call.ends == "itself" and not call.beside and bool(call.writes or call.changes)
+
+
+QUICK: Final = ("fit --out", "replay --trace")
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        *chosen(lambda call: call.name in QUICK),
+        *(
+            pytest.param(*row.values, id=row.id, marks=[*row.marks, pytest.mark.slow])
+            for row in chosen(lambda call: _is_writing(call) and call.name not in QUICK)
+        ),
+    ],
+)
+def test_a_signal_in_the_middle_leaves_no_unfinished_file(call: Call, tmp_path: Path) -> None:
+    prepare(call, tmp_path)
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    environment = {**os.environ, "PYTHONHASHSEED": "0", MARK: "1"}
+    words = [sys.executable, "-c", LEFT_WHILE_IT_WRITES, str(int(signal.SIGTERM)), *call.words]
+    done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, timeout=LIMIT_S, check=False)
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before, done
+    assert done.returncode == 128 + signal.SIGTERM, done

@@ -121,7 +121,7 @@ def _wait_for_rows(path) -> None:
 def test_nobody_is_an_error_of_the_call(tmp_path, capsys):
     ports = [f"--port={name}={closed_port()}" for name in ("rtsi", "primary", "dashboard")]
     assert main(["record", HOST, *ports, "--out", str(tmp_path / "run.mcap")]) == 2
-    assert capsys.readouterr().err.startswith(f"elitescript record: nobody answers at {HOST}: ")
+    assert capsys.readouterr().err.startswith(f"elitescript record: nothing answers at {HOST}: ")
     assert list(tmp_path.iterdir()) == []
 
 

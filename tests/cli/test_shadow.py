@@ -104,7 +104,7 @@ def test_they_part_in_lines_of_json(program, capsys):
 def test_nobody_is_at_the_address(program, capsys):
     ports = [f"--port={name}={closed_port()}" for name in ("rtsi", "primary", "dashboard")]
     assert main(["shadow", HOST, *ports, "--program", program]) == 2
-    assert f"nobody answers at {HOST}" in capsys.readouterr().err
+    assert f"nothing answers at {HOST}" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

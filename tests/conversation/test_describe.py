@@ -18,6 +18,7 @@ from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.lint.registry import all_rules
 from elitescript.messages.events import Alarm
+from elitescript.messages.findings import Finding
 from elitescript.messages.motion import MoveJ, MoveL
 from elitescript.messages.profile import DEFAULT_FIRMWARE, PROFILES
 from elitescript.models.model import load_model
@@ -83,6 +84,7 @@ class TestForms:
             describe.cycle(1, []),
             describe.run_ended(1, "killed", MOMENT, alarm={}, killed="why", refused_connections=["here"]),
             describe.run_ended(1, "finished", MOMENT),
+            describe.run_ended(1, "finished", MOMENT, findings=[Finding("W280", "warning", 3, 0, "text", t=1.0)]),
             describe.state(1, 2, MOMENT),
             describe.refused("no", 3, {"text": "", "digest": ""}),
             describe.refused("no"),

@@ -93,7 +93,7 @@ def waits() -> list[tuple[str, str]]:
 
 
 NO_WAITS = {
-    "the peer sent more than {} bytes that nobody has read",
+    "the peer sent more than {} bytes that are not read",
     "it was configured by another thread meanwhile",
     "its device has gone",
 }

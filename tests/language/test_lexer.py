@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from elitescript.language.text.lexer import indentation_width, lex
+from elitescript.language.text.lexer import indentation_width
+from elitescript.language.text.masked import lex
 
 
 def code_lines(text):

@@ -3,7 +3,7 @@ from __future__ import annotations
 import random
 
 from elitescript.language.options import DEFAULT
-from elitescript.language.text.lexer import lex
+from elitescript.language.text.masked import lex
 from elitescript.language.text.rewriting import Draft, Unfolding
 from elitescript.language.text.source import SourceFile
 

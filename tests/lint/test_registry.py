@@ -6,7 +6,7 @@ from elitescript.errors import CODES, InternalError
 from elitescript.lint import rules
 from elitescript.lint.registry import all_rules, rule
 
-REPORTED_ELSEWHERE = {"W210"}
+REPORTED_ELSEWHERE = {"W210", "W222"}
 """What the language package reports while it reads the text."""
 
 OF_RUNS = ("W27", "W28")

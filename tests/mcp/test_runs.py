@@ -134,3 +134,13 @@ def test_large_globals_say_what_is_left_out():
     found = runs.run(request(text))["globals"]
     assert found["v"]["repr"].endswith("0.1, … 599,900 more]")
     assert found["d"]["repr"].endswith("'99': [99], … 900 more}")
+
+
+def test_findings_of_text_and_run_come_first_with_the_reason_of_the_end():
+    answer = runs.run(request("def job():\n  x = 1 / 0\n  texmsg(1)\nend\n"))
+    assert next(iter(answer)) == "findings"
+    assert [(row["code"], row["line"], row["source"]) for row in answer["findings"]] == [
+        ("R100", 2, "run"),
+        ("E301", 3, "check"),
+    ]
+    assert (answer["findings_left_out"], answer["why"]) == (0, "ZeroDivisionError: division by zero: the divisor is 0")

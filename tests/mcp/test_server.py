@@ -4,6 +4,8 @@ import asyncio
 import io
 import json
 import os
+import select
+import subprocess
 import sys
 
 import pytest
@@ -14,7 +16,7 @@ from mcp.client.client import Client
 from mcp.client.stdio import StdioServerParameters, stdio_client
 
 from elitescript.mcp.folder import Folder
-from elitescript.mcp.requests import requests
+from elitescript.mcp.requests import UntilReaderGoes, requests
 from elitescript.mcp.server import make_server
 from elitescript.mcp.workers import Worker
 
@@ -251,3 +253,35 @@ def test_an_error_is_lines_in_which_nothing_acts(folder):
     is_error, text = call(folder, "run", file="a\x1b[2J\n##[error]b.script")
     assert is_error
     assert "a\\x1b[2J\n| #\\x23[error]b.script: there is no such file" in text
+
+
+@pytest.mark.skipif(not hasattr(select, "poll"), reason="the system cannot wait for both")
+def test_input_ends_with_the_reader_of_the_output():
+    (input_, sent), (answers, output) = os.pipe(), os.pipe()
+    with io.FileIO(input_) as target, io.BufferedReader(UntilReaderGoes(target, output)) as read:
+        os.write(sent, b"one\n")
+        assert read.readline() == b"one\n"
+        os.close(answers)
+        # The input is still open, so that to read it would wait for ever.
+        assert read.readline() == b""
+    os.close(sent)
+    os.close(output)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(select, "poll"), reason="the system cannot wait for both")
+@pytest.mark.parametrize("is_asked", (False, True))
+def test_a_client_that_reads_no_more_ends_the_server(is_asked, folder):
+    command = [sys.executable, "-P", "-m", "elitescript", "mcp", str(folder)]
+    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)
+    with subprocess.Popen(command, **pipes) as process:
+        process.stdout.close()
+        if is_asked:
+            about = {"protocolVersion": "2025-03-26", "capabilities": {}, "clientInfo": {"name": "a", "version": "1"}}
+            request = {"jsonrpc": "2.0", "id": 1, "method": "initialize", "params": about}
+            process.stdin.write(json.dumps(request).encode() + b"\n")
+            process.stdin.flush()
+        try:
+            assert (process.wait(60.0), process.stderr.read()) == (0, b"")
+        finally:
+            process.kill()

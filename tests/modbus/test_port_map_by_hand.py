@@ -41,7 +41,7 @@ REGISTER_TABLE = """
  84     6   R    B   joint velocities                                           mrad/s, signed
  95     6   R    B   joint currents                                             mA, signed
 105     6   R    B   joint temperatures                                         degC
-256   128   RW   D   general purpose: kept, nobody's but yours                  .
+256   128   RW   D   general purpose: kept; only clients and programs use them                  .
 384     6   R    B   TCP: x, y, z, rx, ry, rz (roll-pitch-yaw), base frame      0.1 mm, mrad, signed
 400     6   R    B   velocity of the TCP, base frame                            mm/s, mrad/s, signed
 410     6   R    B   TCP offset from the flange                                 0.1 mm, mrad, signed
@@ -55,7 +55,7 @@ COIL_TABLE = """
 32   16   RW   D   standard digital outputs
 48    8   RW   D   configurable digital outputs
 56    4   RW   D   tool digital outputs
-60   68   RW   D   general purpose: kept, nobody's but yours
+60   68   RW   D   general purpose: kept; only clients and programs use them
 """
 
 MARKS = {

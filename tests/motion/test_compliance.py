@@ -6,7 +6,7 @@ import pytest
 
 from elitescript.controller.motion.control import motion_limits
 from elitescript.kinematics.jacobian import joint_speeds, tcp_twist
-from elitescript.kinematics.transforms import transform_from_pose
+from elitescript.kinematics.transforms import IDENTITY, transform_from_pose
 from elitescript.messages.timing import PERIOD_S
 from elitescript.models.model import load_model
 from elitescript.motion.corrections.compliance import Compliance, after_way, solved_near, way_between
@@ -84,6 +84,21 @@ def test_where_the_given_part_is_too_much_the_joints_keep_their_limits_and_it_sa
     step = COMPLIANCE.next(now, bound, tuple(PERIOD_S * v for v in bound), REST, REST)
     assert not step.is_bound_kept
     assert max(map(abs, step.setpoint.qd)) <= 40.0 * PERIOD_S * (1 + 1e-9)
+
+
+def test_no_joint_jumps_where_the_wrist_crosses_its_singularity_while_it_brakes():
+    now = Setpoint(
+        (-1.3989207, -1.8533884, -0.4958708, -0.1146049, 3.1431052, 1.0493933),
+        (-2.3704766, -2.5465861, 3.0182637, 3.7410963, 0.6348504, 3.685774),
+    )
+    bound = (-0.8790903, -0.0711401, -1.0494748, -0.0650492, -3.1524663, 0.2942686)
+    way = tuple(PERIOD_S * v for v in (-0.8872773, -0.0699076, -1.0461259, -0.0670787, -3.1600326, 0.2942866))
+    free = (0.1883454, -0.4797424, 0.5758012, -0.5189958, 3.4672503, -2.1728898)
+    bare = Compliance(ToolMotion(MODEL.arm, LIMITS, IDENTITY, 8.0), "force_mode")
+    step = bare.next(now, bound, way, free, REST, is_last_resort=True)
+    assert not step.is_bound_kept
+    for q, w, q_later, w_later, top in zip(*now, *step.setpoint, LIMITS.qdd_max, strict=True):
+        assert abs(q_later - q - 0.5 * PERIOD_S * (w + w_later)) <= 0.5 * top * PERIOD_S**2
 
 
 def test_an_obstacle_is_one_when_a_stop_would_end_beyond_it():

@@ -55,6 +55,9 @@ def verdict(text, run, **options):
     ("text", "holds", "margin"),
     [
         ('state == "alarm"', True, None),
+        ("findings.error >= 1", True, None),
+        ("findings.warning + findings.note >= 0", True, None),
+        ('findings["error"] == 0', False, None),
         ('state in ["finished", "stopped"]', False, None),
         ('globals["count"] == 3', True, 0.0),
         ('globals["count"] > 5', False, -2.0),

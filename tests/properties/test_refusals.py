@@ -134,6 +134,7 @@ PARTS = (
         "alarms",
         "log",
         "warnings",
+        "findings.warning",
         "contacts",
         "clearance",
     ),
@@ -181,3 +182,18 @@ def test_random_texts_are_refused_or_come_to_something():
 @pytest.mark.slow
 def test_many_random_texts_are_refused_or_come_to_something():
     assert fuzz(range(100, 200), 2000) > 5_000
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("warnings == 0", r"len\(warnings\) counts it, and findings\.warning"),
+        ("findings.warnings == 0", "there is no 'warnings' here; did you mean"),
+        ("globals.good == 3", r'write globals\["good"\]'),
+        ("findings == 0", "which are never equal"),
+        ("state.x == 0", "a dot is not possible here"),
+    ],
+)
+def test_the_right_form_is_named(text, words):
+    with pytest.raises(UsageError, match=words):
+        parse_property(text)

@@ -58,6 +58,8 @@ def test_what_is_held_is_bounded() -> None:
 
 def test_bytes_that_are_not_text_are_pointed_at() -> None:
     assert fed([b"ab\xffc\n"]) == [TextLine("ab\ufffdc", "the line is not UTF-8 at byte 2")]
+    (line,) = fed(["popup 开始\n".encode("gbk")])
+    assert line.problem == "the line is not UTF-8 at byte 6; as GBK it is 'popup 开始'"
 
 
 def test_the_cut_of_the_stream_does_not_matter() -> None:

@@ -112,11 +112,24 @@ class TestUploads:
     def test_damaged_text_runs_and_warns(self):
         connection = connect()
         run(connection, [0])
-        (unit,) = connection.receive(b"def a():\n textmsg('\xff')\nend\n", output(1))
+        log, unit = connection.receive(b"def a():\n textmsg('\xff')\nend\n", output(1))
+        assert log == AddLog(ME, f"{ME}: some bytes of a program are not UTF-8; each was replaced by U+FFFD", True)
         assert unit == RunUnit(ME, "program", "def a():\n textmsg('\ufffd')\nend")
         message = told(connection, 1)
         assert (message["kind"], message["level"]) == (6, 1)
         assert "not UTF-8" in message["text"]
+
+    def test_a_program_in_gbk_runs_and_its_text_is_in_the_log(self):
+        connection = connect()
+        run(connection, [0])
+        log, unit = connection.receive("def a():\n textmsg('开始')\nend\n".encode("gbk"), output(1))
+        assert isinstance(unit, RunUnit)
+        assert isinstance(log, AddLog)
+        assert log.is_warning
+        assert "as GBK it reads `textmsg('开始')`" in log.text
+        assert "as GBK it reads" in told(connection, 1)["text"]
+        (unit,) = connection.receive("def a():\n textmsg('停止')\nend\n".encode(), output(2))
+        assert isinstance(unit, RunUnit)
 
     def test_a_text_without_end_is_thrown_away_at_the_limit(self):
         connection = connect()

@@ -75,6 +75,26 @@ def test_replies_go_to_their_client_one_send_each() -> None:
     ) == [b"[1] [success] : [[0.0, 1.5]]\n", b"[2] [failure] : [parse failed]\n", b"[3] [failure] : [execute failed]\n"]
 
 
+def test_replies_come_in_the_order_of_the_requests() -> None:
+    peer = Peer(QueryConnection)
+    assert peer.send(b"req 1 a\nwhat?\nreq 3\nreq 4 b\nreq 5 c\n") == []
+    assert peer.tick(Reply("peer#1/2", ShownValue("4"))) == []
+    assert peer.tick(Reply("peer#1/1", ShownValue("1"))) == [
+        b"[1] [success] : [1]\n",
+        b"[-1] [failure] : [parse failed]\n",
+        b"[3] [failure] : [parse failed]\n",
+        b"[4] [success] : [4]\n",
+    ]
+    assert peer.connection.is_expecting
+    assert peer.send(b"what?\n") == []
+    assert peer.tick(Reply("peer#1/3", ShownValue("5"))) == [
+        b"[5] [success] : [5]\n",
+        b"[-1] [failure] : [parse failed]\n",
+    ]
+    assert not peer.connection.is_expecting
+    assert peer.send(b"what?\n") == [b"[-1] [failure] : [parse failed]\n"]
+
+
 def test_a_value_with_a_line_break_stays_one_line() -> None:
     peer = Peer(QueryConnection)
     peer.send(b"req 1 a\n")

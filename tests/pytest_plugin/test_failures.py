@@ -52,6 +52,8 @@ class TestSection:
                 "signals that changed:",
                 "      0.000 s  standard_digital_out[[]0[]] = True  (line 2)",
                 "      0.200 s  standard_digital_in[[]3[]] = True  by schedule",
+                "found: 1 warning",
+                "  line 6, column 10: warning W231: *",
                 "last messages:",
                 "      1.428 s  at the part  (line 5)",
                 "alarm:",
@@ -210,7 +212,7 @@ class TestStrict:
         result = run(pytester, text, "--script-strict")
         result.assert_outcomes(failed=1)
         report, _, _ = result.stdout.str().partition("short test summary info")  # that repeats it in full only on a CI
-        assert report.count("SystemExit ends the program") == 3  # and among the messages of two runs
+        assert report.count("SystemExit ends the program") == 5  # and what is found in two runs, and their messages
 
     def test_programs_without_warnings_pass(self, pytester):
         text = "def test_it(robot): robot.run('g = count + 1\\nset_flag(g, True)\\n', presets={'count': 1})\n"
@@ -273,3 +275,30 @@ class TestTextsOfStrangers:
         out = done.stdout.str()
         assert not ACTS.search(out)
         assert "##[group]y #x1B[2J \\ud83d" in (pytester.path / "x.xml").read_text()
+
+
+class TestFindings:
+    TEXT = "def test_it(robot): robot.run('movej([0, 0, 0, 0, 0, {a}])\\n', until_s=1)\n"
+
+    @pytest.mark.parametrize(
+        ("level", "a", "failed"),
+        [("", 90, 0), ("off", 90, 0), ("error", 7, 1), ("error", 6.2, 0), ("warning", 7, 1), ("warning", 6.2, 0)],
+    )
+    def test_levels(self, pytester, level, a, failed):
+        (pytester.path / "pytest.ini").write_text(f"[pytest]\nelitescript_findings = {level}\n")
+        run(pytester, self.TEXT.replace("{a}", str(a))).assert_outcomes(failed=failed, passed=1 - failed)
+
+    def test_the_report_lists_them_and_a_level_that_is_none_is_refused(self, pytester):
+        (pytester.path / "pytest.ini").write_text("[pytest]\nelitescript_findings = warning\n")
+        servo = "def f():\\n  q = get_actual_joint_positions()\\n  q[0] = q[0] + 0.8\\n  servoj(q, t=0.008)\\nend\\n"
+        result = run(pytester, f"def test_it(robot): robot.run('{servo}')\n")
+        result.stdout.fnmatch_lines(
+            [
+                "findings, which elitescript_findings refuses:",
+                "<program>: line 4: warning W280: the program ends *",
+                "found: 1 warning",
+            ]
+        )
+        (pytester.path / "pytest.ini").write_text("[pytest]\nelitescript_findings = much\n")
+        result = run(pytester, "def test_it(robot): robot.run('sync()')\n")
+        assert "elitescript_findings must be off, error, warning, got 'much'" in result.stdout.str()

@@ -143,7 +143,7 @@ def test_nobody_at_the_address_leaves_nothing_behind(tmp_path):
     async def test() -> None:
         await Session(target, [sink], print).run(asyncio.sleep(5.0))
 
-    with pytest.raises(UsageError, match=f"nobody answers at {HOST}: .*RTSI port {HOST}:{port}: "):
+    with pytest.raises(UsageError, match=f"nothing answers at {HOST}: .*RTSI port {HOST}:{port}: "):
         asyncio.run(test())
     sink.close()
     assert list(tmp_path.iterdir()) == []
@@ -240,7 +240,7 @@ def test_a_row_without_a_time_ends_a_connection_and_no_more(time, tmp_path):
 def test_a_name_that_no_computer_can_have_is_nobody():
     async def test() -> None:
         for host in ("a..b", "x" * 300, "\udcff"):
-            with pytest.raises(UsageError, match=r"nobody answers at .*no name of a computer"):
+            with pytest.raises(UsageError, match=r"nothing answers at .*no name of a computer"):
                 await Session(Target(host, dict.fromkeys(PORTS, 1)), [Heard()], print).run(asyncio.Event().wait())
 
     asyncio.run(test())

@@ -329,3 +329,33 @@ class TestLeftLineEnd:
     def test_an_empty_line_that_nobody_has_left_is_no_warning(self):
         run = self.run('socket_read_string(suffix="\\n")', 'socket_send_line("")', 'socket_read_string(suffix="\\n")')
         assert self.said(run) == []
+
+
+class TestTextInGbk:
+    class Camera(TcpServer):
+        port = 5000
+
+        def line_received(self, connection, line):
+            connection.send({"停": "停止,1"}.get(line, "合格,1.5").encode("gbk") + b"\n")
+
+    READ = 't = socket_read_string(suffix="\\n")'
+
+    def run(self, *lines):
+        return cell(self.Camera()).run(program(OPEN, *lines))
+
+    @pytest.mark.parametrize(("asked", "reads"), [("x", "合格,1.5"), ("停", "停止,1")])
+    def test_it_is_a_warning_once_a_connection_with_what_it_reads(self, asked, reads):
+        ask = f'socket_send_line("{asked}")'
+        run = self.run(ask, self.READ, ask, self.READ, "socket_close()", OPEN, ask, self.READ)
+        said = [(event.line, event.code) for event in run.events if isinstance(event, Warned)]
+        assert said == [(4, "W275"), (10, "W275")]
+        assert f"as GBK it reads '{reads}'" in str(run.warnings[0])
+
+    @pytest.mark.parametrize("marks", ['prefix="合"', 'suffix="格"', 'suffix="\\r"'])
+    def test_it_is_a_warning_where_the_mark_is_not_found(self, marks):
+        run = self.run('socket_send_line("x")', f"print([socket_read_string({marks}, timeout=0.1)])")
+        assert [event.code for event in run.events if isinstance(event, Warned)] == ["W275"]
+
+    def test_bytes_that_are_read_as_bytes_are_none(self):
+        run = self.run('socket_send_line("x")', "d = socket_read_byte_list(8)", 'print(bytes(d[1:]).decode("gbk"))')
+        assert (run.printed, run.warnings) == (["合格,1.5"], [])

@@ -114,6 +114,29 @@ def test_what_is_no_scheduler_is_told_in_time(stranger: str, monkeypatch: pytest
         connection.close()
 
 
+@pytest.mark.parametrize(
+    ("cause", "said"),
+    [
+        (None, "what is there closes the connection"),
+        (ConnectionResetError(), "what is there closes the connection"),
+        (ConnectionRefusedError(), "Timed out trying to connect"),
+    ],
+)
+def test_what_closes_before_the_first_message_is_told(
+    cause: Exception | None, said: str, monkeypatch: pytest.MonkeyPatch
+):
+    from distributed.comm.core import CommClosedError
+
+    async def connect(*_: object, **__: object) -> None:
+        last = CommClosedError()
+        last.__cause__ = cause
+        raise OSError("Timed out trying to connect") from last
+
+    monkeypatch.setattr("distributed.comm.core.connect", connect)
+    with pytest.raises(UsageError, match=rf"there: {said}$"), ClusterEngine("tcp://127.0.0.1:9"):
+        pass
+
+
 def test_nobody_at_the_address_is_said_after_a_while(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(cluster, "CONNECT_S", 0.2)
     with pytest.raises(UsageError, match="no Dask scheduler answers"), ClusterEngine("tcp://127.0.0.1:9"):

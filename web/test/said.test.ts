@@ -22,7 +22,7 @@ test("waits are put together of their parts, and names of programs stay", () => 
   assert.equal(said("lock pallet, held by main"), "锁 pallet，由 main 持有");
   assert.equal(said("data on socket 'the end of its move'"), "套接字 'the end of its move' 上的数据");
   assert.equal(said("CS66: RTSI port 1.2.3.4:30004: a message says that it has 0 bytes; the shortest has 3"), "CS66：RTSI 端口 1.2.3.4:30004：消息声称有 0 字节；最短的有 3");
-  assert.equal(said("CS66 at 1.2.3.4:30001: primary port 1.2.3.4:30001: nobody answers within 3 s"), "CS66 at 1.2.3.4:30001：主端口 1.2.3.4:30001：3 s 内无应答");
+  assert.equal(said("CS66 at 1.2.3.4:30001: primary port 1.2.3.4:30001: nothing answers within 3 s"), "CS66 at 1.2.3.4:30001：主端口 1.2.3.4:30001：3 s 内无应答");
 });
 
 test("words of programs are no words of ours, and long ones cost nothing", () => {

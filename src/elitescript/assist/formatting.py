@@ -35,7 +35,7 @@ class Formatted(NamedTuple):
     Attributes:
         text: laid out; the same text if it cannot be read, or is left as it is.
         problems: the errors that keep it from being read, in the order of the text.
-        is_left: the pendant has written it, and nobody has asked to format such texts.
+        is_left: the pendant has written it, and such texts are not asked to be formatted.
     """
 
     text: str

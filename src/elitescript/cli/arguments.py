@@ -672,7 +672,7 @@ def add_record(parser: Parser) -> None:
     parser.description = (
         "Write down what a controller shows: RTSI, states and messages of the primary port, answers of the dashboard, "
         "into MCAP. It only reads, and needs no program on the robot. Ctrl-C ends it. Exit code: 0 recorded, 1 the "
-        "recording cannot be kept, 2 usage, or nobody is at the address. Needs: pip install 'elitescript[mcap]'"
+        "recording cannot be kept, 2 usage, or nothing answers at the address. Needs: pip install 'elitescript[mcap]'"
     )
     parser.add_argument("host", metavar="HOST", help="name or address of the controller")
     parser.add_argument(
@@ -712,8 +712,8 @@ def add_shadow(parser: Parser) -> None:
 
     parser.description = (
         "Follow a controller, run its program on the simulated robot beside it, and say within a second where both "
-        "part. It only reads. Ctrl-C ends it. Exit code: 0 they agreed, 1 they parted, 2 usage, or nobody is at the "
-        "address."
+        "part. It only reads. Ctrl-C ends it. Exit code: 0 they agreed, 1 they parted, 2 usage, or nothing answers "
+        "at the address."
     )
     parser.add_argument("host", metavar="HOST", help="name or address of the controller")
     parser.add_argument("--program", metavar="FILE", reads="program", help="the program that runs there")

@@ -135,30 +135,30 @@ def _check(text: ProgramText, robot: RobotOptions, arm: ArmFacts | None, *, is_f
         near = neighbours(text.path) if text.is_named and text.path is not None else ""
         problem = diagnostic("E003", 1, 1, text.why_not, hint=near)
         return CheckedFile(text.name, SourceFile(text.name, ""), (problem,))
-    try:
-        written = text.data.decode("utf-8")
-        source = SourceFile.from_bytes(text.name, text.data)
-    except (UnicodeDecodeError, ProgramError):
-        if is_fixed and text.path is None:
-            write_out(text.data)
-        return _damaged(text.name, text.data)
     repairs: tuple[Repair, ...] = ()
+    try:
+        source = SourceFile.from_bytes(text.name, text.data)
+        written = before = text.data.decode("utf-8")
+    except ProgramError as error:
+        from elitescript.text_encoding import decoded_from
+
+        source = SourceFile.to_show(text.name, text.data)
+        other = decoded_from(text.data) if is_fixed else None
+        if other is None:
+            if is_fixed and text.path is None:
+                write_out(text.data)
+            return CheckedFile(text.name, source, error.problems)
+        written, encoding = other
+        before = ""
+        repairs = (Repair(error.problems[0].line, "E002", f"convert the file from {encoding} to UTF-8"),)
     firmware = profile(robot.firmware)
     if is_fixed:
-        fixed, repairs = repaired(text.name, written, firmware, strict=robot.strict)
+        fixed, made = repaired(text.name, written, firmware, strict=robot.strict)
+        repairs += made
         if text.path is None:
             write_out(fixed.encode("utf-8"))
-        elif fixed != written:
+        elif fixed != before:
             rewrite(text.path, fixed.encode("utf-8"))
         source = SourceFile(text.name, fixed)
     found = check_source(source, firmware, strict=robot.strict, arm=arm, ignored=robot.ignored)
     return CheckedFile(text.name, source, found, repairs)
-
-
-def _damaged(name: str, data: bytes) -> CheckedFile:
-    """Return a file that is no text."""
-    try:
-        SourceFile.from_bytes(name, data)
-    except ProgramError as error:
-        return CheckedFile(name, SourceFile(name, data.decode("utf-8", "replace")), error.problems)
-    raise AssertionError(name)

@@ -63,7 +63,7 @@ def answer_lines(answer: dict[str, Any]) -> list[str]:
     for name, value in result.items():
         if isinstance(value, dict) and isinstance(clients := value.get("clients"), list):
             peers = ", ".join(f"{client['origin']} from {client['peer']}" for client in clients)
-            lines.append(f"{name} {value['port']}: {peers or 'nobody'}")
+            lines.append(f"{name} {value['port']}: {peers or 'no clients'}")
         else:
             lines.append(f"{name} = {_text(value)}")
     return lines or ["everything is at its default"]

@@ -69,7 +69,7 @@ def _formatted(name: str, data: bytes, *, is_pendant: bool) -> Formatted:
     try:
         SourceFile.from_bytes(name, data)
     except ProgramError as error:
-        return Formatted(data.decode("utf-8", "replace"), error.problems)
+        return Formatted(SourceFile.to_show(name, data).text, error.problems)
     return formatted(data.decode("utf-8"), name, pendant=is_pendant)
 
 

@@ -33,18 +33,18 @@ TRACE_S: Final = 0.3
 
 
 @contextmanager
-def last_resort(name: str) -> Iterator[Callable[[Callable[[], None]], None]]:
+def last_resort(name: str) -> Iterator[Callable[[Callable[[int], None]], None]]:
     """Watch this process while the body runs; to be entered before any thread is started.
 
     Args:
         name: of the command, for messages.
 
     Yields:
-        A function that takes the handler of the first signal to stop, which is called in the main thread.
+        A function that takes what handles a signal to stop, by its number; it is called in the main thread.
     """
     if not hasattr(os, "fork"):
         # Without a watching process, a process that hangs must be ended by other means.
-        yield lambda stop: _on_signals(lambda number, frame: stop())
+        yield lambda stop: _on_signals(lambda number, _frame: stop(number))
         return
     signals, signalled = os.pipe()
     traced, trace = os.pipe()
@@ -61,11 +61,11 @@ def last_resort(name: str) -> Iterator[Callable[[Callable[[], None]], None]]:
     os.set_blocking(signalled, False)
     faulthandler.register(signal.SIGUSR1, file=trace, all_threads=False)
 
-    def listen(stop: Callable[[], None]) -> None:
-        def react(_number: int, _frame: FrameType | None) -> None:
+    def listen(stop: Callable[[int], None]) -> None:
+        def react(number: int, _frame: FrameType | None) -> None:
             with suppress(OSError):
                 os.write(signalled, REACTED)
-            stop()
+            stop(number)
 
         _on_signals(react)
         signal.set_wakeup_fd(signalled, warn_on_full_buffer=False)

@@ -38,6 +38,12 @@ _CLEANS_UP = ("run", "plot", "sweep")
 """Commands that have something to do when SIGTERM or SIGHUP ends them, and are not kept from it by a program: another
 process watches it."""
 
+_TEMPORARY = ("check", "fit", "fmt")
+"""Commands that have only unfinished files to remove then: without any, the system ends them."""
+
+_TEMPORARY_OF_PROGRAMS = ("audit", "replay")
+"""The same, with programs in this process, which may block its signal handlers."""
+
 _AT_WORK = frozenset(("elitescript.world_file", "_lsprof", "bdb"))
 """Modules that have something to do when a call is over."""
 
@@ -199,7 +205,8 @@ def _dispatch(options: argparse.Namespace, *, is_process: bool) -> int:
         count_programs(folder)
     command: Callable[[argparse.Namespace], int]
     command = getattr(import_module(f"elitescript.cli.{options.command}"), options.command)
-    if is_process and options.command in _CLEANS_UP:
+    is_writing = any(row.writes and getattr(options, name) not in (None, False) for name, row in options.paths.items())
+    if is_process and options.command in (*_CLEANS_UP, *(_TEMPORARY if is_writing else ())):
         from elitescript.environment.stop_signals import leave_by_signals
 
         leave_by_signals()
@@ -207,11 +214,19 @@ def _dispatch(options: argparse.Namespace, *, is_process: bool) -> int:
         # What is loaded stays, and need not be looked at again.
         gc.freeze()
         gc.enable()
-    if not any(row.writes and getattr(options, name) not in (None, False) for name, row in options.paths.items()):
+    if not is_writing:
         return command(options)
+    from contextlib import ExitStack
+
     from elitescript.cli.call_paths import outputs_of
 
-    with outputs_of(options):
+    with ExitStack() as stack:
+        if is_process and options.command in _TEMPORARY_OF_PROGRAMS:
+            from elitescript.cli.last_resort import last_resort
+            from elitescript.environment.stop_signals import leave
+
+            stack.enter_context(last_resort(f"elitescript {options.command}"))(leave)
+        stack.enter_context(outputs_of(options))
         return command(options)
 
 

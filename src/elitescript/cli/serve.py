@@ -386,11 +386,11 @@ def _on_signals(stop: asyncio.Event) -> None:
         loop.add_signal_handler(number, stop.set)
 
 
-def _threadsafe(stop: asyncio.Event) -> Callable[[], None]:
+def _threadsafe(stop: asyncio.Event) -> Callable[[int], None]:
     """Return a function that sets the event from a signal handler."""
     loop = asyncio.get_running_loop()
 
-    def set_stop() -> None:
+    def set_stop(_number: int) -> None:
         with contextlib.suppress(RuntimeError):
             # The loop is closed: it has stopped already.
             loop.call_soon_threadsafe(stop.set)

@@ -89,7 +89,7 @@ async def connected(host: str, port: int, name: str, timeout_s: float = CONNECT_
         async with asyncio.timeout(timeout_s):
             reader, writer = await asyncio.open_connection(host, port)
     except TimeoutError:
-        raise LinkError(f"{where}: nobody answers within {timeout_s:g} s") from None
+        raise LinkError(f"{where}: nothing answers within {timeout_s:g} s") from None
     except OSError as error:
         raise LinkError(f"{where}: {_reason(error)}") from None
     except UnicodeError:

@@ -81,8 +81,11 @@ def _text(data: bytes, name: str) -> str:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
+        from elitescript.text_encoding import decoded_from
+
         line = data.count(b"\n", 0, error.start) + 1
-        hint = "it looks like UTF-16; save it as UTF-8" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else None
+        other = decoded_from(data)
+        hint = None if other is None else f"it looks like {other[1]}; save it as UTF-8"
         raise InvalidValueError(f"{name}, line {line}: the text is not UTF-8", value=name, hint=hint) from None
     return text.replace("\r\n", "\n").replace("\r", "\n")
 

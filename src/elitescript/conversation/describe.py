@@ -15,6 +15,7 @@ from elitescript.conversation.limits import (
     FINDINGS_MAX,
     FIX_BYTES_MAX,
     PLACES_MAX,
+    RUN_FINDINGS_MAX,
     THREADS_MAX,
     VARIABLES_BYTES_MAX,
     VARIABLES_MAX,
@@ -31,6 +32,7 @@ from elitescript.json_records.jsonlines import plain
 from elitescript.language.diagnostics import Diagnostic, Severity
 from elitescript.lint.registry import all_rules
 from elitescript.messages.events import Alarm, Event, MotionEnded, MotionStarted
+from elitescript.messages.findings import NOTE, Finding
 from elitescript.messages.motion import MotionRequest, MoveC, MoveJ, MoveL, MoveP, ServoJ, Six
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import seconds
@@ -140,15 +142,20 @@ def _shown_findings(found: Sequence[Diagnostic]) -> tuple[list[Message], dict[st
             if size <= FINDINGS_BYTES_MAX:
                 shown[index] = made
                 continue
-        severity = str(found[index].severity)
+        severity = _severity(found[index])
         left_out[severity] = left_out.get(severity, 0) + 1
     return [shown[index] for index in sorted(shown)], left_out
+
+
+def _severity(found: Diagnostic) -> str:
+    """Return the severity of a finding as the page names it, which is that of editors: a note is information."""
+    return "information" if found.severity is Severity.NOTE else str(found.severity)
 
 
 def problem(found: Diagnostic) -> Message:
     """Return one finding, with its repair if that is certainly what the author meant; a long one is left out whole."""
     made: Message = {
-        "severity": str(found.severity),
+        "severity": _severity(found),
         "code": found.code,
         "text": cut_text(found.text),
         "hint": cut_text(found.hint),
@@ -342,6 +349,7 @@ def run_ended(
     alarm: Message | None = None,
     killed: str = "",
     refused_connections: Sequence[str] = (),
+    findings: Sequence[Finding] = (),
 ) -> Message:
     """Return the end of a run.
 
@@ -352,6 +360,7 @@ def run_ended(
         alarm: what `alarm_report` says of it.
         killed: why it was killed.
         refused_connections: where it has tried to connect in vain, since nothing leads out of the simulation.
+        findings: of text and run; a page gets those that no other message has.
     """
     found: Message = {"type": "run_ended", "run": run, "state": state, "moment": moment(last)}
     if alarm is not None:
@@ -360,7 +369,31 @@ def run_ended(
         found["killed"] = killed
     if refused_connections:
         found["refused_connections"] = [cut_name(place) for place in refused_connections[:PLACES_MAX]]
+    if rows := run_findings(findings):
+        found["findings"] = rows
     return found
+
+
+def run_findings(findings: Sequence[Finding]) -> list[Message]:
+    """Return what a run itself has found, the worst first; alarms and contacts have messages of their own."""
+    rows: list[Message] = []
+    for finding in findings:
+        if finding.t is None or finding.source in ("check", "contact") or finding.code.startswith("R"):
+            continue
+        if len(rows) == RUN_FINDINGS_MAX:
+            break
+        rows.append(
+            {
+                "severity": "information" if finding.severity == NOTE else finding.severity,
+                "code": finding.code,
+                "line": finding.line,
+                "t": finding.t,
+                "count": finding.count,
+                "text": cut_text(finding.text),
+                "hint": cut_text(finding.hint),
+            }
+        )
+    return rows
 
 
 # ---------------------------------------------------------------- alarms

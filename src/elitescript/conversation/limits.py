@@ -36,6 +36,8 @@ NAME_MAX: Final = 200
 """Characters of a name."""
 THREADS_MAX: Final = 500
 """Threads of a moment."""
+RUN_FINDINGS_MAX: Final = 200
+"""What a run itself has found."""
 FINDINGS_MAX: Final = 1000
 """Findings of a text."""
 FINDINGS_BYTES_MAX: Final = 1 << 20

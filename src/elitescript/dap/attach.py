@@ -10,6 +10,7 @@ from elitescript.dap.messages import Arguments
 from elitescript.dap.sources import Sources, path_of
 from elitescript.debugger.api import BreakpointState, LineBreakpoint, Output, Place
 from elitescript.debugger.living_breakpoints import digest_of
+from elitescript.language.text.source import SourceFile
 from elitescript.services.control.debugging import ServedSession
 from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes
 
@@ -83,7 +84,7 @@ class Attached:
             return {"path": name, "text": self.text_of(name)}
         path = Path(path_of(source.text("path", "")))
         try:
-            text = read_bytes(path, PROGRAM).decode("utf-8", "replace")
+            text = SourceFile.to_show(str(path), read_bytes(path, PROGRAM)).text
         except UnreadableError:
             text = ""
         if text:

@@ -38,13 +38,13 @@ def source_of(program: str | Path) -> SourceFile:
 
 
 def refused_source(path: Path) -> SourceFile:
-    """Return the source of a file that `source_of` has refused, to show its lines; bytes that are not UTF-8 replaced.
+    """Return the source of a file that `source_of` has refused, to show its lines; see `SourceFile.to_show`.
 
     Raises:
         UsageError: the file cannot be read any more.
     """
     data = read_bytes(path, PROGRAM, is_stream_allowed=True)
-    return SourceFile(str(path), data.decode("utf-8", "replace"))
+    return SourceFile.to_show(str(path), data)
 
 
 def neighbours(path: Path) -> str:

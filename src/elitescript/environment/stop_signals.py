@@ -10,7 +10,7 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
-from typing import Final
+from typing import Final, Never
 
 STOP_SIGNALS: Final = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 """Those that this system has."""
@@ -44,14 +44,22 @@ def exit_code_of(stop: KeyboardInterrupt) -> int:
     return 128 + int(getattr(stop, "number", signal.SIGINT))
 
 
+def leave(number: int, frame: FrameType | None = None) -> Never:
+    """Leave what the main thread does, as the handler of a signal.
+
+    Raises:
+        KeyboardInterrupt: at Ctrl-C.
+        Stopped: at the others.
+    """
+    if number == signal.SIGINT:
+        signal.default_int_handler(number, frame)
+    raise Stopped(number)
+
+
 def leave_by_signals() -> None:
     """Let the signals to stop raise `Stopped` in the main thread, and Ctrl-C KeyboardInterrupt as always."""
-
-    def leave(number: int, _frame: FrameType | None) -> None:
-        raise Stopped(number)
-
     for number in handled_signals():
-        signal.signal(number, signal.default_int_handler if number == signal.SIGINT else leave)
+        signal.signal(number, leave)
 
 
 def handled_signals() -> tuple[signal.Signals, ...]:

@@ -77,16 +77,23 @@ def _near(name: str) -> str:
 _TEXTS: Final[dict[str, str]] = {
     "E001": """
         A line that is no Python. EliteScript is Python in which a block may also end with `end`. The message names the
-        mistake, and one mistake does not hide the next.
+        mistake, and one mistake does not hide the next. Signs of an input method for Chinese are text in strings and
+        comments; in code each line with them has one finding, and one repair writes the plain signs of code alone.
 
             def job():
               x = (1 + 2               # E001: this '(' is never closed
               textmsg(x)
+              textmsg\uff08“完成”\uff09        # E001: full-width signs; --fix writes textmsg("完成")
+              textmsg("完成\uff0c好")       # no finding
             end
         """,
     "E002": """
         A byte that is not UTF-8. Programs are UTF-8 text; editors of some systems save another encoding, and a binary
-        file is no program at all.
+        file is no program at all. A file in GBK or UTF-16 is recognised, and `elitescript check --fix` converts it; of
+        other encodings it is not known which one it is.
+
+            textmsg("\\xcd\\xea\\xb3\\xc9")  # E002 in a file that was saved as GBK: it reads 完成
+            textmsg("完成")              # saved as UTF-8: no finding
 
             textmsg("Gr\\xfc\\xdfe")      # E002 in a file that was saved as Latin-1: save it as UTF-8
         """,
@@ -216,6 +223,22 @@ _TEXTS: Final[dict[str, str]] = {
         backslash, which is rarely what a path or a message means. `check --fix` repairs it.
 
             textmsg("C:\\path")        # W210: write "C:\\\\path"
+        """,
+    "W222": """
+        A text that was saved as GBK and is UTF-8 by chance. The bytes of `停止` in GBK are valid UTF-8 as well: they
+        read as marks of scripts that no program mixes. The program runs, but its texts are those marks. `--fix`
+        converts nothing, as both readings are possible. Texts in Latin, Greek, Cyrillic, Hebrew or Arabic letters are
+        no finding.
+
+            def job():
+              textmsg("\u0221")                 # W222: in GBK, these bytes are 取
+            end
+
+        The same text, saved as UTF-8:
+
+            def job():
+              textmsg("取")                # no finding
+            end
         """,
     "R100": """
         An exception of Python that nothing caught. The text says what was wrong, with the values.
@@ -445,6 +468,17 @@ _TEXTS: Final[dict[str, str]] = {
         - the studio: the button *Allow connections*
 
             socket_open("192.168.1.5", 502)    # W274: false after 2 s, as if no host were there
+        """,
+    "W275": """
+        A device sends text in GBK, as cameras of Chinese systems do. Programs read UTF-8 (*assumed*): other bytes
+        become U+FFFD, so that a comparison with a text is never true. The warning has what the bytes are in GBK; it
+        comes once a connection.
+
+            t = socket_read_string()           # W275, if the camera sends the bytes BA CF B8 F1
+            if t == "合格":                    # never true
+              textmsg("good")
+            end
+            data = socket_read_byte_list(4)    # no finding: bytes(data[1:]).decode("gbk") is the text
         """,
     "N280": """
         Data that a channel had received was not read when the program ended. Often it is the end of an answer of which

@@ -82,11 +82,11 @@ def rule(
 
 def doubt_findings(program: AnalysedProgram, code: str) -> Iterator[Finding]:
     """Yield the doubts about values with a code as findings of its rule."""
-    from elitescript.lint.unit_fixes import unit_fix
-
     for doubted in program.doubts:
         doubt = doubted.doubt
         if doubt.code == code:
+            from elitescript.lint.unit_fixes import unit_fix
+
             yield Finding(doubted.node, doubt.text, doubt.hint, unit_fix(program, doubted))
 
 

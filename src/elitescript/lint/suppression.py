@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from functools import cache, lru_cache
 
 from elitescript.language.diagnostics import Diagnostic
-from elitescript.language.text.lexer import lex
+from elitescript.language.text.masked import lex
 from elitescript.language.text.source import SourceFile
 
 _MARK = "check:"

@@ -11,6 +11,7 @@ from typing import Final
 from pygls.uris import from_fs_path
 
 from elitescript.assist.document import Document, Settings
+from elitescript.language.text.source import SourceFile
 from elitescript.paths import is_program_name
 from elitescript.records import NamedTuple
 from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes
@@ -77,7 +78,7 @@ class WorkspaceFiles:
                     kept = kept._replace(document=Document(str(path), kept.document.text, settings=settings))
                     self._read[path] = kept
                 return kept.document
-            text = read_bytes(path, _FILE).decode("utf-8", "replace")
+            text = SourceFile.to_show(str(path), read_bytes(path, _FILE)).text
         except (OSError, UnreadableError):
             # It was removed since it was found, or is not ours to read: then there is nothing to say about it.
             self._read.pop(path, None)

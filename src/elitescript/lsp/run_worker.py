@@ -38,6 +38,8 @@ WALL_S: Final = 5.0
 MEMORY_BYTES: Final = 1 << 30
 MESSAGES_MAX: Final = 100
 """Messages in the report."""
+FINDINGS_MAX: Final = 100
+"""Findings in the report, the worst first."""
 
 
 def outcome_of(request: Mapping[str, Any], *, is_jailed: bool = True) -> dict[str, Any]:
@@ -97,6 +99,8 @@ def _report(run: Run, left_out: str) -> dict[str, Any]:
         "state": run.state,
         "time_s": run.time_s,
         "log": run.log[-MESSAGES_MAX:],
+        "findings": run.findings.records()[:FINDINGS_MAX],
+        "why": run.why,
         "warnings": [*([left_out] if left_out else []), *run.warnings[-MESSAGES_MAX:]],
         "alarms": [{"line": alarm.line, "code": alarm.code, "text": alarm.text} for alarm in run.alarms],
     }

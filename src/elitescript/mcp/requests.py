@@ -5,6 +5,7 @@ The library neither reads nor answers a request in which half a surrogate pair s
 
 from __future__ import annotations
 
+import select
 from io import BufferedReader, RawIOBase, TextIOWrapper
 from typing import BinaryIO, Final
 
@@ -36,6 +37,33 @@ class Requests(RawIOBase):
         found, self._rest = self._rest[: len(buffer)], self._rest[len(buffer) :]
         buffer[: len(found)] = found
         return len(found)
+
+
+class UntilReaderGoes(RawIOBase):
+    """Reads another stream until it ends, or the reader of an output has gone.
+
+    Args:
+        target: the stream, without a buffer; it stays open.
+        output: descriptor of the output. Where the system cannot wait for both, the stream is read to its end.
+    """
+
+    def __init__(self, target: RawIOBase, output: int) -> None:
+        self._target = target
+        self._output = output
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: memoryview, /) -> int | None:  # type: ignore[override]
+        """Put what is there into a buffer; return how many bytes, 0 at the end."""
+        if hasattr(select, "poll"):
+            poll = select.poll()
+            poll.register(self._target.fileno(), select.POLLIN)
+            # Errors and hang-ups are always reported.
+            poll.register(self._output, 0)
+            if any(descriptor == self._output for descriptor, _ in poll.poll()):
+                return 0
+        return self._target.readinto(buffer)
 
 
 def requests(target: BinaryIO) -> TextIOWrapper:

@@ -16,8 +16,7 @@ from elitescript.errors import UsageError
 from elitescript.json_records.events import record_of
 from elitescript.json_records.jsonlines import plain
 from elitescript.kernel.options import UNTIL, accepted
-from elitescript.language.diagnostics import Diagnostic
-from elitescript.language.options import Options
+from elitescript.language.diagnostics import Diagnostic, Severity
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import CheckResult, compile_checked
 from elitescript.messages.signals import Value
@@ -107,7 +106,7 @@ def _robot(request: Mapping[str, Any]) -> VirtualRobot:
 
 def _checked(request: Mapping[str, Any], robot: VirtualRobot, presets: Mapping[str, Any] | None = None) -> CheckResult:
     source = SourceFile(request["name"], request["text"])
-    options = Options(strict=robot.options.strict)
+    options = robot.text_options(source)
     return compile_checked(source, robot.profile, options, presets=presets or (), arm=robot.model)
 
 
@@ -116,7 +115,7 @@ def _findings(checked: CheckResult) -> dict[str, Any]:
     return {
         "starts": not checked.is_refused,
         "errors": sum(problem.is_error for problem in problems),
-        "warnings": sum(not problem.is_error for problem in problems),
+        "warnings": sum(problem.severity is Severity.WARNING for problem in problems),
         "problems": [_finding(problem) for problem in problems[:FINDINGS_MAX]],
         "problems_left_out": max(0, len(problems) - FINDINGS_MAX),
     }
@@ -153,7 +152,7 @@ def _run(request: Mapping[str, Any], window: tuple[float, float, float] | None) 
     made = robot.run(
         checked.unit, presets=presets, until_s=UNTIL_S if until_s is None else until_s, watch=clock.watch, **rows
     )
-    answer = found | {"cut_by_wall_time": clock.is_over} | _outcome(made)
+    answer = _verdict(made) | found | {"cut_by_wall_time": clock.is_over} | _outcome(made)
     if window is not None:
         answer["rows"] = [
             {
@@ -168,6 +167,16 @@ def _run(request: Mapping[str, Any], window: tuple[float, float, float] | None) 
             for row in made.trace[:ROWS_MAX]
         ]
     return answer
+
+
+def _verdict(run: Run) -> dict[str, Any]:
+    """Return what text and run have found, the worst first, and why the run did not finish."""
+    findings = run.findings
+    return {
+        "findings": [_short(record) for record in findings.records()[:FINDINGS_MAX]],
+        "findings_left_out": max(0, len(findings) - FINDINGS_MAX),
+        "why": None if run.why is None else _short_value(run.why),
+    }
 
 
 class _Clock:

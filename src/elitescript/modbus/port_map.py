@@ -290,7 +290,7 @@ REGISTERS: Final[tuple[RegisterRow, ...]] = (
     RegisterRow(
         GENERAL_REGISTER,
         SIGNALS["general_register"].size,
-        "general purpose: kept, nobody's but yours",
+        "general purpose: kept; only clients and programs use them",
         "",
         DOCUMENTED,
         _general,
@@ -332,7 +332,7 @@ COILS: Final[tuple[CoilRow, ...]] = (
     CoilRow(
         GENERAL_COIL,
         SIGNALS["general_coil"].size,
-        "general purpose: kept, nobody's but yours",
+        "general purpose: kept; only clients and programs use them",
         DOCUMENTED,
         "general_coil",
         0,

@@ -106,6 +106,8 @@ def _said(found: Recording, events_max: int) -> Iterator[Message]:
         yield describe.contacts(RUN, found.contacts)
     last = found.last if found.last is not None else _moment(rows, len(rows) - 1)
     ended = {"type": "run_ended", "run": RUN, "state": found.state or "finished", "moment": last}
+    if met := describe.run_findings(found.findings):
+        ended["findings"] = met
     yield ended if found.alarm is None else ended | {"alarm": found.alarm}
 
 

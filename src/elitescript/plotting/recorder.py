@@ -81,7 +81,7 @@ class RunRecorder:
         robot: VirtualRobot,
         source: SourceFile,
         run: Run,
-        problems: Sequence[Diagnostic] = (),
+        problems: Sequence[Diagnostic] | None = None,
     ) -> Recording:
         """Return what a page shows of the run.
 
@@ -90,8 +90,10 @@ class RunRecorder:
             robot: that has run.
             source: text of the program.
             run: its record.
-            problems: findings of `check`.
+            problems: findings of `check`; those of the run's own text if None.
         """
+        if problems is None:
+            problems = () if run.check_text is None else run.check_text()
         rows = self.sampling.rows
         return Recording(
             title,
@@ -110,4 +112,5 @@ class RunRecorder:
             alarm=alarm_of(robot, run),
             contacts=contacts_of(run),
             problems=problems,
+            findings=run.findings if run.has_findings else (),
         )

@@ -9,6 +9,7 @@ from elitescript.controller.views.trace import TraceRow
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Event
+from elitescript.messages.findings import Finding
 from elitescript.models.model import RobotModel
 from elitescript.plotting.line_times import LineStretch
 from elitescript.records import field, record
@@ -35,6 +36,7 @@ class Recording:
         alarm: what a page shows of the alarm that ended the run.
         contacts: of the run; None if nothing was around the robot.
         problems: findings of `check`.
+        findings: of text and run.
     """
 
     title: str
@@ -53,3 +55,4 @@ class Recording:
     alarm: Mapping[str, Any] | None = None
     contacts: Sequence[Contact] | None = None
     problems: Sequence[Diagnostic] = ()
+    findings: Sequence[Finding] = ()

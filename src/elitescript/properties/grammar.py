@@ -223,12 +223,22 @@ class _Reader:
     def _of_record(self, node: ast.Name, name: str) -> Piece:
         row = RECORD[name]
         get = row.value
-        if row.kind == TABLE:
+        if row.kind == TABLE and row.keys is None:
             # `globals` and `signals` by themselves: for `len` and `in`.
             return Piece(node, row.kind, lambda x: dict.fromkeys(get(x.run)), keys={})
         if name in TEXTS:
             return Piece(node, row.kind, lambda x: get(x.run), keys={})
         return Piece(node, row.kind, lambda x: get(x.run), row.unit, items=row.items, keys=row.keys)
+
+    def _attribute(self, node: ast.Attribute) -> Piece:
+        """Check `findings.warning`; a dot behind anything else is refused with the form that is meant."""
+        name = node.value.id if isinstance(node.value, ast.Name) else ""
+        if name == "findings" and not self._is_over_time:
+            key = ast.copy_location(ast.Constant(node.attr), node)
+            return self._subscript(ast.copy_location(ast.Subscript(node.value, key, ast.Load()), node))
+        if name in ("globals", "signals"):
+            raise self._wrong(node, f'write {name}["{node.attr}"]')
+        return self._not_possible(node)
 
     def _unknown_name(self, node: ast.AST, name: str) -> UsageError:
         """Return the refusal of a name."""
@@ -412,6 +422,13 @@ class _Reader:
         kinds = {left.kind, right.kind}
         if kinds <= {NUMBER, LEVEL} and (kinds == {NUMBER} or is_order or NUMBER in kinds):
             return self._numbers_compared(node, sign, left, right)
+        for side, other in ((left, right), (right, left)):
+            if isinstance(side.node, ast.Name) and side.node.id == "warnings" and other.kind == NUMBER:
+                raise self._wrong(
+                    node,
+                    "warnings is the list of texts: len(warnings) counts it, and findings.warning counts what text and "
+                    "run have found, each once",
+                )
         if is_order:
             for side in (left, right):
                 if side.kind not in (*NUMBERS, ANY):
@@ -643,6 +660,7 @@ class _Reader:
 
 _READERS: Final[dict[type, Callable[[_Reader, Any], Piece]]] = {
     ast.Constant: _Reader._constant,
+    ast.Attribute: _Reader._attribute,
     ast.Name: _Reader._name,
     ast.Subscript: _Reader._subscript,
     ast.BoolOp: _Reader._bool_op,

@@ -40,6 +40,7 @@ ALARM: Final[Keys] = {
     "column": (NUMBER, None),
     "thread": (TEXT, None),
 }
+FINDINGS: Final[Keys] = {"error": (NUMBER, None), "warning": (NUMBER, None), "note": (NUMBER, None)}
 CONTACT: Final[Keys] = {
     "t": (NUMBER, S),
     "first": (TEXT, None),
@@ -111,7 +112,10 @@ RECORD: Final[dict[str, Name]] = {
     "printed": Name(LIST, lambda run: run.printed, "texts of `print`"),
     "warnings": Name(LIST, lambda run: run.warnings, "texts of warnings"),
     "findings": Name(
-        TABLE, lambda run: run.findings.counts(), "numbers of findings of text and run: `error`, `warning`, `note`"
+        TABLE,
+        lambda run: run.findings.counts(),
+        "how much text and run have found: `findings.error`, `findings.warning`, `findings.note`",
+        keys=FINDINGS,
     ),
     "contacts": Name(LIST, _contacts, "where arm, tool or payload touched something: a table for each", keys=CONTACT),
     "clearance": Name(NUMBER, _clearance, "the closest that they came to a thing of the world, m", M),

@@ -139,4 +139,8 @@ def _decoded(content: bytes) -> TextLine:
     try:
         return TextLine(content.decode("utf-8"))
     except UnicodeDecodeError as error:
-        return TextLine(content.decode("utf-8", "replace"), f"the line is not UTF-8 at byte {error.start}")
+        from elitescript.text_encoding import as_gbk
+
+        reads = as_gbk(content)
+        why = f"the line is not UTF-8 at byte {error.start}"
+        return TextLine(content.decode("utf-8", "replace"), why if reads is None else f"{why}; as GBK it is {reads!r}")

@@ -4,17 +4,19 @@
 the form that clients parse which worked against robots, and of which one reads the digits before an exponent alone. The
 form `plain` is that of the vendor's article: `ID success : VALUE`, `ID failure : WHY`, values as `repr` writes them.
 
-The statement follows the rules of secondary programs; the robot evaluates it. When the robot is restarted, requests
-without a reply fail.
+The statement follows the rules of secondary programs; the robot evaluates it. Replies come in the order of the
+requests, but one request too many fails at once. When the robot is restarted, requests without a reply fail.
 
-Evidence: the bracketed form of a success is *observed*, of a failure *assumed*; the words `parse failed` and
-`execute failed` are *documented* (the vendor's article on the port); that the blank behind the id may be missing is
-*observed* in one of its samples. Line end and limits are *assumed*, and so is that a request too many fails to execute.
+Evidence: the bracketed form of a success is *observed*, of a failure *assumed*; the words `parse failed` and `execute
+failed` are *documented* (the vendor's article on the port); that the blank behind the id may be missing is *observed*
+in one of its samples. Line end and limits are *assumed*, and so are the order of replies and that a request too many
+fails to execute.
 """
 
 from __future__ import annotations
 
 import re
+from collections import deque
 from typing import Final
 
 from elitescript.messages.inputs import AddLog, Input, Query
@@ -77,6 +79,23 @@ def without_exponents(text: str) -> str:
     return re.sub(_EXPONENT, digits, text) if "e" in text else text
 
 
+class _Request:
+    """A request that waits for its reply, or for those of earlier ones.
+
+    Attributes:
+        ident: its id.
+        statement: empty if it cannot be read.
+        outcome: None until there is one.
+    """
+
+    __slots__ = ("ident", "outcome", "statement")
+
+    def __init__(self, ident: str, statement: str, outcome: Outcome | None) -> None:
+        self.ident = ident
+        self.statement = statement
+        self.outcome = outcome
+
+
 class QueryConnection(Connection):
     """One client of the query port.
 
@@ -84,13 +103,15 @@ class QueryConnection(Connection):
     another request.
     """
 
-    __slots__ = ("_failures", "_lines", "_waiting")
+    __slots__ = ("_asked", "_failures", "_lines", "_waiting")
 
     def __init__(self, origin: str, description: RobotDescription) -> None:
         super().__init__(origin, description)
         self._lines = PacedLines(LINE_LIMIT, LINES_PER_TICK)
-        self._waiting: dict[str, tuple[str, str]] = {}
-        """Id and statement of each request without a reply, by origin."""
+        self._waiting: deque[_Request] = deque()
+        """Requests that are not answered."""
+        self._asked: dict[str, _Request] = {}
+        """Those of them that the robot has not answered, by origin."""
         self._failures = BurstLimiter(self._warn, "request", "that failed")
 
     def receive(self, data: bytes, output: Output) -> list[Input]:
@@ -103,14 +124,16 @@ class QueryConnection(Connection):
             if not line.text.strip() and not line.problem:
                 continue
             ident, statement = read_request(line)
-            if not statement:
-                self._send_reply(ident, NOT_PARSED)
-            elif len(self._waiting) >= WAITING_LIMIT:
-                self._send_reply(ident, NOT_EXECUTED)
-            else:
+            if len(self._waiting) >= WAITING_LIMIT:
+                self._send_reply(ident, NOT_EXECUTED if statement else NOT_PARSED)
+                continue
+            request = _Request(ident, statement, None if statement else NOT_PARSED)
+            self._waiting.append(request)
+            if statement:
                 origin = self.next_origin()
-                self._waiting[origin] = ident, statement
+                self._asked[origin] = request
                 inputs.append(Query(origin, statement))
+        self._answer()
         return inputs
 
     @property
@@ -123,18 +146,24 @@ class QueryConnection(Connection):
 
     def publish(self, output: Output) -> None:
         for reply in output.replies:
-            if (request := self._waiting.pop(reply.origin, None)) is not None:
-                self._send_reply(request[0], reply.outcome)
-                self._note_failure(request[1], reply.outcome, output.tick)
+            if (request := self._asked.pop(reply.origin, None)) is not None:
+                request.outcome = reply.outcome
+                self._note_failure(request.statement, reply.outcome, output.tick)
         self._failures.go_on(output.tick)
-        if self._waiting and is_restarted(output):
-            for ident, _ in self._waiting.values():
-                self._send_reply(ident, NOT_EXECUTED)
-            self._waiting.clear()
+        if self._asked and is_restarted(output):
+            for request in self._asked.values():
+                request.outcome = NOT_EXECUTED
+            self._asked.clear()
+        self._answer()
         self._due += self._inputs(self._lines.take(output.tick))
 
     def next_tick(self, tick: int) -> int | None:
         return tick + 1 if self._failures.is_counting else super().next_tick(tick)
+
+    def _answer(self) -> None:
+        """Answer the requests before the first one that has no outcome."""
+        while self._waiting and (outcome := self._waiting[0].outcome) is not None:
+            self._send_reply(self._waiting.popleft().ident, outcome)
 
     def _note_failure(self, statement: str, outcome: Outcome, tick: int) -> None:
         """Have the log say why a request failed, which the reply does not."""

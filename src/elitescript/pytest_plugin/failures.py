@@ -30,6 +30,7 @@ from elitescript.shown import continued, shown_word
 LINES_SHOWN: Final = 12
 SIGNALS_SHOWN: Final = 12
 MESSAGES_SHOWN: Final = 8
+FINDINGS_SHOWN: Final = 8
 TEXT_MAX: Final = 160
 """Characters of one text."""
 NAME_MAX: Final = 120
@@ -76,6 +77,10 @@ def _about(watched: WatchedRun) -> str:
             out.append(at(event.tick, f"{event.name} = {event.value}{by}", event.line))
         if len(signals) > SIGNALS_SHOWN:
             out[-SIGNALS_SHOWN - 1] = f"signals that changed, the last {SIGNALS_SHOWN} of {len(signals)}:"
+    # An alarm has a part of its own below.
+    if found := watched.findings.without_alarms:
+        out.append(f"found: {found.words}")
+        out += [f"  {continued(_short(str(finding)))}" for finding in found[:FINDINGS_SHOWN]]
     texts = [event for event in events if isinstance(event, TextMessage | Printed | Popup | Warned)]
     if texts:
         out.append("last messages:")
@@ -159,6 +164,8 @@ def write_pages(folder: Path, test: str, watched: Iterable[WatchedRun]) -> list[
             "" if run is None else run.state,
             watch.rows.step_s,
             alarm=None if alarm is None else alarm_report(alarm, asked_motion(alarm, None, events)),
+            problems=() if watch.check_text is None else watch.check_text(),
+            findings=watch.findings,
         )
         path = folder / (f"{stem}.html" if len(found) == 1 else f"{stem}.{number}.html")
         folder.mkdir(parents=True, exist_ok=True)

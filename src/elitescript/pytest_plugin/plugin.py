@@ -53,6 +53,8 @@ _SERVED: Final = "elitescript serve"
 _INI: Final = {
     "elitescript_limit_s": "robot time after which a run without until_s is ended and fails its test, s; 0 for none "
     "(default: 600)",
+    "elitescript_findings": "let a test fail if `check` or a run of it finds an `error`, or also a `warning` "
+    "(default: off)",
     "elitescript_wall_limit_s": "wall time after which a run is ended and fails its test, s; 0 for none (default: 60)",
 }
 
@@ -200,6 +202,13 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, None, None]:
         from elitescript.shown import shown
 
         pytest.fail("\n".join(map(shown, exceeded)), pytrace=False)
+    if (runs := item.stash[_WATCHER].runs) and item.config.getini("elitescript_findings"):
+        from elitescript.pytest_plugin.strictness import findings_of
+
+        if found := findings_of(runs, item.config.getini("elitescript_findings")):
+            from elitescript.shown import shown
+
+            pytest.fail("\n".join(["findings, which elitescript_findings refuses:", *map(shown, found)]), pytrace=False)
     if item.config.option.script_strict and (runs := item.stash[_WATCHER].runs):
         from elitescript.pytest_plugin.strictness import warnings_of
 

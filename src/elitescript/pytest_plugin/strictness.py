@@ -1,16 +1,40 @@
-"""The warnings about the programs of a test, for `--script-strict`."""
+"""What is found in the programs and runs of a test, for `elitescript_findings` and `--script-strict`."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from typing import Final
 
+import pytest
+
 from elitescript.language.options import Options
 from elitescript.lint.engine import compile_checked
+from elitescript.messages.findings import ERROR, WARNING
 from elitescript.pytest_plugin.script_program import RETURNED
 from elitescript.pytest_plugin.watching import WatchedRun
 
 NOTHING_RUNS: Final = "W214"
+LEVELS: Final = {"off": (), "error": (ERROR,), "warning": (ERROR, WARNING)}
+"""Severities that fail a test, by the value of `elitescript_findings`."""
+
+
+def findings_of(watched: Iterable[WatchedRun], level: str) -> list[str]:
+    """Return the findings of text and run that a level refuses, each once.
+
+    Raises:
+        pytest.UsageError: no such level.
+    """
+    if level not in LEVELS:
+        raise pytest.UsageError(f"elitescript_findings must be {', '.join(LEVELS)}, got {level!r}")
+    refused = LEVELS[level]
+    found: dict[str, None] = {}
+    for watch in watched if refused else ():
+        of_tests = RETURNED in watch.unit.global_names
+        for finding in watch.findings:
+            # Nothing in a file of tests calls them.
+            if finding.severity in refused and not (of_tests and finding.code == NOTHING_RUNS):
+                found[f"{watch.unit.source.name}: {finding}"] = None
+    return list(found)
 
 
 def warnings_of(watched: Iterable[WatchedRun]) -> list[str]:

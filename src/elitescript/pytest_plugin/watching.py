@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 from weakref import ref
 
 if TYPE_CHECKING:
+    from elitescript.findings.found import Findings
     from elitescript.messages.profile import Profile
     from elitescript.models.model import RobotModel
     from elitescript.plotting.sampling import Sampling
@@ -24,12 +25,13 @@ class WatchedRun:
     """One run of a test. It keeps what has happened, and not the robot, which a test may drop.
 
     Attributes:
-        run: returns its record; None if nobody has it any more.
+        run: returns its record; None if it is no longer held.
         unit: the program.
         start_tick: its first tick.
         record: its events.
         alarms: what stopped it.
         warnings: texts.
+        check_text: returns what `check` finds in the program.
         model: the arm.
         profile: the firmware.
         is_strict: whether the robot refuses what only warns otherwise.
@@ -39,6 +41,7 @@ class WatchedRun:
 
     __slots__ = (
         "alarms",
+        "check_text",
         "is_strict",
         "model",
         "presets",
@@ -58,11 +61,26 @@ class WatchedRun:
         self.record = run.record
         self.alarms = run.alarms
         self.warnings = run.warnings
+        self.check_text = run.check_text
         self.model: RobotModel = robot.model
         self.profile: Profile = robot.profile
         self.is_strict = robot.options.strict
         self.presets = tuple(presets)
         self.rows = rows
+
+    @property
+    def findings(self) -> Findings:
+        """What text and run have found; of a run that nobody has any more, as far as its events are kept."""
+        if (run := self.run()) is not None:
+            return run.findings
+        from elitescript.findings.found import Found
+        from elitescript.run import FINDINGS
+
+        found = Found()
+        for event in self.record.read():
+            if isinstance(event, FINDINGS):
+                found.take(event, self.start_tick)
+        return found.listed(() if self.check_text is None else self.check_text())
 
 
 class RunWatcher:

@@ -111,11 +111,11 @@ class Session:
         """Listen until something has come to pass.
 
         Raises:
-            UsageError: nobody answers at the address.
+            UsageError: nothing answers at the address.
             StorageError: a sink cannot keep what it got.
         """
         sessions = {"rtsi": self._hear_rtsi, "primary": self._hear_primary, "dashboard": self._hear_dashboard}
-        nobody = asyncio.Event()
+        unanswered = asyncio.Event()
 
         def lost(name: str) -> Callable[[str], None]:
             def take(why: str) -> None:
@@ -124,7 +124,7 @@ class Session:
                     return
                 self._missed[name] = why
                 if len(self._missed) == len(sessions):
-                    nobody.set()
+                    unanswered.set()
 
             return take
 
@@ -133,13 +133,13 @@ class Session:
             for name, session in sessions.items()
         ]
         tasks.append(asyncio.create_task(self._tick()))
-        tasks += [asyncio.ensure_future(until), asyncio.create_task(nobody.wait())]
+        tasks += [asyncio.ensure_future(until), asyncio.create_task(unanswered.wait())]
         try:
             done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
             for task in done:
                 task.result()
-            if nobody.is_set():
-                raise UsageError(f"nobody answers at {self.target.host}: {'; '.join(self._missed.values())}")
+            if unanswered.is_set():
+                raise UsageError(f"nothing answers at {self.target.host}: {'; '.join(self._missed.values())}")
         finally:
             for task in tasks:
                 task.cancel()

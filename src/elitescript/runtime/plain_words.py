@@ -578,6 +578,11 @@ def _assertion(_found: re.Match[str], scene: Scene) -> Words:
 
 
 _TABLE: Final[tuple[tuple[tuple[str, ...], str, Callable[[re.Match[str], Scene], Words]], ...]] = (
+    (
+        ("UnicodeDecodeError",),
+        r"^'utf-8' codec can't decode byte",
+        _said("the text is not UTF-8", 'files of a Chinese Windows are often GBK: open(name, encoding="gbk")'),
+    ),
     (("ZeroDivisionError",), r"cannot be raised to a negative power", _said("0 has no negative power")),
     (("ZeroDivisionError",), r"(?:division|modulo|divmod\(\)).*", _division),
     (("TypeError",), r"^can only concatenate (\w+) \(not \"(\w+)\"\) to \w+$", _concatenation),

@@ -6,6 +6,8 @@ from typing import Final
 
 _UTF16: Final = (b"\xff\xfe", b"\xfe\xff")
 _MARK: Final = b"\xef\xbb\xbf"
+_SEEN: Final = 4_000
+"""Bytes in which a zero is looked for, as UTF-16 without a mark has."""
 
 
 class EncodingError(ValueError):
@@ -15,15 +17,15 @@ class EncodingError(ValueError):
         why: without the place in lines.
         at: where, in bytes from 0.
         line: where, from 1.
-        is_utf_16: whether they are UTF-16.
+        encoding: in which they are, as `GBK`; empty if that is not known.
     """
 
-    def __init__(self, why: str, at: int, line: int, *, is_utf_16: bool = False) -> None:
+    def __init__(self, why: str, at: int, line: int, encoding: str = "") -> None:
         super().__init__(why)
         self.why = why
         self.at = at
         self.line = line
-        self.is_utf_16 = is_utf_16
+        self.encoding = encoding
 
 
 def plain_text(data: bytes) -> str:
@@ -32,14 +34,24 @@ def plain_text(data: bytes) -> str:
     Raises:
         EncodingError: they are none.
     """
-    # Without a mark, every other byte of plain letters is 0.
-    if data.startswith(_UTF16) or (len(data) >= 4 and b"\0\0" in (data[:4:2], data[1:4:2])):
-        raise EncodingError("it is UTF-16; save it as UTF-8", 0, 1, is_utf_16=True)
+    if data.startswith(_UTF16) or (b"\0" in data[:_SEEN] and _is_utf_16(data)):
+        raise EncodingError("it is UTF-16; save it as UTF-8", 0, 1, "UTF-16")
     try:
         return data.removeprefix(_MARK).decode()
     except UnicodeDecodeError as error:
         at = error.start + len(data) - len(error.object)
-        raise EncodingError(f"{error.reason} at byte {at}", at, data.count(b"\n", 0, at) + 1) from None
+        line = data.count(b"\n", 0, at) + 1
+        from elitescript.text_encoding import GBK, as_gbk
+
+        if as_gbk(data) is not None:
+            raise EncodingError(f"it is {GBK}; save it as UTF-8", at, line, GBK) from None
+        raise EncodingError(f"{error.reason} at byte {at}", at, line) from None
+
+
+def _is_utf_16(data: bytes) -> bool:
+    from elitescript.text_encoding import as_utf_16
+
+    return as_utf_16(data) is not None
 
 
 def without_mark(text: str) -> str:

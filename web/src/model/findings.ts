@@ -1,6 +1,6 @@
 /** The rows of Problems: what the run has met, and what `check` finds in the text, each thing once. */
 
-import type { AlarmReport, Contact, LeftOut, Problem } from "../source/messages.ts";
+import type { AlarmReport, Contact, LeftOut, Problem, RunFinding } from "../source/messages.ts";
 import type { Studio } from "./studio.ts";
 
 export interface Findings {
@@ -9,6 +9,8 @@ export interface Findings {
   readonly cause: Problem | null;
   readonly contacts: readonly Contact[];
   readonly refused_connections: readonly string[];
+  /** What the run has found besides. */
+  readonly met: readonly RunFinding[];
   /** Of `check`, without the cause of the alarm. */
   readonly list: readonly Problem[];
   /** How many more of those there are, by severity. */
@@ -28,14 +30,15 @@ export function findingsOf(studio: Studio): Findings {
     alarm, cause,
     contacts: (met?.contacts ?? []).filter((contact) => contact.is_contact),
     refused_connections: met?.ended?.refused_connections ?? [],
+    met: met?.ended?.findings ?? [],
     list: cause === null ? list : list.filter((problem) => problem !== cause),
     left_out: studio.problems.value?.left_out ?? {},
   };
 }
 
 /** Errors and warnings with all that the run has met. */
-export function countsOf({ alarm, contacts, list, left_out }: Findings): { readonly errors: number; readonly warnings: number; readonly others: number } {
-  const count = (severity: Problem["severity"]) => list.filter((problem) => problem.severity === severity).length + (left_out[severity] ?? 0);
+export function countsOf({ alarm, contacts, met, list, left_out }: Findings): { readonly errors: number; readonly warnings: number; readonly others: number } {
+  const count = (severity: Problem["severity"]) => [...list, ...met].filter((problem) => problem.severity === severity).length + (left_out[severity] ?? 0);
   return {
     errors: count("error") + (alarm === null ? 0 : 1),
     warnings: count("warning") + contacts.length,

@@ -224,7 +224,9 @@ export type FromSource =
   | { readonly type: "cycle"; readonly run: number; readonly table: readonly CycleRow[] }
   | { readonly type: "contacts"; readonly run: number; readonly list: readonly Contact[] }
   | { readonly type: "run_ended"; readonly run: number; readonly state: "finished" | "stopped" | "alarm" | "time_limit" | "stuck" | "killed";
-      readonly moment: Moment; readonly alarm?: AlarmReport; readonly killed?: string; readonly refused_connections?: readonly string[] }
+      readonly moment: Moment; readonly alarm?: AlarmReport; readonly killed?: string; readonly refused_connections?: readonly string[];
+      /** What the run itself has found, the worst first, besides alarm and contacts. */
+      readonly findings?: readonly RunFinding[] }
   | { readonly type: "state"; readonly ask: number; readonly run: number; readonly moment: Moment }
   | { readonly type: "detail_ended"; readonly ask: number; readonly run: number }
   | { readonly type: "answer"; readonly ask: number; readonly result: Json }
@@ -235,6 +237,17 @@ export type FromSource =
   | { readonly type: "notice"; readonly severity: "information" | "warning" | "error"; readonly text: string }
   // with "live"
   | { readonly type: "moment"; readonly moment: Moment; readonly controller: ControllerState };
+
+/** `t`: of the first time, s; `count`: how often. */
+export interface RunFinding {
+  readonly severity: Problem["severity"];
+  readonly code: string;
+  readonly line: number;
+  readonly t: number;
+  readonly count: number;
+  readonly text: string;
+  readonly hint: string;
+}
 
 export interface ControllerState {
   /** "connected", "connecting", "lost". */

@@ -291,6 +291,8 @@ export const en = {
   // ---- lists
   problem: "line {line}, column {column}: {severity} {code}: {text}",
   alarm: "line {line}, column {column}: alarm {code} at {t}: {text}",
+  met: "line {line}: {severity} {code} at {t}: {text}",
+  met_often: "line {line}: {severity} {code}, {count} times, first at {t}: {text}",
   contact: "line {line}: {first} and {second} touch at {t}, {depth} deep",
   severity_error: "error",
   severity_warning: "warning",

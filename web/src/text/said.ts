@@ -109,7 +109,7 @@ export const SAID: readonly (readonly [english: string, chinese: string])[] = [
   ["dashboard port {1}", "仪表盘端口 {1}"],
   ["{1} port connected", "{1} 端口已连接"],
   ["{1}: no name of a computer", "{1}：不是计算机名"],
-  ["{1}: nobody answers within {2} s", "{1}：{2} s 内无应答"],
+  ["{1}: nothing answers within {2} s", "{1}：{2} s 内无应答"],
   ["{1}: nothing came in time", "{1}：未按时收到数据"],
   ["{1}: the connection has ended ({2})", "{1}：连接已结束（{2}）"],
   ["{1}: the controller has closed the connection", "{1}：控制器关闭了连接"],

@@ -293,6 +293,8 @@ export const zh: Texts = {
   // ---- lists
   problem: "第 {line} 行第 {column} 列：{severity} {code}：{text}",
   alarm: "第 {line} 行第 {column} 列：{t} 报警 {code}：{text}",
+  met: "第 {line} 行：{severity} {code}，{t}：{text}",
+  met_often: "第 {line} 行：{severity} {code}，共 {count} 次，首次在 {t}：{text}",
   contact: "第 {line} 行：{first} 与 {second} 在 {t} 接触，深 {depth}",
   severity_error: "错误",
   severity_warning: "警告",

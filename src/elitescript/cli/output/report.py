@@ -162,7 +162,7 @@ class TextRunReport:
         elif isinstance(event, Printed):
             self._line(event.tick, shown(event.text.rstrip("\n")))
         elif isinstance(event, Popup):
-            note = " (confirmed at once: nobody is there to press the button)" if event.is_confirmed_at_once else ""
+            note = " (confirmed at once: there is no person to press the button)" if event.is_confirmed_at_once else ""
             self._line(
                 event.tick, f"[popup, {shown_word(event.level)}] {shown(event.title)}: {shown(event.text)}{note}"
             )

@@ -20,7 +20,7 @@ class TraceFile(AbstractContextManager["TraceFile"]):
     """Writes a trace to a file; `write` takes one row.
 
     The file has its name when the run has ended, in whatever way: with Ctrl-C the rows so far are in it. If rows could
-    not be written, or nobody reads what the run prints, what was there before is left.
+    not be written, or what the run prints is no longer read, what was there before is left.
 
     Args:
         output: file, whose name ends in `.csv` or `.jsonl`.

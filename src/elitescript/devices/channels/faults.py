@@ -77,7 +77,7 @@ _ROWS: Final = (
     FaultKind(
         "refuse",
         FaultEffect("new connections are refused; those that stand go on"),
-        FaultEffect("a serial line cannot refuse: opening it needs nobody at the other end. Take silence", False),
+        FaultEffect("a serial line cannot refuse: opening it needs no peer. Take silence", False),
         directions=False,
     ),
     FaultKind(

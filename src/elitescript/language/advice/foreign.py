@@ -1,4 +1,4 @@
-"""Detects C, URScript, syntax of newer Pythons, and characters of word processors.
+"""Detects C, URScript and syntax of newer Pythons.
 
 Python's own message for most of them is "invalid syntax"; here each is named and, where the
 meaning is clear, gets a repair.
@@ -12,35 +12,8 @@ from collections.abc import Callable
 from elitescript.language.advice import python2
 from elitescript.language.diagnostics import Fix
 from elitescript.language.text.lexer import LogicalLine
-from elitescript.language.text.masked import NAME, OPERATOR_WORDS, WIDE_COLON, compiled, operand_before
+from elitescript.language.text.masked import NAME, OPERATOR_WORDS, compiled, operand_before
 from elitescript.language.text.rewriting import Draft
-
-_LOOK_ALIKES = {
-    "\u00a0": " ",
-    "\u3000": " ",
-    "\u2018": "'",
-    "\u2019": "'",
-    "\u201c": '"',
-    "\u201d": '"',
-    "\u2013": "-",
-    "\u2212": "-",
-    "\u00d7": "*",
-    "\uff08": "(",
-    "\uff09": ")",
-    "\uff0a": "*",
-    "\uff0b": "+",
-    "\uff0c": ",",
-    "\uff0d": "-",
-    "\uff0e": ".",
-    "\uff0f": "/",
-    WIDE_COLON: ":",
-    "\uff1b": ";",
-    "\uff1c": "<",
-    "\uff1d": "=",
-    "\uff1e": ">",
-    "\uff3b": "[",
-    "\uff3d": "]",
-}
 
 
 def read_foreign(draft: Draft) -> None:
@@ -56,8 +29,6 @@ def read_foreign(draft: Draft) -> None:
         if any(mark in masked for mark in marks):
             mark_rule(draft)
     python2.read_numbers(draft)
-    if not masked.isascii():
-        _look_alikes(draft)
 
 
 def _global(draft: Draft, line: LogicalLine, start: int, end: int) -> None:
@@ -269,28 +240,6 @@ def _type_statement(draft: Draft, line: LogicalLine, start: int, end: int) -> No
 def _too_new(draft: Draft, start: int, end: int, what: str, hint: str) -> None:
     # Python 3.11 refuses this and newer ones accept it; reported here, the result is the same.
     draft.report("E001", start, end, f"{what} syntax of Python 3.12, which the robot does not have", hint)
-
-
-# Word processors
-
-
-def _look_alikes(draft: Draft) -> None:
-    pattern = "[" + "".join(_LOOK_ALIKES) + "]"
-    reported: set[LogicalLine] = set()
-    for line, found in draft.find(pattern):
-        if line in reported:
-            continue
-        reported.add(line)
-        draft.broken.add(line)
-        character = found.group()
-        edits = tuple(
-            draft.edit(other.start(), other.end(), _LOOK_ALIKES[other.group()])
-            for other in compiled(pattern).finditer(draft.lexed.masked, line.start, line.end)
-        )
-        plain = _LOOK_ALIKES[character]
-        text = f"the character U+{ord(character):04X} only looks like {'a blank' if plain == ' ' else plain}"
-        hint = "type it on the keyboard; text copied from documents often has such characters"
-        draft.report("E001", *found.span(), text, hint, Fix("write plain characters", edits, safe=True))
 
 
 _STATEMENT_RULES: dict[str, Callable[[Draft, LogicalLine, int, int], None]] = {

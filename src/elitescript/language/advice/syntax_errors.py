@@ -9,7 +9,7 @@ import re
 from keyword import iskeyword
 from typing import Final
 
-from elitescript.language.text.lexer import lex
+from elitescript.language.text.masked import lex
 
 _ESCAPE: Final = r"(?s)\\(?:x[0-9a-fA-F]{0,2}|u[0-9a-fA-F]{0,4}|U[0-9a-fA-F]{0,8}|N(?:\{[^}]*\})?|.)"
 _ESCAPE_ERROR: Final = r"\((?:unicode|value) error\).*escape"

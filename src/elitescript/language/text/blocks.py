@@ -15,7 +15,7 @@ from elitescript.language.diagnostics import Fix
 from elitescript.language.options import LINE
 from elitescript.language.text.flat import CLAUSES, restore_indentation
 from elitescript.language.text.lexer import LogicalLine
-from elitescript.language.text.masked import WIDE_COLON, header_colon
+from elitescript.language.text.masked import header_colon
 from elitescript.language.text.rewriting import BlockEnd, Draft
 
 CLAUSES_OF: Final = {
@@ -225,8 +225,7 @@ class _BlockReader:
                 self.waiting = block if deeper_follows else None
                 return
             if deeper_follows or (code == line.word and line.word in ("else", "try", "finally")):
-                if not code.endswith(WIDE_COLON):
-                    self._report_colon(line)
+                self._report_colon(line)
                 block.colon_missing = True
                 colon = len(code)
             else:

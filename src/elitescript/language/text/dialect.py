@@ -17,7 +17,8 @@ from elitescript.language.diagnostics import Diagnostic, diagnostic
 from elitescript.language.options import DEFAULT, LINE, Options
 from elitescript.language.text.blocks import read_blocks
 from elitescript.language.text.flat import CLAUSES, INDENT
-from elitescript.language.text.lexer import Lexed, LogicalLine, lex
+from elitescript.language.text.lexer import Lexed, LogicalLine
+from elitescript.language.text.masked import lex
 from elitescript.language.text.rewriting import BlockEnd, Draft, PositionMap, Unfolding
 from elitescript.language.text.source import SourceFile
 from elitescript.records import NamedTuple
@@ -66,7 +67,15 @@ def translate(source: SourceFile, options: Options = DEFAULT) -> Translation:
     draft = Draft(source, lexed, options, unfolding)
     for flaw in lexed.flaws:
         draft.report("E001", flaw.start, flaw.end, flaw.text, flaw.hint)
+    if lexed.wide_signs:
+        from elitescript.language.advice.typed_signs import read_wide_signs
+
+        read_wide_signs(draft)
     read_blocks(draft)
+    if not lexed.text.isascii():
+        from elitescript.language.advice.saved_as import read_gbk_by_chance
+
+        read_gbk_by_chance(draft)
     if "$" in lexed.masked:
         _marks(draft)
     read_foreign(draft)

@@ -1,10 +1,10 @@
-"""Finds strings, comments, brackets and logical lines of a text.
+"""Finds strings, comments, brackets and logical lines of a text; `masked.lex` calls it.
 
 A *logical line* is Python's: physical lines joined by brackets, backslashes and triple quotes,
-without the comment behind it. `lex` finds them all and makes a *masked* copy of the text with
+without the comment behind it. `TextScanner` finds them all and makes a *masked* copy of the text with
 the same length, in which strings are runs of `"`, and comments, line ends inside a logical line
 and backslashes that continue one are blanks. Rules about the text read the masked copy, so quoted
-text never matches.
+text never matches. Signs of an input method in code are read as the plain ones; see `wide_signs`.
 """
 
 from __future__ import annotations
@@ -29,6 +29,20 @@ _MAX_RESCANS = 20
 # bracket above was never closed.
 _IN_EXPRESSIONS = "False None True and as async await elif else for from if in is lambda not or yield"
 _STATEMENT_WORDS = frozenset(kwlist).difference(_IN_EXPRESSIONS.split())
+
+
+class WideSign(NamedTuple):
+    """A sign of code that is not plain; see `wide_signs`.
+
+    Attributes:
+        start: its offset.
+        end: behind it.
+        plain: what it stands for; empty if that is not certain.
+    """
+
+    start: int
+    end: int
+    plain: str
 
 
 class Flaw(NamedTuple):
@@ -67,12 +81,15 @@ class LogicalLine:
 
 
 class Lexed:
-    """Result of `lex`."""
+    """Result of `masked.lex`."""
 
-    __slots__ = ("flaws", "lines", "masked", "starts", "strings", "text")
+    __slots__ = ("flaws", "lines", "masked", "starts", "strings", "text", "wide_signs")
 
     def __init__(self, text: str) -> None:
         self.text = text
+        """The text; a wide sign of code is a plain one, of the same length."""
+        self.wide_signs: list[WideSign] = []
+        """Signs of code that are not plain, in the order of the text; blanks before a line are one."""
         self.masked = text
         self.lines: list[LogicalLine] = []
         self.strings: list[StringToken] = []
@@ -92,15 +109,12 @@ class Lexed:
         return self.masked[start:end]
 
 
-def lex(text: str) -> Lexed:
-    """Scan a text with LF line ends. Never fails: flaws are part of the result."""
-    return _TextScanner(text).scan()
-
-
 def indentation_width(blank: str) -> int:
-    """Return the column, from 0, after leading blanks and tabs; a form feed starts again at 0."""
+    """Return the column, from 0, after leading blanks and tabs; a wide blank is two, a form feed starts again at 0."""
     if "\f" in blank:
         blank = blank.rpartition("\f")[2]
+    if "\u3000" in blank:
+        blank = blank.replace("\u3000", "  ")
     return len(blank.expandtabs(TAB_WIDTH)) if "\t" in blank else len(blank)
 
 
@@ -120,12 +134,16 @@ def _word() -> re.Pattern[str]:
     return re.compile(r"[^\W\d]\w*")
 
 
-class _TextScanner:
-    __slots__ = ("broken", "fills", "lexed", "line", "rescans", "stack", "text")
+class TextScanner:
+    """Finds the logical lines of a text; `WideScanner` also reads signs of input methods."""
+
+    __slots__ = ("blank", "broken", "fills", "lexed", "line", "rescans", "search", "signs", "stack", "text")
 
     def __init__(self, text: str) -> None:
         self.text = text
         self.rescans = 0
+        self.blank = _blank().match
+        self.search = structure_pattern().search
         self.lexed = Lexed(text)
         starts = self.lexed.starts
         position = text.find("\n")
@@ -133,13 +151,14 @@ class _TextScanner:
             starts.append(position + 1)
             position = text.find("\n", position + 1)
         self.fills: list[tuple[int, int, str]] = []
+        self.signs: list[WideSign] = []
         self.stack: list[tuple[str, int]] = []
         self.line = 1
         self.broken = False
 
     def scan(self) -> Lexed:
         text, lexed = self.text, self.lexed
-        blank, word = _blank().match, _word().match
+        blank, word = self.blank, _word().match
         position, size = 0, len(text)
         while position < size:
             found = blank(text, position)
@@ -150,7 +169,7 @@ class _TextScanner:
             if first == "\n":
                 self.line += 1
                 position = start + 1
-            elif first == "#":
+            elif first == "#" or (first == "\uff03" and self._notes_comment(start)):
                 position = self._comment(start)
             elif first == "\\" and text[start + 1 : start + 2] == "\n":
                 self._fill(start, start + 2, " ")
@@ -160,15 +179,17 @@ class _TextScanner:
                 logical = LogicalLine(start, self.line, indentation_width(text[position:start]))
                 if named := word(text, start):
                     logical.word = named.group()
+                self._begins(logical, position)
                 position = self._logical_line(logical)
                 lexed.lines.append(logical)
         lexed.masked = self._masked()
+        self._ends()
         lexed.flaws.sort()
         return lexed
 
     def _logical_line(self, logical: LogicalLine) -> int:
         """Read up to the end of the logical line; return where the next one may start."""
-        text, search = self.text, structure_pattern().search
+        text, search = self.text, self.search
         stack = self.stack = []
         self.broken = False
         depth_at_line_start = 0
@@ -182,7 +203,11 @@ class _TextScanner:
                 return self._finish(logical, len(text))
             mark, at = found.group(), found.start()
             position = found.end()
-            if mark in "([{":
+            if not mark.isascii():
+                mark, position = self._wide(mark, at, depth_at_line_start)
+            if not mark:
+                pass
+            elif mark in "([{":
                 stack.append((mark, at))
             elif mark in ")]}":
                 self._close(mark, at)
@@ -211,9 +236,10 @@ class _TextScanner:
     def _finish(self, logical: LogicalLine, end: int) -> int:
         position = end
         # Comments are already in `fills`; the code ends before the last one and its blanks.
-        if self.fills and self.fills[-1][1] == end and self.text[self.fills[-1][0]] == "#":
+        if self.fills and self.fills[-1][1] == end and self.text[self.fills[-1][0]] in "#\uff03":
             end = self.fills[-1][0]
-        logical.end = logical.start + max(1, len(self.text[logical.start : end].rstrip(" \t\f\\\n")))
+        size = self._code_size(self.text[logical.start : end])
+        logical.end = logical.start + max(1, size)
         logical.last_line = self.line
         logical.broken = self.broken
         return position
@@ -235,6 +261,7 @@ class _TextScanner:
         prefix = text[start:at].lower()
         body = at + len(quote)
         end = self._string_end(body, quote, "f" in prefix)
+        end = self._closed(quote, body, end, "f" in prefix)
         if end < 0:
             hint = f"close it with {quote}"
             if len(quote) == 3:
@@ -295,6 +322,7 @@ class _TextScanner:
         self.fills = [fill for fill in self.fills if fill[0] < resume]
         self.lexed.strings = [string for string in self.lexed.strings if string.start < resume]
         self.lexed.flaws = [flaw for flaw in self.lexed.flaws if flaw.start < resume]
+        self.signs = [sign for sign in self.signs if sign.start < resume]
         self.line = line
         self._finish(logical, resume)
         logical.end = min(logical.end, resume)
@@ -306,7 +334,7 @@ class _TextScanner:
         """Return the index of the first physical line after offset `at` that is not deeper than `logical`."""
         starts, text = self.lexed.starts, self.text
         strings = [fill for fill in self.fills if fill[0] > at and fill[2] == STRING_FILL]
-        blank = _blank().match
+        blank = self.blank
         line, _ = self.lexed.place(at)
         while line < len(starts):
             start = starts[line]
@@ -322,9 +350,33 @@ class _TextScanner:
         return line
 
     def _starts_statement(self, position: int) -> bool:
-        found = _blank().match(self.text, position)
+        found = self.blank(self.text, position)
         named = _word().match(self.text, found.end()) if found else None
         return named is not None and named.group() in _STATEMENT_WORDS
+
+    # What differs in a text with wide signs
+
+    def _begins(self, logical: LogicalLine, position: int) -> None:
+        """Note what is wide at the start of a logical line; its physical line starts at `position`."""
+
+    def _notes_comment(self, at: int) -> bool:
+        """Note a wide sign that begins a comment; return whether it does."""
+        return False
+
+    def _wide(self, mark: str, at: int, depth_at_line_start: int) -> tuple[str, int]:
+        """Note a wide sign; return the plain one that is read for it, if it counts here, and where reading goes on."""
+        raise AssertionError(mark)
+
+    def _code_size(self, code: str) -> int:
+        """Return the length of code without what may stand behind it."""
+        return len(code.rstrip(" \t\f\\\n"))
+
+    def _closed(self, quote: str, body: int, end: int, is_formatted: bool) -> int:
+        """Return the end of a string that a plain mark has opened; `end` is where a plain one closes it."""
+        return end
+
+    def _ends(self) -> None:
+        """Finish `lexed`."""
 
     def _flaw(self, start: int, end: int, text: str, hint: str) -> None:
         self.broken = True

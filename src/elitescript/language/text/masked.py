@@ -1,4 +1,4 @@
-"""Searches masked code, in which strings and comments cannot match."""
+"""Masks and searches code: in masked code strings and comments cannot match."""
 
 from __future__ import annotations
 
@@ -7,14 +7,25 @@ from collections.abc import Iterator
 from functools import cache
 from keyword import iskeyword
 
+from elitescript.language.text.lexer import Lexed, TextScanner
+
 NAME = r"[^\W\d]\w*"
 """Pattern of an identifier."""
 
-WIDE_COLON = "\uff1a"
-"""The colon of Chinese keyboards, reported by its own rule."""
-
 OPERATOR_WORDS = frozenset(("and", "as", "else", "for", "from", "if", "import", "in", "is", "not", "or"))
 """Keywords that may follow a value."""
+
+
+def lex(text: str) -> Lexed:
+    """Scan a text with LF line ends. Never fails: flaws are part of the result."""
+    if not text.isascii():
+        from elitescript.language.text.wide_signs import has_wide_signs
+
+        if has_wide_signs(text):
+            from elitescript.language.text.wide_lexer import WideScanner
+
+            return WideScanner(text).scan()
+    return TextScanner(text).scan()
 
 
 @cache

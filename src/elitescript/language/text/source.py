@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from typing import Final
 
 from elitescript.errors import ProgramError
 from elitescript.language.diagnostics import Diagnostic, Fix, diagnostic
@@ -11,6 +12,8 @@ from elitescript.records import field, record
 from elitescript.untrusted.plain_text import EncodingError, plain_text
 
 BOM = "\ufeff"
+_READS: Final = 60
+"""Characters of a line that are shown in the encoding that it is in."""
 
 
 @record
@@ -44,6 +47,17 @@ class SourceFile:
         except EncodingError as error:
             raise ProgramError((_bad_byte(data, error),), name) from None
 
+    @classmethod
+    def to_show(cls, name: str, data: bytes) -> SourceFile:
+        """Return a file that `from_bytes` may refuse: in the encoding that it is in, or with bytes replaced."""
+        try:
+            return cls.from_bytes(name, data)
+        except ProgramError:
+            from elitescript.text_encoding import decoded_from
+
+            other = decoded_from(data)
+            return cls(name, data.decode("utf-8", "replace") if other is None else other[0])
+
     def line(self, n: int) -> str:
         """Return the line `n`, counted from 1, without its line end; empty outside the text."""
         return self.lines[n - 1] if 1 <= n <= len(self.lines) else ""
@@ -70,5 +84,17 @@ def apply_fixes(text: str, fixes: Iterable[Fix]) -> str:
 
 def _bad_byte(data: bytes, error: EncodingError) -> Diagnostic:
     lines = SourceFile("", data[: error.at].decode("utf-8")).lines
-    text = "the text is UTF-16, not UTF-8" if error.is_utf_16 else f"byte 0x{data[error.at]:02X} is not UTF-8 text"
-    return diagnostic("E002", len(lines), len(lines[-1]) + 1, text, hint="save the file as UTF-8")
+    from elitescript.text_encoding import decoded_from
+
+    line, column = len(lines), len(lines[-1]) + 1
+    other = decoded_from(data) if error.encoding else None
+    if other is None:
+        text = f"byte 0x{data[error.at]:02X} is not UTF-8 text"
+        if error.encoding:
+            text = f"the text is {error.encoding}, not UTF-8"
+        return diagnostic("E002", line, column, text, hint="save the file as UTF-8")
+    reads = SourceFile("", other[0]).line(line).strip()
+    reads = reads if len(reads) <= _READS else f"{reads[:_READS]}..."
+    text = f"the text is {error.encoding}, not UTF-8: this line reads `{reads}`"
+    hint = "`elitescript check --fix` converts the file to UTF-8; or save it as UTF-8 in the editor"
+    return diagnostic("E002", line, column, text, hint=hint)

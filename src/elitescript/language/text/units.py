@@ -35,12 +35,14 @@ class Unit:
         text: its lines, with LF between them.
         first_line: number of its first line in the stream, from 1.
         damaged: some bytes were not UTF-8 and were replaced.
+        reads: what its first line with such bytes is in GBK; empty if it is no likely text in it.
     """
 
     kind: str
     text: str
     first_line: int
     damaged: bool = False
+    reads: str = ""
 
 
 @record
@@ -94,10 +96,12 @@ class UnitSplitter:
         "_max_bytes",
         "_overflow",
         "_partial",
+        "_reads",
         "_size",
         "_skip_line",
         "_tracker",
     )
+    _reads: str
 
     def __init__(self, max_bytes: int = MAX_UNIT_BYTES) -> None:
         self._max_bytes = max_bytes
@@ -242,8 +246,12 @@ class UnitSplitter:
         try:
             return row.decode("utf-8")
         except UnicodeDecodeError:
+            from elitescript.text_encoding import as_gbk
+
             if not peek:
                 self._damaged = True
+                if not self._reads:
+                    self._reads = as_gbk(row) or ""
             return row.decode("utf-8", "replace")
 
     def _take_partial(self, found: list[Unit | DiscardedText]) -> None:
@@ -279,7 +287,7 @@ class UnitSplitter:
         else:
             if not self._kind:
                 if line.strip(" \t\f")[:1] in ("", "#"):
-                    self._damaged = False
+                    self._damaged, self._reads = False, ""
                     return
                 self._begin(LINE)
             self._add(line, size)
@@ -299,7 +307,7 @@ class UnitSplitter:
     # Ends
 
     def _deliver(self, found: list[Unit | DiscardedText]) -> None:
-        found.append(Unit(self._kind, "\n".join(self._lines), self._first_line, self._damaged))
+        found.append(Unit(self._kind, "\n".join(self._lines), self._first_line, self._damaged, self._reads))
         self._reset()
 
     def _refuse(self, found: list[Unit | DiscardedText], reason: str) -> None:
@@ -331,6 +339,7 @@ class UnitSplitter:
         self._lines: list[str] = []
         self._size = 0
         self._damaged = False
+        self._reads = ""
         self._tracker.reset()
 
 

@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from elitescript.language.symbols import Resolution
-from elitescript.language.text.lexer import lex
+from elitescript.language.text.masked import lex
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.lint.registry import Finding, rule
 

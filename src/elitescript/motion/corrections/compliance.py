@@ -2,7 +2,8 @@
 
 The given part (`bound`) is kept exactly: its pose is solved by Newton's method in every period, so that no error
 accumulates. The part that yields changes its speed towards a wanted one, within the limits of joint speed and
-acceleration. Where even the given part exceeds them, the joints keep their limits and the tool deviates.
+acceleration. Where even the given part exceeds them, or where the joints of the given pose are further from those that
+their speeds lead to than an acceleration explains, the joints keep their limits and the tool deviates.
 """
 
 from __future__ import annotations
@@ -81,9 +82,9 @@ class Compliance(NamedTuple):
         change = joint_speeds(arm, q_ahead, _sum(wanted, free, -1.0), T_flange_tcp)
         assert change is not None, "solved for the same joints above"
         share = self._share(now.qd, kept, change)
+        is_kept, free_after = share is not None, free
         if share is None:
             q, qd = self._given_way(now, _sum(kept, change))
-            free_after = _sum(tcp_twist(arm, q, qd, T_flange_tcp), bound, -1.0)
         else:
             qd = _sum(kept, change, share)
             free_after = wanted if share == 1.0 else _sum(free, _sum(wanted, free, -1.0), share)
@@ -93,6 +94,11 @@ class Compliance(NamedTuple):
             else:
                 guess = _sum(now.q, _sum(now.qd, qd), 0.5 * PERIOD_S)
                 q = solved_near(arm, T_flange_tcp, after_way(arm.forward_tcp(now.q, T_flange_tcp), way), guess)
+                # Near a singularity a pose some 1e-6 m away can be milliradians away.
+                if not self._is_reached(guess, q):
+                    q, is_kept = guess, False
+        if not is_kept:
+            free_after = _sum(tcp_twist(arm, q, qd, T_flange_tcp), bound, -1.0)
         # A stop changes all joints in proportion, so this is the longest way to standstill.
         q_stop = q if is_last_resort else _sum(q, qd, 0.5 * max(map(abs, qd)) / tool.deceleration)
         joint = joint_outside(limits, q_stop)
@@ -101,7 +107,7 @@ class Compliance(NamedTuple):
         met = None if is_last_resort else tool.singularity_met(q, qd)
         if met is not None:
             return singular_obstacle(arm, now.q, met, self.what)
-        return Yielded(Setpoint(q, qd), free_after, share is not None)
+        return Yielded(Setpoint(q, qd), free_after, is_kept)
 
     def halted(self, now: Setpoint) -> Setpoint:
         """Return the state one period later when every joint brakes by itself."""
@@ -138,6 +144,11 @@ class Compliance(NamedTuple):
             elif low > 0.0 or high < 0.0:
                 return None
         return most if least <= most else None
+
+    def _is_reached(self, guess: Six, q: Six) -> bool:
+        """Return whether joints are where the speeds of a period lead to, but for what an acceleration explains."""
+        tops = self.tool.limits.qdd_max
+        return all(abs(b - a) <= 0.5 * top * PERIOD_S**2 for a, b, top in zip(guess, q, tops, strict=True))
 
     def _given_way(self, now: Setpoint, wanted: Six) -> Setpoint:
         limits = self.tool.limits

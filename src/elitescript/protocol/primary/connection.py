@@ -56,6 +56,15 @@ MAX_SILENT_LINE_BYTES: Final = 16 * 1024
 
 _LOCAL: Final = "refused: the robot is in local control; switch it to remote control to run programs and commands"
 _DAMAGED: Final = "some bytes of a program are not UTF-8; each was replaced by U+FFFD"
+_READS: Final = 60
+"""Characters of a text that are shown in the encoding that it is in."""
+
+
+def _encoding_warning(unit: Unit) -> str:
+    """Return what is wrong with the bytes of a program; empty if nothing is."""
+    if not unit.damaged:
+        return ""
+    return f"{_DAMAGED}; as GBK it reads `{unit.reads.strip()[:_READS]}`" if unit.reads else _DAMAGED
 
 
 class PrimaryPort(NamedTuple):
@@ -329,23 +338,26 @@ class PrimaryConnection(Connection):
         if found.kind == "line" and self._burst.takes(found.text) and not is_command(found.text):
             self._burst.add(found.text, self._tick)
             return []
-        return [self._run(found)]
+        return self._run(found)
 
-    def _run(self, unit: Unit) -> Input:
+    def _run(self, unit: Unit) -> list[Input]:
         if not self._is_remote:
-            return self._warning(f"{self.origin}: {_LOCAL}")
+            return [self._warning(f"{self.origin}: {_LOCAL}")]
         if unit.kind == "line":
             try:
                 request = request_of(unit.text)
             except ValueError as error:
-                return self._warning(f"{self.origin}: {error}")
+                return [self._warning(f"{self.origin}: {error}")]
             if request is not None:
-                return Do(self.origin, request)
-        if unit.damaged and self._feed.port.sends_messages:
-            message = error_message(self._tick, WARNING, _DAMAGED, terminator=self._feed.terminator)
-            self._waiting.put(message, self._tick)
+                return [Do(self.origin, request)]
         # Lines of alarms count from the first line of the unit.
-        return RunUnit(self.origin, unit.kind, unit.text)
+        run = RunUnit(self.origin, unit.kind, unit.text)
+        if not (text := _encoding_warning(unit)):
+            return [run]
+        if self._feed.port.sends_messages:
+            message = error_message(self._tick, WARNING, text, terminator=self._feed.terminator)
+            self._waiting.put(message, self._tick)
+        return [self._warning(f"{self.origin}: {text}"), run]
 
     def _refusal(self, refusal: DiscardedText) -> Input:
         """Report a text that is no program to the client, and to the log, since the client may have closed."""

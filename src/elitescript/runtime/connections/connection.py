@@ -49,7 +49,7 @@ class ScriptConnection:
         received: bytes that have arrived and are not read.
         is_barred: whether the options of the robot do not let it through; it is opening until it is closed.
         is_behind_numbers: whether the last read gave a list of numbers in parentheses.
-        rule: of the last read; None before.
+        rule: of the last read of a socket; None before.
         late_data: what was there when the last read ended by its timeout; empty if it did not, or nothing was.
         is_close_told: whether observers know that the program uses it though its peer has closed.
     """
@@ -123,7 +123,7 @@ class ScriptConnection:
         if isinstance(event, ChannelData):
             if len(self.received) + len(event.data) + self._taken > CHANNEL_WINDOW:
                 self._channels.close(self.channel)
-                reason = f"the peer sent more than {CHANNEL_WINDOW} bytes that nobody has read"
+                reason = f"the peer sent more than {CHANNEL_WINDOW} bytes that are not read"
                 self.log.closed(reason)
                 self._end(reason)
             else:
@@ -218,7 +218,6 @@ class ScriptConnection:
         strand = self._scheduler.current
         assert strand is not None
         deadline = Deadline(self._scheduler, timeout_s)
-        self.rule = rule
         is_last = strand.is_secondary
         is_late = False
         while True:

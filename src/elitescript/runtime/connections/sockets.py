@@ -30,6 +30,13 @@ _OPEN_FIRST: Final = "open it with socket_open first; every socket has the name 
 _SHOWN: Final = 253
 """Most characters of an address or a name in a warning: those of a host name."""
 
+_READS: Final = 60
+"""Characters of a text that are shown in the encoding that it is in."""
+_SEND_UTF8: Final = (
+    "let the device send UTF-8, or read the bytes with socket_read_byte_list and decode them: "
+    'bytes(data[1:]).decode("gbk")'
+)
+
 NO_NETWORK: Final = "this run has no network"
 
 
@@ -188,10 +195,14 @@ class Sockets:
             and rule(connection.received, False)[0] is None
         ):
             self._warn_once(f"sec read {name}", NOT_ALL_THERE.format(what=f"socket {name!r}"))
+        looked = rule
         if connection is None:
             self._tell_not_open(name, "read")
         else:
-            looked = self._looking_for_line_end(name, connection, rule)
+            if isinstance(rule, Texts):
+                looked = self._looking_for_line_end(name, connection, rule)
+                looked = self._looking_at_encoding(name, connection, looked)
+            connection.rule = rule
             late_data, connection.late_data = connection.late_data, b""
             value = connection.read(looked, reason, timeout_s)
             if late_data or connection.late_data:
@@ -206,7 +217,7 @@ class Sockets:
             self._tell_closed(connection, "read")
         if not self._scheduler.caller.is_secondary:
             self._scheduler.wait(reason, self._scheduler.now + 1)
-        return rule(bytearray(), True)[0] if connection is None else connection.rest(rule)
+        return rule(bytearray(), True)[0] if connection is None else connection.rest(looked)
 
     def ask(self, name: str, question: bytes, rule: Variable, timeout_s: float) -> int:
         """Send a question and return the number that its answer gives; 0 without one.
@@ -252,9 +263,9 @@ class Sockets:
         text = f"there is no open socket {shown!r}: nothing is {done}"
         self._warn_once(f"socket {name} not open", text, hint=_OPEN_FIRST)
 
-    def _looking_for_line_end(self, name: str, connection: ScriptConnection, rule: Rule) -> Rule:
+    def _looking_for_line_end(self, name: str, connection: ScriptConnection, rule: Texts) -> Rule:
         """Return the rule; if it reads text after numbers, one that warns of a line end left by these."""
-        if not (connection.is_behind_numbers and isinstance(rule, Texts) and not rule.prefix):
+        if not connection.is_behind_numbers or rule.prefix:
             return rule
 
         def looking(data: bytearray, is_last: bool) -> tuple[Any, int]:
@@ -267,3 +278,26 @@ class Sockets:
             return value, used
 
         return looking
+
+    def _looking_at_encoding(self, name: str, connection: ScriptConnection, rule: Rule) -> Rule:
+        """Return a rule for text, which warns once a connection of bytes that are GBK."""
+
+        def looking(data: bytearray, is_last: bool) -> tuple[Any, int]:
+            value, used = rule(data, is_last)
+            # Of a time-out nothing is used: the mark that the text waits for was perhaps there, in the other encoding.
+            part = data[:used] if used or not is_last else data
+            if part.isascii():
+                return value, used
+            from elitescript.text_encoding import likely_gbk
+
+            if (reads := likely_gbk(bytes(part))) is not None:
+                shown = _cut(reads.strip())
+                text = f"the text that came from socket {name!r} looks like GBK, not UTF-8: as GBK it reads {shown!r}"
+                self._warn_once(f"encoding {connection.channel}", text, code="W275", hint=_SEND_UTF8)
+            return value, used
+
+        return looking
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= _READS else f"{text[:_READS]}..."

@@ -1,7 +1,8 @@
 """Records the traffic on the connections of programs as events.
 
 Bytes are shown as the text that they are in UTF-8; a byte that is no text, and a control character other than tab and
-line ends, as `\\xNN`. Long messages are cut, and the number of events in one tick is limited.
+line ends, as `\\xNN`. What they are in GBK, if that is a likely text, stands behind them. Long messages are cut, and
+the number of events in one tick is limited.
 """
 
 from __future__ import annotations
@@ -36,9 +37,17 @@ _CONTROLS: Final = {code: f"\\x{code:02x}" for code in (*range(32), *range(127, 
 
 def shown(data: bytes) -> str:
     """Return bytes as text, cut to `DATA_MAX` of them."""
-    text = data[:DATA_MAX].decode("utf-8", "backslashreplace")
+    part = data[:DATA_MAX]
+    text = part.decode("utf-8", "backslashreplace")
+    reads = None
+    if not part.isascii():
+        from elitescript.text_encoding import likely_gbk
+
+        reads = likely_gbk(part)
     if not text.rstrip("\r\n").isprintable():
         text = text.translate(_CONTROLS)
+    if reads is not None:
+        text = f"{text.rstrip()} (as GBK: {reads.strip()})"
     return text if len(data) <= DATA_MAX else f"{text}… ({len(data)} bytes)"
 
 

@@ -108,7 +108,7 @@ def _path_names(files: Files) -> dict[str, Any]:
         name = relative_name(path)
         if not files.kind(name):
             raise FileNotFoundError(2, "No such file or directory", path)
-        raise NotSimulatedError(f"nobody knows when {path!r} was changed: the task folder keeps no times", value=path)
+        raise NotSimulatedError(f"the task folder keeps no times: when {path!r} was changed is not known", value=path)
 
     return {
         **{name: forwarded(getattr(posixpath, name)) for name in _PATH_FUNCTIONS.split()},

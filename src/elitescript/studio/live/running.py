@@ -280,7 +280,14 @@ class RunReport:
         if (found := contacts_of(run)) is not None:
             self._link.send(describe.contacts(self._number, found))
         alarm = alarm_of(self._robot, run)
-        ended = describe.run_ended(self._number, state, last, alarm=alarm, refused_connections=[*self._refused])
+        ended = describe.run_ended(
+            self._number,
+            state,
+            last,
+            alarm=alarm,
+            refused_connections=[*self._refused],
+            findings=run.findings if run.has_findings else (),
+        )
         is_repeatable = state != "time_limit" and not any(map(_names_a_line, run.events))
         self._link.send(ended | {"is_repeatable": is_repeatable})
 

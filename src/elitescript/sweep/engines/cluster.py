@@ -322,6 +322,7 @@ class Cluster:
         """
         from distributed import Security
         from distributed.comm.core import CommClosedError, connect
+        from tornado.iostream import StreamClosedError
 
         try:
             async with asyncio.timeout(CONNECT_S):
@@ -331,10 +332,12 @@ class Cluster:
                 await connection.close()
         except TimeoutError:
             why = f"what is there says nothing within {CONNECT_S:g} s"
-        except CommClosedError:
-            why = "what is there closes the connection"
         except OSError as error:
-            why = str(error)
+            # What closes at once may be gone before the first message, which is tried again until the time is up.
+            last = error if isinstance(error, CommClosedError) else error.__cause__
+            ends = (type(None), StreamClosedError, ConnectionResetError)
+            was_open = last is error or (isinstance(last, CommClosedError) and isinstance(last.__cause__, ends))
+            why = "what is there closes the connection" if was_open else str(error)
         except Exception:
             # Whatever reading something else than a message raises.
             why = "what is there sends something else"

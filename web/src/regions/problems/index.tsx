@@ -5,7 +5,7 @@ import { Icon, type IconName } from "../../app/icons.tsx";
 import { type Findings, findingsOf } from "../../model/findings.ts";
 import type { Studio } from "../../model/studio.ts";
 import { seconds, withUnit } from "../../model/units.ts";
-import type { AlarmReport, Contact, Problem } from "../../source/messages.ts";
+import type { AlarmReport, Contact, Problem, RunFinding } from "../../source/messages.ts";
 import type { Texts } from "../../text/en.ts";
 import { said } from "../../text/said.ts";
 import { shortened, text } from "../../text/text.ts";
@@ -41,10 +41,11 @@ export function Problems({ studio }: { studio: Studio }) {
   );
 }
 
-function runProblems(studio: Studio, { alarm, cause, contacts, refused_connections: refused }: Findings, version: number): ComponentChildren[] {
+function runProblems(studio: Studio, { alarm, cause, contacts, met, refused_connections: refused }: Findings, version: number): ComponentChildren[] {
   return [
     ...(alarm === null ? [] : [<AlarmRow key="alarm" studio={studio} alarm={alarm} cause={cause} version={version} />]),
     ...contacts.map((contact, index) => <ContactRow key={`contact ${index}`} studio={studio} contact={contact} />),
+    ...met.map((found, index) => <MetRow key={`met ${index}`} studio={studio} found={found} />),
     ...(refused.length === 0 ? [] : [
       <li key="refused" class="problem information">
         <Icon name="information" />
@@ -131,6 +132,20 @@ function ContactRow({ studio, contact }: { studio: Studio; contact: Contact }) {
       studio={studio} kind="contact" severity="warning" line={contact.line} t={contact.t} words={words}
       press={() => studio.jump(contact.t, { line: contact.line, column: 1 })}
     />
+  );
+}
+
+function MetRow({ studio, found: { severity, code, line, t, count, text: said, hint } }: { studio: Studio; found: RunFinding }) {
+  const words = text(count > 1 ? "met_often" : "met", {
+    line, severity: text(SEVERITIES[severity]), code, t: seconds(t), count, text: shortened(said),
+  });
+  return (
+    <Row
+      studio={studio} kind={severity === "hint" ? "information" : severity} severity={severity} line={line} t={t} words={words}
+      press={() => studio.jump(t, { line, column: 1 })}
+    >
+      {hint !== "" && <p class="faint">{hint}</p>}
+    </Row>
   );
 }
 
