@@ -9,7 +9,7 @@ from elitescript.lint.registry import all_rules, rule
 REPORTED_ELSEWHERE = {"W210", "W222"}
 """What the language package reports while it reads the text."""
 
-OF_RUNS = ("W27", "W28")
+OF_RUNS = ("W27", "W28", "W29")
 """Begin of the codes of what only a run can find."""
 
 

@@ -23,7 +23,6 @@ from elitescript.controller.motion.control import MotionControl, motion_limits
 from elitescript.controller.motion.conveyor_encoders import ENCODER_HANDLERS, SPEED_SIGNAL
 from elitescript.controller.motion.conveyor_tracking import Tracking
 from elitescript.controller.motion.path_offset import PathOffset
-from elitescript.controller.motion.sources import Move
 from elitescript.controller.request_queue import RequestQueue
 from elitescript.controller.safety.arm_watch import ArmWatch
 from elitescript.controller.safety.control import SafetyControl
@@ -709,7 +708,7 @@ class Controller:
                 self._watching().input_changed((name, index))
             self.safety.signal_changed(name, value, self._tick)
         elif line:
-            if self.motion.is_moving:
+            if self.motion.flying is not None:
                 self._look_at_blend(name, index, line)
             key, written = (name, index), self._written
             if self._tick != self._written_tick:
@@ -723,8 +722,12 @@ class Controller:
 
     def _look_at_blend(self, name: str, index: int, line: int) -> None:
         """Let observers see an output that comes behind a move with a blend radius and before its point."""
-        source, thread = self.motion.source, self.task.program.caller[0]
-        if isinstance(source, Move) and source.is_returned and not source.is_stopping and source.thread == thread:
+        source = self.motion.flying
+        if source is None or source is not self.motion.source:
+            self.motion.flying = None
+            return
+        thread = self.task.program.caller[0]
+        if not source.is_stopping and source.thread == thread:
             from elitescript.messages.observations import OutputBeforePoint
 
             left_m = dist(self.tcp_pose(self.motion.setpoint(self._tick).q)[:3], source.waypoint[:3])

@@ -102,6 +102,7 @@ class MotionControl:
         "_starved",
         "_stop_joint_deceleration",
         "_succession",
+        "flying",
         "is_paused",
         "limits",
         "observe",
@@ -144,6 +145,8 @@ class MotionControl:
         self.on_obstacle: Callable[[int, Obstacle, str, int], None] = self._warn_of_obstacle
         self.observe: Callable[[Observation], None] | None = None
         """Takes what observers of a run may see."""
+        self.flying: Move | None = None
+        """The last move whose call has returned before its end; it may be over."""
         self._servo_tick = 0
         """Of the last target of `servoj`."""
         self._starved = -1
@@ -409,6 +412,8 @@ class MotionControl:
             self._on_end(source.number if source.is_awaited(source.number) else 0, source.reaches_end)
         if isinstance(source, Drive | Move) and source.return_tick <= tick:
             source.note_return(tick)
+            if isinstance(source, Move):
+                self.flying = source
             self._on_end(source.number, True)
 
     def _drop_next(self) -> None:

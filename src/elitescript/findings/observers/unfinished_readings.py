@@ -32,7 +32,7 @@ class UnfinishedReadings(Observer):
             self._pending.pop(seen.channel, None)
         elif seen.lacks == "count":
             yield from self._tell(seen)
-        elif seen.data.strip(b"\r\n\0 "):
+        elif seen.data.strip(b"\r\n\0 ") and not _is_encoded(seen.data):
             if seen.waited_s >= PATIENT_S:
                 yield from self._tell(seen)
             else:
@@ -60,6 +60,15 @@ class UnfinishedReadings(Observer):
 
 
 _COUNT: Final = "ask for as many bytes as the sender sends, or look at the number that the reading gives"
+
+
+def _is_encoded(data: bytes) -> bool:
+    """Return whether data is a text in GBK, which has a warning of its own."""
+    try:
+        data.decode("utf-8")
+    except UnicodeDecodeError:
+        return bool(data.decode("gbk", "ignore").strip())
+    return False
 
 
 def _advice(seen: ReadingEnded) -> str:

@@ -15,7 +15,7 @@ from elitescript.messages.timing import seconds, ticks_for
 from elitescript.modbus.frames.pdu import custom
 from elitescript.modbus.master.connection import BARRED, CONNECT_TICKS, MasterConnection
 from elitescript.modbus.master.master import Master
-from elitescript.modbus.master.signals import ModbusSignal, SignalKind
+from elitescript.modbus.master.signals import BROADCAST, ModbusSignal, SignalKind
 from elitescript.runtime.connections.connection import Receiver
 from elitescript.runtime.connections.traffic import Traffic, cut
 from elitescript.runtime.environment import Channels
@@ -174,7 +174,9 @@ class ModbusSignals:
         return (0, "") if strand is None else (strand.line, strand.name)
 
     def _read_early(self, signal: ModbusSignal) -> None:
-        """Let observers see a reading before the first answer."""
+        """Let observers see a reading before the first answer; a broadcast, which gets none, has its own warning."""
+        if signal.unit == BROADCAST:
+            return
         from elitescript.messages.observations import ModbusReadEarly
 
         line, thread = self._caller
