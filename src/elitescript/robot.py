@@ -710,7 +710,7 @@ class VirtualRobot:
             return
         if run.state == "":
             run.state = state
-            run.threads = self._host.threads()
+            run.threads = self._host.explained_threads()
             self._host.stop(state)
             self._host.run_tick(self.tick)
             if self._outside.surroundings is not None:
@@ -722,9 +722,10 @@ class VirtualRobot:
         self._event(Warned(tick, contact.text, "main", contact.line, "W273"))
 
     def _report_stuck(self) -> None:
-        threads = self.threads()
+        threads = self._host.explained_threads()
         waits = "; ".join(
             f"{thread.name} (line {thread.line}) {f'waits for {thread.waits_for}' if thread.waits_for else 'is held'}"
+            + (f": {thread.because}" if thread.because else "")
             for thread in threads
         )
         obstruction = self.controller.safety.obstruction

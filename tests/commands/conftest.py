@@ -123,9 +123,12 @@ class FakeSockets:
         self.asked.append(("is_connected", name))
         return self.stands
 
-    def send(self, name: str, data: bytes) -> bool:
+    def send(self, name: str, data: bytes, *, is_text: bool = False) -> bool:
         self.asked.append(("send", name, data))
         return self.stands
+
+    def ask(self, name: str, question: bytes, rule: Any, timeout_s: float) -> int:
+        return int(self.read(name, rule, timeout_s)) if self.send(name, question) else 0
 
     def read(self, name: str, rule: Rule, timeout_s: float) -> Any:
         self.asked.append(("read", name, timeout_s))

@@ -46,7 +46,9 @@ class TestExample:
         assert run.state == "finished"
         # What goes wrong on a channel is a warning; nothing else in an example may be worth one.
         unwanted = Alarm if has_faults(program) else (Alarm, Warned)
-        assert [event for event in run.events if isinstance(event, unwanted)] == []
+        found = [event for event in run.events if isinstance(event, unwanted)]
+        # A note says what a sound program may have.
+        assert [event for event in found if not (isinstance(event, Warned) and event.severity == "note")] == []
         assert run.log
 
     @pytest.mark.parametrize("firmware", PROFILES)

@@ -9,7 +9,7 @@ from elitescript.lint.registry import all_rules, rule, rules_for
 REPORTED_ELSEWHERE = {"W210", "W222"}
 """What the language package reports while it reads the text."""
 
-OF_RUNS = ("W27", "W28", "N28")
+OF_RUNS = ("W27", "W28", "W29", "N28", "N29")
 """Begin of the codes of what only a run can find."""
 
 

@@ -23,6 +23,7 @@ class FakeMachine:
         self.tick = 0
         self.move_ticks = move_ticks
         self.events: list[Any] = []
+        self.observed: list[Any] = []
         self.requests: list[Any] = []
         self.cancelled: list[int] = []
         self.signals: dict[tuple[str, int], Any] = {}
@@ -63,6 +64,9 @@ class FakeMachine:
 
     def emit(self, event: Any) -> None:
         self.events.append(event)
+
+    def observe(self, seen: Any) -> None:
+        self.observed.append(seen)
 
 
 class Bench:

@@ -416,7 +416,7 @@ class TestThreads:
             end
         """)
         bench.run(until=3)
-        assert [tuple(thread) for thread in bench.host.threads()] == [
+        assert [(*thread,)[:3] for thread in bench.host.threads()] == [
             ("main", 26, "the end of thread 'sleeping'"),
             ("getting", 7, "a lock in queue.Queue.get()"),
             ("locked", 10, "a lock"),

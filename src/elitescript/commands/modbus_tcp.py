@@ -220,7 +220,7 @@ def modbus_set_output_register(
         ScriptStateError: it has not worked for longer than its watchdog allows (R134).
     """
     values = _values("register_value", register_value)
-    robot.modbus.set(signal_name, tuple(value & 0xFFFF for value in values), is_digital=False)
+    robot.modbus.set(signal_name, values, is_digital=False)
 
 
 @command(family="modbus", manual="4.1.6", arguments=_ARGUMENTS)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import codecs
 from typing import Any, Final
 
-from elitescript.commands.definition.context import Rule
 from elitescript.messages.signals import INT32_HIGH, INT32_LOW
 
 TEXT_MAX: Final = 2047
@@ -20,29 +19,38 @@ _SEARCHED_MAX: Final = 16_384
 """Bytes that are searched for a mark before the first ones are dropped."""
 
 
-def integers(number: int) -> Rule:
-    """Return the rule for signed 32-bit integers in network byte order; after the timeout, the complete ones."""
+class Counted:
+    """So many values of some bytes each: a rule; after the timeout, the complete ones that have arrived."""
 
-    def rule(data: bytearray, is_last: bool) -> tuple[Any, int]:
-        count = min(number, len(data) // _INT_SIZE)
-        if count < number and not is_last:
+    __slots__ = ("_number", "_size")
+
+    def __init__(self, number: int, size: int) -> None:
+        self._number = number
+        self._size = size
+
+    def __call__(self, data: bytearray, is_last: bool) -> tuple[Any, int]:
+        size = self._size
+        count = min(self._number, len(data) // size)
+        if count < self._number and not is_last:
             return None, 0
-        ends = range(_INT_SIZE, _INT_SIZE * count + 1, _INT_SIZE)
-        values = [int.from_bytes(data[end - _INT_SIZE : end], "big", signed=True) for end in ends]
-        return values, _INT_SIZE * count
+        if size == 1:
+            return list(data[:count]), count
+        ends = range(size, size * count + 1, size)
+        return [int.from_bytes(data[end - size : end], "big", signed=True) for end in ends], size * count
 
-    return rule
+    def lacks(self, data: bytes) -> tuple[str, str]:
+        """Return how much of it has come; see `messages.observations.ReadingEnded`."""
+        return "count", f"{len(data)} of {self._number * self._size} bytes"
 
 
-def octets(number: int) -> Rule:
-    """Return the rule for bytes; after the timeout, those that have arrived."""
+def integers(number: int) -> Counted:
+    """Return the rule for signed 32-bit integers in network byte order."""
+    return Counted(number, _INT_SIZE)
 
-    def rule(data: bytearray, is_last: bool) -> tuple[Any, int]:
-        if len(data) < number and not is_last:
-            return None, 0
-        return list(data[:number]), min(number, len(data))
 
-    return rule
+def octets(number: int) -> Counted:
+    """Return the rule for bytes."""
+    return Counted(number, 1)
 
 
 class Floats:
@@ -53,10 +61,12 @@ class Floats:
     an unfinished list count that have something behind them (*assumed*).
     """
 
-    __slots__ = ("_number",)
+    __slots__ = ("_number", "dropped")
 
     def __init__(self, number: int) -> None:
         self._number = number
+        self.dropped: tuple[str, int, int, int] | None = None
+        """Of a list of which something was dropped: its text, how many were asked for, came, and were read."""
 
     def __call__(self, data: bytearray, is_last: bool) -> tuple[Any, int]:
         begin = data.find(b"(")
@@ -68,8 +78,16 @@ class Floats:
             if not is_last and len(data) - begin <= TEXT_MAX:
                 return None, begin
             end = 1 + max(data.rfind(separator, begin) for separator in (b",", b" ", b"("))
-        words = data[begin + 1 : end].decode("latin-1").replace(",", " ").split()
-        return _numbers(words)[: self._number], end + is_complete
+        text = data[begin + 1 : end].decode("latin-1")
+        words = text.replace(",", " ").split()
+        values = _numbers(words)[: self._number]
+        if is_complete and len(values) < len(words):
+            self.dropped = text, self._number, len(words), len(values)
+        return values, end + is_complete
+
+    def lacks(self, data: bytes) -> tuple[str, str]:
+        """Return what is missing in data that gave no list; see `messages.observations.ReadingEnded`."""
+        return "parenthesis", ")" if b"(" in data else "("
 
 
 def _numbers(words: list[str]) -> list[float]:
@@ -118,6 +136,13 @@ class Texts:
             return part, begin + used if part else 0
         return None, 0
 
+    def lacks(self, data: bytes) -> tuple[str, str]:
+        """Return the mark that is missing in data that gave no text; see `messages.observations.ReadingEnded`."""
+        what, mark = "suffix", self.suffix
+        if self.prefix and self.prefix not in data:
+            what, mark = "prefix", self.prefix
+        return what, mark.decode("utf-8", "backslashreplace")
+
 
 def _surplus(data: bytearray, mark: bytes) -> int:
     """Return how many bytes at the begin are dropped, as the mark is not in them."""
@@ -127,22 +152,32 @@ def _surplus(data: bytearray, mark: bytes) -> int:
 class Variable(Texts):
     """The number of a line `<name> <int>`, brought into 32 bits: a rule; 0 for any other line and when time is up."""
 
-    __slots__ = ("_name",)
+    __slots__ = ("_name", "is_late", "odd")
 
     def __init__(self, name: str) -> None:
         super().__init__(b"", b"\n")
         self._name = name
+        self.odd: str | None = None
+        """The line, if it has another form."""
+        self.is_late = False
+        """Whether no line came in time."""
 
     def __call__(self, data: bytearray, is_last: bool) -> tuple[Any, int]:
         answer, used = super().__call__(data, is_last)
-        return (None if answer is None else _value_of(answer, self._name)), used
+        if answer is None:
+            return None, used
+        value = _value_of(answer, self._name)
+        if value is None:
+            self.is_late = not used
+            self.odd = answer if used else None
+        return value or 0, used
 
 
-def _value_of(answer: str, name: str) -> int:
+def _value_of(answer: str, name: str) -> int | None:
     words = answer.split()
     if len(words) != 2 or words[0] != name:
-        return 0
+        return None
     digits = words[1].lstrip("+-")
     if not (digits.isascii() and digits.isdigit()) or len(words[1]) - len(digits) > 1:
-        return 0
+        return None
     return max(INT32_LOW, min(INT32_HIGH, int(words[1])))

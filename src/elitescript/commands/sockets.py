@@ -108,9 +108,8 @@ def socket_get_var(
     Returns:
         The value, brought into 32 bits; 0 also after a failure.
     """
-    if not _send(robot, f"GET {var_name}\n", socket_name):
-        return 0
-    return int(_read(robot, rules.Variable(var_name), socket_name, _ANSWER_S))
+    question = f"GET {var_name}\n".encode("utf-8", "replace")
+    return robot.sockets.ask(socket_name or _DEFAULT_SOCKET, question, rules.Variable(var_name), _ANSWER_S)
 
 
 @command(family="socket", manual="5.1.4", waits=True, arguments=_ARGUMENTS)
@@ -279,7 +278,7 @@ def _read(robot: Robot, rule: Rule, socket_name: str, timeout_s: float) -> Any:
 
 
 def _send(robot: Robot, words: str, socket_name: str) -> bool:
-    return robot.sockets.send(socket_name or _DEFAULT_SOCKET, words.encode("utf-8", "replace"))
+    return robot.sockets.send(socket_name or _DEFAULT_SOCKET, words.encode("utf-8", "replace"), is_text=True)
 
 
 def _counted(values: list[Any], number: int, missing: Any) -> tuple[Any, ...]:

@@ -7,6 +7,7 @@ getters and traces sample it, and a leap gives the same as the ticks that it lea
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
+from math import dist
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.controller.arm.cartesian_state import CartesianStateFinder
@@ -29,7 +30,7 @@ from elitescript.controller.safety.force_watch import ForceWatch
 from elitescript.controller.safety.limits import SafetyLimits
 from elitescript.controller.safety.monitor import SafetyMonitor
 from elitescript.controller.safety.reduced_speed import ReducedSpeed
-from elitescript.controller.signals.image import SIGNAL_SETTINGS, SignalImage
+from elitescript.controller.signals.image import SIGNAL_SETTINGS, TOOL_PIN_IN, SignalImage
 from elitescript.controller.tasks import ProgramPort, Task
 from elitescript.controller.tool_setup import SETUP_HANDLERS, Setup
 from elitescript.errors import MotionError, ScriptStateError
@@ -76,6 +77,7 @@ from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import SpeedProfile
 
 if TYPE_CHECKING:
+    from elitescript.controller.signals.signal_watch import SignalWatch
     from elitescript.messages.observations import Observation
     from elitescript.modbus.port_image import PortImage
 
@@ -120,6 +122,10 @@ class Controller:
         "_on_event",
         "_on_observation",
         "_tick",
+        "_unseen",
+        "_watch",
+        "_written",
+        "_written_tick",
         "arm",
         "arm_state",
         "joint_ranges",
@@ -167,6 +173,13 @@ class Controller:
         self.requests = 0
         """Requests that were carried out, or refused, since the start."""
         self._inbox = RequestQueue()
+        self._watch: SignalWatch | None = None
+        """From the first change of a signal on."""
+        self._unseen: dict[tuple[str, int], int] = {}
+        """See `SignalWatch.inputs`."""
+        self._written: dict[tuple[str, int], tuple[Value, Value, int]] = {}
+        """Outputs that the program has changed in `_written_tick`: level before, level after, line."""
+        self._written_tick = -1
         self.signals = SignalImage(self._signal_changed, self._write_overridden)
         mode = RobotMode.RUNNING if is_powered else RobotMode.POWER_OFF
         self.power = Power(lambda mode: on_event(RobotModeChanged(self._tick, mode)), mode, power_times)
@@ -203,6 +216,8 @@ class Controller:
         self.safety = SafetyControl(watch, speed, self.task, on_event, self.switch_off)
         for part in (self.motion, self.tracking, self.path_offset):
             part.on_obstacle = self.safety.meet_obstacle
+        for observed in (self.motion, self.tracking, self.yielding):
+            observed.observe = on_observation
 
     def attach(self, program: ProgramPort) -> None:
         """Set the host of scripts."""
@@ -459,7 +474,20 @@ class Controller:
 
     def read(self, name: str, index: int = 0) -> Value:
         """Return the level of a signal."""
+        if self._unseen:
+            self._look(name, index)
         return self.signals.read(name, index)
+
+    def _watching(self) -> SignalWatch:
+        if self._watch is None:
+            # Imported late: many programs change no signal.
+            from elitescript.controller.signals.signal_watch import SignalWatch
+
+            self._watch = SignalWatch(self._on_observation, self._unseen, lambda: self.task.program)
+        return self._watch
+
+    def _look(self, name: str, index: int) -> None:
+        self._watching().looked((name, index), self._tick)
 
     def port_register(self, address: int, version: tuple[int, ...]) -> int:
         """See `commands.definition.context.Machine.port_register`."""
@@ -485,6 +513,8 @@ class Controller:
 
     def tool_pin(self, index: int) -> bool:
         """Return the level of a tool pin."""
+        if self._unseen:
+            self._look(TOOL_PIN_IN, index)
         return self.signals.tool_pin(index)
 
     def non_default_signals(self) -> dict[str, Value]:
@@ -610,6 +640,9 @@ class Controller:
         self.task.require("start")
         self.task.name = name
         self._node = (0, "")
+        self._written_tick = -1
+        if self._watch is not None:
+            self._watch.begin_program()
         self.motion.begin_program()
         self.path_offset.begin_program(self._tick)
         self.yielding.begin_program()
@@ -671,7 +704,35 @@ class Controller:
         if SIGNALS[name].is_input:
             if name == SPEED_SIGNAL:
                 self.tracking.encoders[index].turn(float(value), self._tick)
+            if value is True or value is False:
+                self._watching().input_changed((name, index))
             self.safety.signal_changed(name, value, self._tick)
+        elif line:
+            if self.motion.flying is not None:
+                self._look_at_blend(name, index, line)
+            key, written = (name, index), self._written
+            if self._tick != self._written_tick:
+                self._written_tick = self._tick
+                written.clear()
+            elif key in written:
+                self._watching().output_changed(key, written[key], value, self._tick, line)
+                written[key] = written[key][0], value, line
+                return
+            written[key] = self.signals.replaced, value, line
+
+    def _look_at_blend(self, name: str, index: int, line: int) -> None:
+        """Let observers see an output that comes behind a move with a blend radius and before its point."""
+        source = self.motion.flying
+        if source is None or source is not self.motion.source:
+            self.motion.flying = None
+            return
+        thread = self.task.program.caller[0]
+        if not source.is_stopping and source.thread == thread:
+            from elitescript.messages.observations import OutputBeforePoint
+
+            left_m = dist(self.tcp_pose(self.motion.setpoint(self._tick).q)[:3], source.waypoint[:3])
+            signal = signal_name(SIGNALS[name], index)
+            self.observe(OutputBeforePoint(self._tick, signal, line, thread, source.line, left_m))
 
     def _write_overridden(self, name: str, index: int, level: Value) -> None:
         point = signal_name(SIGNALS[name], index)

@@ -49,6 +49,9 @@ class ProgramPort(Protocol):
     def caller_line(self) -> int:
         """Line of the running thread; 0 while none runs."""
 
+    def is_cleanup(self, line: int) -> bool:
+        """Return whether a line of the program stands in a block of `except` or `finally`."""
+
 
 class NoProgram:
     """Do nothing: the port until a host is attached."""
@@ -56,6 +59,9 @@ class NoProgram:
     line = 0
     caller = ("", 0)
     caller_line = 0
+
+    def is_cleanup(self, line: int) -> bool:
+        return False
 
     def _ignore(self, *_: Any) -> None:
         pass

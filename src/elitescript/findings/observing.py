@@ -25,7 +25,30 @@ from typing import Any, Final
 from elitescript.errors import CODES
 from elitescript.messages.events import Event
 from elitescript.messages.findings import Finding
-from elitescript.messages.observations import ChannelLeft, MotionLeft, Observation
+from elitescript.messages.observations import (
+    ChannelLeft,
+    CommandRefused,
+    EncoderStill,
+    ForceMetNothing,
+    InputMissed,
+    ModbusReadAgain,
+    ModbusReadEarly,
+    ModbusReplaced,
+    MotionLeft,
+    NumbersDropped,
+    Observation,
+    OddAnswer,
+    OtherServer,
+    OutputBeforePoint,
+    PeerClosed,
+    ReadingEnded,
+    ReadingResumed,
+    RegisterCut,
+    ServoStarved,
+    SignalPulsed,
+    StoppedAgain,
+    TextBeyondAscii,
+)
 from elitescript.records import NamedTuple
 
 
@@ -57,6 +80,23 @@ class Row(NamedTuple):
 OBSERVERS: Final = (
     Row("unread_data", "UnreadData", (ChannelLeft,)),
     Row("end_under_way", "EndUnderWay", (MotionLeft,)),
+    Row("odd_answers", "OddAnswers", (OddAnswer,)),
+    Row("dropped_numbers", "DroppedNumbers", (NumbersDropped,)),
+    Row("unfinished_readings", "UnfinishedReadings", (ReadingEnded, ReadingResumed)),
+    Row("closed_peers", "ClosedPeers", (PeerClosed,)),
+    Row("other_servers", "OtherServers", (OtherServer,)),
+    Row("beyond_ascii", "BeyondAscii", (TextBeyondAscii,)),
+    Row("early_modbus", "EarlyModbus", (ModbusReadEarly, ModbusReadAgain)),
+    Row("replaced_modbus", "ReplacedModbus", (ModbusReplaced,)),
+    Row("cut_registers", "CutRegisters", (RegisterCut,)),
+    Row("pulses_in_a_tick", "PulsesInATick", (SignalPulsed,)),
+    Row("missed_inputs", "MissedInputs", (InputMissed,)),
+    Row("starved_servo", "StarvedServo", (ServoStarved,)),
+    Row("still_encoders", "StillEncoders", (EncoderStill,)),
+    Row("free_force", "FreeForce", (ForceMetNothing,)),
+    Row("swallowed_refusals", "SwallowedRefusals", (CommandRefused,)),
+    Row("short_stops", "ShortStops", (StoppedAgain,)),
+    Row("outputs_before_points", "OutputsBeforePoints", (OutputBeforePoint,)),
 )
 """All observers, in the order in which they see what they share."""
 

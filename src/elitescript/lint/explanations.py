@@ -493,6 +493,134 @@ _TEXTS: Final[dict[str, str]] = {
 
             servoj(q, t=0.008)                 # W280: returns after 8 ms, 0.79 rad before q, and the program ends
         """,
+    "W281": """
+        `socket_get_var` sends `GET POS` and takes the next line for the answer. When that line has another form, or
+        none came within 2 s, the value is 0. A line that had come before the question was sent belongs to something
+        else, such as an `ack` to `socket_set_var`; from then on each answer is that to the question before.
+
+            socket_set_var("GTO", 1, "g")      # the device answers "ack"
+            pos = socket_get_var("POS", "g")   # W281: read "ack" first, socket_read_string("g", suffix="\\n")
+        """,
+    "W282": """
+        `socket_read_ascii_float` drops what is more than it was asked for, and everything from the first field on that
+        is no number. Six numbers for three are decimal commas: a comma separates numbers. Fewer numbers than asked for
+        are no finding: the first element of the result says how many came.
+
+            r = socket_read_ascii_float(3)     # W282 for (1,5, 2,5, 3,5): 1, 5 and 2; let (1.5, 2.5, 3.5) be sent
+        """,
+    "W283": """
+        A reading ended by its timeout, so it gave no text or no numbers, although data had come: the prefix, the suffix
+        or the parenthesis that it waits for was not in it. The data stays, and is in front of the next text. A reading
+        of less than 0.5 s is told at the end of the program, and only if no later one has brought the data.
+
+            s = socket_read_string("cam", suffix="\\r\\n")    # W283 for "12.5\\n": read with suffix="\\n"
+        """,
+    "N281": """
+        The peer has closed the connection, or it broke, and the program goes on reading or sending. Readings give
+        nothing, sending returns False. Told once a connection; what had arrived before the close is read without it.
+
+            ok = socket_send_line("next", 0, "cam")    # N281: look at ok, close the name and open it anew
+        """,
+    "N282": """
+        The manual has ASCII in texts. Other characters go as UTF-8, in two to four bytes each, which a receiver may
+        read as something else.
+
+            socket_send_line("22 °C")                  # N282: ° goes as c2 b0; "22 C" is let pass
+        """,
+    "N283": """
+        A reading of so many bytes or numbers ended by its timeout with a part of them. The result says how many there
+        are; a sound program looks at that.
+
+            b = socket_read_byte_list(9)               # N283 for 5 bytes: b[0] is 5
+        """,
+    "W285": """
+        A MODBUS signal is 0 or False until its device has answered for the first time, some 10 ms to 0.1 s after it was
+        added. What was read before is no value. A signal that is added again in the loop that reads it never gets one.
+
+            modbus_add_signal("192.168.1.50", 255, 0, 2, "level")
+            level = modbus_get_signal_status("level")      # W285: sleep(0.5) between both lets it pass
+        """,
+    "W286": """
+        A MODBUS output is sent 10 times a second. A value that the program replaces before that never reaches the
+        device. Told at the end of the program; of a stream, such as a beat counter, it is the note N286.
+
+            modbus_set_output_signal("start", True)
+            sleep(0.02)
+            modbus_set_output_signal("start", False)       # W286: sleep(0.2) lets the device see it
+        """,
+    "W287": """
+        A register has 16 bits. Of a value that is not in -32768 to 65535 the low 16 bits are sent, which is another
+        number.
+
+            modbus_set_output_register("speed", 70000)     # W287: 4464 is sent; two registers hold it
+        """,
+    "W288": """
+        An output, register or flag changed and changed back in one tick of 4 ms. Outside, on a wire, on RTSI, in a
+        device, nothing has happened. In a block of `except` or `finally` it is the note N285.
+
+            set_standard_digital_out(0, True)
+            set_standard_digital_out(0, False)             # W288: sleep(0.1) between both makes it a pulse
+        """,
+    "W289": """
+        A digital input changed to and fro between two looks of a line that looks again and again: a pulse was missed,
+        and others will be. A line that looks at an input once a cycle, seldomer than each second, is no finding.
+
+            while not get_standard_digital_in(3):          # W289 for a pulse of 20 ms
+              sleep(0.1)                                   # sync() looks in every tick
+            end
+        """,
+    "N284": """
+        A line read a MODBUS signal before its first answer, and again later. The first readings were 0 or False, which
+        no device had sent; a loop that waits for another value is not harmed by that.
+
+            while modbus_get_signal_status("ready") == 0: sync()     # N284: the first zeros are no answers
+        """,
+    "N285": """
+        An output, register or flag got two levels in one tick of 4 ms: nothing outside has seen the first one.
+
+            write_output_integer_register(0, 5)
+            write_output_integer_register(0, 6)            # N285: 5 was never there; sync() between shows both
+        """,
+    "N286": """
+        A MODBUS output is set faster than it is sent, again and again, so that the device gets some of the values. For
+        a beat counter or a measurement that is as good.
+
+            modbus_set_output_register("beat", n % 256)    # N286 in every tick; modbus_set_signal_update_frequency
+        """,
+    "N287": """
+        A negative value goes into a register as its 16 bits: -5 as 65531. A device with signed registers reads -5, and
+        `modbus_get_signal_status` gives 65531.
+
+            modbus_set_output_register("offset", -5)       # N287
+        """,
+    "W290": """
+        A target of `servoj` came after the arm had come to rest at the one before, three times at one line. The arm
+        stops and starts at each target. A new target must come when the time `t` of the one before is over.
+
+            servoj(q, t=0.008)                 # W290 with a sleep(0.1) behind it: give t=0.1 and no sleep
+        """,
+    "W291": """
+        A conveyor was tracked for 0.5 s or more by an encoder that has not counted since the start of the robot, so the
+        arm was not moved. It is not set up, nothing sets its count, or another encoder counts. A belt that has moved
+        before and stands now is no finding.
+
+            track_conveyor_linear([1, 0, 0, 0, 0, 0], 10000)    # W291: encoder_enable_set_tick_count comes before it
+        """,
+    "W292": """
+        A command that moves the arm was refused 10 times in a row at one line, another one 100 times, at most 1 s
+        apart, and the program caught it each time. The robot does nothing, and nothing shows why.
+
+            while True:
+              try: movel(p)                    # W292: end the loop in the block of except, or show the reason
+              except Exception: sleep(0.05)
+            end
+        """,
+    "N288": """
+        Force mode was on for 0.5 s or more and ended, it had a force or torque to exert, and nothing has pressed
+        against the tool. In the simulation only the world has something to touch.
+
+            force_mode([0, 0, 0, 0, 0, 0], [0, 0, 1, 0, 0, 0], [0, 0, -10, 0, 0, 0], 0, [0.1] * 6)   # N288 in the air
+        """,
     "R150": """
         The program has requested more memory than the run may have. Make shorter lists and texts, or keep fewer of
         them; `run --memory-limit` sets what a run may have.

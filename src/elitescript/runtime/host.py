@@ -93,6 +93,7 @@ class ScriptHost:
         "_scheduler",
         "_secondaries",
         "_seed",
+        "_unit",
         "_world",
         "alarm",
         "background",
@@ -141,6 +142,8 @@ class ScriptHost:
         self._has_warned = False
         """Whether the program was warned of a call that has held up the robot."""
         self._program: Program | None = None
+        self._unit: CompiledUnit | None = None
+        """Of the program that runs, or ran last."""
         self._main: Strand | None = None
         self._ending = ""
         self._secondaries = Secondaries(self._scheduler, self._begin_secondary, self._warn_secondary)
@@ -173,6 +176,7 @@ class ScriptHost:
             raise ScriptStateError("a program is running; stop it first")
         if world is not None:
             self._world = world
+        self._unit = unit
         self._program = program = self._new_program(presets or {})
         self.result, self.alarm, self._ending = "", None, ""
         if (meter := self._scheduler.meter) is not None:
@@ -317,6 +321,13 @@ class ScriptHost:
         strand = self._scheduler.current
         return 0 if strand is None else strand.line_behind(_FRAMES_OF_A_CHANGE)
 
+    def is_cleanup(self, line: int) -> bool:
+        """See `controller.tasks.ProgramPort.is_cleanup`."""
+        # Imported late: few runs ask for it.
+        from elitescript.language.cleanup import cleanup_lines
+
+        return self._unit is not None and line in cleanup_lines(self._unit.source)
+
     def monitor(self) -> dict[str, Any]:
         """Return the globals of the program that runs or ran last, in the order of first assignment."""
         return {} if self._program is None else self._program.monitor()
@@ -324,6 +335,19 @@ class ScriptHost:
     def threads(self) -> tuple[ThreadState, ...]:
         """Return the states of the script threads, the main one first."""
         return tuple(map(state_of, self._scheduler.strands))
+
+    def explained_threads(self) -> tuple[ThreadState, ...]:
+        """Return what `threads` returns, with the reason why each does not go on; for the end of a run."""
+        # Imported late: most programs go on.
+        from elitescript.runtime.why import reason_of
+
+        if self._unit is None:
+            return self.threads()
+        source, connections = self._unit.source, list(self.connections.values())
+        return tuple(
+            state_of(strand)._replace(because=reason_of(strand, source, self._machine.read, connections))
+            for strand in self._scheduler.strands
+        )
 
     # ---------------------------------------------------------------- time
 

@@ -23,6 +23,7 @@ from elitescript.messages.yielding import YieldRequest
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.plausibility import Doubt
+    from elitescript.commands.socket_rules import Variable
     from elitescript.messages.observations import Observation
 
 
@@ -183,8 +184,11 @@ class SocketAccess(Protocol):
     def is_connected(self, name: str) -> bool:
         """Return whether a connection is open."""
 
-    def send(self, name: str, data: bytes) -> bool:
-        """Send bytes; return whether the connection is open."""
+    def send(self, name: str, data: bytes, *, is_text: bool = False) -> bool:
+        """Send bytes, which may be those of a text; return whether the connection is open."""
+
+    def ask(self, name: str, question: bytes, rule: Variable, timeout_s: float) -> int:
+        """Send a question and return the number in its answer; 0 without one."""
 
     def read(self, name: str, rule: Rule, timeout_s: float) -> Any:
         """Return what a rule finds, waiting at most `timeout_s`; 0 and less wait for ever."""
@@ -280,7 +284,7 @@ class ModbusSignalAccess(Protocol):
         """Return the value of a signal: a tuple if it has several coils or registers."""
 
     def set(self, name: str, values: tuple[int, ...], *, is_digital: bool) -> None:
-        """Set an output.
+        """Set an output; of each value of a register, the low 16 bits count.
 
         Raises:
             InvalidValueError: it is none of that sort, or has fewer coils or registers.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Final, TypeGuard
+from typing import TYPE_CHECKING, Any, Final, TypeGuard
 
 from elitescript.controller.arm.state import ArmState
 from elitescript.controller.force.contact import ContactConfig
@@ -18,9 +18,13 @@ from elitescript.messages.events import Event, Warned, YieldingChanged
 from elitescript.messages.machine import SetClientSensor, SetForceDamping, SetForceGain, ZeroForceSensor
 from elitescript.messages.motion import MotionRequest, Six, StopJ, StopL, StopTracking, TrackRequest
 from elitescript.messages.state import JointState
+from elitescript.messages.timing import TICKS_PER_S
 from elitescript.messages.yielding import EndForceMode, EndFreedrive, ForceMode, Freedrive, YieldRequest
 from elitescript.models.model import RobotModel
 from elitescript.motion.limits import MotionLimits
+
+if TYPE_CHECKING:
+    from elitescript.messages.observations import Observation
 
 FORCE_CALL: Final = -1
 GUIDING_CALL: Final = -2
@@ -28,6 +32,9 @@ GUIDING_CALL: Final = -2
 
 DONE_CALL: Final = 0
 """Number of a call that is over at once."""
+
+FREE_TICKS: Final = TICKS_PER_S // 2
+"""Shortest time in force mode of which it is observed that it has met nothing (*assumed*)."""
 
 
 class ComplianceControl:
@@ -43,7 +50,17 @@ class ComplianceControl:
         on_end: called with the number of a call that waits for the end, and whether it was complete, when it is over.
     """
 
-    __slots__ = ("_force", "_guiding", "_is_asked_by_input", "_is_guided_by_input", "_on_event", "_signals", "sensor")
+    __slots__ = (
+        "_force",
+        "_force_tick",
+        "_guiding",
+        "_is_asked_by_input",
+        "_is_guided_by_input",
+        "_on_event",
+        "_signals",
+        "observe",
+        "sensor",
+    )
 
     def __init__(
         self,
@@ -61,6 +78,9 @@ class ComplianceControl:
         self._guiding = HandGuiding(body, on_event, lambda: on_end(GUIDING_CALL, True))
         self._on_event = on_event
         self._signals = signals
+        self._force_tick = 0
+        self.observe: Callable[[Observation], None] | None = None
+        """Takes what observers of a run may see."""
         self._is_asked_by_input = False
         self._is_guided_by_input = False
 
@@ -94,11 +114,15 @@ class ComplianceControl:
         force = self._force
         if isinstance(request, ForceMode):
             self._require_no_guiding("force_mode")
+            if not force.is_on:
+                self._force_tick = tick
             force.begin(request, caller)
             self._report(tick, request, caller)
             return DONE_CALL
         if isinstance(request, EndForceMode):
             if force.is_on:
+                if not force.has_met and tick - self._force_tick >= FREE_TICKS:
+                    self._tell_free(tick)
                 force.stop(tick)
                 self._report(tick, request, caller)
             return FORCE_CALL if force.is_yielding else DONE_CALL
@@ -113,6 +137,15 @@ class ComplianceControl:
         self._guide(request, tick, caller)
         self._is_guided_by_input = False
         return DONE_CALL
+
+    def _tell_free(self, tick: int) -> None:
+        """Let observers see that force mode ends and has met nothing, though it was to exert something."""
+        force = self._force
+        if any(force.target) and self.observe is not None:
+            from elitescript.messages.observations import ForceMetNothing
+
+            line, thread = force.caller
+            self.observe(ForceMetNothing(tick, line, thread, force.target, tick - self._force_tick))
 
     def is_ended_by(self, request: MotionRequest | TrackRequest) -> TypeGuard[StopJ | StopL]:
         """Check that a motion may begin; return whether it is a stop that ends hand guiding.

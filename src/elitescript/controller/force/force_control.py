@@ -6,6 +6,7 @@ The law is in `motion.corrections.admittance`.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Final
 
 from elitescript.controller.force.yielding_correction import ArmAccess, Caller, YieldingCorrection
 from elitescript.kinematics.rotations import Rotation
@@ -22,6 +23,10 @@ GAIN_SCALING_START = 0.2
 DAMPING_START = 0.0
 
 
+MET_N: Final = 0.5
+"""Force on the tool, N or N m, from which on it has met something (*assumed*)."""
+
+
 class ForceControl(YieldingCorrection):
     """Force control; every tick is due while it is on.
 
@@ -29,7 +34,7 @@ class ForceControl(YieldingCorrection):
     programs.
     """
 
-    __slots__ = ("_force_frame", "_is_held", "_law", "damping", "gain_scaling")
+    __slots__ = ("_force_frame", "_is_held", "_law", "damping", "gain_scaling", "has_met")
 
     name = "force_mode"
 
@@ -40,6 +45,16 @@ class ForceControl(YieldingCorrection):
         self._force_frame = ForceFrame(0, IDENTITY)
         self._law = ForceLaw((False,) * 6, ZERO_SIX, ZERO_SIX, GAIN_SCALING_START, DAMPING_START)
         self._is_held = False
+        self.has_met = False
+        """Whether something has pressed against the tool since force mode began."""
+
+    @property
+    def target(self) -> Six:
+        """What the free axes are to exert, N and N m; 0 along the others."""
+        a, b, c, d, e, f = (
+            wanted if is_free else 0.0 for wanted, is_free in zip(self._law.target, self._law.selection, strict=True)
+        )
+        return a, b, c, d, e, f
 
     @property
     def is_active(self) -> bool:
@@ -49,6 +64,8 @@ class ForceControl(YieldingCorrection):
     def begin(self, request: ForceMode, caller: Caller) -> None:
         """Begin force mode, or go on with other values."""
         is_update = self.is_on
+        if not is_update:
+            self.has_met = False
         frame = ForceFrame(request.mode, transform_from_pose(request.reference_frame))
         self._begin(request.selection, caller)
         if not is_update or frame != self._force_frame:
@@ -66,6 +83,8 @@ class ForceControl(YieldingCorrection):
 
     def _wanted(self, axes: Rotation, free: Six, T_base_tcp: Transform, now: JointState) -> Six:
         exerted = along_axes(axes, self._body.sensor.compensated_in_base(now.q_actual, now.qd_actual))
+        if not self.has_met:
+            self.has_met = max(map(abs, exerted)) > MET_N
         a, b, c, d, e, f = exerted
         return in_base(axes, self._law.speeds(along_axes(axes, free), (-a, -b, -c, -d, -e, -f)))
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections.abc import Callable, Hashable, Iterable
+from math import dist
 from typing import TYPE_CHECKING, Final
 
 from elitescript.controller.motion.joint_drive import Drive, JointDrive
@@ -41,7 +42,7 @@ from elitescript.messages.motion import (
     StopL,
 )
 from elitescript.messages.state import ZERO_SIX
-from elitescript.messages.timing import PERIOD_S
+from elitescript.messages.timing import PERIOD_S, TICKS_PER_S, ticks_for
 from elitescript.models.model import RobotModel
 from elitescript.motion.limits import MotionLimits, joint_outside, joint_range_error
 from elitescript.motion.segment import Setpoint
@@ -51,7 +52,7 @@ from elitescript.motion.timing.timescale import stop_ramp, stop_ramp_tool
 from elitescript.records import replace
 
 if TYPE_CHECKING:
-    from elitescript.messages.observations import MotionLeft
+    from elitescript.messages.observations import MotionLeft, Observation
 
 AnyDrive = JointDrive | ToolDrive | ServoDrive
 AnySource = Move | Braking | AnyDrive
@@ -59,6 +60,11 @@ AnySource = Move | Braking | AnyDrive
 
 LEFT_MIN: Final = 1e-3
 """Way of a joint to its target, rad, or speed, rad/s, below which the arm is there, or stands."""
+
+SHORT_M: Final = 0.005
+"""Way of a short move, m (*assumed*)."""
+SHORT_STOPS: Final = 30
+"""Stops at the ends of short moves in a row from which on they are observed (*assumed*)."""
 
 
 class MotionControl:
@@ -86,14 +92,20 @@ class MotionControl:
         "_on_end",
         "_on_event",
         "_q_rest",
+        "_rest_tick",
         "_sampled",
         "_sampled_tick",
+        "_servo_tick",
+        "_short_stops",
         "_source",
         "_started",
+        "_starved",
         "_stop_joint_deceleration",
         "_succession",
+        "flying",
         "is_paused",
         "limits",
+        "observe",
         "on_obstacle",
         "refused",
         "speed_ramp_s",
@@ -131,10 +143,24 @@ class MotionControl:
         self.waypoint: Six | None = None
         self.refused: tuple[int, int, MotionRequest] | None = None
         self.on_obstacle: Callable[[int, Obstacle, str, int], None] = self._warn_of_obstacle
+        self.observe: Callable[[Observation], None] | None = None
+        """Takes what observers of a run may see."""
+        self.flying: Move | None = None
+        """The last move whose call has returned before its end; it may be over."""
+        self._servo_tick = 0
+        """Of the last target of `servoj`."""
+        self._starved = -1
+        """Number of the last call, if that was a target of `servoj` at which the arm has come to rest."""
+        self._rest_tick = -1
+        """When the last move has ended."""
+        self._short_stops = 0
+        """Short moves in a row, each of which has begun at the end of the one before, at rest."""
 
     def begin_program(self) -> None:
         """Forget which warnings were emitted: a program begins."""
         self._notices.said.clear()
+        self._short_stops = 0
+        self._starved = -1
 
     @property
     def is_moving(self) -> bool:
@@ -250,6 +276,10 @@ class MotionControl:
         self._sampled_tick = -1
         if order is CurrentMoveAction.BLENDED:
             self._on_event(MotionEnded(tick, True))
+        elif tick <= self._rest_tick + 1 and self.waypoint is not None:
+            self._count_stop(call, dist(self.waypoint[:3], move.waypoint[:3]))
+        else:
+            self._short_stops = 0
         self.waypoint = move.waypoint
         started = MotionStarted(tick, request, line, thread, move.segment.duration_s)
         if order is CurrentMoveAction.NEXT:
@@ -260,6 +290,14 @@ class MotionControl:
             warned = Warned(tick, caution.text, thread, caution.line, caution.code, caution.hint)
             self._notices.once(caution.key_line, caution.kind, warned)
         return call.number
+
+    def _count_stop(self, call: MotionCall, way_m: float) -> None:
+        """Count a move that begins where the one before has just ended, and let observers see many short ones."""
+        self._short_stops = self._short_stops + 1 if way_m < SHORT_M else 0
+        if self._short_stops >= SHORT_STOPS and self.observe is not None:
+            from elitescript.messages.observations import StoppedAgain
+
+            self.observe(StoppedAgain(call.tick, call.line, call.thread, self._short_stops, way_m))
 
     def is_done(self, number: int) -> bool:
         """Return whether the call of that number is over."""
@@ -363,6 +401,9 @@ class MotionControl:
             self._q_rest = source.q_rest
             self._sampled_tick = -1
             end_tick = source.end_tick
+            if isinstance(source, ServoDrive):
+                self._starved = self._count
+            self._rest_tick = end_tick
             self._source, self._next = self._next, None
             self._on_event(MotionEnded(end_tick, source.reaches_end))
             if self._source is not None and self._started is not None:
@@ -371,6 +412,8 @@ class MotionControl:
             self._on_end(source.number if source.is_awaited(source.number) else 0, source.reaches_end)
         if isinstance(source, Drive | Move) and source.return_tick <= tick:
             source.note_return(tick)
+            if isinstance(source, Move):
+                self.flying = source
             self._on_end(source.number, True)
 
     def _drop_next(self) -> None:
@@ -403,6 +446,7 @@ class MotionControl:
             joint = joint_outside(self.limits, request.q_target)
             if joint is not None:
                 raise joint_range_error(self.limits, joint, request.q_target[joint], "at the target of servoj")
+            step_ticks, self._servo_tick = tick - self._servo_tick, tick
             if isinstance(source, ServoDrive):
                 self._count = number
                 if not source.is_returned:
@@ -410,6 +454,8 @@ class MotionControl:
                 source.take(call, request)
                 self._changed(tick)
                 return number
+            if source is None and self._starved == self._count and step_ticks <= TICKS_PER_S:
+                self._tell_starved(request, call, step_ticks)
         drive = self._new_drive(request, call)
         obstacle = drive.obstacle(tick)
         if obstacle is not None and drive.leads_into(obstacle, self.setpoint(tick).q):
@@ -426,6 +472,15 @@ class MotionControl:
             self._notices.once(call.line, "speed", Warned(tick, text, call.thread, call.line))
         self._changed(tick)
         return number
+
+    def _tell_starved(self, request: ServoJ, call: MotionCall, step_ticks: int) -> None:
+        """Let observers see that a stream of targets goes on from rest."""
+        t_s = request.t_s or 0.0
+        is_way = max(abs(a - b) for a, b in zip(request.q_target, self._q_rest, strict=True)) > LEFT_MIN
+        if is_way and step_ticks > ticks_for(t_s) + 1 and self.observe is not None:
+            from elitescript.messages.observations import ServoStarved
+
+            self.observe(ServoStarved(call.tick, call.line, call.thread, step_ticks, t_s))
 
     def _new_drive(self, request: DriveRequest, call: MotionCall) -> AnyDrive:
         start, deceleration = self.setpoint(call.tick), self._stop_joint_deceleration

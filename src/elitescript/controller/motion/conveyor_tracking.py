@@ -14,7 +14,7 @@ takes over the state of the joints and brakes them.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from elitescript.controller.motion.conveyor_encoders import ENCODERS, CountLine, Encoder
 from elitescript.errors import MotionError
@@ -25,7 +25,7 @@ from elitescript.kinematics.transforms import IDENTITY, Transform, compose, inve
 from elitescript.messages.events import Event, TrackingEnded, TrackingStarted
 from elitescript.messages.motion import Six, StopTracking, TrackCircular, TrackLinear, TrackRequest
 from elitescript.messages.state import ZERO_SIX, JointState
-from elitescript.messages.timing import PERIOD_S
+from elitescript.messages.timing import PERIOD_S, TICKS_PER_S
 from elitescript.models.model import RobotModel
 from elitescript.motion.corrections.conveyor import Conveyor, StraightConveyor, Turntable
 from elitescript.motion.corrections.reachability import Passage
@@ -34,6 +34,9 @@ from elitescript.motion.segment import Setpoint
 from elitescript.motion.streaming.speed import Obstacle, SpeedProfile, halted
 from elitescript.motion.streaming.twist import ToolMotion, singular_obstacle
 from elitescript.motion.timing.pursuit import CatchUp, Coast, caught_up
+
+if TYPE_CHECKING:
+    from elitescript.messages.observations import Observation
 from elitescript.records import NamedTuple
 
 GENTLE_S: Final = 0.2
@@ -43,6 +46,10 @@ WHAT: Final = "conveyor tracking"
 
 _SAME_COUNT: Final = 1e-6
 """Counts, or counts per second, that make no difference."""
+
+
+STILL_TICKS: Final = TICKS_PER_S // 2
+"""Shortest time of tracking of which it is observed that the encoder has not counted (*assumed*)."""
 
 
 class Following(NamedTuple):
@@ -78,6 +85,7 @@ class Tracking:
         "_T_flange_tcp",
         "_T_tcp_flange",
         "_arm",
+        "_begin_tick",
         "_catch_up",
         "_conveyor",
         "_deceleration",
@@ -100,6 +108,7 @@ class Tracking:
         "_tick",
         "_way",
         "encoders",
+        "observe",
         "on_obstacle",
         "setpoint",
     )
@@ -121,6 +130,9 @@ class Tracking:
         self.on_obstacle: Callable[[int, Obstacle, str, int], None] = lambda tick, obstacle, thread, line: None
         self._conveyor: Conveyor | None = None
         self._encoder: Encoder = self.encoders[0]
+        self._begin_tick = 0
+        self.observe: Callable[[Observation], None] | None = None
+        """Takes what observers of a run may see."""
         self._T_flange_tcp = self._T_tcp_flange = IDENTITY
         tool = ToolMotion(self._arm, limits, IDENTITY, self._deceleration)
         self._passage = Passage(tool, WHAT, "on the conveyor")
@@ -178,6 +190,7 @@ class Tracking:
             raise singular_obstacle(self._arm, now.q, blocked, WHAT).error()
         self._conveyor = _conveyor_of(request)
         self._encoder = self.encoders[request.encoder]
+        self._begin_tick = tick
         self._T_flange_tcp, self._T_tcp_flange = T_flange_tcp, inverse(T_flange_tcp)
         self._passage = self._passage._replace(tool=self._passage.tool._replace(T_flange_tcp=T_flange_tcp))
         self.setpoint = now
@@ -213,9 +226,20 @@ class Tracking:
 
     def _end(self, tick: int, braking: SpeedProfile, thread: str) -> int:
         if self._conveyor is not None:
+            if tick - self._begin_tick >= STILL_TICKS and self._encoder.line(tick).at(tick) == 0.0:
+                self._tell_still(tick)
             self.abandon(tick)
             self._last_call = self._take_over(braking, tick, thread)
         return self._last_call
+
+    def _tell_still(self, tick: int) -> None:
+        """Let observers see that the encoder has never counted."""
+        from elitescript.messages.observations import EncoderStill
+
+        if self.observe is not None:
+            number, duration = self.encoders.index(self._encoder), tick - self._begin_tick
+            counting = tuple(index for index, one in enumerate(self.encoders) if one.line(tick).at(tick) != 0.0)
+            self.observe(EncoderStill(tick, self._line, self._thread, number, duration, counting))
 
     def _halted(self) -> SpeedProfile:
         return halted(self.setpoint, None, self._deceleration, self._limits)

@@ -65,6 +65,7 @@ class SignalImage:
 
     Attributes:
         faults: of inputs; None before the first one.
+        replaced: level of a point before the change of which `on_change` tells.
         freedrive_inputs: inputs that are bound to hand guiding, by family and index.
         tool_pins: configuration of the digital pins of the tool.
         tool_analog_mode: function of the shared pins of the tool.
@@ -83,6 +84,7 @@ class SignalImage:
         "_values",
         "faults",
         "freedrive_inputs",
+        "replaced",
         "tool_analog_mode",
         "tool_pins",
     )
@@ -103,6 +105,7 @@ class SignalImage:
         self.freedrive_inputs: set[tuple[str, int]] = set()
         self._is_running = False
         self._image = _START
+        self.replaced: Value = False
         self._stale: set[str] = set()
         self.faults: InputFaults | None = None
         self.tool_pins: list[SetToolPin] = list(_DEFAULT_TOOL_PINS)
@@ -327,6 +330,7 @@ class SignalImage:
         values = self._values[name]
         if not isinstance(values, list):
             values = self._values[name] = list(values)
+        self.replaced = values[index]
         values[index] = value
         self._stale.add(name)
         self._on_change(name, index, value)

@@ -83,6 +83,7 @@ class ModbusSignal:
         request: the present request.
         tail: the frame of the request behind its transaction number.
         answer: the last good answer to that request; empty if there is none.
+        added_tick: when it began.
         ok_tick: when it last worked, or began.
         fault_tick: since when it does not work; None while it does.
         device_code: exception code of the device.
@@ -93,9 +94,17 @@ class ModbusSignal:
         noted: what and data of its last recorded entry; None if the next one is recorded in any case.
         missed: how often it was due again while it still waited.
         turn: number of its last request on its connection.
+        has_value: whether an answer has brought values.
+        early: lines that have read it before that; None without one.
+        set_turn: `turn` when a program set it last; -1 before.
+        set_tick: when that was.
+        sets: how often programs have set it.
+        first_set_tick: when that was first.
+        replaced: values before the last set.
     """
 
     __slots__ = (
+        "added_tick",
         "address",
         "answer",
         "choice",
@@ -103,8 +112,11 @@ class ModbusSignal:
         "count",
         "custom",
         "device_code",
+        "early",
         "fault_tick",
+        "first_set_tick",
         "frequency_hz",
+        "has_value",
         "inputs",
         "is_once",
         "is_owed",
@@ -117,7 +129,11 @@ class ModbusSignal:
         "noted",
         "ok_tick",
         "outputs",
+        "replaced",
         "request",
+        "set_tick",
+        "set_turn",
+        "sets",
         "tail",
         "turn",
         "unit",
@@ -159,7 +175,7 @@ class ModbusSignal:
         self.request = b""
         self.tail = b""
         self.answer = b""
-        self.ok_tick = tick
+        self.added_tick = self.ok_tick = tick
         self.fault_tick: int | None = tick
         self.device_code = CONNECTING
         self.connection_code = NO_ERROR
@@ -169,6 +185,12 @@ class ModbusSignal:
         self.noted: tuple[str, str] | None = None
         self.missed = 0
         self.turn = 0
+        self.has_value = False
+        self.early: set[int] | None = None
+        self.set_turn = -1
+        self.set_tick = self.first_set_tick = 0
+        self.sets = 0
+        self.replaced: tuple[int, ...] | None = None
         self.prepare(is_running=True)
 
     # ---------------------------------------------------------------- requests
@@ -260,6 +282,7 @@ class ModbusSignal:
             return str(error)
         if values:
             self.inputs = values
+            self.has_value = True
         if request is self.request:
             self.answer = answer
         self.work(tick)

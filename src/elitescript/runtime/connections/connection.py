@@ -49,6 +49,9 @@ class ScriptConnection:
         received: bytes that have arrived and are not read.
         is_barred: whether the options of the robot do not let it through; it is opening until it is closed.
         is_behind_numbers: whether the last read gave a list of numbers in parentheses.
+        rule: of the last read of a socket; None before.
+        late_data: what was there when the last read ended by its timeout; empty if it did not, or nothing was.
+        is_close_told: whether observers know that the program uses it though its peer has closed.
     """
 
     __slots__ = (
@@ -63,10 +66,13 @@ class ScriptConnection:
         "error",
         "is_barred",
         "is_behind_numbers",
+        "is_close_told",
+        "late_data",
         "log",
         "queued",
         "reason",
         "received",
+        "rule",
         "sent",
     )
 
@@ -78,6 +84,9 @@ class ScriptConnection:
         self.received = bytearray()
         self.is_barred = False
         self.is_behind_numbers = False
+        self.rule: Rule | None = None
+        self.late_data = b""
+        self.is_close_told = False
         self.queued = 0
         """Bytes that the program has sent so far."""
         self.sent = 0
@@ -137,6 +146,10 @@ class ScriptConnection:
             self.error = event.error
             self._end(event.reason)
         self._wake()
+
+    def is_awaited_by(self, strand: Strand) -> bool:
+        """Return whether a thread waits for an event of it."""
+        return strand in self._waiting
 
     def wait(self, reason: str, until: int | None) -> bool:
         """Let the calling thread wait for an event, or until a tick; return whether there was one.
@@ -214,6 +227,7 @@ class ScriptConnection:
                 return value
             if is_late:
                 is_last = True
+                self.late_data = bytes(self.received)
                 self.log.timed_out(f"{timeout_s:g} s for {reason}")
             elif used == 0:
                 is_late = self.wait_for_more(reason, deadline)

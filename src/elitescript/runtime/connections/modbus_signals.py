@@ -10,11 +10,12 @@ from typing import Final
 from elitescript.commands.definition.context import Machine
 from elitescript.errors import InvalidValueError, ScriptStateError
 from elitescript.messages.events import Warned
+from elitescript.messages.signals import WORD_MAX
 from elitescript.messages.timing import seconds, ticks_for
 from elitescript.modbus.frames.pdu import custom
 from elitescript.modbus.master.connection import BARRED, CONNECT_TICKS, MasterConnection
 from elitescript.modbus.master.master import Master
-from elitescript.modbus.master.signals import ModbusSignal, SignalKind
+from elitescript.modbus.master.signals import BROADCAST, ModbusSignal, SignalKind
 from elitescript.runtime.connections.connection import Receiver
 from elitescript.runtime.connections.traffic import Traffic, cut
 from elitescript.runtime.environment import Channels
@@ -118,6 +119,10 @@ class ModbusSignals:
             ScriptStateError: it does not work for longer than its watchdog allows.
         """
         signal = self._working(name)
+        if not signal.has_value and (signal.outputs is None or signal.kind is SignalKind.READ_WRITE):
+            self._read_early(signal)
+        elif signal.early is not None:
+            self._read_later(signal)
         if signal.is_digital:
             levels = tuple(map(bool, signal.values))
             return levels if signal.count > 1 else levels[0]
@@ -142,7 +147,86 @@ class ModbusSignals:
                 limit=f"<= {signal.writable} elements",
             )
         self._working(name)
+        if not is_digital:
+            given, values = values, tuple([value & WORD_MAX for value in values])
+            if given != values:
+                self._tell_cut(name, given, values)
+        self._note_set(signal, values)
         self.master.set(name, values)
+
+    # ---------------------------------------------------------------- observations
+
+    def _note_set(self, signal: ModbusSignal, values: tuple[int, ...]) -> None:
+        """Note a set, and let observers see if it replaces values which no request has carried."""
+        before = signal.outputs
+        if before is None:
+            signal.first_set_tick = self._machine.tick
+        elif before[: len(values)] == values:
+            return
+        elif signal.turn == signal.set_turn:
+            self._tell_replaced(signal, values)
+        signal.replaced, signal.set_turn, signal.set_tick = before, signal.turn, self._machine.tick
+        signal.sets += 1
+
+    @property
+    def _caller(self) -> tuple[int, str]:
+        strand = self._scheduler.current
+        return (0, "") if strand is None else (strand.line, strand.name)
+
+    def _read_early(self, signal: ModbusSignal) -> None:
+        """Let observers see a reading before the first answer; a broadcast, which gets none, has its own warning."""
+        if signal.unit == BROADCAST:
+            return
+        from elitescript.messages.observations import ModbusReadEarly
+
+        line, thread = self._caller
+        signal.early = signal.early or set()
+        signal.early.add(line)
+        tick = self._machine.tick
+        shown = signal.shown(signal.values)
+        self._machine.observe(ModbusReadEarly(tick, signal.name, line, thread, shown, tick - signal.added_tick))
+
+    def _read_later(self, signal: ModbusSignal) -> None:
+        """Let observers see that a line which has read a signal before its first answer has read it again."""
+        early, (line, thread) = signal.early, self._caller
+        if early is not None and line in early:
+            from elitescript.messages.observations import ModbusReadAgain
+
+            early.remove(line)
+            signal.early = early or None
+            self._machine.observe(ModbusReadAgain(self._machine.tick, signal.name, line, thread))
+
+    def _tell_cut(self, name: str, given: tuple[int, ...], sent: tuple[int, ...]) -> None:
+        """Let observers see values of which only the low 16 bits are sent."""
+        from elitescript.messages.observations import RegisterCut
+
+        line, thread = self._caller
+        for value, low in zip(given, sent, strict=True):
+            if value != low:
+                self._machine.observe(RegisterCut(self._machine.tick, name, line, thread, value, low))
+
+    def _tell_replaced(self, signal: ModbusSignal, values: tuple[int, ...]) -> None:
+        """Let observers see that values are replaced which no request has carried."""
+        from elitescript.messages.observations import ModbusReplaced
+
+        line, thread = self._caller
+        tick, unsent = self._machine.tick, signal.outputs or ()
+        before = signal.replaced
+        self._machine.observe(
+            ModbusReplaced(
+                tick,
+                signal.name,
+                line,
+                thread,
+                signal.shown(unsent),
+                signal.shown((*values, *unsent[len(values) :])),
+                tick - signal.set_tick,
+                signal.frequency_hz,
+                signal.sets,
+                tick - signal.first_set_tick,
+                is_back=before is not None and before[: len(values)] == values,
+            )
+        )
 
     def tie(self, name: str, choice: int) -> None:
         """Tie a digital output to whether a program runs.

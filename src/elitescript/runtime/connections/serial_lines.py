@@ -32,7 +32,7 @@ from elitescript.runtime.connections.serial_line import (
     SerialLine,
     SilentLineConnection,
 )
-from elitescript.runtime.connections.traffic import ChannelLog, cut
+from elitescript.runtime.connections.traffic import DATA_MAX, ChannelLog, cut
 from elitescript.runtime.environment import Channels
 from elitescript.runtime.threads.deadline import Deadline
 from elitescript.runtime.threads.scheduler import Scheduler
@@ -216,6 +216,11 @@ class SerialLines:
             if len(data) == count or is_last or not wire.is_open:
                 if is_late and len(data) < count:
                     wire.log.timed_out(f"{count - len(data)} of {reason} have not come in time")
+                    if data:
+                        from elitescript.messages.observations import ReadingEnded
+
+                        came = f"{len(data)} of {count} bytes"
+                        wire.log.observe(ReadingEnded, bytes(data[:DATA_MAX]), "count", came, 0.0)
                 return bytes(data)
             is_last = is_late = wire.wait_for_more(reason, deadline)
 

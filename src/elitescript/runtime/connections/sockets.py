@@ -9,12 +9,12 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from elitescript.commands.definition.context import Rule
-from elitescript.commands.socket_rules import Floats, Texts
+from elitescript.commands.socket_rules import Counted, Floats, Texts, Variable
 from elitescript.errors import ScriptStateError
 from elitescript.messages.outputs import CHANNEL_WINDOW
 from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.runtime.connections.connection import NOT_ALL_THERE, Receiver, ScriptConnection
-from elitescript.runtime.connections.traffic import ChannelLog, Traffic
+from elitescript.runtime.connections.traffic import DATA_MAX, ChannelLog, Traffic, cut
 from elitescript.runtime.environment import Channels
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Stopped
@@ -82,6 +82,10 @@ class Sockets:
             raise Stopped
         connection = self._by_name.get(name)
         if connection is not None and connection.is_open:
+            if (place := f"{address}:{port}") != connection.log.where:
+                from elitescript.messages.observations import OtherServer
+
+                connection.log.observe(OtherServer, connection.log.where, place)
             return True
         is_own = connection is None or not connection.is_opening
         if is_own:
@@ -140,7 +144,7 @@ class Sockets:
         connection = self._by_name.get(name)
         return connection is not None and connection.is_open
 
-    def send(self, name: str, data: bytes) -> bool:
+    def send(self, name: str, data: bytes, *, is_text: bool = False) -> bool:
         """Send bytes, waiting for room if the peer takes none; return whether the connection is open.
 
         A stopped thread does not wait: its bytes are sent as soon as there is room.
@@ -153,10 +157,15 @@ class Sockets:
             self._tell_not_open(name, "sent")
             return False
         if not connection.is_open:
+            self._tell_closed(connection, "sent")
             return False
         if self._scheduler.caller.is_dying and connection.queued - connection.sent > CHANNEL_WINDOW:
             return False
         connection.send(data)
+        if is_text and not data.isascii():
+            from elitescript.messages.observations import TextBeyondAscii
+
+            connection.log.observe(TextBeyondAscii, data[:DATA_MAX].decode("utf-8", "ignore"))
         end = connection.queued
         while connection.sent < end and not self._scheduler.caller.is_dying:
             connection.wait(f"room to send on socket {name!r}", None)
@@ -193,12 +202,65 @@ class Sockets:
             if isinstance(rule, Texts):
                 looked = self._looking_for_line_end(name, connection, rule)
                 looked = self._looking_at_encoding(name, connection, looked)
-            if (value := connection.read(looked, reason, timeout_s)) is not None:
+            connection.rule = rule
+            late_data, connection.late_data = connection.late_data, b""
+            value = connection.read(looked, reason, timeout_s)
+            if late_data or connection.late_data:
+                self._tell_late(connection, rule, value, timeout_s)
+            if value is not None:
                 connection.is_behind_numbers = isinstance(rule, Floats) and bool(value)
+                if isinstance(rule, Floats) and rule.dropped is not None:
+                    from elitescript.messages.observations import NumbersDropped
+
+                    connection.log.observe(NumbersDropped, *rule.dropped)
                 return value
+            self._tell_closed(connection, "read")
         if not self._scheduler.caller.is_secondary:
             self._scheduler.wait(reason, self._scheduler.now + 1)
         return rule(bytearray(), True)[0] if connection is None else connection.rest(looked)
+
+    def ask(self, name: str, question: bytes, rule: Variable, timeout_s: float) -> int:
+        """Send a question and return the number that its answer gives; 0 without one.
+
+        Raises:
+            Stopped: the thread was stopped.
+        """
+        connection = self._by_name.get(name)
+        earlier = bytes(connection.received) if connection is not None else b""
+        # A line end that numbers have left has a warning of its own.
+        is_left = connection is not None and connection.is_behind_numbers and not earlier.strip()
+        if not self.send(name, question):
+            return 0
+        value = int(self.read(name, rule, timeout_s))
+        if connection is not None and (
+            earlier.strip() or (rule.odd is not None and not is_left) or (rule.is_late and not connection.late_data)
+        ):
+            from elitescript.messages.observations import OddAnswer
+
+            asked, before = (cut(part.decode("utf-8", "backslashreplace")) for part in (question.rstrip(), earlier))
+            connection.log.observe(OddAnswer, asked, before, rule.odd, rule.is_late)
+        return value
+
+    def _tell_late(self, connection: ScriptConnection, rule: Rule, value: Any, timeout_s: float) -> None:
+        """Let observers see that a reading has ended by its timeout with data there, or that the next one has not."""
+        if not connection.late_data:
+            if value:
+                from elitescript.messages.observations import ReadingResumed
+
+                connection.log.observe(ReadingResumed)
+        elif isinstance(rule, Counted | Floats | Texts):
+            from elitescript.messages.observations import ReadingEnded
+
+            data = connection.late_data
+            connection.log.observe(ReadingEnded, data[:DATA_MAX], *rule.lacks(data), timeout_s)
+
+    def _tell_closed(self, connection: ScriptConnection, done: str) -> None:
+        """Let observers see the first use of a connection that its peer has closed."""
+        if connection.is_closed and not connection.is_close_told:
+            from elitescript.messages.observations import PeerClosed
+
+            connection.is_close_told = True
+            connection.log.observe(PeerClosed, done, connection.reason)
 
     def _tell_not_open(self, name: str, done: str) -> None:
         shown = name if len(name) <= _SHOWN else f"{name[:_SHOWN]}..."

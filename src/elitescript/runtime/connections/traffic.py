@@ -7,12 +7,16 @@ the number of events in one tick is limited.
 
 from __future__ import annotations
 
-from typing import Final
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.commands.definition.context import Machine
 from elitescript.messages.events import BARRED, ChannelActivity, Warned
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Strand
+
+if TYPE_CHECKING:
+    from elitescript.messages.observations import Observation
 
 DATA_MAX: Final = 200
 """Most bytes, or characters, of a message that are shown."""
@@ -92,6 +96,12 @@ class Traffic:
 
         self._machine.observe(ChannelLeft(self._machine.tick, channel[:NAME_MAX], kind, data, line, thread))
 
+    def observe(self, make: Callable[..., Observation], kind: str, channel: str, *facts: Any) -> None:
+        """Let observers see facts about a channel, with line and name of the running thread."""
+        strand = self._scheduler.current
+        line, thread = (0, "") if strand is None else (strand.line, strand.name)
+        self._machine.observe(make(self._machine.tick, channel[:NAME_MAX], kind, line, thread, *facts))
+
     def bar(self, kind: str, channel: str, reason: str, *, line: int, thread: str) -> None:
         """Record a connection that the options of the robot do not let through, and warn of it once for each line."""
         self.note(kind, channel, "refused", reason, line=line, thread=thread)
@@ -119,13 +129,13 @@ class ChannelLog:
         has_bytes: whether bytes are recorded; if not, the caller records their meaning.
     """
 
-    __slots__ = ("_channel", "_has_bytes", "_kind", "_line", "_thread", "_traffic", "_where")
+    __slots__ = ("_channel", "_has_bytes", "_kind", "_line", "_thread", "_traffic", "where")
 
     def __init__(self, traffic: Traffic, kind: str, channel: str, where: str = "", *, has_bytes: bool = True) -> None:
         self._traffic = traffic
         self._kind = kind
         self._channel = channel
-        self._where = where
+        self.where = where
         self._has_bytes = has_bytes
         strand = traffic.caller
         self._line, self._thread = (0, "") if strand is None else (strand.line, strand.name)
@@ -136,12 +146,12 @@ class ChannelLog:
 
     def opened(self) -> None:
         """Record that it is open, with the statement that has opened it."""
-        self._traffic.note(self._kind, self._channel, "open", self._where, line=self._line, thread=self._thread)
+        self._traffic.note(self._kind, self._channel, "open", self.where, line=self._line, thread=self._thread)
 
     def failed(self, reason: str, *, is_late: bool = False) -> None:
         """Record that it could not be opened; `is_late` if that took too long."""
         what = "timeout" if is_late else "refused"
-        text = ": ".join(filter(None, (self._where, reason)))
+        text = ": ".join(filter(None, (self.where, reason)))
         self._traffic.note(self._kind, self._channel, what, text, line=self._line, thread=self._thread)
 
     def barred(self, reason: str) -> None:
@@ -170,6 +180,10 @@ class ChannelLog:
     def left(self, data: bytes) -> None:
         """Let observers see what the program has left unread at its end, with the statement that has opened it."""
         self._traffic.left(self._kind, self._channel, data, line=self._line, thread=self._thread)
+
+    def observe(self, make: Callable[..., Observation], *facts: Any) -> None:
+        """Let observers see facts about the channel that a call of the running thread has shown."""
+        self._traffic.observe(make, self._kind, self._channel, *facts)
 
     def closed(self, reason: str, *, is_late: bool = False) -> None:
         """Record that this side has closed; `is_late` if it has not opened in time."""

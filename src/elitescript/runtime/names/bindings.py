@@ -165,16 +165,12 @@ def command_function(
     def call(*args: Any, **kwargs: Any) -> Any:
         if scheduler.is_ending or scheduler.current is None:
             scheduler.refuse_if_stopped()
-        return run(context, args, kwargs)
-
-    def watched(*args: Any, **kwargs: Any) -> Any:
-        if scheduler.is_ending or scheduler.current is None:
-            scheduler.refuse_if_stopped()
         try:
             return run(context, args, kwargs)
         except ScriptError as error:
             if refused is not None:
                 refused(name, error)
+            context.tell_refused(name, command.family, error)
             raise
 
     note_call = scheduler.note_call
@@ -188,9 +184,10 @@ def command_function(
         except ScriptError as error:
             if refused is not None:
                 refused(name, error)
+            context.tell_refused(name, command.family, error)
             raise
 
-    function = metered if scheduler.meter is not None else call if refused is None else watched
+    function = call if scheduler.meter is None else metered
     function.__name__ = function.__qualname__ = name
     return function
 

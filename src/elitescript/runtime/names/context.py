@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Final, NoReturn, Protocol
 
 from elitescript.commands.definition.context import Machine
-from elitescript.errors import ArmNotReadyError, InvalidValueError, ScriptStateError
+from elitescript.errors import ArmNotReadyError, InvalidValueError, ScriptError, ScriptStateError
 from elitescript.messages.events import Popup, Printed, TextMessage, Warned
 from elitescript.messages.machine import MachineRequest, PauseTask, SetLineMark
 from elitescript.messages.motion import (
@@ -445,6 +445,14 @@ class Context:
         strand = self.scheduler.current
         name, line = ("", 0) if strand is None else (strand.name, strand.line)
         self.machine.emit(Warned(self.machine.tick, text, name, line, code, hint))
+
+    def tell_refused(self, command: str, family: str, error: ScriptError) -> None:
+        """Let observers see that a command has refused a call."""
+        from elitescript.messages.observations import CommandRefused
+
+        strand = self.scheduler.current
+        line, thread = (0, "") if strand is None else (strand.line, strand.name)
+        self.machine.observe(CommandRefused(self.machine.tick, line, thread, command, str(error), family == "motion"))
 
     def warn_once(self, key: str, text: str, *, code: str = "", hint: str = "") -> None:
         """Record a warning, once in this program for each `key`."""

@@ -391,11 +391,14 @@ class ThreadState(NamedTuple):
     line: int
     waits_for: str
     """Reason of its wait; empty while it runs."""
+    because: str = ""
+    """Why it does not go on; empty if that was not asked for, or is not known."""
 
     @property
     def doing(self) -> str:
         """State in words."""
-        return f"waiting for {self.waits_for}" if self.waits_for else "running"
+        words = f"waiting for {self.waits_for}" if self.waits_for else "running"
+        return f"{words}: {self.because}" if self.because else words
 
 
 def state_of(strand: Strand) -> ThreadState:
