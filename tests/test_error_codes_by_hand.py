@@ -84,6 +84,7 @@ W265   warning   element that a list does not have
 W266   warning   arguments that have changed places
 W267   warning   per cent where a fraction is meant
 W268   warning   number that the receiver cannot hold
+W269   warning   call that never ends, in place of a function for a thread
 N221   note      encoder that is tracked and not set up
 N222   note      thread that the end of the program ends
 N223   note      output behind a blended move

@@ -120,6 +120,7 @@ _ROWS: Final = (
     Code("W266", "warning", "arguments that have changed places"),
     Code("W267", "warning", "per cent where a fraction is meant"),
     Code("W268", "warning", "number that the receiver cannot hold"),
+    Code("W269", "warning", "call that never ends, in place of a function for a thread"),
     # What a sound program may have, and what is worth knowing all the same.
     Code("N221", "note", "encoder that is tracked and not set up"),
     Code("N222", "note", "thread that the end of the program ends"),

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import Final
 
 from elitescript.language.nodes import children
-from elitescript.language.scopes import Scope
+from elitescript.language.scopes import Binding, Scope
 from elitescript.lint.flow import Flow
 from elitescript.lint.placing import conditions
 from elitescript.lint.program import AnalysedProgram
@@ -157,13 +157,20 @@ class _Follower:
 
     def _may_be_bound_in_an_earlier_turn(self, node: ast.Name) -> bool:
         """Return whether a loop around a reading gives the variable a value, and the first turn may not come here."""
-        lines = [binding.line for binding in self.scope.bindings[node.id]]
+        lines = [binding.line for binding in self.scope.bindings[node.id] if not self._needs_a_value(binding)]
         around = [any(first <= line <= last for line in lines) for first, last in self.spans]
         if not any(around):
             return False
         return not all(around) or any(
             not isinstance(statement, (ast.For, ast.While)) for statement, _ in conditions(self.program.symbols, node)
         )
+
+    def _needs_a_value(self, binding: Binding) -> bool:
+        """Return whether an assignment reads its own variable, so that it gives it no first value."""
+        if binding.kind == "augmented":
+            return True
+        above = next(iter(self.program.symbols.ancestors(binding.node)), None)
+        return isinstance(above, ast.Assign) and _reads(binding.name, above.value)
 
     # Statements
 
@@ -296,3 +303,14 @@ class _Follower:
         if ends:
             self.keep(ends, None)
         return self.block(node.finalbody, depth) and bool(ends)
+
+
+def _reads(name: str, value: ast.AST) -> bool:
+    """Return whether an expression reads a variable whenever it is computed."""
+    if isinstance(value, ast.Name):
+        return value.id == name
+    if isinstance(
+        value, (ast.Lambda, ast.IfExp, ast.BoolOp, ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)
+    ):
+        return False
+    return any(_reads(name, part) for part in children(value))
