@@ -78,6 +78,7 @@ class FakeController:
         """Commands on the RTSI port."""
         self._servers: list[asyncio.Server] = []
         self._writers: set[asyncio.StreamWriter] = set()
+        self._tasks: set[asyncio.Task[None]] = set()
 
     async def open(self) -> None:
         for name in self.sent:
@@ -96,15 +97,21 @@ class FakeController:
         for writer in self._writers:
             writer.transport.abort()
 
-    def _answer(self, name: str) -> Serve:
+    def _answer(self, name: str) -> Callable[[asyncio.StreamReader, asyncio.StreamWriter], None]:
         async def answer(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-            self._writers.add(writer)
             with contextlib.suppress(OSError, EOFError):
                 await self.serve[name](reader, writer)
             self._writers.discard(writer)
             writer.transport.abort()
 
-        return answer
+        def accept(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+            # At once: a task that has not begun when the test ends would leave its connection open.
+            self._writers.add(writer)
+            task = asyncio.create_task(answer(reader, writer))
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+
+        return accept
 
     async def rtsi(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         streams: list[asyncio.Task[None]] = []
