@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from functools import cached_property
 
 from elitescript.language.scopes import Scope
 from elitescript.lint.program import AnalysedProgram
@@ -36,7 +37,7 @@ class CalledCommands:
         program: the program.
     """
 
-    __slots__ = ("_by_name", "_program")
+    __slots__ = ("__dict__", "_by_name", "_program")
 
     def __init__(self, program: AnalysedProgram) -> None:
         self._program = program
@@ -52,6 +53,14 @@ class CalledCommands:
     def __iter__(self) -> Iterator[Called]:
         for calls in self._by_name.values():
             yield from calls
+
+    def at(self, call: ast.AST) -> Called | None:
+        """Return a call of a command; None if it is none."""
+        return self._by_call.get(call)
+
+    @cached_property
+    def _by_call(self) -> dict[ast.AST, Called]:
+        return {called.call: called for called in self}
 
     def of(self, *names: str) -> list[Called]:
         """Return the calls of some commands, in the order of their names."""

@@ -45,20 +45,12 @@ def _name(program: AnalysedProgram, place: int) -> str:
 
 def _blocks_of(program: AnalysedProgram, calls: list[ast.Call]) -> list[list[ast.stmt]]:
     """Return each list of statements of which some of the calls are one, once."""
-    by_statement: dict[ast.stmt, list[ast.stmt]] = {}
     found: dict[int, list[ast.stmt]] = {}
     for call in calls:
         statement = program.symbols.parent(call)
-        if not isinstance(statement, ast.Expr):
-            continue
-        if statement not in by_statement:
-            above = program.symbols.parent(statement)
-            for field in ("body", "orelse", "finalbody"):
-                block = getattr(above, field, None)
-                if isinstance(block, list):
-                    by_statement.update(dict.fromkeys(block, block))
-        block = by_statement[statement]
-        found[id(block)] = block
+        if isinstance(statement, ast.Expr):
+            _, block, _ = program.symbols.block_of(statement)
+            found[id(block)] = block
     return list(found.values())
 
 
