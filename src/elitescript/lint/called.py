@@ -43,12 +43,10 @@ class CalledCommands:
         self._program = program
         self._by_name: dict[str, list[Called]] = {}
         for found, arguments in zip(program.command_calls, program.arguments, strict=True):
-            call = found.call
-            is_complete = not any(isinstance(part, ast.Starred) for part in call.args)
-            is_complete = is_complete and all(keyword.arg is not None for keyword in call.keywords)
             given = {param.name: node for param, node in arguments.given}
             name = found.command.alias_of or found.command.name
-            self._by_name.setdefault(name, []).append(Called(name, call, found.scope, given, is_complete))
+            made = Called(name, found.call, found.scope, given, arguments.is_complete)
+            self._by_name.setdefault(name, []).append(made)
 
     def __iter__(self) -> Iterator[Called]:
         for calls in self._by_name.values():

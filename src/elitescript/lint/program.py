@@ -54,14 +54,11 @@ class Span(NamedTuple):
 class Use(NamedTuple):
     """A use of a name that the program itself does not define."""
 
+    name: str
     node: ast.Name
     scope: Scope
     is_call: bool
     """Whether it is called there."""
-
-    @property
-    def name(self) -> str:
-        return self.node.id
 
 
 class CommandCall(NamedTuple):
@@ -133,6 +130,7 @@ class AnalysedProgram:
         self.symbols = Symbols(parsed)
         self.census = Census(parsed.tree)
         self._derived: dict[Any, Any] = {}
+        self._hidden: dict[tuple[str, Scope], bool] = {}
 
     @cached_property
     def values(self) -> Values:
@@ -223,7 +221,7 @@ class AnalysedProgram:
                 if scope.resolve(name) is Resolution.BUILTIN:
                     for node in reads:
                         above = parent(node)
-                        yield Use(node, scope, isinstance(above, ast.Call) and above.func is node)
+                        yield Use(name, node, scope, isinstance(above, ast.Call) and above.func is node)
 
     @cached_property
     def unknown(self) -> tuple[Use, ...]:
@@ -260,7 +258,13 @@ class AnalysedProgram:
     def command(self, name: str, scope: Scope) -> Command | None:
         """Return the command that `name` means in `scope`; None if the program gives it another meaning."""
         found = CATALOGUE.get(name)
-        return found if found is not None and scope.resolve(name) is Resolution.BUILTIN else None
+        if found is None:
+            return None
+        key = (name, scope)
+        is_hidden = self._hidden.get(key)
+        if is_hidden is None:
+            is_hidden = self._hidden[key] = scope.resolve(name) is not Resolution.BUILTIN
+        return None if is_hidden else found
 
     def is_available(self, command: Command) -> bool:
         """Return whether the firmware has a command."""

@@ -18,6 +18,7 @@ from math import dist
 from typing import Final
 
 from elitescript.commands.definition.plausibility import BLEND_MOST_M
+from elitescript.language.nodes import children
 from elitescript.lint.places import TargetPlaces
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
@@ -63,7 +64,7 @@ def _block_findings(
         place = calls.get(call) if isinstance(call, ast.Call) else None
         if place is None:
             # A plain assignment moves nothing.
-            if not isinstance(statement, ast.Assign) or any(isinstance(n, ast.Call) for n in ast.walk(statement)):
+            if start is not None and (not isinstance(statement, ast.Assign) or _calls(statement)):
                 start = None
             continue
         if _name(program, place) in _MOVES:
@@ -72,6 +73,17 @@ def _block_findings(
             start = place
         elif program.command_calls[place].command.waits or _name(program, place) == "set_tcp":
             start = None
+
+
+def _calls(statement: ast.stmt) -> bool:
+    """Return whether anything is called in a statement."""
+    stack: list[ast.AST] = [statement]
+    while stack:
+        node = stack.pop()
+        if type(node) is ast.Call:
+            return True
+        stack += children(node)
+    return False
 
 
 def _judged(program: AnalysedProgram, places: TargetPlaces, start: int, place: int) -> Iterator[Finding]:
