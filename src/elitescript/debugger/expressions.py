@@ -15,6 +15,7 @@ from typing import Any, Final
 
 from elitescript.debugger.api import DebugError
 from elitescript.errors import did_you_mean
+from elitescript.language.advice.expression_slips import slip
 from elitescript.values.plain import BINARY, COMPARISONS, UNARY
 
 STEPS_MAX: Final = 200_000
@@ -126,7 +127,9 @@ def parsed(text: str) -> ast.expr:
     try:
         return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        found = slip(text)
         reason = _reason(error) if isinstance(error, SyntaxError) else "it cannot be read"
+        reason = reason if found is None else found.text
         raise DebugError(f"{short(text)!r} is no expression: {reason}") from None
 
 
