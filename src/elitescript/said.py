@@ -92,6 +92,15 @@ def said(template: str, /, **values: object) -> Said:
     return _made(plain.format_map(shown), plain, tuple(shown.items()))
 
 
+def counted(count: int, one: str, many: str) -> Said:
+    """Return a number with its noun.
+
+    >>> counted(1, "byte", "bytes"), counted(2, "byte", "bytes")
+    ('1 byte', '2 bytes')
+    """
+    return said("{count} " + (one if count == 1 else many), count=count)
+
+
 def joined(separator: str, texts: Iterable[str]) -> str:
     """Return texts with a separator between them, of which each keeps its template."""
     parts = list(texts)
