@@ -25,6 +25,7 @@ from elitescript.language.scopes import Scope
 from elitescript.lint.called import Called, CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _START: Final = "start_thread"
 _WAIT: Final = "sleep"
@@ -57,7 +58,11 @@ def ended_thread(program: AnalysedProgram) -> Iterator[Finding]:
             place = bisect_right(effects, left_s, key=lambda effect: effect[0])
             if place < len(effects):
                 late = effects[place][1]
-                text = f"{late.name}: the program ends {left_s:g} s after it has started this thread, and ends it too"
+                text = said(
+                    "{command}: the program ends {left_s:g} s after it has started this thread, and ends it too",
+                    command=late.name,
+                    left_s=left_s,
+                )
                 yield Finding(late.call, text, "join_thread waits for a thread")
 
 

@@ -23,6 +23,7 @@ from elitescript.lint.called import Called, CalledCommands
 from elitescript.lint.placing import loops
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _NAME: Final = "signal_name"
 _ADDING: Final = ("modbus_add_signal", "modbus_add_rw_signal")
@@ -47,7 +48,11 @@ def signal_added_in_loop(program: AnalysedProgram) -> Iterator[Finding]:
         first = min(found.call.lineno for found in by_command[_READ])
         for found in (found for command in _ADDING for found in by_command.get(command, ())):
             if not _waits_between(waits, found.call, first):
-                text = f"{found.name}: {name!r} is added again in each turn of the loop, and never gets a value"
+                text = said(
+                    "{command}: {name!r} is added again in each turn of the loop, and never gets a value",
+                    command=found.name,
+                    name=name,
+                )
                 yield Finding(found.call, text, "add it once, in front of the loop")
 
 

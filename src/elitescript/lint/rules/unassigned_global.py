@@ -20,6 +20,7 @@ from elitescript.language.text.source import find_word
 from elitescript.lint.meant import Meant
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="W206", since="0.1")
@@ -38,8 +39,10 @@ def unassigned_global(program: AnalysedProgram) -> Iterator[Finding]:
         statements = [node for scope in program.symbols.declaring(name) for node in scope.globals[name]]
         first = min(statements, key=lambda node: node.lineno)
         other = meant.by(name)
-        hint = f"is `{other}` meant?" if other else "give it a value, or leave the line out"
-        yield Finding(_name_in(first, name, program), f"nothing gives the global `{name}` a value", hint)
+        hint = said("is `{meant}` meant?", meant=other) if other else "give it a value, or leave the line out"
+        yield Finding(
+            _name_in(first, name, program), said("nothing gives the global `{name}` a value", name=name), hint
+        )
 
 
 def _name_in(statement: ast.Global, name: str, program: AnalysedProgram) -> Span:
