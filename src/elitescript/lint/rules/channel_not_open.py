@@ -17,9 +17,9 @@ import ast
 from collections.abc import Iterator
 from typing import Final
 
+from elitescript.language.advice.unknown_names import Meant
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.lint.called import Called, CalledCommands
-from elitescript.lint.meant import Meant
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 from elitescript.said import said

@@ -15,9 +15,9 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
+from elitescript.language.advice.unknown_names import Meant
 from elitescript.language.options import SCRIPT
 from elitescript.language.text.source import find_word
-from elitescript.lint.meant import Meant
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.lint.registry import Finding, rule
 from elitescript.said import said
