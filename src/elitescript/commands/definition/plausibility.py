@@ -11,11 +11,12 @@ the largest number that an arm of this family has, and below what the same quant
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import hypot, isinf, pi, radians
+from math import hypot, inf, isinf, pi, radians
 from typing import Any, Final, Protocol
 
 from elitescript.kinematics.arm import Arm
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 FULL_TURN: Final = 2.0 * pi + 0.01
 """Joints of all arms end at a full turn to either side, rad; with room for rounded numbers."""
@@ -127,21 +128,25 @@ def _is_within(value: Any, most: float) -> bool:
         return False
 
 
-def said(number: float) -> str:
+def number_text(number: float) -> str:
     """Return a number, or a range, for a text."""
     if not isinstance(number, Range):
         return f"{number:g}"
     if isinf(number.far):
-        return f"{number:g} or {'more' if number > 0 else 'less'}"
-    return f"{min(number, number.far):g} to {max(number, number.far):g}"
+        return said("{number:g} or more", number=number) if number > 0 else said("{number:g} or less", number=number)
+    return said("{least:g} to {most:g}", least=min(number, number.far), most=max(number, number.far))
 
 
 def _degrees(number: float) -> str:
-    return f"{number:g} looks like degrees: d2r({number:g}) is {radians(number):.5g}"
+    return said(
+        "{number:g} looks like degrees: d2r({number:g}) is {radians:.5g}", number=number, radians=radians(number)
+    )
 
 
 def _millimetres(number: float) -> str:
-    return f"{number:g} looks like millimetres: {number:g} mm are {number / 1000.0:g} m"
+    return said(
+        "{number:g} looks like millimetres: {number:g} mm are {meant:g} m", number=number, meant=number / 1000.0
+    )
 
 
 def _joints(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
@@ -149,7 +154,12 @@ def _joints(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
         return
     for index, number in _numbers(value):
         if _is_degrees(number):
-            yield Doubt("W230", f"[{index}] is {said(number)} rad, more than a full turn", _degrees(number), index)
+            yield Doubt(
+                "W230",
+                said("[{index}] is {number} rad, more than a full turn", index=index, number=number_text(number)),
+                _degrees(number),
+                index,
+            )
             return
 
 
@@ -180,10 +190,22 @@ def _transform(value: Any, most_m: float) -> Iterator[Doubt]:
     for index, number in _numbers(value):
         if index < 3 and not has_length and abs(number) > most_m:
             has_length = True
-            yield Doubt("W231", f"[{index}], {_POSE[index]}, is {said(number)} m", _millimetres(number), index)
+            yield Doubt(
+                "W231",
+                said(
+                    "[{index}], {element}, is {number} m", index=index, element=_POSE[index], number=number_text(number)
+                ),
+                _millimetres(number),
+                index,
+            )
         elif index >= 3 and not has_angle and _is_degrees(number):
             has_angle = True
-            text = f"[{index}], {_POSE[index]}, is {said(number)} rad, more than a full turn"
+            text = said(
+                "[{index}], {element}, is {number} rad, more than a full turn",
+                index=index,
+                element=_POSE[index],
+                number=number_text(number),
+            )
             yield Doubt("W230", text, _degrees(number), index)
 
 
@@ -205,9 +227,14 @@ def _centre_of_gravity(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
     index = max(numbers, key=lambda place: abs(numbers[place]))
     reach = COG_MOST_M if arm is None else abs(arm.arm.a2) + abs(arm.arm.a3) + arm.arm.d5
     if distance > reach:
-        limit = f"and no arm reaches further than {reach:g} m" if arm is None else f"the arm reaches {reach:.3g} m"
-        more = " or more" if any(isinstance(number, Range) for number in numbers.values()) else ""
-        text = f" is {distance:g} m{more} from the flange, {limit}"
+        limit = (
+            said("and no arm reaches further than {reach:g} m", reach=reach)
+            if arm is None
+            else said("the arm reaches {reach:.3g} m", reach=reach)
+        )
+        if any(isinstance(number, Range) for number in numbers.values()):
+            distance = Range(distance, inf)
+        text = said(" is {distance} m from the flange, {limit}", distance=number_text(distance), limit=limit)
         yield Doubt("W231", text, _millimetres(numbers[index]), index)
 
 
@@ -222,13 +249,25 @@ def _scalar(limit: float, unit: str, in_degrees: bool) -> Judge:
 
 
 def _too_fast(place: str, value: float, unit: str, in_degrees: bool, index: int | None) -> Doubt:
-    text = f"{place} is {said(value)} {unit}, more than any arm does"
+    text = said("{place} is {value} {unit}, more than any arm does", place=place, value=number_text(value), unit=unit)
     if in_degrees:
         other = unit.replace("rad", "deg")
-        hint = f"{value:g} looks like {other}: d2r({value:g}) is {radians(value):.5g} {unit}"
+        hint = said(
+            "{value:g} looks like {other}: d2r({value:g}) is {radians:.5g} {unit}",
+            value=value,
+            other=other,
+            radians=radians(value),
+            unit=unit,
+        )
     else:
         other = unit.replace("m/", "mm/", 1)
-        hint = f"{value:g} looks like {other}: that is {value / 1000.0:g} {unit}"
+        hint = said(
+            "{value:g} looks like {other}: that is {meant:g} {unit}",
+            value=value,
+            other=other,
+            meant=value / 1000.0,
+            unit=unit,
+        )
     return Doubt("W232", text, hint, index)
 
 
@@ -249,7 +288,7 @@ def _speeds(first_turn: int) -> Judge:
 
 def _blend_radius(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
     if isinstance(value, (int, float)) and value > BLEND_MOST_M:
-        yield Doubt("W231", f" is {said(value)} m", _millimetres(value))
+        yield Doubt("W231", said(" is {value} m", value=number_text(value)), _millimetres(value))
 
 
 def _payload(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
@@ -258,16 +297,21 @@ def _payload(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
         carrier = "any arm carries" if arm is None else "this arm carries"
         hint = "the mass of gripper and part together, in kg"
         if value >= 2.0 * PAYLOAD_MOST_KG:
-            hint = f"{value:g} looks like grams: {value:g} g are {value / 1000.0:g} kg"
-        yield Doubt("W233", f" is {said(value)} kg; {carrier} at most {most:g} kg", hint)
+            hint = said("{value:g} looks like grams: {value:g} g are {meant:g} kg", value=value, meant=value / 1000.0)
+        yield Doubt(
+            "W233",
+            said(" is {value} kg; {carrier} at most {most:g} kg", value=number_text(value), carrier=carrier, most=most),
+            hint,
+        )
 
 
 def _fraction(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
     if isinstance(value, (int, float)) and not 0.0 <= value <= 1.0:
         hint = "it is a fraction of the range: 0 is 0 V or 4 mA, 1 is 10 V or 20 mA"
         if 1.0 < value <= 10.0:
-            hint += f"; {value:g} V are {value / 10.0:g}"
-        yield Doubt("W234", f" is {said(value)}, limited to {0 if value < 0.0 else 1}", hint)
+            hint = said("{hint}; {value:g} V are {meant:g}", hint=hint, value=value, meant=value / 10.0)
+        text = said(" is {value}, limited to {limit}", value=number_text(value), limit=0 if value < 0.0 else 1)
+        yield Doubt("W234", text, hint)
 
 
 JUDGES: Final[dict[str, Judge]] = {
