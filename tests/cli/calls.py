@@ -204,7 +204,9 @@ CALLS: Final = (
     Call("task", ("task", "cell.task"), {"cell.task": TASK}),
     Call("task --tree", ("task", "cell.task", "--tree"), {"cell.task": TASK}),
     Call("task --json", ("task", "cell.task", "--json"), {"cell.task": TASK}),
-    Call("task -o", ("task", "cell.task", "-o", "out.script"), {"cell.task": TASK}, writes=("out.script",), prints=False),
+    Call(
+        "task -o", ("task", "cell.task", "-o", "out.script"), {"cell.task": TASK}, writes=("out.script",), prints=False
+    ),
     Call("task --new", ("task", "--new", "cell", "-o", "new.task"), writes=("new.task",), prints=False),
     Call("task script", ("task", "moves.script", "-o", "out.task"), PROGRAM, writes=("out.task",), prints=False),
     Call(

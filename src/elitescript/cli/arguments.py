@@ -303,7 +303,7 @@ def add_task(parser: Parser) -> None:
     parser.add_argument("--tree", action="store_true", help="print the tree: row, kind, name and values of each node")
     parser.add_argument("--json", action="store_true", help="print the tree as one JSON object")
     parser.add_argument(
-        "--diff", metavar="OTHER", reads="task", help="print what differs in another task, node by node"
+        "--diff", metavar="OTHER", reads="other task", help="print what differs in another task, node by node"
     )
     parser.add_argument("--new", metavar="NAME", help="make an empty task of this name; needs -o")
     parser.add_argument(

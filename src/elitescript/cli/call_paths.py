@@ -198,6 +198,7 @@ READS: Final[dict[str, _Reads]] = {
     "program": _file("the program"),
     "program or trace": _file("the file that is to be plotted"),
     "task": _file("the task"),
+    "other task": _file("the task that is compared"),
     "compared": _file("the file that is compared"),
     "programs": _programs,
     "world": _world,
