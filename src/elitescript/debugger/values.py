@@ -11,7 +11,7 @@ from typing import Any, Final
 
 from elitescript.debugger.expressions import own_fields
 from elitescript.records import NamedTuple
-from elitescript.runtime.alarms import without_addresses
+from elitescript.runtime.environment import without_addresses
 from elitescript.runtime.names.modules import Facade
 from elitescript.runtime.stdlib.locks import holder_of, is_lock
 
