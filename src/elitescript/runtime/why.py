@@ -56,7 +56,7 @@ def reason_of(strand: Strand, source: SourceFile, read: ReadSignal, connections:
     tree: ast.AST | None = None
     for frame in strand.script_frames():
         tree = tree or parse(source).tree
-        loop = _loop_at(tree, frame.f_lineno or 0)
+        loop = _loop_at(tree, strand.line_of(frame))
         if loop is not None and frame.f_code.co_filename == source.name:
             return "; ".join(filter(None, (held, _Loop(tree, loop, frame, read).words())))
     return held
