@@ -437,7 +437,7 @@ class VirtualRobot:
         # The record of a program that runs must not become that of one that is refused.
         self.controller.task.require("start")
         self._globals = None
-        run = Run(unit, self.tick)
+        run = Run(unit, self.tick, _compiler_warnings(unit, self.options.ignored))
         run.is_alone = self._outside.is_alone and self._clients is None and not may_hold_set(values.values())
         run.look = lambda: self._look(run)
         run.check_text = partial(_findings_of, unit, self.profile, self.model, tuple(values), self.options)
@@ -794,6 +794,16 @@ def _findings_of(
     from elitescript.lint.engine import check_source
 
     return check_source(unit.source, firmware, strict=options.strict, presets=presets, arm=arm, ignored=options.ignored)
+
+
+def _compiler_warnings(unit: CompiledUnit, ignored: frozenset[str]) -> Iterable[Diagnostic]:
+    """Return what the compiler warns of, without what comments or options hide."""
+    if not unit.diagnostics:
+        return ()
+    # Imported late: most texts have none.
+    from elitescript.lint.suppression import without_suppressed
+
+    return without_suppressed(unit.diagnostics, unit.source, ignored)
 
 
 def _weakly(method: Any) -> Callable[[Any], None]:

@@ -136,8 +136,9 @@ class InputHandlers:
             model,
             environment,
             is_strict=options.strict,
+            ignored=options.ignored,
             probe=probe,
-            workshop=(workshop or CompilesHere(self._profile, model)) if options.compiles_elsewhere else None,
+            workshop=(workshop or CompilesHere(self._profile, model, options.ignored)) if options.compiles_elsewhere else None,
         )
         self.tasks: Tasks = Tasks(self._controller, self._host, self.programs, environment, options.configuration)
 
