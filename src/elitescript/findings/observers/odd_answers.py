@@ -1,4 +1,4 @@
-"""Finds questions of `socket_get_var` whose answer belongs to another question, has another form, or is missing."""
+"""Finds questions of `socket_get_var` whose answer came before them, behind a line of another form, or not at all."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from elitescript.messages.observations import OddAnswer
 
 
 class OddAnswers(Observer):
-    """Tells of each channel once what came instead, and once that its answers are behind the questions."""
+    """Tells of each channel once what came instead, what was passed over, and that answers are behind the questions."""
 
     __slots__ = ("_told",)
 
@@ -19,18 +19,22 @@ class OddAnswers(Observer):
 
     def see(self, seen: OddAnswer) -> Iterable[Finding]:
         """Tell what came."""
-        name, place = seen.question.removeprefix("GET "), f"on {seen.kind} {seen.channel!r}"
-        odd = "" if seen.answer is None else f"was {seen.answer!r}, not '{name} <int>': the value is 0"
-        if seen.earlier.strip():
-            what, text = "behind", f"the answer to {seen.question!r} {odd or f'had come before it: {seen.earlier!r}'}"
-            text += f"; it belongs to what was sent before, and so does every later answer {place}"
-            hint = 'read every answer before the next question, those to socket_set_var too, with suffix="\\n"'
+        question, form = repr(seen.question), f"'{seen.question.removeprefix('GET ')} <int>'"
+        place = f"on {seen.kind} {seen.channel!r}"
+        if seen.odd is not None and seen.is_late:
+            what, text = "form", f"the answer to {question} was {seen.odd!r} {place}, not {form}: the value is 0"
+            hint = "ask with socket_send_line and read with socket_read_string if the device answers in another form"
+        elif seen.odd is not None:
+            what, text = "passed", f"{seen.odd!r} came before the answer to {question} {place}, and is not {form}"
+            text += ": it is passed over here; a controller may take it for the answer, and give 0"
+            hint = 'read it before the question with socket_read_string, suffix="\\n"; socket_set_var may be answered too'
         elif seen.is_late:
-            what, text = "late", f"no answer to {seen.question!r} came in time {place}: the value is 0"
+            what, text = "late", f"no answer to {question} came in time {place}: the value is 0"
             hint = "0 may be an answer too; one that comes later is taken for that to the next question"
         else:
-            what, text = "form", f"the answer to {seen.question!r} {odd}"
-            hint = "ask with socket_send_line and read with socket_read_string if the device answers in another form"
+            what, text = "behind", f"the answer to {question} had come before it: {seen.earlier!r}; it belongs to an"
+            text += f" earlier question, and so does every later answer {place}"
+            hint = 'read late answers away before the next question: socket_read_string with suffix="\\n"'
         if (seen.channel, what) not in self._told:
             self._told.add((seen.channel, what))
             yield found("W281", text, line=seen.line, thread=seen.thread, hint=hint)

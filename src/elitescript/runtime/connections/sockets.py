@@ -227,13 +227,11 @@ class Sockets:
         """
         connection = self._by_name.get(name)
         earlier = bytes(connection.received) if connection is not None else b""
-        # A line end that numbers have left has a warning of its own.
-        is_left = connection is not None and connection.is_behind_numbers and not earlier.strip()
         if not self.send(name, question):
             return 0
         value = int(self.read(name, rule, timeout_s))
         if connection is not None and (
-            earlier.strip() or (rule.odd is not None and not is_left) or (rule.is_late and not connection.late_data)
+            earlier.strip() or rule.odd is not None or (rule.is_late and not connection.late_data)
         ):
             from elitescript.messages.observations import OddAnswer
 
