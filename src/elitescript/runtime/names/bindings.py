@@ -19,7 +19,7 @@ from elitescript.commands.definition.registry import Command
 from elitescript.commands.definition.vocabulary import newer_firmware_hint, newer_firmware_text
 from elitescript.errors import FirmwareError, ScriptError, ScriptPermissionError, ScriptStateError
 from elitescript.language.builtin_names import REFUSED_BUILTINS, WITHHELD_ERRORS
-from elitescript.language.hooks import AT, CHECKPOINT, FORMAT, LINE, PAY, RANGE, STOP, TICK, WATCHED
+from elitescript.language.hooks import AT, CHECKPOINT, FORMAT, LINE, LOOP, PAY, RANGE, STOP, TICK, WATCHED
 from elitescript.messages.profile import Profile, release_of
 from elitescript.runtime.files import OpenFiles
 from elitescript.runtime.names.context import Context
@@ -115,6 +115,7 @@ class Bindings:
             TICK: scheduler.fuel.pop,
             CHECKPOINT: scheduler.checkpoint,
             PAY: scheduler.pay,
+            LOOP: scheduler.note_loop,
             RANGE: range,
             STOP: UNCATCHABLE,
             WATCHED: scheduler.watchers,

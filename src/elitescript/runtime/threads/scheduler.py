@@ -428,6 +428,13 @@ class Scheduler:
         del fuel[-count:]
         return True
 
+    def note_loop(self, line: int) -> bool:
+        """Keep that the running strand comes to a loop in which it may wait; return True."""
+        strand = self.current
+        if strand is not None:
+            strand.loops[line] = self.now
+        return True
+
     def spend_event(self) -> None:
         """Charge the running strand for an event: from its fuel, and as work what that does not hold."""
         strand = self.current

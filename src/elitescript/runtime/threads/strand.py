@@ -75,6 +75,7 @@ class Strand:
         is_dying: whether it was stopped, and unwinds or will.
         is_abandoned: whether it could not be stopped and never runs again.
         cancel: cancels what it waits for when it is stopped (brakes a move).
+        loops: tick in which it has come to each loop in which it may wait, by line.
         started_line: line of the call that started it; 0 for a program.
         portion: checkpoints that it is paid out at a time where a meter looks in between.
         ran_tick: the last in which it came past a checkpoint, or a call where a meter looks.
@@ -98,6 +99,7 @@ class Strand:
         "is_abandoned",
         "is_dying",
         "is_secondary",
+        "loops",
         "name",
         "order",
         "owed",
@@ -154,6 +156,7 @@ class Strand:
         self.owed: dict[object, int] = {}
         self.at_end: list[Callable[[], None]] = []
         self.activations = 0
+        self.loops: dict[int, int] = {}
         self.started_line = 0
         self.recursion_limit = 0
         self._line = 0
