@@ -260,6 +260,10 @@ class AlarmError(ElitescriptError):
         super().__init__("\n".join(lines))
 
 
+class DebugError(Exception):
+    """A look into a program, or an expression over its values, that cannot be met; the text says why, for people."""
+
+
 class ScriptError(Exception):
     """A robot command refused a call; scripts may catch it.
 
