@@ -93,6 +93,10 @@ class EventRecord:
             self._events[:] = map(event_of, self._events)
         return self._events
 
+    def raw(self) -> list[Any]:
+        """Return the events, of which changes of signals may not have been made."""
+        return self._events
+
     def replace(self, events: list[Event]) -> None:
         """Go on with another list, which grows instead of the one before."""
         self._is_read, self._events = True, events

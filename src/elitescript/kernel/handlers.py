@@ -129,6 +129,7 @@ class InputHandlers:
         self.replies: list[Reply] = []
         self._logs = InterpreterLogs(environment.files) if has_logs else None
         self.conversations: Conversations = Conversations(self._host, self._reply, self._logs)
+        workshop = workshop or CompilesHere(self._profile, model, options.ignored)
         self.programs: Programs = Programs(
             self._controller,
             self._host,
@@ -138,7 +139,7 @@ class InputHandlers:
             is_strict=options.strict,
             ignored=options.ignored,
             probe=probe,
-            workshop=(workshop or CompilesHere(self._profile, model, options.ignored)) if options.compiles_elsewhere else None,
+            workshop=workshop if options.compiles_elsewhere else None,
         )
         self.tasks: Tasks = Tasks(self._controller, self._host, self.programs, environment, options.configuration)
 

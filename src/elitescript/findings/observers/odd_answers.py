@@ -27,7 +27,7 @@ class OddAnswers(Observer):
         elif seen.odd is not None:
             what, text = "passed", f"{seen.odd!r} came before the answer to {question} {place}, and is not {form}"
             text += ": it is passed over here; a controller may take it for the answer, and give 0"
-            hint = 'read it before the question with socket_read_string, suffix="\\n"; socket_set_var may be answered too'
+            hint = 'read what answers socket_set_var before the question: socket_read_string with suffix="\\n"'
         elif seen.is_late:
             what, text = "late", f"no answer to {question} came in time {place}: the value is 0"
             hint = "0 may be an answer too; one that comes later is taken for that to the next question"

@@ -204,7 +204,7 @@ class Sockets:
                 looked = self._looking_at_encoding(name, connection, looked)
             connection.rule = rule
             late_data, connection.late_data = connection.late_data, b""
-            value = connection.read(looked, reason, timeout_s)
+            value = connection.given = connection.read(looked, reason, timeout_s)
             if late_data or connection.late_data:
                 self._tell_late(connection, rule, value, timeout_s)
             if value is not None:

@@ -37,6 +37,9 @@ SITES_MAX: Final = 1000
 _CONTEXTS_MAX: Final = 64
 """Most chained exceptions that are searched for a stop."""
 
+TIME_TO_GO_BY: Final = "time to go by"
+"""Reason of the wait in `sleep` and similar commands."""
+
 STOP: Final = GreenletExit
 """Base of `Stopped`; a forgotten strand gets it when it is collected."""
 
@@ -401,7 +404,11 @@ class ThreadState(NamedTuple):
     def doing(self) -> str:
         """State in words."""
         words = f"waiting for {self.waits_for}" if self.waits_for else "running"
-        return f"{words}: {self.because}" if self.because else words
+        if not self.because:
+            return words
+        # That time goes by says nothing of why.
+        is_time = not self.waits_for or self.waits_for.startswith(TIME_TO_GO_BY)
+        return self.because if is_time else f"{words}: {self.because}"
 
 
 def state_of(strand: Strand) -> ThreadState:
