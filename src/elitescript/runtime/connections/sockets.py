@@ -267,7 +267,7 @@ class Sockets:
 
     def _looking_for_line_end(self, name: str, connection: ScriptConnection, rule: Texts) -> Rule:
         """Return the rule; if it reads text after numbers, one that warns of a line end left by these."""
-        if not connection.is_behind_numbers or rule.prefix:
+        if not connection.is_behind_numbers or rule.prefix or isinstance(rule, Variable):
             return rule
 
         def looking(data: bytearray, is_last: bool) -> tuple[Any, int]:
