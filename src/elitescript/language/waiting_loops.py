@@ -14,7 +14,7 @@ from elitescript.language.nodes import Census
 
 _WAITING: Final = (
     *("sleep", "sync", "wait", "get", "read", "recv", "acquire", "locked", "join", "is_", "socket_", "serial_"),
-    *("tool_", "modbus_", "rpc", "popup", "time"),
+    *("tool_", "modbus_", "rpc", "popup", "time", "move", "servo", "speed", "stop"),
 )
 """How names of functions and methods begin with which a loop waits, or looks at what it waits for."""
 _ROUNDS_MAX: Final = 3
