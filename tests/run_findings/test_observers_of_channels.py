@@ -35,7 +35,12 @@ class TestOddAnswers:
         [
             ("", "ack", True, "was 'ack' on socket 'cam', not 'POS <int>': the value is 0"),
             ("", None, True, "no answer to 'GET POS' came in time on socket 'cam': the value is 0"),
-            ("ack\n", "ack", False, "'ack' came before the answer to 'GET POS' on socket 'cam', and is not 'POS <int>'"),
+            (
+                "ack\n",
+                "ack",
+                False,
+                "'ack' came before the answer to 'GET POS' on socket 'cam', and is not 'POS <int>'",
+            ),
             ("POS 10\n", None, False, "had come before it: 'POS 10\\n'; it belongs to an earlier question"),
         ],
     )

@@ -82,8 +82,7 @@ CONDITIONS = {
     ),
     "pure command": (
         ["p = [1, 0, 0, 0, 0, 0]", "while point_dist(p, [0, 0, 0, 0, 0, 0]) > 0.1: sync()"],
-        "`point_dist(p, [0, 0, 0, 0, 0, 0]) > 0.1` has been true since 0 s: "
-        "point_dist(p, [0, 0, 0, 0, 0, 0]) is 1.0",
+        "`point_dist(p, [0, 0, 0, 0, 0, 0]) > 0.1` has been true since 0 s: point_dist(p, [0, 0, 0, 0, 0, 0]) is 1.0",
     ),
     "function": (
         ["def part(n):", "  return get_standard_digital_in(n)", "end", "while not part(3): sync()"],
@@ -217,9 +216,7 @@ class TestData:
 
     def test_that_does_not_come(self):
         found = because(OPEN, 'socket_send_line("state?")', "s = socket_read_string(timeout=0)", world=[Device()])
-        assert found == (
-            "nothing has come since 0.008 s; 'state?' was sent at 0.004 s, plc has no reply to 'state?'"
-        )
+        assert found == ("nothing has come since 0.008 s; 'state?' was sent at 0.004 s, plc has no reply to 'state?'")
 
     def test_that_was_read_last(self):
         body = [OPEN, 'while socket_read_string(suffix="\\n", timeout=0.1) != "go":', '  socket_send_line("cmd?")']

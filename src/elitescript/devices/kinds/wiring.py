@@ -77,6 +77,10 @@ class Wire(Device):
         when = f"not ({self.when})" if self.inverted else self.when
         return f"{self.title} sets it when `{when}`, which is {state} now"
 
+    @property
+    def held_signal(self) -> str:
+        return self.then if self.edge == "both" and not self.pulse_s else ""
+
     def check(self) -> None:
         _check_given("then", self.then)
         try:

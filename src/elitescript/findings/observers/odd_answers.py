@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from elitescript.findings.observing import Observer, found
 from elitescript.messages.findings import Finding
 from elitescript.messages.observations import OddAnswer
+from elitescript.said import said
 
 
 class OddAnswers(Observer):
@@ -19,21 +20,44 @@ class OddAnswers(Observer):
 
     def see(self, seen: OddAnswer) -> Iterable[Finding]:
         """Tell what came."""
-        question, form = repr(seen.question), f"'{seen.question.removeprefix('GET ')} <int>'"
-        place = f"on {seen.kind} {seen.channel!r}"
+        name, question = seen.question.removeprefix("GET "), seen.question
+        place = said("on {kind} {channel!r}", kind=seen.kind, channel=seen.channel)
         if seen.odd is not None and seen.is_late:
-            what, text = "form", f"the answer to {question} was {seen.odd!r} {place}, not {form}: the value is 0"
+            what = "form"
+            text = said(
+                "the answer to {question!r} was {odd!r} {place}, not '{name} <int>': the value is 0",
+                question=question,
+                odd=seen.odd,
+                place=place,
+                name=name,
+            )
             hint = "ask with socket_send_line and read with socket_read_string if the device answers in another form"
         elif seen.odd is not None:
-            what, text = "passed", f"{seen.odd!r} came before the answer to {question} {place}, and is not {form}"
-            text += ": it is passed over here; a controller may take it for the answer, and give 0"
+            what = "passed"
+            text = said(
+                "{odd!r} came before the answer to {question!r} {place}, and is not '{name} <int>': it is passed over "
+                "here; a controller may take it for the answer, and give 0",
+                odd=seen.odd,
+                question=question,
+                place=place,
+                name=name,
+            )
             hint = 'read what answers socket_set_var before the question: socket_read_string with suffix="\\n"'
         elif seen.is_late:
-            what, text = "late", f"no answer to {question} came in time {place}: the value is 0"
+            what = "late"
+            text = said(
+                "no answer to {question!r} came in time {place}: the value is 0", question=question, place=place
+            )
             hint = "0 may be an answer too; one that comes later is taken for that to the next question"
         else:
-            what, text = "behind", f"the answer to {question} had come before it: {seen.earlier!r}; it belongs to an"
-            text += f" earlier question, and so does every later answer {place}"
+            what = "behind"
+            text = said(
+                "the answer to {question!r} had come before it: {earlier!r}; it belongs to an earlier question, and so "
+                "does every later answer {place}",
+                question=question,
+                earlier=seen.earlier,
+                place=place,
+            )
             hint = 'read late answers away before the next question: socket_read_string with suffix="\\n"'
         if (seen.channel, what) not in self._told:
             self._told.add((seen.channel, what))
