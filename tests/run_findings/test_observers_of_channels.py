@@ -39,7 +39,7 @@ class TestOddAnswers:
                 "ack\n",
                 "ack",
                 False,
-                "'ack' came before the answer to 'GET POS' on socket 'cam', and is not 'POS <int>'",
+                "'ack' came before the answer to 'GET POS' on socket 'cam', and is not 'POS ",
             ),
             ("POS 10\n", None, False, "had come before it: 'POS 10\\n'; it belongs to an earlier question"),
         ],
