@@ -6,6 +6,7 @@ import ast
 
 from elitescript.commands.definition.effects import only_gives_a_value
 from elitescript.language.builtin_names import PURE_BUILTINS
+from elitescript.language.nodes import children
 from elitescript.language.symbols import Resolution
 from elitescript.lint.program import AnalysedProgram
 
@@ -36,5 +37,5 @@ def has_effect(root: ast.expr, program: AnalysedProgram) -> bool:
         if isinstance(node, ast.Call) and not _is_pure_call(node, program):
             return True
         if not isinstance(node, ast.Lambda):
-            stack.extend(ast.iter_child_nodes(node))
+            stack += children(node)
     return False
