@@ -30,7 +30,6 @@ from elitescript.language.hooks import CHECKPOINT, LOOP, PAY, RANGE, STOP, TICK
 from elitescript.language.kinds import is_text
 from elitescript.language.nodes import Census
 from elitescript.language.probes import is_probe
-from elitescript.language.waiting_loops import waiting_loops
 
 PAID_MAX: Final = 100
 """Most units of work that a loop pays at its start; so many passes, with those of loops in it, have no checkpoint."""
@@ -61,7 +60,11 @@ def insert_checkpoints(census: Census) -> None:
     if census.unknown:
         raise ValueError(f"unknown kind of node: {type(census.unknown[0]).__name__}")
     replaced: dict[ast.AST, ast.AST] = {**_prepaid(census)}
-    replaced.update((loop, _marked(loop)) for loop in waiting_loops(census))
+    if census.of(ast.While):
+        # Imported late: many programs have none.
+        from elitescript.language.waiting_loops import waiting_loops
+
+        replaced.update((loop, _marked(loop)) for loop in waiting_loops(census))
     for loop in census.of(ast.For):
         loop.body.insert(0, _statement(loop))
     for repetition in census.of(ast.While):

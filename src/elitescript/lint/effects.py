@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 
-from elitescript.commands.definition.effects import only_gives_a_value
 from elitescript.language.builtin_names import PURE_BUILTINS
 from elitescript.language.nodes import children
 from elitescript.language.symbols import Resolution
@@ -23,7 +22,7 @@ def _is_pure_call(call: ast.Call, program: AnalysedProgram) -> bool:
     scope = program.symbols.scope_of(function)
     command = program.command(function.id, scope)
     if command is not None:
-        return only_gives_a_value(command)
+        return command.only_gives_a_value
     return function.id in PURE_BUILTINS and scope.resolve(function.id) is Resolution.BUILTIN
 
 

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from elitescript.commands.catalogue import CATALOGUE
-from elitescript.commands.definition.effects import only_gives_a_value
 from elitescript.errors import DebugError
 from elitescript.messages.profile import release_of
 from elitescript.runtime.names.context import Context
@@ -53,7 +52,7 @@ def predefined_call(
     command = CATALOGUE.get(name)
     if command is None:
         return builtin_call(name, arguments, named)
-    if not only_gives_a_value(command):
+    if not command.only_gives_a_value:
         raise Refusal(f"{name}() changes something or takes time")
     if context is None or release_of(command.since) > context.profile.release:
         raise DebugError(f"{name}() is not there")

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterable, Mapping
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final, Protocol
 
 from elitescript.language.scopes import Scope
 from elitescript.language.symbols import Symbols
 from elitescript.messages.signals import point_names
 from elitescript.runtime.why.loops import scope_at
-
-if TYPE_CHECKING:
-    from elitescript.runtime.why.conditions import Conditions
 
 LINES_MAX: Final = 4
 """Most lines that are named."""
@@ -33,13 +30,22 @@ FrameOf = Callable[[Scope], tuple[str, int, Mapping[str, Any]] | None]
 """Returns for a function a thread that is in it: its name, the line there, and the variables; None if none is."""
 
 
+class Sayer(Protocol):
+    """Says conditions; see `conditions.Conditions`."""
+
+    def text(self, node: ast.expr) -> str: ...
+
+    def holds(self, test: ast.expr, names: Mapping[str, Any]) -> bool | None: ...
+
+    def values(self, test: ast.expr, names: Mapping[str, Any], scope: Scope, loop: ast.stmt | None) -> str: ...
+
+
 class Setters:
     """What sets the variables of one program.
 
     Args:
         symbols: of its text.
         frame_of: which thread is in a function.
-        has_ended: names of functions whose threads have ended, if any.
     """
 
     __slots__ = ("_frame_of", "_symbols")
@@ -48,7 +54,7 @@ class Setters:
         self._symbols = symbols
         self._frame_of = frame_of
 
-    def words(self, name: str, scope: Scope, loop: ast.stmt | None, conditions: Conditions) -> str:
+    def words(self, name: str, scope: Scope, loop: ast.stmt | None, conditions: Sayer) -> str:
         """Return in parentheses what could change a variable that decides about a loop; empty if that is not certain.
 
         Args:
@@ -80,7 +86,7 @@ class Setters:
             return ""
         return " (nothing changes it)"
 
-    def _elsewhere(self, found: list[tuple[int, ast.AST, Scope]], conditions: Conditions) -> str:
+    def _elsewhere(self, found: list[tuple[int, ast.AST, Scope]], conditions: Sayer) -> str:
         """Return which lines of other functions set a variable, and what keeps a single one from it."""
         lines = [line for line, _, _ in found]
         if len(found) > 1:
