@@ -40,7 +40,7 @@ def test_without_an_end_it_covers_one_character():
 def test_rendering_shows_place_line_caret_and_hint():
     source = SourceFile("pick.script", "def a():\n  while True:\n  end\nend\n")
     found = diagnostic("E104", 2, 3, "the body is empty", end_column=14, hint="write `pass`")
-    assert render(found, source.name, source.line(found.line)).split("\n") == [
+    assert render(found, source.where(found.line, found.column), source.line(found.line)).split("\n") == [
         "pick.script:2:3: error E104: the body is empty",
         "      while True:",
         "      ^^^^^^^^^^^",
