@@ -68,7 +68,7 @@ def test_a_finding_over_several_lines_is_marked_up_to_the_end_of_the_first():
 
 
 def test_a_finding_at_the_end_of_the_text_shows_no_empty_line():
-    assert render(diagnostic("E001", 2, 1, "text"), "f", "") == "f:2:1: error E001: text"
+    assert render(diagnostic("E001", 2, 1, "text"), "f:2:1", "") == "f:2:1: error E001: text"
 
 
 def test_json_is_the_problem_object_of_the_command_line():

@@ -102,7 +102,7 @@ def source_of_task(path: str | Path, task_dir: str | Path | None = None) -> Sour
 
 
 def refused_task(path: str | Path, task_dir: str | Path | None = None) -> SourceFile:
-    """Return the text in which the problems of a task that `source_of_task` has refused are: its script, or its file."""
+    """Return the text in which the problems of a refused task are: its script, or its file."""
     try:
         return _source(task_program(path, task_dir))[0]
     except TaskFileError:

@@ -112,6 +112,15 @@ _TEXTS: Final[dict[str, str]] = {
 
         `elitescript task cell.task` prints what can be generated.
         """,
+    "N225": """
+        What a graphical program (`.task`) would find beside it, and which is not there: the files of its configuration,
+        with the values of variables, TCP, payload, frames, and names of inputs and outputs. Its script is generated
+        without them, and its sections stay empty; a variable that has no value ends the program where it is used.
+
+            cell.task: script line 1: note N225: cell.configuration.variables is not beside the task
+
+        Copy the files from the `program` folder of the controller, or name that folder with `--task-dir`.
+        """,
     "E101": """
         An `end` that closes nothing. Each `end` closes the block whose indentation it has. A surplus one often means
         that another block lost its header, or that a block was closed twice.
