@@ -162,7 +162,7 @@ def obstacle_breach(obstacle: Obstacle) -> Breach:
     joint = JOINT_NAMES[obstacle.joint] if obstacle.joint >= 0 else ""
     if obstacle.code == "R111" or not (joint or obstacle.limit):
         first = "positions are in m: a target more than 100 m away is a direction; are millimetres meant?"
-        second = "end a motion in a direction before: by stopl in another thread, when an input, a way or a force asks for it"
+        second = "end a motion in a direction before: call stopl in another thread, after an input, a way or a force"
     elif joint:
         first = f"end the motion before joint {joint} comes to the end of its range: give a time t and call stopj"
         second = "begin with that joint a full turn away, by a movej before"
