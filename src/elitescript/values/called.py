@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Sequence
 from math import inf
-from typing import Any
+from typing import Any, Final
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.registry import Command
@@ -21,6 +21,7 @@ from elitescript.values.description import (
     FUNCTION,
     INT,
     LIST,
+    MEASURED,
     NO_SITES,
     NONE,
     NOTHING,
@@ -28,6 +29,7 @@ from elitescript.values.description import (
     ROW,
     SET,
     SIZE_MAX,
+    SOME_BYTES,
     SOME_COUNT,
     TEXT,
     TUPLE,
@@ -44,6 +46,15 @@ from elitescript.values.references import Library, Made, Method, ModuleType, Nam
 from elitescript.values.results import POSITION, result_of
 from elitescript.values.state import CALL_DEPTH_MAX, CALLED_AT_MOST
 from elitescript.values.store import Cell, Function
+
+_INEXACT: Final = frozenset(
+    (
+        *("pose_add", "pose_sub", "pose_trans", "pose_inv", "pose_dist", "point_dist", "interpolate_pose"),
+        *("norm", "normalize", "get_forward_kin", "get_inverse_kin", "rotvec2rpy", "rpy2rotvec"),
+        *("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sqrt", "d2r", "r2d"),
+    )
+)
+"""Commands whose result is measured if an argument is."""
 
 
 class Calls(Conditions):
@@ -137,6 +148,9 @@ class Calls(Conditions):
         if not called.kinds:
             return BOTTOM
         refs = called.refs
+        if not refs and isinstance(node.func, ast.Name) and self._is_missing(node.func.id):
+            # An alarm: nothing gets the arguments.
+            return UNKNOWN
         if not refs or (called.kinds & ~(FUNCTION | OBJECT) and not isinstance(refs[0], Name)):
             for value in (*args, *keywords.values()):
                 self._escape(value)
@@ -187,6 +201,8 @@ class Calls(Conditions):
             return calls.call_builtin(name, current, bool(keywords), self._site(node))
         for value in (*args, *keywords.values()):
             self._escape(value)
+        if name == "struct.pack":
+            return SOME_BYTES
         if module:
             return UNKNOWN.but(refs=(Made(name),))
         if not is_certain:
@@ -217,6 +233,9 @@ class Calls(Conditions):
         result = self._results.get(node)
         if result is None or len(self._results) > 100_000:
             result = self._results[node] = result_of(command, self._site(node))
+        if command.name in _INEXACT and any(value.must & MEASURED for value in given):
+            # What is computed of a reading is as inexact.
+            return result.but(may=result.may | MEASURED, must=result.must | MEASURED)
         if command.name == "modbus_get_signal_status" and args:
             return self.signals.narrowed(result, args[0])
         counted_by = command.details.result.counted_by

@@ -36,14 +36,14 @@ def channel_not_open(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each use of such a name."""
     called = program.derived(CalledCommands)
     opened: set[str] = set()
-    for found in called.of(_OPEN):
+    for found in called.all_of(_OPEN):
         names = called.texts(found, _NAME, USUAL)
         if not names:
             return
         opened.update(name or USUAL for name in names)
     if not opened or called.are_passed_on(_OPEN) or program.shares_globals:
         return
-    for found in called:
+    for found in called.all_of():
         if not found.name.startswith("socket_") or found.name == _OPEN:
             continue
         names = tuple(name or USUAL for name in called.texts(found, _NAME, USUAL))
