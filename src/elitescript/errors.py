@@ -16,6 +16,7 @@ from functools import wraps
 from typing import Any, Final, ParamSpec, TypeVar
 
 from elitescript.records import NamedTuple
+from elitescript.said import Said
 from elitescript.shown import shown, shown_word
 
 _Given = ParamSpec("_Given")
@@ -296,7 +297,7 @@ class ScriptError(Exception):
     a Python programmer expects (`TypeError`, `ValueError`, `RuntimeError`).
 
     Args:
-        text: what was wrong, with the value and the unit.
+        text: what was wrong, with the value and the unit; made by `said`.
         code: row of `CODES`.
         command: the command that refused.
         argument: the parameter that was wrong, if it was one.
@@ -320,7 +321,9 @@ class ScriptError(Exception):
         unit: str | None = None,
         hint: str | None = None,
     ) -> None:
-        super().__init__(text)
+        # Programs see a plain text.
+        super().__init__(str(text))
+        self.said = text
         self.code = code or self.default_code
         self.command = command
         self.argument = argument
@@ -328,6 +331,16 @@ class ScriptError(Exception):
         self.limit = limit
         self.unit = unit
         self.hint = hint
+
+
+def text_of(error: BaseException) -> str:
+    """Return the text of an error, with its template if it was made by `said`.
+
+    An error of a program may have a text that raises something else.
+    """
+    text = str(error)
+    said = getattr(error, "said", None) or (error.args[0] if error.args else None)
+    return said if type(said) is Said and said == text else text
 
 
 class ArgumentTypeError(ScriptError, TypeError):

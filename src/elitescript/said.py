@@ -65,8 +65,8 @@ class Said(str):
         raise AttributeError(f"cannot delete {name!r} of a text")
 
 
-def said(template: str, /, **values: object) -> Said:
-    """Return a text of a template and its values.
+def said(template: str, /, **values: object) -> str:
+    """Return a text of a template and its values: a `Said`, used like any other text.
 
     Args:
         template: the text with `{name}`, `{name!r}` or `{name:format}` for values; `{{` and `}}` for braces.
@@ -92,6 +92,15 @@ def said(template: str, /, **values: object) -> Said:
     return _made(plain.format_map(shown), plain, tuple(shown.items()))
 
 
+def counted(count: int, one: str, many: str) -> str:
+    """Return a number with its noun.
+
+    >>> counted(1, "byte", "bytes"), counted(2, "byte", "bytes")
+    ('1 byte', '2 bytes')
+    """
+    return said("{count} " + (one if count == 1 else many), count=count)
+
+
 def joined(separator: str, texts: Iterable[str]) -> str:
     """Return texts with a separator between them, of which each keeps its template."""
     parts = list(texts)
@@ -100,6 +109,19 @@ def joined(separator: str, texts: Iterable[str]) -> str:
     names = [f"part_{number}" for number in range(1, len(parts) + 1)]
     template = escaped(separator).join(f"{{{name}}}" for name in names)
     return _made(separator.join(parts), template, tuple(zip(names, parts, strict=True)))
+
+
+def replaced(text: str, words: str, other: str) -> str:
+    """Return a text with other words, in the texts within it too; values that are no texts of `said` stay."""
+    if words not in text:
+        return text
+    if not isinstance(text, Said):
+        return text.replace(words, other)
+    values = {
+        name: replaced(value, words, other) if isinstance(value, Said) else value for name, value in text.values.items()
+    }
+    template = text.template.replace(escaped(words), escaped(other))
+    return _made(template.format_map(values), template, tuple(values.items()))
 
 
 def escaped(text: str) -> str:
@@ -135,9 +157,13 @@ def rebuilt(text: str, template: str, values: Mapping[str, str | int]) -> Said:
     """
     plain, holes = _READ.get(template) or _read(template, is_kept=False)
     names = {name for name, _, _ in holes}
-    if plain != template or names != values.keys() or template.format_map(values) != text:
-        raise ValueError("a text that its template and values do not make")
-    return _made(text, template, tuple(values.items()))
+    if plain == template and names == values.keys():
+        # A short template may make a text that fills the memory.
+        lengths = {name: len(str(value)) for name, value in values.items()}
+        size = sum(lengths[hole[1]] for hole in _HOLE.finditer(template) if hole[1])
+        if size <= len(text) and template.format_map(values) == text:
+            return _made(text, template, tuple(values.items()))
+    raise ValueError("a text that its template and values do not make")
 
 
 _Holes = tuple[tuple[str, str | None, str | None], ...]

@@ -118,4 +118,4 @@ def _fix(program: AnalysedProgram, called: CommandCall, node: ast.AST) -> Fix | 
     meant = nearest(node.arg, names) if node.arg not in names else ""
     line, column = program.symbols.place(node)
     edit = Edit(line, column, line, column + len(node.arg), meant)
-    return Fix(f"write {meant}", (edit,), safe=False) if meant else None
+    return Fix(said("write {meant}", meant=meant), (edit,), safe=False) if meant else None

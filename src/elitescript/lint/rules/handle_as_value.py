@@ -23,6 +23,7 @@ from typing import Final
 from elitescript.commands.definition.quantities import Integer, Number, Optionally
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 from elitescript.values.description import INT
 from elitescript.values.results import HANDLE
 
@@ -49,9 +50,11 @@ def handle_as_value(program: AnalysedProgram) -> Iterator[Finding]:
         where = arguments.get(node, "")
         is_value = isinstance(above, ast.BinOp) or (isinstance(above, ast.Compare) and _is_a_value(above))
         if where or is_value or _is_condition(above, node):
-            text = f"`{ast.unparse(node)}` is the handle of a thread, not what its function returns"
+            text = said(
+                "`{expression}` is the handle of a thread, not what its function returns", expression=ast.unparse(node)
+            )
             hint = "what a thread returns is lost: let it write a global or `nonlocal` variable"
-            yield Finding(node, f"{where}: {text}" if where else text, hint)
+            yield Finding(node, said("{command}: {text}", command=where, text=text) if where else text, hint)
 
 
 def _is_a_value(node: ast.Compare) -> bool:

@@ -21,6 +21,7 @@ from elitescript.commands.definition.quantities import Boolean
 from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 from elitescript.values.description import BOOL, Value
 
 _HOLDS: Final = {
@@ -40,8 +41,16 @@ def number_too_large(program: AnalysedProgram) -> Iterator[Finding]:
                 value = None if part is None else program.values.of(part)
                 if part is not None and value is not None and _is_outside(value, low, high):
                     number = value.low if value.low > high else value.high
-                    text = f"{command}: {param} is {number:g}, and {bits} bits hold {low} to {high}"
-                    hint = f"{int(number) & ((1 << bits) - 1)} is sent" if abs(number) != inf else ""
+                    text = said(
+                        "{command}: {param} is {number:g}, and {bits} bits hold {low} to {high}",
+                        command=command,
+                        param=param,
+                        number=number,
+                        bits=bits,
+                        low=low,
+                        high=high,
+                    )
+                    hint = said("{number} is sent", number=int(number) & (1 << bits) - 1) if abs(number) != inf else ""
                     yield Finding(part, text, hint)
     yield from _truths(program)
 
@@ -56,8 +65,18 @@ def _truths(program: AnalysedProgram) -> Iterator[Finding]:
         for param, node in truths:
             number = program.constants.value(node, called.scope)
             if isinstance(number, int) and number not in (0, 1):
-                text = f"{called.command.name}: {param.name} is {number}, and True or False belongs there"
-                yield Finding(node, text, f"{number} counts as True; it is called as {called.command.signature}")
+                text = said(
+                    "{command}: {param} is {number}, and True or False belongs there",
+                    command=called.command.name,
+                    param=param.name,
+                    number=number,
+                )
+                hint = said(
+                    "{number} counts as True; it is called as {signature}",
+                    number=number,
+                    signature=called.command.signature,
+                )
+                yield Finding(node, text, hint)
 
 
 def _is_outside(value: Value, low: int, high: int) -> bool:
