@@ -37,10 +37,10 @@ def never_equal(program: AnalysedProgram) -> Iterator[Finding]:
     """Report comparisons whose outcome does not depend on what happens."""
     for node in program.nodes(ast.Compare):
         if len(node.ops) == 1:
-            if _asks_for_identity(node):
-                yield _identity(program, node)
-            else:
-                yield from _comparison(program, node)
+            found = list(_comparison(program, node))
+            if not found and _asks_for_identity(node):
+                found = [_identity(program, node)]
+            yield from found
 
 
 def _asks_for_identity(node: ast.Compare) -> bool:

@@ -11,17 +11,17 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from elitescript.language.nodes import children
 from elitescript.language.scopes import Scope
-from elitescript.language.symbols import THREAD_STARTER
+from elitescript.language.symbols import THREAD_STARTER, Symbols
 from elitescript.lint.placing import conditions
 from elitescript.records import NamedTuple
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.registry import Command
-    from elitescript.lint.program import AnalysedProgram
+    from elitescript.values.program import Values
 
 _TURNS_MAX: Final = 16
 """Elements of a list that are looked at one by one; a longer one is left alone."""
@@ -32,6 +32,20 @@ _DEPTH_MAX: Final = 3
 """Functions and loops around a command that are followed."""
 _LEAVING: Final = (ast.Break, ast.Continue, ast.Return, ast.Raise, ast.Assert)
 _ENDING: Final = frozenset(("halt", "exit", "quit"))
+
+
+class Program(Protocol):
+    """Describes what is asked of a program, an `AnalysedProgram`."""
+
+    symbols: Symbols
+
+    @property
+    def values(self) -> Values: ...
+
+    def command(self, name: str, scope: Scope) -> Command | None: ...
+
+    def is_available(self, command: Command) -> bool: ...
+
 
 Variable = tuple[str, Scope]
 Given = Mapping[Variable, ast.expr]
@@ -67,7 +81,7 @@ class PassedValues:
 
     __slots__ = ("_program", "calls", "origins")
 
-    def __init__(self, program: AnalysedProgram) -> None:
+    def __init__(self, program: Program) -> None:
         self._program = program
         self.calls: list[PassedCall] = []
         self.origins: dict[ast.AST, ast.Call] = {}
