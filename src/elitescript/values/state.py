@@ -6,7 +6,7 @@ import ast
 import re
 from collections import deque
 from collections.abc import Collection, Sequence
-from typing import Final
+from typing import Any, Final
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.language.advice.unknown_names import KNOWN
@@ -85,7 +85,8 @@ class State:
         self._functions: dict[Scope, Function] = {}
         self._variables: dict[tuple[Scope | None, str], Variable] = {}
         self._names: dict[Scope, dict[str, Variable | None]] = {}
-        self._literals: dict[ast.AST, Value] = {}
+        self._literals: dict[tuple[type, Any], Value] = {}
+        """Of literals, by type and value, and of signs with the description of a literal behind them."""
         self._heads: dict[ast.AST, Locals] = {}
         self._builtins: dict[str, Value] = {}
         self._results: dict[ast.AST, Value] = {}
@@ -297,10 +298,7 @@ class State:
 
     def _site(self, node: ast.AST) -> frozenset[int]:
         """Return the place that makes a list or dict here."""
-        sites = self.sites.of(node)
-        (site,) = self.sites.at(sites)
-        site.maker = None if self._repeated else self._function
-        return sites
+        return self.sites.made_by(node, None if self._repeated else self._function)
 
     def _escape(self, value: Value) -> None:
         """Note that unknown code gets a value, and may change the lists in it."""
