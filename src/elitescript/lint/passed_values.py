@@ -79,10 +79,11 @@ class PassedValues:
         origins: the call that is written, by each expression that stands in its place in another one.
     """
 
-    __slots__ = ("_program", "calls", "origins")
+    __slots__ = ("_not_reached", "_program", "calls", "origins")
 
     def __init__(self, program: Program) -> None:
         self._program = program
+        self._not_reached: dict[ast.AST, frozenset[ast.AST]] = {}
         self.calls: list[PassedCall] = []
         self.origins: dict[ast.AST, ast.Call] = {}
         for scope in program.symbols.scopes:
@@ -154,7 +155,7 @@ class PassedValues:
         found: list[dict[Variable, ast.expr]] = [{}]
         child = node
         for above in symbols.ancestors(node):
-            if above in conditional or _may_leave(above, child):
+            if above in conditional or child in self._unsure(above):
                 break
             if isinstance(above, ast.For) and child in above.body:
                 turns = self._turns(above)
@@ -261,6 +262,19 @@ class PassedValues:
             return call.args[1].elts, {}
         return [], {}
 
+    def _unsure(self, node: ast.AST) -> frozenset[ast.AST]:
+        """Return the statements in the blocks of a node that one in front of them may keep from being reached."""
+        found = self._not_reached.get(node)
+        if found is None:
+            unsure: list[ast.AST] = []
+            for name in ("body", "orelse", "finalbody"):
+                block = getattr(node, name, None)
+                if isinstance(block, list):
+                    leaving = next((at for at, statement in enumerate(block) if _leaves(statement)), len(block))
+                    unsure += block[leaving + 1 :]
+            found = self._not_reached[node] = frozenset(unsure)
+        return found
+
     # What expressions are then
 
     def _put(self, node: ast.expr, scope: Scope, given: Given) -> ast.expr:
@@ -317,15 +331,6 @@ def _is_run(node: ast.AST) -> bool:
     if isinstance(node, ast.While):
         return isinstance(node.test, ast.Constant) and bool(node.test.value)
     return isinstance(node, ast.For)
-
-
-def _may_leave(above: ast.AST, child: ast.AST) -> bool:
-    """Return whether a statement in front of one may keep it from being reached."""
-    for name in ("body", "orelse", "finalbody"):
-        block = getattr(above, name, None)
-        if isinstance(block, list) and child in block:
-            return any(_leaves(statement) for statement in block[: block.index(child)])
-    return False
 
 
 def _leaves(statement: ast.stmt) -> bool:
