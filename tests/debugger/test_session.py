@@ -428,6 +428,8 @@ class TestLooking:
             ("standard_digital_in[3]", "False"),
             ("get_standard_digital_in(3)", "False"),
             ("tcp.z > 0", "True"),
+            ("tcp[2] == tcp.z and q[0] == joints.base == q.base", "True"),
+            ("max(q) == max(joints) and len(tcp) == 6 and tcp_speed >= 0 and len(qd) == 6", "True"),
             ("d2r(180)", "3.141592653589793"),
             ("part", "<Part>"),
             ("change", "function change"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Mapping
+from math import hypot
 from types import FrameType
 from typing import Any, Final, TypeAlias
 
@@ -14,7 +15,6 @@ from elitescript.debugger.places import Places
 from elitescript.debugger.values import (
     CHILDREN_MAX,
     PART_MAX,
-    POSE,
     TEXT_MAX,
     Child,
     Group,
@@ -50,6 +50,7 @@ from elitescript.values.concrete import (
     short,
     truth,
 )
+from elitescript.values.places import PLACES
 
 LOCALS: Final = "Locals"
 GLOBALS: Final = "Globals"
@@ -463,8 +464,8 @@ class Look:
         """
         names = Names(self._controller, self._host, self, call)
         value = computed(parsed(text), names.value, names.call, steps_max or self.steps_max)
-        if isinstance(value, Named):
-            return value.pose
+        if isinstance(value, Indexed) and value.whole is not None:
+            return value.whole
         if isinstance(value, Indexed | Pure):
             raise DebugError(f"{text.strip()} is a group: name one of it")
         return value
@@ -547,22 +548,19 @@ class Names:
 ROBOT_VALUES: Final[dict[str, Callable[[Controller], Any]]] = {
     "t": lambda controller: controller.state().time_s,
     "tick": lambda controller: controller.tick,
-    "tcp": lambda controller: Named(Pose(controller.poses().target)),
-    "joints": lambda controller: list(controller.joints().q_target),
+    "tcp": lambda controller: _whole("tcp", Pose(controller.poses().target)),
+    "tcp_speed": lambda controller: hypot(*controller.tcp_speeds().target[:3]),
+    "q": lambda controller: _whole("q", Joints(controller.joints().q_target)),
+    "qd": lambda controller: _whole("qd", Joints(controller.joints().qd_target)),
+    "joints": lambda controller: _whole("q", Joints(controller.joints().q_target)),
     "robot_mode": lambda controller: _word(controller.state().robot_mode),
     "safety": lambda controller: _word(controller.state().safety_mode),
 }
+"""Values of the robot by name: places (`values.places`), and what the debugger alone has."""
 
 
-class Named(Indexed):
-    """A pose in an expression: `tcp.z`, `tcp[2]`."""
-
-    __slots__ = ("__dict__", "pose")
-
-    def __init__(self, pose: Pose) -> None:
-        super().__init__(pose.__getitem__)
-        self.pose = pose
-        self.__dict__.update(zip(POSE, pose, strict=True))
+def _whole(place: str, values: tuple[float, ...]) -> Indexed:
+    return Indexed(values.__getitem__, values, PLACES[place].elements)
 
 
 def _motion(source: Any) -> str:
