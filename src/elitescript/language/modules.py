@@ -47,14 +47,16 @@ COPIED_NAMES: Final[dict[str, str]] = {
     "threading": "Barrier BoundedSemaphore BrokenBarrierError Condition Event Lock RLock Semaphore TIMEOUT_MAX Thread"
     " ThreadError Timer active_count activeCount current_thread currentThread enumerate get_ident get_native_id local"
     " main_thread",
-    "typing": "AbstractSet Annotated Any AnyStr AsyncIterable AsyncIterator Awaitable BinaryIO ByteString Callable ChainMap"
-    " ClassVar Collection Concatenate Container ContextManager Coroutine Counter DefaultDict Deque Dict Final FrozenSet"
-    " Generator Generic Hashable IO ItemsView Iterable Iterator KeysView List Literal LiteralString Mapping MappingView"
-    " Match MutableMapping MutableSequence MutableSet NamedTuple Never NewType NoReturn NotRequired Optional OrderedDict"
-    " ParamSpec ParamSpecArgs ParamSpecKwargs Pattern Protocol Required Reversible Self Sequence Set Sized SupportsAbs"
-    " SupportsBytes SupportsComplex SupportsFloat SupportsIndex SupportsInt SupportsRound TYPE_CHECKING Text TextIO Tuple"
-    " Type TypeAlias TypeGuard TypeVar TypeVarTuple TypedDict Union Unpack ValuesView assert_never assert_type cast"
-    " dataclass_transform final get_args get_origin is_typeddict no_type_check overload override runtime_checkable",
+    "typing": "AbstractSet Annotated Any AnyStr AsyncIterable AsyncIterator Awaitable BinaryIO ByteString Callable"
+    " ChainMap ClassVar Collection Concatenate Container ContextManager Coroutine Counter DefaultDict Deque"
+    " Dict Final FrozenSet Generator Generic Hashable IO ItemsView Iterable Iterator KeysView List Literal"
+    " LiteralString Mapping MappingView Match MutableMapping MutableSequence MutableSet NamedTuple Never"
+    " NewType NoReturn NotRequired Optional OrderedDict ParamSpec ParamSpecArgs ParamSpecKwargs Pattern"
+    " Protocol Required Reversible Self Sequence Set Sized SupportsAbs SupportsBytes SupportsComplex"
+    " SupportsFloat SupportsIndex SupportsInt SupportsRound TYPE_CHECKING Text TextIO Tuple Type TypeAlias"
+    " TypeGuard TypeVar TypeVarTuple TypedDict Union Unpack ValuesView assert_never assert_type cast"
+    " dataclass_transform final get_args get_origin is_typeddict no_type_check overload override"
+    " runtime_checkable",
 }
 """Names of a private copy; those that this Python does not have are left out."""
 
