@@ -102,6 +102,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="store_true",
         help="let a test fail if `check` or the run warns about one of its programs",
     )
+    group.addoption(
+        "--script-watch",
+        action="store_true",
+        help="run the tests again whenever a program, a Python file or a data file below the root folder has changed; "
+        "Ctrl-C ends it",
+    )
     for name, text in _INI.items():
         parser.addini(name, text)
 
@@ -115,6 +121,16 @@ def _percent(text: str) -> float:
     if not 0.0 <= number <= 100.0:
         raise pytest.UsageError(f"--script-cov-fail-under: write a number from 0 to 100, not {text!r}")
     return number
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_cmdline_main(config: pytest.Config) -> int | None:
+    """Run the tests in rounds, if that is asked for."""
+    if not config.option.script_watch:
+        return None
+    from elitescript.pytest_plugin.rounds import IN_ROUND, watch
+
+    return None if IN_ROUND in os.environ else watch(config)
 
 
 def pytest_configure(config: pytest.Config) -> None:
