@@ -7,8 +7,9 @@ from threading import Thread
 
 import pytest
 
-from elitescript.debugger.api import DebugError, LineBreakpoint
+from elitescript.debugger.api import LineBreakpoint
 from elitescript.debugger.source import ProgramSource
+from elitescript.errors import DebugError
 from tests.debugger.sessions import debugging, variables
 
 WIRE = "[[wire]]\nwhen = 'standard_digital_out[0]'\nthen = 'standard_digital_in[1]'\n"

@@ -14,10 +14,10 @@ import pytest
 from elitescript.debugger.api import (
     AT_END,
     DataBreakpoint,
-    DebugError,
     FunctionBreakpoint,
     LineBreakpoint,
 )
+from elitescript.errors import DebugError
 from elitescript.robot import VirtualRobot
 from tests.debugger.sessions import at_entry, debugging, everything, lines, variables
 

@@ -7,7 +7,8 @@ from random import Random
 
 import pytest
 
-from elitescript.debugger.api import AT_END, DataBreakpoint, DebugError, FunctionBreakpoint, LineBreakpoint
+from elitescript.debugger.api import AT_END, DataBreakpoint, FunctionBreakpoint, LineBreakpoint
+from elitescript.errors import DebugError
 from tests.debugger.random_programs import random_program
 from tests.debugger.sessions import debugging, everything
 from tests.invariants.cases import CASES

@@ -39,6 +39,28 @@ def because(*body, thread="main", world=()):
             ["n = 0", "while n < 9000:", "  sync()", "  n = n + 1", "end"],
             "`while n < 9000` in line 3 goes on: n is 250",
         ),
+        (
+            ["q, i = [3, 5], 1", "while q[i] != 3: sync()"],
+            "`while q[i] != 3` in line 3 goes on: q[i] is 5, i is 1",
+        ),
+        (["jobs = []", "while len(jobs) < 1: sync()"], "`while len(jobs) < 1` in line 3 goes on: len(jobs) is 0"),
+        (
+            ["d = {'cmd': 'go '}", "while d['cmd'] != 'go': sync()"],
+            "`while d['cmd'] != 'go'` in line 3 goes on: d['cmd'] is 'go ', 'go ' and 'go' differ by a line end or "
+            "blanks",
+        ),
+        (
+            [
+                "class Cell:",
+                "  def __init__(self):",
+                "    self.state = 2",
+                "  end",
+                "end",
+                "c = Cell()",
+                "while c.state < 3: sync()",
+            ],
+            "`while c.state < 3` in line 8 goes on: c.state is 2",
+        ),
         (["while socket_read_string() == 'x' or True: sync()"], None),
         (["sleep(5)"], ""),
     ],

@@ -20,10 +20,10 @@ from typing import Any
 
 import pytest
 
-from elitescript.debugger.api import DataBreakpoint, DebugError, FunctionBreakpoint, LineBreakpoint, Output
+from elitescript.debugger.api import DataBreakpoint, FunctionBreakpoint, LineBreakpoint, Output
 from elitescript.debugger.living import REQUESTS, LivingDebugger
 from elitescript.debugger.session import DebugSession
-from elitescript.errors import UsageError
+from elitescript.errors import DebugError, UsageError
 from elitescript.services.control.channel import ask
 from elitescript.services.control.debugging import ServedSession
 from tests.protocol import rtsi_client

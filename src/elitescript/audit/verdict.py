@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 from elitescript.findings.found import Findings, in_order
 from elitescript.messages.findings import WARNING, Finding
 from elitescript.records import replace
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.audit.findings import AuditedRun, AuditFindings
@@ -41,10 +42,17 @@ def _all(audit: AuditFindings) -> Iterator[Finding]:
         yield from run.simulated.run.findings
         yield from _differences(run)
     if not audit.is_complete:
-        yield Finding("", WARNING, 0, 0, "the recording does not show the whole program", source=SOURCE)
+        text = said("the recording does not show the whole program")
+        yield Finding("", WARNING, 0, 0, text, source=SOURCE)
     for its in audit.arm:
         if its.is_geometry:
-            text = f"the arm of the recording has {its.name} {its.recorded:.7g} {its.unit}, the model {its.model:.7g}"
+            text = said(
+                "the arm of the recording has {name} {recorded:.7g} {unit}, the model {model:.7g} {unit}",
+                name=its.name,
+                recorded=its.recorded,
+                unit=its.unit,
+                model=its.model,
+            )
             yield Finding("", WARNING, 0, 0, text, source=SOURCE)
 
 
@@ -55,7 +63,8 @@ def _differences(run: AuditedRun) -> Iterator[Finding]:
         key = (its.line, its.cause)
         known = kinds.get(key)
         if known is None:
-            kinds[key] = Finding("", WARNING, its.line, 0, f"recorded: {its.what}", t=its.t, source=SOURCE)
+            text = said("recorded: {what}", what=its.what)
+            kinds[key] = Finding("", WARNING, its.line, 0, text, t=its.t, source=SOURCE)
         else:
             kinds[key] = replace(known, count=known.count + 1)
     yield from kinds.values()

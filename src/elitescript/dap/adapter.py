@@ -34,10 +34,10 @@ from elitescript.dap.messages import (
 )
 from elitescript.dap.sources import Sources
 from elitescript.dap.states import State, WhileRunning
-from elitescript.debugger.api import END, PAUSE, BreakpointState, DebugError, Frame, Output, Stop
+from elitescript.debugger.api import END, PAUSE, BreakpointState, Frame, Output, Stop
 from elitescript.debugger.session import DebugSession
 from elitescript.debugger.wire import read
-from elitescript.errors import ElitescriptError, did_you_mean
+from elitescript.errors import DebugError, ElitescriptError, did_you_mean
 from elitescript.records import NamedTuple
 from elitescript.run import EXIT_CODES
 from elitescript.shown import shown

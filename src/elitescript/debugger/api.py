@@ -409,7 +409,3 @@ class Output:
     position: Position
     time_s: float
     source: str = ""
-
-
-class DebugError(Exception):
-    """A request that cannot be met; the text says why, for people."""

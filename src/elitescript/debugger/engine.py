@@ -32,7 +32,6 @@ from elitescript.debugger.api import (
     STEP,
     WARNING_FILTER,
     Change,
-    DebugError,
     ExceptionInfo,
     Frame,
     Output,
@@ -45,7 +44,6 @@ from elitescript.debugger.api import (
     Unevaluated,
     Variable,
 )
-from elitescript.debugger.expressions import TooLong, short
 from elitescript.debugger.inputs import Input, apply_input
 from elitescript.debugger.looking import RESULT, CallFrame, Look, Names
 from elitescript.debugger.places import CountedText, Places
@@ -61,6 +59,7 @@ from elitescript.debugger.rules import (
 from elitescript.debugger.source import Source
 from elitescript.debugger.telling import exception_of, filled, logged, output_of, running_text
 from elitescript.debugger.values import shown, type_name
+from elitescript.errors import DebugError
 from elitescript.language.compiler import CompiledUnit
 from elitescript.language.hooks import STEP as STEP_HOOK
 from elitescript.language.hooks import STEPS as STEPS_HOOK
@@ -78,6 +77,7 @@ from elitescript.messages.events import (
 from elitescript.messages.timing import seconds
 from elitescript.records import record, replace
 from elitescript.runtime.threads.strand import Freezer, Strand
+from elitescript.values.concrete import TooLong, short
 
 LOAD_MAX: Final = 2000
 """Statements that run without a look at the goal; few enough for snapshots at regular intervals."""

@@ -9,10 +9,9 @@ from typing import Any, Final
 
 from elitescript.controller.controller import Controller
 from elitescript.controller.views.signals import Signals
-from elitescript.debugger.api import DebugError, Position
-from elitescript.debugger.expressions import own_fields, parsed
+from elitescript.debugger.api import Position
 from elitescript.debugger.looking import CallFrame, Look
-from elitescript.errors import ElitescriptError, ProgramError
+from elitescript.errors import DebugError, ElitescriptError, ProgramError
 from elitescript.language.compiler import compile_expression, compile_statement
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.signals import SIGNALS
@@ -21,6 +20,7 @@ from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.program import Program
 from elitescript.runtime.threads.scheduler import FLOOR
 from elitescript.runtime.threads.strand import is_stop
+from elitescript.values.concrete import own_fields, parsed
 
 WORK_MAX: Final = 100_000
 """Most checkpoints of a statement that is run at a stop. They are not those of the thread."""

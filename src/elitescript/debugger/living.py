@@ -34,7 +34,6 @@ from elitescript.debugger.api import (
     Change,
     DataBreakpoint,
     DataInfo,
-    DebugError,
     ExceptionInfo,
     Frame,
     FunctionBreakpoint,
@@ -49,7 +48,6 @@ from elitescript.debugger.api import (
     Unevaluated,
     Variable,
 )
-from elitescript.debugger.expressions import TooLong, short
 from elitescript.debugger.inputs import Input as UserChange
 from elitescript.debugger.inputs import apply_input
 from elitescript.debugger.living_breakpoints import Breakpoint, LivingBreakpoints, Text
@@ -57,7 +55,7 @@ from elitescript.debugger.looking import CallFrame, Look, Names
 from elitescript.debugger.places import Places
 from elitescript.debugger.rules import Watch, unevaluated
 from elitescript.debugger.telling import exception_of, filled, logged, output_of
-from elitescript.errors import ScriptError, UsageError
+from elitescript.errors import DebugError, ScriptError, UsageError
 from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.enums import TaskState
 from elitescript.messages.events import (
@@ -76,6 +74,7 @@ from elitescript.runtime.host import ScriptHost
 from elitescript.runtime.threads.scheduler import DEBUGGER
 from elitescript.runtime.threads.strand import Strand
 from elitescript.untrusted.json_text import JsonError, json_value
+from elitescript.values.concrete import TooLong, short
 
 STEPS_MAX: Final = 10_000
 """Most nodes of an expression: the robot waits meanwhile."""

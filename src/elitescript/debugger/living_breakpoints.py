@@ -12,12 +12,12 @@ from elitescript.debugger.api import (
     FUNCTION_BREAKPOINT,
     BreakpointState,
     DataBreakpoint,
-    DebugError,
     FunctionBreakpoint,
     LineBreakpoint,
 )
 from elitescript.debugger.calls import calls_by_statement
 from elitescript.debugger.rules import Watch, checked, hit_condition
+from elitescript.errors import DebugError
 from elitescript.language.compiler import CompiledUnit
 from elitescript.language.probes import CountedStatement
 

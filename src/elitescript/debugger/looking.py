@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import builtins
 import copy
 from collections.abc import Callable, Mapping
 from types import FrameType
@@ -10,21 +9,7 @@ from typing import Any, Final, TypeAlias
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.controller.controller import Controller
-from elitescript.debugger.api import DebugError, Frame, Scope, ThreadInfo, Variable
-from elitescript.debugger.expressions import (
-    CONDITION_STEPS_MAX,
-    SIZE_MAX,
-    STEPS_MAX,
-    Indexed,
-    MissingName,
-    Pure,
-    Refusal,
-    computed,
-    is_plain,
-    parsed,
-    short,
-    truth,
-)
+from elitescript.debugger.api import Frame, Scope, ThreadInfo, Variable
 from elitescript.debugger.places import Places
 from elitescript.debugger.values import (
     CHILDREN_MAX,
@@ -43,7 +28,8 @@ from elitescript.debugger.values import (
     shown,
     type_name,
 )
-from elitescript.lint.effects import PURE_BUILTINS, only_gives_a_value
+from elitescript.errors import DebugError
+from elitescript.lint.effects import only_gives_a_value
 from elitescript.messages.profile import release_of
 from elitescript.messages.signals import SIGNALS
 from elitescript.runtime.host import ScriptHost
@@ -51,6 +37,19 @@ from elitescript.runtime.names.modules import Facade
 from elitescript.runtime.program import Program, is_shown
 from elitescript.runtime.stdlib.locks import A_LOCK, holder_awaited, is_lock, waits_at
 from elitescript.runtime.threads.strand import ENDED, Strand, state_of
+from elitescript.values.concrete import (
+    CONDITION_STEPS_MAX,
+    STEPS_MAX,
+    Indexed,
+    MissingName,
+    Pure,
+    Refusal,
+    builtin_call,
+    computed,
+    parsed,
+    short,
+    truth,
+)
 
 LOCALS: Final = "Locals"
 GLOBALS: Final = "Globals"
@@ -69,7 +68,6 @@ Way: TypeAlias = tuple[int, str, int]
 `RESULT` and an expression, each with the number of the frame."""
 NO_WAY: Final[Way] = (0, "", 0)
 
-_CALLABLE: Final = PURE_BUILTINS - {"id", "hash", "type", "format"}
 _PURE_MODULES: Final = frozenset(("math", "cmath"))
 _CHANGING: Final = frozenset(
     (
@@ -543,12 +541,7 @@ class Names:
             if self._program is None or release_of(command.since) > self._program.context.profile.release:
                 raise DebugError(f"{name}() is not there")
             return command.call(_reading(self._program), arguments, named)
-        if name not in _CALLABLE:
-            raise DebugError(f"refused: there is no function {name}() that only gives a value")
-        if name != "len" and any(hasattr(value, "__len__") and len(value) > SIZE_MAX for value in arguments):
-            raise DebugError("the result would be too large")
-        made = getattr(builtins, {"long": "int", "unichr": "chr"}.get(name, name))(*arguments, **named)
-        return made if is_plain(made) else list(made)
+        return builtin_call(name, arguments, named)
 
 
 ROBOT_VALUES: Final[dict[str, Callable[[Controller], Any]]] = {

@@ -9,8 +9,14 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from elitescript.controller.controller import Controller
-from elitescript.debugger.api import ALARM_FILTER, DataBreakpoint, DebugError, FunctionBreakpoint, LineBreakpoint
-from elitescript.debugger.expressions import (
+from elitescript.debugger.api import ALARM_FILTER, DataBreakpoint, FunctionBreakpoint, LineBreakpoint
+from elitescript.debugger.telling import filled
+from elitescript.debugger.values import shown
+from elitescript.errors import DebugError, UsageError
+from elitescript.messages.signals import SIGNALS, parse_signal_name, signal_name
+from elitescript.records import record
+from elitescript.runtime.program_globals import ProgramGlobals
+from elitescript.values.concrete import (
     CONDITION_STEPS_MAX,
     MissingName,
     Refusal,
@@ -20,12 +26,6 @@ from elitescript.debugger.expressions import (
     truth,
     variables_of,
 )
-from elitescript.debugger.telling import filled
-from elitescript.debugger.values import shown
-from elitescript.errors import UsageError
-from elitescript.messages.signals import SIGNALS, parse_signal_name, signal_name
-from elitescript.records import record
-from elitescript.runtime.program_globals import ProgramGlobals
 
 ROBOT_MODE: Final = "robot mode"
 SAFETY: Final = "safety"

@@ -23,7 +23,6 @@ from elitescript.debugger.api import (
     Change,
     DataBreakpoint,
     DataInfo,
-    DebugError,
     Frame,
     FunctionBreakpoint,
     LineBreakpoint,
@@ -44,7 +43,7 @@ from elitescript.debugger.looking import ROBOT_VALUES
 from elitescript.debugger.rules import CodeRule, DataRule, Rules, Watch, checked
 from elitescript.debugger.snapshots import snapshots
 from elitescript.debugger.source import Source
-from elitescript.errors import did_you_mean
+from elitescript.errors import DebugError, did_you_mean
 from elitescript.language.diagnostics import Diagnostic
 from elitescript.language.parser import parse
 from elitescript.language.probes import CountedStatement

@@ -26,10 +26,11 @@ from contextlib import suppress
 from time import process_time
 from typing import Any, Final, cast
 
-from elitescript.debugger.api import DebugError, Output, Position, Stop
+from elitescript.debugger.api import Output, Position, Stop
 from elitescript.debugger.engine import Engine, Goal
 from elitescript.debugger.engine_records import read, written
 from elitescript.environment.process import cores
+from elitescript.errors import DebugError
 
 EACH_S: Final = 0.05
 """Processor time of a run from one copy to the next. A copy takes 2 to 3 ms, with the pages that both change then."""

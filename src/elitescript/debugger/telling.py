@@ -5,9 +5,10 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
-from elitescript.debugger.api import ALARM_FILTER, WARNING_FILTER, DebugError, ExceptionInfo, Output, Position
+from elitescript.debugger.api import ALARM_FILTER, WARNING_FILTER, ExceptionInfo, Output, Position
 from elitescript.debugger.looking import CallFrame, Look
 from elitescript.debugger.values import shown
+from elitescript.errors import DebugError
 from elitescript.messages.events import Alarm, DeviceNoted, Event, Popup, Printed, TextMessage, Warned
 from elitescript.runtime.threads.strand import Strand
 

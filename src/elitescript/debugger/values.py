@@ -9,11 +9,11 @@ from math import isfinite
 from types import BuiltinFunctionType, FunctionType, GeneratorType, MethodType
 from typing import Any, Final
 
-from elitescript.debugger.expressions import own_fields
 from elitescript.records import NamedTuple
 from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.names.modules import Facade
 from elitescript.runtime.stdlib.locks import holder_of, is_lock
+from elitescript.values.concrete import own_fields
 
 TEXT_MAX: Final = 2000
 """Characters of the text of a value, but for what says how much is left out."""

@@ -16,7 +16,7 @@ from math import isfinite
 from types import NoneType, UnionType
 from typing import Any, Final, Union, get_args, get_origin, get_type_hints
 
-from elitescript.debugger.api import DebugError
+from elitescript.errors import DebugError
 
 TEXT_MAX: Final = 1_000_000
 """Most characters of a text; longer ones come in parts."""

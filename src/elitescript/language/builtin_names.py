@@ -1,4 +1,4 @@
-"""Lists the built-ins of Python that a program does not get. Plain data, shared by the runtime and editors."""
+"""Lists built-ins of Python: those that a program does not get, and those that only give a value."""
 
 from __future__ import annotations
 
@@ -19,3 +19,11 @@ WITHHELD_ERRORS: Final = frozenset(
     ("BaseExceptionGroup", "ExceptionGroup", "KeyboardInterrupt", "PythonFinalizationError")
 )
 """Not for scripts: groups can rebuild uncatchable exceptions, an interrupt belongs to the user."""
+
+PURE_BUILTINS: Final = frozenset(
+    """
+    abs all any bin bool bytearray bytes chr complex dict divmod enumerate float format frozenset hash hex id int
+    isinstance len list long max min oct ord pow range repr reversed round set sorted str sum tuple type unichr zip
+    """.split()  # noqa: SIM905
+)
+"""Built-in functions that only give a value."""

@@ -6,6 +6,7 @@ import ast
 from typing import Final
 
 from elitescript.commands.definition.registry import Command
+from elitescript.language.builtin_names import PURE_BUILTINS
 from elitescript.language.symbols import Resolution
 from elitescript.lint.program import AnalysedProgram
 
@@ -20,13 +21,6 @@ _ALSO_READING: Final = frozenset(
 )
 _CHANGING: Final = frozenset(("random", "get_micro_line_values_by_index"))
 """`random` gives another value each time; the other one belongs to a file that is loaded."""
-
-PURE_BUILTINS: Final = frozenset(
-    """
-    abs all any bin bool bytearray bytes chr complex dict divmod enumerate float format frozenset hash hex id int
-    isinstance len list long max min oct ord pow range repr reversed round set sorted str sum tuple type unichr zip
-    """.split()  # noqa: SIM905
-)
 
 
 def only_gives_a_value(command: Command) -> bool:

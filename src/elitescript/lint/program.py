@@ -24,6 +24,7 @@ from elitescript.lint.constants import Constants, Unknown
 from elitescript.lint.refusals import ArgumentRefusal, refuse, refuse_description
 from elitescript.messages.profile import Profile, release_of
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.errors import ScriptError
@@ -399,7 +400,8 @@ class AnalysedProgram:
                     other = mistaken(meaning, self.values.of(node).role)
                     reported += [] if other is None else [other]
                 for doubt in reported:
-                    text = f"{called.command.name}: {param.name}{doubt.text}"
+                    command, argument = called.command.name, param.name
+                    text = said("{command}: {argument}{doubt}", command=command, argument=argument, doubt=doubt.text)
                     doubt = doubt._replace(text=text)
                     found.append(Doubted(element(node, doubt.element), doubt, param, node, called.scope))
         return tuple(found)

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any, Final
 
-from elitescript.debugger.api import Change, DebugError, Frame, LineBreakpoint, Output, Scope, Stop, Variable
+from elitescript.debugger.api import Change, Frame, LineBreakpoint, Output, Scope, Stop, Variable
 from elitescript.debugger.session import DebugSession
 from elitescript.debugger.source import ProgramSource
 from elitescript.debugger.values import more
-from elitescript.errors import UsageError
+from elitescript.errors import DebugError, UsageError
 from elitescript.kernel.options import Number, Whole, accepted
 from elitescript.mcp.runs import options_of, start_values, until_of, world_of
 

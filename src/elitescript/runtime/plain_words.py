@@ -16,20 +16,12 @@ from typing import Any, Final
 from elitescript.commands.definition.quantities import shown
 from elitescript.language.advice.unknown_names import nearest
 from elitescript.records import NamedTuple
+from elitescript.values.concrete import UNKNOWN, glance
 
 _SCALARS: Final = (bool, int, float, str, type(None))
 _LISTS: Final = (list, tuple)
 _MOST_ELEMENTS: Final = 20
 """Elements of a list that is shown."""
-_LARGEST: Final = 1e15
-"""Numbers beyond are not computed with, to find the value of an expression."""
-
-
-class _Unknown:
-    """Stands for a value that is unknown without running the program."""
-
-
-UNKNOWN: Final = _Unknown()
 
 
 class Scene:
@@ -55,23 +47,7 @@ class Scene:
 
     def value(self, node: ast.AST | None) -> Any:
         """Return the value of an expression, if no code has to run for it; else `UNKNOWN`."""
-        if isinstance(node, ast.Constant):
-            return node.value
-        if isinstance(node, ast.Name):
-            return self._names.get(node.id, UNKNOWN)
-        if isinstance(node, (ast.List, ast.Tuple)):
-            items = [self.value(item) for item in node.elts]
-            if any(item is UNKNOWN for item in items):
-                return UNKNOWN
-            return items if isinstance(node, ast.List) else tuple(items)
-        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
-            value = self.value(node.operand)
-            return -value if type(value) in (int, float) else UNKNOWN
-        if isinstance(node, ast.BinOp):
-            return _computed(node.op, self.value(node.left), self.value(node.right))
-        if isinstance(node, ast.Subscript):
-            return _element(self.value(node.value), self.value(node.slice))
-        return UNKNOWN
+        return glance(node, self._names)
 
     def said(self, node: ast.AST | None) -> str:
         """Return an expression for a message: its text, and its value if that is known and differs."""
@@ -139,26 +115,6 @@ def _is_shown(value: Any) -> bool:
     if type(value) in _LISTS:
         return len(value) <= _MOST_ELEMENTS and all(type(item) in _SCALARS for item in value)
     return type(value) in _SCALARS
-
-
-def _computed(operator: ast.operator, left: Any, right: Any) -> Any:
-    if not all(type(value) in (int, float) and abs(value) <= _LARGEST for value in (left, right)):
-        return UNKNOWN
-    if isinstance(operator, ast.Add):
-        return left + right
-    if isinstance(operator, ast.Sub):
-        return left - right
-    if isinstance(operator, ast.Mult):
-        return left * right
-    return UNKNOWN
-
-
-def _element(holder: Any, key: Any) -> Any:
-    if type(holder) in _LISTS and type(key) is int and -len(holder) <= key < len(holder):
-        return holder[key]
-    if type(holder) is dict and type(key) in (str, int):
-        return holder.get(key, UNKNOWN)
-    return UNKNOWN
 
 
 _KINDS: Final = {

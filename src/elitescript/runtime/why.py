@@ -16,6 +16,7 @@ from elitescript.language.text.source import SourceFile
 from elitescript.runtime.connections.connection import Receiver, ScriptConnection
 from elitescript.runtime.stdlib.locks import holder_awaited
 from elitescript.runtime.threads.strand import ENDED, Strand
+from elitescript.values.concrete import glance
 
 SHOWN_MAX: Final = 80
 """Most characters of a value or a condition."""
@@ -132,24 +133,28 @@ class _Loop:
         return ": " + ", ".join(said) if said else ""
 
     def _atoms(self, test: ast.expr) -> Iterator[tuple[ast.expr, str, Any]]:
-        seen = set()
-        for node in ast.walk(test):
+        """Yield what a condition reads, each once: node, text, value."""
+        seen, stack = set(), [test]
+        while stack:
+            node = stack.pop()
             name, value = self._known(node)
             if name and name not in seen:
                 seen.add(name)
-                yield node, name, value  # type: ignore[misc]
+                yield node, name, value
+            # Of `q[i]` the value of `i` is of interest, that of the whole `q` is not.
+            inner = [node.slice] if name and isinstance(node, ast.Subscript) else ast.iter_child_nodes(node)
+            if not name or (not isinstance(node, ast.Attribute) and not _is_length(node)):
+                stack += reversed([child for child in inner if isinstance(child, ast.expr)])
 
-    def _known(self, node: ast.AST) -> tuple[str, Any]:
-        """Return text and value of a name or of a command that reads a point; an empty text for anything else."""
-        if isinstance(node, ast.Name) and type(self._names.get(node.id, self)) in _PLAIN:
-            return node.id, self._names[node.id]
+    def _known(self, node: ast.expr) -> tuple[str, Any]:
+        """Return text and value of something that is read, without running code for it; else an empty text."""
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in _READS and node.args:
-            index = node.args[0]
-            number = index.value if isinstance(index, ast.Constant) else None
-            if isinstance(index, ast.Name):
-                number = self._names.get(index.id)
-            if type(number) is int:
-                return _text(node), self._read(_READS[node.func.id], number)
+            number = glance(node.args[0], self._names)
+            return (_text(node), self._read(_READS[node.func.id], number)) if type(number) is int else ("", None)
+        if isinstance(node, ast.Name | ast.Attribute | ast.Subscript | ast.Call):
+            value = glance(node, self._names)
+            if type(value) in _PLAIN:
+                return _text(node), value
         return "", None
 
     def _setters(self, node: ast.expr) -> str:
@@ -189,6 +194,10 @@ def _exits(body: list[ast.stmt]) -> Iterator[ast.If]:
             yield from _exits(statement.orelse)
         elif isinstance(statement, ast.Try | ast.With):
             yield from _exits(statement.body)
+
+
+def _is_length(node: ast.expr) -> bool:
+    return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "len"
 
 
 def _text(node: ast.AST) -> str:

@@ -15,6 +15,7 @@ from typing import Any, Final, Protocol
 
 from elitescript.kinematics.arm import Arm
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 FULL_TURN: Final = 2.0 * pi + 0.01
 """Joints of all arms end at a full turn to either side, rad; with room for rounded numbers."""
@@ -109,11 +110,15 @@ def _is_within(value: Any, most: float) -> bool:
 
 
 def _degrees(number: float) -> str:
-    return f"{number:g} looks like degrees: d2r({number:g}) is {radians(number):.5g}"
+    return said(
+        "{number:g} looks like degrees: d2r({number:g}) is {radians:.5g}", number=number, radians=radians(number)
+    )
 
 
 def _millimetres(number: float) -> str:
-    return f"{number:g} looks like millimetres: {number:g} mm are {number / 1000.0:g} m"
+    return said(
+        "{number:g} looks like millimetres: {number:g} mm are {meant:g} m", number=number, meant=number / 1000.0
+    )
 
 
 def _joints(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
@@ -121,7 +126,12 @@ def _joints(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
         return
     for index, number in _numbers(value):
         if _is_degrees(abs(number)):
-            yield Doubt("W230", f"[{index}] is {number:g} rad, more than a full turn", _degrees(number), index)
+            yield Doubt(
+                "W230",
+                said("[{index}] is {number:g} rad, more than a full turn", index=index, number=number),
+                _degrees(number),
+                index,
+            )
             return
 
 
@@ -152,10 +162,20 @@ def _transform(value: Any, most_m: float) -> Iterator[Doubt]:
     for index, number in _numbers(value):
         if index < 3 and not has_length and abs(number) > most_m:
             has_length = True
-            yield Doubt("W231", f"[{index}], {_POSE[index]}, is {number:g} m", _millimetres(number), index)
+            yield Doubt(
+                "W231",
+                said("[{index}], {element}, is {number:g} m", index=index, element=_POSE[index], number=number),
+                _millimetres(number),
+                index,
+            )
         elif index >= 3 and not has_angle and _is_degrees(abs(number)):
             has_angle = True
-            text = f"[{index}], {_POSE[index]}, is {number:g} rad, more than a full turn"
+            text = said(
+                "[{index}], {element}, is {number:g} rad, more than a full turn",
+                index=index,
+                element=_POSE[index],
+                number=number,
+            )
             yield Doubt("W230", text, _degrees(number), index)
 
 
@@ -175,8 +195,12 @@ def _centre_of_gravity(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
     index = max(numbers, key=lambda place: abs(numbers[place]))
     reach = COG_MOST_M if arm is None else abs(arm.arm.a2) + abs(arm.arm.a3) + arm.arm.d5
     if distance > reach:
-        limit = f"and no arm reaches further than {reach:g} m" if arm is None else f"the arm reaches {reach:.3g} m"
-        text = f" is {distance:g} m from the flange, {limit}"
+        limit = (
+            said("and no arm reaches further than {reach:g} m", reach=reach)
+            if arm is None
+            else said("the arm reaches {reach:.3g} m", reach=reach)
+        )
+        text = said(" is {distance:g} m from the flange, {limit}", distance=distance, limit=limit)
         yield Doubt("W231", text, _millimetres(numbers[index]), index)
 
 
@@ -191,13 +215,25 @@ def _scalar(limit: float, unit: str, in_degrees: bool) -> Judge:
 
 
 def _too_fast(place: str, value: float, unit: str, in_degrees: bool, index: int | None) -> Doubt:
-    text = f"{place} is {value:g} {unit}, more than any arm does"
+    text = said("{place} is {value:g} {unit}, more than any arm does", place=place, value=value, unit=unit)
     if in_degrees:
         other = unit.replace("rad", "deg")
-        hint = f"{value:g} looks like {other}: d2r({value:g}) is {radians(value):.5g} {unit}"
+        hint = said(
+            "{value:g} looks like {other}: d2r({value:g}) is {radians:.5g} {unit}",
+            value=value,
+            other=other,
+            radians=radians(value),
+            unit=unit,
+        )
     else:
         other = unit.replace("m/", "mm/", 1)
-        hint = f"{value:g} looks like {other}: that is {value / 1000.0:g} {unit}"
+        hint = said(
+            "{value:g} looks like {other}: that is {meant:g} {unit}",
+            value=value,
+            other=other,
+            meant=value / 1000.0,
+            unit=unit,
+        )
     return Doubt("W232", text, hint, index)
 
 
@@ -218,7 +254,7 @@ def _speeds(first_turn: int) -> Judge:
 
 def _blend_radius(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
     if isinstance(value, (int, float)) and value > BLEND_MOST_M:
-        yield Doubt("W231", f" is {value:g} m", _millimetres(value))
+        yield Doubt("W231", said(" is {value:g} m", value=value), _millimetres(value))
 
 
 def _payload(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
@@ -227,16 +263,20 @@ def _payload(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
         carrier = "any arm carries" if arm is None else "this arm carries"
         hint = "the mass of gripper and part together, in kg"
         if value >= 2.0 * PAYLOAD_MOST_KG:
-            hint = f"{value:g} looks like grams: {value:g} g are {value / 1000.0:g} kg"
-        yield Doubt("W233", f" is {value:g} kg; {carrier} at most {most:g} kg", hint)
+            hint = said("{value:g} looks like grams: {value:g} g are {meant:g} kg", value=value, meant=value / 1000.0)
+        yield Doubt(
+            "W233",
+            said(" is {value:g} kg; {carrier} at most {most:g} kg", value=value, carrier=carrier, most=most),
+            hint,
+        )
 
 
 def _fraction(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
     if isinstance(value, (int, float)) and not 0.0 <= value <= 1.0:
         hint = "it is a fraction of the range: 0 is 0 V or 4 mA, 1 is 10 V or 20 mA"
         if 1.0 < value <= 10.0:
-            hint += f"; {value:g} V are {value / 10.0:g}"
-        yield Doubt("W234", f" is {value:g}, limited to {0 if value < 0.0 else 1}", hint)
+            hint = said("{hint}; {value:g} V are {meant:g}", hint=hint, value=value, meant=value / 10.0)
+        yield Doubt("W234", said(" is {value:g}, limited to {limit}", value=value, limit=0 if value < 0.0 else 1), hint)
 
 
 JUDGES: Final[dict[str, Judge]] = {

@@ -17,6 +17,7 @@ from typing import Final
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 from elitescript.values.description import BOOL
 
 _INDICES: Final = ("n", "address", "port", "index", "encoder_index")
@@ -31,15 +32,22 @@ def swapped_arguments(program: AnalysedProgram) -> Iterator[Finding]:
         for param, node in arguments.given:
             if param.name not in _INDICES or not _is_truth(program, node):
                 continue
-            text = f"{found.command.name}: {param.name} is {ast.unparse(node)}, and a number belongs there"
+            text = said(
+                "{command}: {param} is {expression}, and a number belongs there",
+                command=found.command.name,
+                param=param.name,
+                expression=ast.unparse(node),
+            )
             call = found.call
             fix = None
             if len(call.args) == 2 and call.args[0] is node and not call.keywords:
                 one, other = call.args
                 written = f"{found.command.name}({ast.unparse(other)}, {ast.unparse(one)})"
                 edits = (Edit(*program.span(one), ast.unparse(other)), Edit(*program.span(other), ast.unparse(one)))
-                fix = Fix(f"write {written}", edits, safe=False)
-            yield Finding(node, text, f"the number comes first: {found.command.signature}", fix)
+                fix = Fix(said("write {written}", written=written), edits, safe=False)
+            yield Finding(
+                node, text, said("the number comes first: {signature}", signature=found.command.signature), fix
+            )
 
 
 def _is_truth(program: AnalysedProgram, node: ast.expr) -> bool:

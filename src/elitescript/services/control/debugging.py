@@ -20,7 +20,6 @@ from elitescript.debugger.api import (
     BreakpointState,
     DataBreakpoint,
     DataInfo,
-    DebugError,
     Frame,
     FunctionBreakpoint,
     LineBreakpoint,
@@ -34,7 +33,7 @@ from elitescript.debugger.api import (
 )
 from elitescript.debugger.living import LivingDebugger, SourceInfo
 from elitescript.debugger.living_breakpoints import digest_of
-from elitescript.errors import UsageError
+from elitescript.errors import DebugError, UsageError
 from elitescript.untrusted.files import ADDRESS, read_bytes
 from elitescript.untrusted.json_text import json_value
 

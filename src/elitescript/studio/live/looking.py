@@ -12,11 +12,11 @@ from typing import Any, Final, NoReturn
 
 from elitescript.conversation import describe
 from elitescript.conversation.describe import Moment, Thread, Variable
-from elitescript.debugger.api import BEFORE_STATEMENT, DebugError, Picture, Position
+from elitescript.debugger.api import BEFORE_STATEMENT, Picture, Position
 from elitescript.debugger.session import DebugSession
 from elitescript.debugger.source import ProgramSource
 from elitescript.environment.network_option import STUDIO
-from elitescript.errors import ElitescriptError, ProgramError
+from elitescript.errors import DebugError, ElitescriptError, ProgramError
 from elitescript.studio.live.jobs import PreparedJob, code_name, job_of
 from elitescript.studio.live.link import Link
 from elitescript.world_file import closed_world

@@ -2,19 +2,23 @@
 
 The tree of the expression is computed node by node over values of built-in types. Attributes of a program's own objects
 are read where they are stored. Everything that could run code of the program (its functions, operators of its classes)
-or change something is refused with a text that says so.
+or change something is refused with a text that says so. Used by the debugger, by the words of alarms, and by the
+sentence that says why a thread does not go on.
 """
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterable, Iterator
+import builtins
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import lru_cache
+from itertools import islice
 from types import WrapperDescriptorType
 from typing import Any, Final
 
-from elitescript.debugger.api import DebugError
-from elitescript.errors import did_you_mean
+from elitescript.errors import DebugError, did_you_mean
+from elitescript.language.advice.expression_slips import slip
+from elitescript.language.builtin_names import PURE_BUILTINS
 from elitescript.values.plain import BINARY, COMPARISONS, UNARY
 
 STEPS_MAX: Final = 200_000
@@ -60,7 +64,12 @@ _LINE: Final = " (detected at line 1)"
 """Of what Python says."""
 
 _FOREIGN: Final = "an operation with an object of the program"
-_LARGE: Final = f"it has more than {SIZE_MAX:,} elements"
+_LARGE: Final = "it has more than {:,} elements"
+_TOO_LARGE: Final = "the result would be too large"
+
+_CALLABLE: Final = PURE_BUILTINS - {"id", "hash", "type", "format"}
+"""Functions whose result is the same in every run."""
+_OF_PYTHON_2: Final = {"long": "int", "unichr": "chr"}
 
 _CONVERSIONS: Final[dict[str, Callable[[Any], str]]] = {"r": repr, "s": str, "a": ascii}
 
@@ -75,6 +84,7 @@ _GROWING_METHODS: Final = frozenset(("join", "replace", "translate"))
 """Methods whose result can be as large as the product of what they are given."""
 
 _SCALARS: Final = frozenset((bool, int, float, complex, str, bytes, bytearray, type(None), type(...), range))
+_TEXTS: Final = (str, bytes, bytearray)
 
 Call = Callable[[str, tuple[Any, ...], dict[str, Any]], Any]
 
@@ -126,7 +136,9 @@ def parsed(text: str) -> ast.expr:
     try:
         return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        found = slip(text)
         reason = _reason(error) if isinstance(error, SyntaxError) else "it cannot be read"
+        reason = reason if found is None else found.text
         raise DebugError(f"{short(text)!r} is no expression: {reason}") from None
 
 
@@ -144,7 +156,9 @@ def variables_of(tree: ast.expr) -> frozenset[str]:
     return frozenset(node.id for node in names if id(node) not in called) - own
 
 
-def computed(tree: ast.expr, names: Callable[[str], Any], call: Call, steps_max: int = STEPS_MAX) -> Any:
+def computed(
+    tree: ast.AST, names: Callable[[str], Any], call: Call, steps_max: int = STEPS_MAX, size_max: int = SIZE_MAX
+) -> Any:
     """Return the value of an expression.
 
     Args:
@@ -152,18 +166,67 @@ def computed(tree: ast.expr, names: Callable[[str], Any], call: Call, steps_max:
         names: returns the value of a name.
         call: calls a predefined function or command by its name, or refuses.
         steps_max: most nodes that it may take.
+        size_max: most elements of a list or dict that are gone through.
 
     Raises:
         DebugError: it has no value, or is refused.
     """
     try:
-        return _Computation(names, call, steps_max).value(tree)
+        return _Computation(names, call, steps_max, size_max).value(tree)
     except DebugError:
         raise
     except RecursionError:
         raise DebugError("the expression is nested too deeply") from None
     except Exception as error:
         raise DebugError(f"{type(error).__name__}: {_reason(error)}") from None
+
+
+class Unknown:
+    """Stands for a value that is not known without running the program."""
+
+
+UNKNOWN: Final = Unknown()
+GLANCE_STEPS_MAX: Final = 500
+GLANCE_SIZE_MAX: Final = 1_000
+"""Most nodes, and most elements of a list, for the values of a sentence; made within a tick, beside a running robot."""
+
+
+def glance(tree: ast.AST | None, names: Mapping[str, Any]) -> Any:
+    """Return the value of an expression if it is known where its variables have these values; else `UNKNOWN`.
+
+    Args:
+        tree: of the expression; of anything else nothing is known.
+        names: variables with their values.
+    """
+
+    def value(name: str) -> Any:
+        if name not in names:
+            raise MissingName(name, names.keys)
+        return names[name]
+
+    def call(name: str, arguments: tuple[Any, ...], named: dict[str, Any]) -> Any:
+        if name in names:
+            raise Refusal(name)
+        return builtin_call(name, arguments, named)
+
+    try:
+        return UNKNOWN if tree is None else computed(tree, value, call, GLANCE_STEPS_MAX, GLANCE_SIZE_MAX)
+    except DebugError:
+        return UNKNOWN
+
+
+def builtin_call(name: str, arguments: tuple[Any, ...], named: dict[str, Any]) -> Any:
+    """Return the result of a built-in function that only gives a value.
+
+    Raises:
+        DebugError: there is none of that name, or it would take too long.
+    """
+    if name not in _CALLABLE:
+        raise DebugError(f"refused: there is no function {name}() that only gives a value")
+    if name != "len" and any(hasattr(value, "__len__") and len(value) > SIZE_MAX for value in arguments):
+        raise DebugError(_TOO_LARGE)
+    made = getattr(builtins, _OF_PYTHON_2.get(name, name))(*arguments, **named)
+    return made if is_plain(made) else list(made)
 
 
 def _reason(error: Exception) -> str:
@@ -195,9 +258,9 @@ def truth(value: Any) -> bool:
     return True
 
 
-def _why_not_plain(value: Any) -> str:
+def _why_not_plain(value: Any, size_max: int = SIZE_MAX) -> str:
     """Return why operators of a value might run code of the program, or take too long; empty if they do not."""
-    stack, left, seen = [value], SIZE_MAX, set()
+    stack, left, seen = [value], size_max, set()
     while stack:
         item = stack.pop()
         kind = type(item)
@@ -220,14 +283,20 @@ def _why_not_plain(value: Any) -> str:
 
 
 class _Computation:
-    def __init__(self, names: Callable[[str], Any], call: Call, steps_max: int) -> None:
+    """Computes one expression."""
+
+    __slots__ = ("_call", "_left", "_names", "_own", "_room", "_size_max")
+
+    def __init__(self, names: Callable[[str], Any], call: Call, steps_max: int, size_max: int) -> None:
         self._names = names
         self._call = call
+        self._size_max = size_max
         self._own: dict[str, Any] = {}
         self._left = steps_max
         self._room = ROOM_MAX
 
-    def value(self, node: ast.expr) -> Any:
+    def value(self, node: ast.AST) -> Any:
+        """Return the value of a part."""
         self._left -= 1
         if self._left < 0:
             raise TooLong("the expression takes too long")
@@ -242,7 +311,27 @@ class _Computation:
         return made
 
     def _plain(self, node: ast.expr) -> Any:
-        return _checked(self.value(node))
+        return self._checked(self.value(node))
+
+    def _checked(self, value: Any) -> Any:
+        """Return a value whose operators run no code of the program; refuse any other."""
+        if type(value) in PLAIN:
+            if type(value) is range and value and abs((value[-1] - value[0]) // value.step) > SIZE_MAX:
+                raise DebugError("the range is too long")
+            why_not = _why_not_plain(value, self._size_max)
+            if why_not == _LARGE:
+                raise DebugError(_LARGE.format(self._size_max))
+            if not why_not:
+                return value
+        elif isinstance(value, Indexed):
+            raise DebugError("it needs an index in brackets")
+        raise _refused(_FOREIGN)
+
+    def _counted(self, value: Any) -> Any:
+        """Return a value; refuse one that has too many elements to go through, such as a long range."""
+        if hasattr(value, "__len__") and len(value) > (SIZE_MAX if type(value) in _TEXTS else self._size_max):
+            raise DebugError(_TOO_LARGE)
+        return value
 
     # ---------------------------------------------------------------- nodes
 
@@ -259,13 +348,13 @@ class _Computation:
         return self._items(node.elts)
 
     def _Set(self, node: ast.Set) -> Any:
-        return set(_checked(self._items(node.elts)))
+        return set(self._checked(self._items(node.elts)))
 
     def _items(self, nodes: list[ast.expr]) -> list[Any]:
         items: list[Any] = []
         for node in nodes:
             if isinstance(node, ast.Starred):
-                items += _counted(self._plain(node.value))
+                items += self._counted(self._plain(node.value))
             else:
                 items.append(self.value(node))
         return items
@@ -305,9 +394,10 @@ class _Computation:
             if isinstance(sign, ast.Is | ast.IsNot):
                 is_true: Any = (left is right) is isinstance(sign, ast.Is)
             else:
+                first, second = self._checked(left), self._checked(right)
                 if isinstance(sign, ast.In | ast.NotIn) and type(left) not in (int, bool):
-                    _counted(right)  # a range is searched for it, number by number
-                is_true = _COMPARE[type(sign)](_checked(left), _checked(right))
+                    self._counted(right)  # a range is searched for it, number by number
+                is_true = _COMPARE[type(sign)](first, second)
             if not is_true:
                 return is_true
             left = right
@@ -320,9 +410,16 @@ class _Computation:
             return holder.at(key)
         if type(holder) not in PLAIN:
             raise _refused("the brackets of an object")
-        if type(holder) is dict:
-            _checked(holder.keys())  # which are compared with the key
-        return holder[key]
+        return self._entry(holder, key) if type(holder) is dict else holder[key]
+
+    def _entry(self, holder: dict[Any, Any], key: Any) -> Any:
+        """Return an entry, without comparing the key with an object of the program's classes."""
+        if not _why_not_plain(holder.keys(), self._size_max):
+            return holder[key]
+        for held in islice(holder, self._size_max):
+            if type(held) in _SCALARS and held == key:
+                return holder[held]
+        raise _refused(_FOREIGN)
 
     def _Slice(self, node: ast.Slice) -> Any:
         return slice(*(None if part is None else self._plain(part) for part in (node.lower, node.upper, node.step)))
@@ -348,11 +445,11 @@ class _Computation:
     _GeneratorExp = _ListComp
 
     def _SetComp(self, node: ast.SetComp) -> Any:
-        return set(_checked(list(self._passes(node.generators, node.elt))))
+        return set(self._checked(list(self._passes(node.generators, node.elt))))
 
     def _DictComp(self, node: ast.DictComp) -> Any:
         pair = ast.Tuple([node.key, node.value], ast.Load())
-        return {_checked(key): value for key, value in self._passes(node.generators, pair)}
+        return {self._checked(key): value for key, value in self._passes(node.generators, pair)}
 
     def _passes(self, generators: list[ast.comprehension], element: ast.expr) -> Iterator[Any]:
         if not generators:
@@ -370,7 +467,7 @@ class _Computation:
         if isinstance(target, ast.Name):
             self._own[target.id] = value
         elif isinstance(target, ast.Tuple | ast.List):
-            for part, item in zip(target.elts, _checked(value), strict=True):
+            for part, item in zip(target.elts, self._checked(value), strict=True):
                 self._bind(part, item)
         else:
             raise _refused("an assignment")
@@ -388,7 +485,7 @@ class _Computation:
             else:
                 named[keyword.arg] = self.value(keyword.value)
         for value in (*arguments, *named.values()):
-            _counted(_checked(value))
+            self._counted(self._checked(value))
         if isinstance(function, ast.Name):
             if function.id in self._own:
                 raise _refused(f"{function.id}()")
@@ -403,12 +500,12 @@ class _Computation:
         kind = type(holder)
         if kind not in PLAIN or function.attr.startswith("_") or function.attr in _CHANGING_METHODS:
             raise _refused(f"{function.attr}()")
-        _counted(_checked(holder))
+        self._counted(self._checked(holder))
         _refuse_too_long(function.attr, arguments, named)
         if function.attr in _GROWING_METHODS:
             largest = max(map(_size_of, (*arguments, *named.values())), default=0)
             if _size_of(holder) * largest > SIZE_MAX:
-                raise DebugError("the result would be too large")
+                raise DebugError(_TOO_LARGE)
         return getattr(holder, function.attr)(*arguments, **named)
 
 
@@ -483,20 +580,6 @@ def own_fields(value: Any) -> dict[str, Any]:
     return fields if type(fields) is dict else {}
 
 
-def _checked(value: Any) -> Any:
-    if type(value) in PLAIN:
-        if type(value) is range and value and abs((value[-1] - value[0]) // value.step) > SIZE_MAX:
-            raise DebugError("the range is too long")
-        why_not = _why_not_plain(value)
-        if why_not == _LARGE:
-            raise DebugError(_LARGE)
-        if not why_not:
-            return value
-    elif isinstance(value, Indexed):
-        raise DebugError("it needs an index in brackets")
-    raise _refused(_FOREIGN)
-
-
 def _is_len(function: ast.expr) -> bool:
     return isinstance(function, ast.Name) and function.id == "len"
 
@@ -505,18 +588,11 @@ def _are_plain_holders(arguments: tuple[Any, ...]) -> bool:
     return len(arguments) == 1 and type(arguments[0]) in PLAIN
 
 
-def _counted(value: Any) -> Any:
-    """Return a value; refuse one that has too many elements to go through, such as a long range."""
-    if hasattr(value, "__len__") and len(value) > SIZE_MAX:
-        raise DebugError("the result would be too large")
-    return value
-
-
 def _refused(what: str) -> Refusal:
     return Refusal(f"{what} may run code of the program")
 
 
-def _described(node: ast.expr) -> str:
+def _described(node: ast.AST) -> str:
     return {"Lambda": "a function", "NamedExpr": "an assignment", "Await": "await"}.get(type(node).__name__, "this")
 
 
@@ -534,7 +610,7 @@ def _refuse_too_large(sign: ast.operator, left: Any, right: Any) -> None:
     else:
         return
     if size > SIZE_MAX:
-        raise DebugError("the result would be too large")
+        raise DebugError(_TOO_LARGE)
 
 
 def _refuse_too_long(name: str, arguments: tuple[Any, ...], named: dict[str, Any]) -> None:
@@ -547,7 +623,7 @@ def _refuse_too_long(name: str, arguments: tuple[Any, ...], named: dict[str, Any
         (isinstance(value, int) and abs(value) > most) or (hasattr(value, "__len__") and len(value) > most)
         for value in values
     ):
-        raise DebugError("the result would be too large")
+        raise DebugError(_TOO_LARGE)
 
 
 def _size_of(value: Any) -> int:
