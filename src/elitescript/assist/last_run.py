@@ -51,11 +51,11 @@ class RunFinding(NamedTuple):
     hint: str
     t: float
     """Robot time of the first time, s."""
-    count: int
+    times: int
 
     def __str__(self) -> str:
         """Say text and time."""
-        times = f"{self.count} times, first " if self.count > 1 else ""
+        times = f"{self.times} times, first " if self.times > 1 else ""
         return f"{self.text} ({times}at {self.t:.3f} s)"
 
 

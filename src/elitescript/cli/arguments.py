@@ -58,7 +58,12 @@ def add_run(parser: Parser) -> None:
         metavar="SIZE",
         help="memory that the run may have, such as 8GiB (default %(default)s)",
     )
-    parser.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", writes="trace", help="write a row for every tick")
+    parser.add_argument(
+        "--trace",
+        metavar="OUT.csv|jsonl|parquet",
+        writes="trace",
+        help="write a row for every tick; .parquet needs the extra parquet",
+    )
     parser.add_argument(
         "--step",
         type=float,
@@ -484,7 +489,12 @@ def add_replay(parser: Parser) -> None:
     )
     parser.add_argument("file", metavar="FILE", reads="session", help="the journal")
     _add_until(parser, "stop after so much robot time")
-    parser.add_argument("--trace", metavar="OUT.csv|OUT.jsonl", writes="trace", help="write a row for every tick")
+    parser.add_argument(
+        "--trace",
+        metavar="OUT.csv|jsonl|parquet",
+        writes="trace",
+        help="write a row for every tick; .parquet needs the extra parquet",
+    )
     _add_trace_signals(parser)
     _add_log(parser)
     _add_color(parser)

@@ -405,6 +405,26 @@ class Run:
         if self._texts[kind] > TEXT_MAX:
             self._texts[kind], _ = _lighten(texts)
 
+    def _repr_html_(self) -> str:
+        """Return what notebooks show: verdict, findings, and a picture of its time; with a trace of its joints too."""
+        # Imported late: it is for notebooks alone.
+        from elitescript.run.html import Shown, html_of
+
+        return html_of(
+            Shown(
+                self.unit.source.name,
+                self.verdict,
+                self.is_clean,
+                self.state in ("alarm", "stuck"),
+                self.why or "",
+                self.time_s,
+                self.start_tick,
+                self.findings,
+                self.events,
+                self.trace,
+            )
+        )
+
     def __repr__(self) -> str:
         return f"<Run {self.verdict}, {self.time_s:.3f} s>"
 
