@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import inf
 from typing import Any
 
@@ -19,6 +19,7 @@ from elitescript.values.description import (
     BYTES,
     DICT,
     FUNCTION,
+    IN_BASE,
     INT,
     LIST,
     NO_SITES,
@@ -41,7 +42,7 @@ from elitescript.values.description import (
     unknown_of,
 )
 from elitescript.values.references import Library, Made, Method, ModuleType, Name, Own, OwnClass
-from elitescript.values.results import POSITION, result_of
+from elitescript.values.results import POSITION, at_sites, result_of
 from elitescript.values.state import CALL_DEPTH_MAX, CALLED_AT_MOST
 from elitescript.values.store import Cell, Function
 
@@ -205,21 +206,27 @@ class Calls(Conditions):
     def _call_command(
         self, node: ast.Call, command: Command, args: list[Value], keywords: dict[str, Value], is_certain: bool
     ) -> Value:
-        given = [*args, *keywords.values()]
-        if any(not value.kinds for value in given):
-            return BOTTOM
+        for value in args:
+            if not value.kinds:
+                return BOTTOM
+        for value in keywords.values():
+            if not value.kinds:
+                return BOTTOM
         if command.name == THREAD_STARTER:
             self._start(args, keywords, is_certain)
         if args and not command.takes_robot and not keywords and is_certain:
             folded = self._folded(node, command, args)
             if folded is not None:
                 return folded
-        result = self._results.get(node)
-        if result is None or len(self._results) > 100_000:
-            result = self._results[node] = result_of(command, self._site(node))
+        result = result_of(command)
+        if result.kinds & (LIST | DICT):
+            sites = self._site(node)
+            result = self._results.get(node) or self._results.setdefault(node, at_sites(command, sites))
         if command.name == "modbus_get_signal_status" and args:
             return self.signals.narrowed(result, args[0])
-        counted_by = command.details.result.counted_by
+        counted_by, frame = command.details.result.counted_by, command.details.result.frame
+        if frame and _frame_of(command, frame, args, keywords) & IN_BASE:
+            return result.but(may=result.may | IN_BASE, must=result.must | IN_BASE)
         if counted_by and result.shape is not None:
             return _counted(result, args[0] if args and is_certain else UNKNOWN)
         if command.name in ("length", "get_list_length") and args:
@@ -243,7 +250,7 @@ class Calls(Conditions):
         if isinstance(result, tuple):
             if not all(isinstance(number, (bool, int, float)) for number in result):
                 return None
-            template = result_of(command, self._site(node))
+            template = result_of(command)
             roles: Sequence[Value] = ()
             if template.shape is not None and template.shape.items is not None:
                 roles = template.shape.items
@@ -251,7 +258,9 @@ class Calls(Conditions):
                 constant(number).but(role=roles[index].role if index < len(roles) else "")
                 for index, number in enumerate(result)
             ]
-            return row(LIST, items, self._site(node)).but(role=template.role)
+            made = row(LIST, items, self._site(node))
+            frame = template.must & IN_BASE
+            return made.but(role=template.role, may=made.may | frame, must=made.must | frame)
         if isinstance(result, (bool, int, float, str)):
             role = POSITION if -1 in command.details.result.special else command.details.returns.unit
             made = constant(result, may or 1, must or 1)
@@ -379,6 +388,14 @@ class Calls(Conditions):
             return unknown_of(owner).but(kinds=OBJECT, low=inf, high=-inf, constants=())
         self._escape(owner)
         return unknown_of(owner)
+
+
+def _frame_of(command: Command, name: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> int:
+    """Return the origins of the argument in whose frame a result is; 0 if there is none."""
+    names = [param.name for param in command.params]
+    index = names.index(name) if name in names else len(args)
+    value = args[index] if index < len(args) else keywords.get(name)
+    return 0 if value is None else value.must
 
 
 def _counted(result: Value, number: Value) -> Value:

@@ -76,10 +76,12 @@ LATE: Final = 64
 """A signal that may have no value yet."""
 JOINED: Final = 128
 """A list that was joined of others, or repeated."""
+IN_BASE: Final = 256
+"""A pose in the base frame; beside the other origins."""
 _CARRIED: Final = MEASURED | CHANNEL | SIGNAL
 """Origins that a computed number keeps."""
 OUTSIDE: Final = MEASURED | CHANNEL | SIGNAL
-NOWHERE: Final = May(255)
+NOWHERE: Final = May(511)
 
 CONSTANTS_MAX: Final = 8
 """Constants that a description lists."""
@@ -93,6 +95,9 @@ SITES_MAX: Final = 32
 EVERYWHERE: Final = frozenset((-1,))
 """Sites of a value that may be any list of the program."""
 NO_SITES: Final[frozenset[int]] = frozenset()
+
+
+_new: Final = object.__new__
 
 
 class Shape:
@@ -183,8 +188,8 @@ class Value:
         self.high = high
         self.constants = constants
         self.role = role
-        self.may = May(may)
-        self.must = Must(must)
+        self.may: May = may  # type: ignore[assignment]
+        self.must: Must = must  # type: ignore[assignment]
         self.shape = shape
         self.sites = sites
         self.refs = refs
@@ -228,9 +233,20 @@ class Value:
 
     def but(self, **changes: Any) -> Value:
         """Return a description that differs in some attributes."""
-        made: Value = object.__new__(Value)
-        for slot in Value.__slots__:
-            setattr(made, slot, changes[slot] if slot in changes else getattr(self, slot))
+        made: Value = _new(Value)
+        made.kinds = self.kinds
+        made.low = self.low
+        made.high = self.high
+        made.constants = self.constants
+        made.role = self.role
+        made.may = self.may
+        made.must = self.must
+        made.shape = self.shape
+        made.sites = self.sites
+        made.refs = self.refs
+        made.node = self.node
+        for name, value in changes.items():
+            setattr(made, name, value)
         return made
 
 
@@ -413,9 +429,11 @@ def join(a: Value, b: Value) -> Value:
     refs = a.refs
     if refs is not b.refs:
         refs = _joined_references(a.refs, b.refs)
-    role = a.role
-    if role != b.role:
-        role = a.role if b.kinds == NONE else b.role if a.kinds == NONE else ""
+    # None has neither role nor origin: what is not None keeps them.
+    role, must = a.role, a.must
+    if b.kinds != NONE:
+        role = b.role if a.kinds == NONE else role if role == b.role else ""
+        must = b.must if a.kinds == NONE else Must(must & b.must)
     return Value(
         a.kinds | b.kinds,
         a.low if a.low <= b.low else b.low,
@@ -423,7 +441,7 @@ def join(a: Value, b: Value) -> Value:
         constants,
         role,
         a.may | b.may,
-        a.must & b.must,
+        must,
         shape,
         sites,
         refs,

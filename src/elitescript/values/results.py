@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from math import inf
 from typing import Final
 
@@ -24,6 +25,7 @@ from elitescript.values.description import (
     COMMANDED,
     COMPUTED,
     FLOAT,
+    IN_BASE,
     INT,
     LATE,
     LIST,
@@ -62,17 +64,29 @@ LIST_ROLES: Final = ("joints", "pose", "tcp", "joint speeds", "tool velocity", "
 """Roles of whole lists."""
 
 
-def result_of(command: Command, sites: frozenset[int]) -> Value:
-    """Return what a command returns.
+@cache
+def result_of(command: Command) -> Value:
+    """Return what a command returns; the lists in it have no sites, see `at_sites`."""
+    return _result_of(command, NO_SITES)
 
-    Args:
-        command: the command.
-        sites: where the lists are made that it returns.
-    """
+
+def at_sites(command: Command, sites: frozenset[int]) -> Value:
+    """Return what a command returns that makes lists at some sites."""
+    result = result_of(command)
+    shape = result.shape
+    inner = None if shape is None else shape.element if shape.items is None else shape.items[0]
+    if inner is not None and inner.shape is None and not inner.kinds & LIST:
+        return result.but(sites=sites)
+    return _result_of(command, sites)
+
+
+def _result_of(command: Command, sites: frozenset[int]) -> Value:
     details = command.details
     result = details.result
     returns = details.returns
     origin = _ORIGINS.get(result.origin, COMPUTED)
+    if result.frame == "base":
+        origin |= IN_BASE
     may = origin | (LATE if result.may_be_late else 0)
     if returns.type_name == "None":
         return NOTHING

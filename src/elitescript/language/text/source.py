@@ -98,3 +98,18 @@ def _bad_byte(data: bytes, error: EncodingError) -> Diagnostic:
     text = f"the text is {error.encoding}, not UTF-8: this line reads `{reads}`"
     hint = "`elitescript check --fix` converts the file to UTF-8; or save it as UTF-8 in the editor"
     return diagnostic("E002", line, column, text, hint=hint)
+
+
+def find_word(row: str, word: str, start: int = 0) -> int:
+    """Return the index of the first place of a line, from `start` on, where a word stands by itself; -1 if none."""
+    place = row.find(word, start)
+    while place >= 0:
+        end = place + len(word)
+        if (place == start or not _is_of_words(row[place - 1])) and (end == len(row) or not _is_of_words(row[end])):
+            return place
+        place = row.find(word, place + 1)
+    return -1
+
+
+def _is_of_words(sign: str) -> bool:
+    return sign.isalnum() or sign == "_"
