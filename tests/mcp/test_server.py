@@ -52,7 +52,11 @@ def call(folder, name, wall_s=20.0, **arguments):
     ("text", "state", "codes"),
     [
         ("def f():\n  sleep(0.1)\nend\n", "finished", []),
-        ("def f():\n  x = get_standard_digital_in(0) == 'on'\n  n = len([])\n  y = 1 / n\nend\n", "alarm", ["R100", "W240"]),
+        (
+            "def f():\n  x = get_standard_digital_in(0) == 'on'\n  n = len([])\n  y = 1 / n\nend\n",
+            "alarm",
+            ["R100", "W240"],
+        ),
         ("def f():\n  x = = 1\nend\n", "does_not_compile", ["E001"]),
     ],
 )

@@ -68,7 +68,7 @@ def files_read(options: argparse.Namespace) -> dict[Path, bool]:
         if path.is_dir():
             from elitescript.cli.program_texts import program_paths
 
-            found.update(dict.fromkeys(program_paths(path), is_rewriting))
+            found.update(dict.fromkeys(program_paths(path, options.command), is_rewriting))
         elif stream_of(read.path) is None:
             found[path] = is_rewriting and read.noun == A_PROGRAM
     for path in [path for path in found if is_program_name(path.name)]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from elitescript.errors import UsageError
-from elitescript.paths import PROGRAM_SUFFIX, is_program_name
+from elitescript.paths import PROGRAM_SUFFIX, is_program_name, is_task_name
 from elitescript.records import NamedTuple
 from elitescript.shown import shown, shown_word
 from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes, read_standard_input
@@ -60,18 +60,26 @@ def program_texts(names: Iterable[str], command: str) -> Iterator[ProgramText]:
             yield from _read(path, seen, is_named=True)
             continue
         found = False
-        for program in program_paths(path, refuse):
+        for program in program_paths(path, command, refuse):
             found = True
             yield from _read(program, seen, is_named=False)
         if not found:
             yield ProgramText(name, path, None, f"no *{PROGRAM_SUFFIX} file in this folder", True)
 
 
-def program_paths(folder: Path, on_error: Callable[[OSError], None] | None = None) -> Iterator[Path]:
-    """Yield the programs in a folder and in those within it, by name; `on_error` gets a folder that cannot be read."""
+def program_paths(folder: Path, command: str, on_error: Callable[[OSError], None] | None = None) -> Iterator[Path]:
+    """Yield what a command reads in a folder and in those within it, by name.
+
+    Args:
+        folder: of the command line.
+        command: `check` reads task files too.
+        on_error: gets a folder that cannot be read.
+    """
     for home, folders, files in os.walk(folder, onerror=on_error):
         folders[:] = sorted(name for name in folders if not name.startswith("."))
-        yield from (Path(home, file) for file in sorted(files) if is_program_name(file))
+        for file in sorted(files):
+            if is_program_name(file) or (command == "check" and is_task_name(file)):
+                yield Path(home, file)
 
 
 def _read(path: Path, seen: set[str], *, is_named: bool) -> Iterator[ProgramText]:

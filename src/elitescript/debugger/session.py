@@ -49,6 +49,7 @@ from elitescript.language.parser import parse
 from elitescript.language.probes import CountedStatement
 from elitescript.language.scopes import Resolution
 from elitescript.language.symbols import Symbols
+from elitescript.language.text.lexer import MARKS
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.signals import SIGNALS
 from elitescript.messages.timing import ticks_for
@@ -64,7 +65,7 @@ WINDOW_OF_SNAPSHOTS: Final = 50
 _WIDER: Final = 50
 _WIDE_ENOUGH: Final = 5
 """A search may begin at a copy that stands so many times the width before the present stop."""
-_NAME: Final = re.compile(r"[\w.]*(\(\))?")
+_NAME: Final = re.compile(rf"[\w.{MARKS}]*(\(\))?")
 """Of a function or a command."""
 
 
@@ -340,10 +341,13 @@ class DebugSession:
             DebugError: that can never be there: a name that is misspelt, or of a local variable.
         """
         watch = Watch(data_id)
-        names = watch.variables - (ROBOT_VALUES.keys() | SIGNALS.keys()) if watch.stops_when_true else watch.variables
+        names = watch.variables
         if not names:
             return watch
         known, local = self._names
+        if watch.stops_when_true:
+            # A local variable hides a value of the robot: the condition would be about another one than is meant.
+            names -= (ROBOT_VALUES.keys() - local) | SIGNALS.keys()
         for name in sorted(names - known):
             if name in local:
                 raise DebugError(f"{name} is a local variable: only program globals and signals are watched")

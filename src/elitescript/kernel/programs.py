@@ -19,6 +19,7 @@ from elitescript.language.compiler import CompiledUnit
 from elitescript.language.diagnostics import Diagnostic, diagnostic, line_kept
 from elitescript.language.limits import LONG_TEXT, SymbolCount, excess_at_once
 from elitescript.language.options import LINE, SECONDARY, Options
+from elitescript.language.text.lexer import name_pattern
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import CheckResult
 from elitescript.lint.registry import all_rules
@@ -41,7 +42,6 @@ TOLD_MAX: Final = 100
 """Texts whose findings are remembered as logged."""
 PRESETS_MAX: Final = 1000
 """Variables that may wait for the next program."""
-_HEAD: Final = re.compile(r"\s*(?:def|sec)[ \t]+(\w+)")
 _NAME_MAX: Final = 100
 
 
@@ -55,6 +55,7 @@ class Programs:
         arm: for which programs are checked.
         environment: everything outside them.
         is_strict: refuse what a Python 3 controller refuses, and what `check` calls an error.
+        ignored: codes of findings that are left out.
         probe: counts their statements.
         workshop: where long texts are compiled; here and at once if None.
 
@@ -71,6 +72,7 @@ class Programs:
         "_count_of_jobs",
         "_environment",
         "_host",
+        "_ignored",
         "_invalid_lines",
         "_is_strict",
         "_long_texts",
@@ -92,6 +94,7 @@ class Programs:
         environment: ProgramEnvironment,
         *,
         is_strict: bool,
+        ignored: frozenset[str],
         probe: Probe | None,
         workshop: Workshop | None = None,
     ) -> None:
@@ -108,6 +111,7 @@ class Programs:
         self._environment = environment
         self.reported: frozenset[tuple[str, int]] = frozenset()
         self._is_strict = is_strict
+        self._ignored = ignored
         self._probe = probe
         self._invalid_lines = BurstLimiter(
             self._warn, "line", "that are no script. Does that client speak another protocol?"
@@ -245,7 +249,7 @@ class Programs:
         presets = tuple(self.presets)
         job = Job(self._count_of_jobs, name, text, kind, self._is_strict, options.probes, options.first_probe, presets)
         if self._long_texts is None or len(text) < LONG_TEXT:
-            take(self._outcome(job, compiled_job(job, self._profile, self._arm)))
+            take(self._outcome(job, compiled_job(job, self._profile, self._arm, self._ignored)))
             return True
         if (excess := excess_at_once(text)) is not None:
             take(self._outcome(job, CheckResult(None, (excess,), job.is_strict)))
@@ -422,7 +426,7 @@ def _failure(text: str) -> ProgramError:
 
 def _label(text: str) -> str:
     """Return the name of a program, with a blank behind it; empty if it has none."""
-    found = _HEAD.match(text)
+    found = re.match(rf"\s*(?:def|sec)[ \t]+({name_pattern(text)})", text)
     return f"`{found[1][:_NAME_MAX]}` " if found else ""
 
 

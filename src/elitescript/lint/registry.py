@@ -94,10 +94,18 @@ def doubt_findings(program: AnalysedProgram, code: str) -> Iterator[Finding]:
         doubts = [*doubts, *program.derived(element_doubts)]
     for doubted in doubts:
         doubt = doubted.doubt
-        if doubt.code == code:
+        if doubt.code == code and not (code == "W231" and _is_towards(doubted)):
             from elitescript.lint.unit_fixes import unit_fix
 
             yield Finding(doubted.node, doubt.text, doubt.hint, unit_fix(program, doubted))
+
+
+TOWARDS: Final = "calculate_point_to_move_towards"
+"""The function of scripts of the pendant that computes a point 1000 m away, for a motion in a direction."""
+
+
+def _is_towards(doubted: Doubted) -> bool:
+    return doubted.scope.name == TOWARDS
 
 
 def shown_source(program: AnalysedProgram, node: ast.AST) -> str:
@@ -109,7 +117,7 @@ def shown_source(program: AnalysedProgram, node: ast.AST) -> str:
 _WORDS: Final[dict[str, tuple[str, ...]]] = {
     "always_true": ("if", "while"),
     "joined_lists": ("+", "*"),
-    "measured_exactly": ("==", "!="),
+    "measured_exactly": ("==", "!=", " in "),
     "never_equal": ("=", "<", ">", " is "),
     "not_a_function": ("=", "for ", "as "),
     "time_in_milliseconds": ("time", "t=", "read", "move", "servoj", "speed", "modbus", "watchdog", "watch"),
@@ -126,7 +134,7 @@ _WORDS: Final[dict[str, tuple[str, ...]]] = {
     "line_end_as_prefix": ("socket_read_string",),
     "modbus_signal": ("modbus_add_",),
     "no_value_yet": ("=",),
-    "number_too_large": ("modbus_set_output_register", "socket_send_byte"),
+    "number_too_large": ("modbus_set_output_register", "socket_send_byte", "set_", "write_"),
     "output_behind_blend": ("_out", "set_tool_digital", "write_"),
     "per_cent": ("interpolate_pose",),
     "serial_not_set_up": ("modbus_rtu", "modbus_read_", "modbus_write_"),

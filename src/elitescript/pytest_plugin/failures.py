@@ -94,10 +94,7 @@ def _about(watched: WatchedRun) -> str:
     waiting = () if run is None else run.threads
     if waiting:
         out.append("threads:")
-        out += [
-            f"  {shown_word(row.name)}: line {row.line}, waits for {continued(row.waits_for or 'its turn')}"
-            for row in waiting
-        ]
+        out += [f"  {shown_word(row.name)}: line {row.line}, {continued(row.doing)}" for row in waiting]
     return "\n".join(out)
 
 
@@ -125,8 +122,7 @@ def _lines(watched: WatchedRun, events: Sequence[Event]) -> list[tuple[int, int]
 
 
 def _alarm_lines(alarm: Alarm, source: SourceFile, start_tick: int) -> list[str]:
-    name = shown_word(source.name)
-    place = f"{name}:{alarm.line}:{alarm.column}" if alarm.line else name
+    place = source.where(alarm.line, alarm.column) if alarm.line else shown_word(source.name)
     text = continued(f"{alarm.code} {alarm.class_name}: {alarm.text}")
     lines = [f"{seconds(alarm.tick - start_tick):.3f} s  {place}: {text}"]
     if alarm.source_line:

@@ -25,13 +25,12 @@ class FindingsReport(TextRunReport):
         super().__init__(sys.stderr, sys.stderr, logs)
         self._form = FORMATS[form](sys.stdout)
         self._problems: tuple[Diagnostic, ...] = ()
-        self._source: SourceFile | None = None
         self._unfinished: tuple[int, str] | None = None
         """Line and reason of a run that the time limit has ended: it has no finding."""
 
     def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
         """Report the findings before the run, which are those of a program that is refused."""
-        self._problems, self._source = tuple(problems), source
+        self._problems = tuple(problems)
         super().problems(self._problems, source)
 
     def end(self, run: Run, *, is_interrupted: bool, overruns: int | None, is_strict: bool = False) -> None:
@@ -52,8 +51,7 @@ class FindingsReport(TextRunReport):
 
     def finish(self) -> None:
         """Write the findings."""
-        source = SourceFile("<program>", "") if self._source is None else self._source
-        checked = CheckedFile(source.name, source, self._problems)
+        checked = CheckedFile(self._source.name, self._source, self._problems)
         self._form.file(checked)
         if self._unfinished is not None:
             self._form.unfinished(checked, *self._unfinished)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar, get_args
 from elitescript.commands.definition.quantities import Anything, Optionally, Quantity, Vector
 from elitescript.commands.definition.results import COMPUTED, Result
 from elitescript.errors import ArgumentCountError, InternalError, ScriptError, ScriptStateError, UsageError
+from elitescript.messages.motion import DIRECTION_M
 from elitescript.messages.profile import release_of
 from elitescript.records import NamedTuple
 
@@ -43,6 +44,18 @@ FORMS_MAX: Final = 64
 """Forms of calls of a command that are kept; a program writes few."""
 _VARIADIC: Final = 0x04
 """Flag of a code object whose function takes `*more` (`inspect.CO_VARARGS`, without importing it)."""
+
+_PURE_FAMILIES: Final = frozenset(("kinematics", "lists", "maths", "poses", "strings"))
+_READING: Final = ("get_", "is_", "read_")
+_ALSO_READING: Final = frozenset(
+    """
+    cal_rpy_frame controller_timestamp encoder_get_tick_count encoder_unwind_delta_tick_count force modbus_get_error
+    modbus_get_signal_status modbus_get_time_since_signal_invalid path_offset_get serial_is_open serial_mode
+    socket_is_connected tool_serial_is_open tool_serial_mode
+    """.split()  # noqa: SIM905
+)
+_CHANGING: Final = frozenset(("random", "get_micro_line_values_by_index"))
+"""`random` gives another value each time; the other one belongs to a file that is loaded."""
 
 
 class Param:
@@ -202,6 +215,14 @@ class Command:
         return f"{self.name}({', '.join(parts)})"
 
     @property
+    def only_gives_a_value(self) -> bool:
+        """Whether it changes nothing, so that a call of it is made for its result alone."""
+        if self.waits or self.name in _CHANGING:
+            return False
+        module = self.function.__module__.rpartition(".")[2]
+        return module in _PURE_FAMILIES or self.name in _ALSO_READING or self.name.startswith(_READING)
+
+    @property
     def call_hint(self) -> str:
         """What to do about a wrong call."""
         return f"it is called as {self.signature}"
@@ -274,6 +295,8 @@ class Command:
             if value is None or value is param.default_value:
                 continue
             doubts = list(judge(value, robot.machine))
+            if self.name == "movel":
+                doubts = [doubt for doubt in doubts if not _is_direction(value, doubt)]
             if is_kind and (other := robot.mistaken(param.quantity.meaning, value)) is not None:
                 doubts.append(other)
             found += [doubt._replace(text=f"{self.name}: {param.name}{doubt.text}") for doubt in doubts]
@@ -393,6 +416,11 @@ class _Details:
         """Index, parameter, judge, and whether it is joints or a pose; see `plausibility`."""
         self.kind = self.returns.meaning if self.returns.meaning in ("joints", "pose") else ""
         """Kind of a returned list: `joints` or `pose`; empty for others."""
+
+
+def _is_direction(target: Any, doubt: Doubt) -> bool:
+    """Return whether a doubtful target of `movel` is a direction, as the scripts of the pendant compute it."""
+    return doubt.code == "W231" and doubt.element is not None and abs(target[doubt.element]) >= DIRECTION_M
 
 
 def _judged(params: tuple[Param, ...]) -> tuple[tuple[int, Param, Judge, bool], ...]:
