@@ -246,7 +246,7 @@ class TestColumns:
             assert got == flat
 
     def test_measured_joints_where_there_is_a_plant(self):
-        rows = VirtualRobot(plant=PlantConfig()).run(PROGRAM, trace=True).trace
+        rows = VirtualRobot(plant=PlantConfig(lag_s=0.02)).run(PROGRAM, trace=True).trace
         columns = rows.columns()
         assert [columns[f"qa{joint}"][20] for joint in range(1, 7)] == list(rows[20].q_actual)
 
