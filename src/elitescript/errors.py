@@ -121,11 +121,13 @@ _ROWS: Final = (
     Code("W267", "warning", "per cent where a fraction is meant"),
     Code("W268", "warning", "number that the receiver cannot hold"),
     Code("W269", "warning", "call that never ends, in place of a function for a thread"),
+    Code("W276", "warning", "variable that nothing reads, beside one of nearly the same name", is_tolerated=True),
     # What a sound program may have, and what is worth knowing all the same.
     Code("N221", "note", "encoder that is tracked and not set up"),
     Code("N222", "note", "thread that the end of the program ends"),
     Code("N223", "note", "output behind a blended move"),
     Code("N224", "note", "path that stops at each of its points"),
+    Code("N225", "note", "sleep that is very long"),
     # What a run alone can find.
     Code("W270", "warning", "something that a program gave away and that did not arrive"),
     Code("W271", "warning", "write to an output that follows the state of the task"),

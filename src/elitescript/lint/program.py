@@ -393,7 +393,7 @@ class AnalysedProgram:
                     continue
                 value = self.constants.value(node, called.scope)
                 # Programs also compute with transforms in other units, but not with those of the arm.
-                is_judged = not is_transform or any(self._is_of_the_arm(other) for _, other in arguments.given)
+                is_judged = not is_transform or self._is_target(called.call, arguments)
                 reported = list(JUDGES[meaning](value, self.arm)) if is_judged else []
                 if meaning in TAKEN_FOR_EACH_OTHER and not isinstance(node, (ast.List, ast.Tuple)):
                     other = mistaken(meaning, self.values.of(node).role)
@@ -403,6 +403,14 @@ class AnalysedProgram:
                     doubt = doubt._replace(text=text)
                     found.append(Doubted(element(node, doubt.element), doubt, param, node, called.scope))
         return tuple(found)
+
+    def _is_target(self, call: ast.Call, arguments: Arguments) -> bool:
+        """Return whether a transform is computed from poses of the arm, or gives one."""
+        if any(self._is_of_the_arm(other) for _, other in arguments.given):
+            return True
+        from elitescript.lint.list_uses import ListUses
+
+        return self.derived(ListUses).is_pose(self.values.of(call).sites)
 
     def _is_of_the_arm(self, node: ast.expr) -> bool:
         """Return whether a list is a reading or target of the arm, which is in metres."""
