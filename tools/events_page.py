@@ -14,6 +14,7 @@ from elitescript.messages import events
 from elitescript.messages.enums import SafetyMode
 from elitescript.messages.events import Event
 from elitescript.run import RECORDS_MAX
+from elitescript.said import said
 from tools.markdown import NOTICE, cell, code
 
 COMMON: Final = {
@@ -30,18 +31,20 @@ EXAMPLES: Final[tuple[Event, ...]] = (
     events.Popup(301, "Insert a part", "Box", "info", True, True, "main", 14),
     events.Warned(
         301,
-        "movej: v is 60 rad/s, more than any arm does",
+        said("{command}: {name} is {value:g} rad/s, more than any arm does", command="movej", name="v", value=60.0),
         "main",
         15,
         "W232",
-        "60 looks like deg/s: d2r(60) is 1.0472 rad/s",
+        said("{value:g} looks like deg/s: d2r({value:g}) is {meant:.4f} rad/s", value=60.0, meant=1.0472),
     ),
     events.DeviceNoted(301, "camera", "trigger 4 is ignored: a picture is being taken", True),
     events.Alarm(
         301,
         "R101",
         "TypeError",
-        "sleep: t must be a number, not str 'a'",
+        said(
+            "{command}: {name} must be a number, not {kind} {value!r}", command="sleep", name="t", kind="str", value="a"
+        ),
         16,
         3,
         "main",
@@ -73,6 +76,14 @@ def events_page() -> str:
         "`elitescript.messages.events`; the lines of `run --json`, `serve --json` and `replay --json`. A terminal",
         "shows messages, warnings and alarms; `--log signals,channels` adds the rest. `run.events` keeps the last",
         f"{RECORDS_MAX:,} at least.",
+        "",
+        "Texts of warnings, alarms, devices and safety, and hints, are English. In `--json` `template` is the text",
+        "with `{name}` in place of its values; `values` has them by name, as they are shown: texts and whole numbers.",
+        "A text within a text is an object with `text`, `template` and `values` of its own. `hint_template` and",
+        "`hint_values` are those of the hint. Braces that stand for themselves are doubled in a template. In Python",
+        "such a text is a `str` with `template` and `values` (`elitescript.said.Said`); one that a program has written",
+        "is a plain `str`, and its own template. `check --json` has the same for each finding.",
+        "",
         "",
         "| event | is | `--json` |",
         "|---|---|---|",

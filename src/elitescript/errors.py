@@ -11,11 +11,16 @@ warnings, N2xx notes on what a sound program may have, R are alarms at run time.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any, Final
+from collections.abc import Callable, Iterable
+from functools import wraps
+from typing import Any, Final, ParamSpec, TypeVar
 
 from elitescript.records import NamedTuple
+from elitescript.said import Said
 from elitescript.shown import shown, shown_word
+
+_Given = ParamSpec("_Given")
+_Returned = TypeVar("_Returned")
 
 
 class Code(NamedTuple):
@@ -149,6 +154,7 @@ _ROWS: Final = (
     Code("W290", "warning", "targets of servoj that come too late"),
     Code("W291", "warning", "tracked encoder that has never counted"),
     Code("W292", "warning", "command that is refused again and again"),
+    Code("W293", "warning", "setting of a device that is hardly meant"),
     Code("N281", "note", "connection that the peer has closed"),
     Code("N282", "note", "text beyond ASCII"),
     Code("N283", "note", "reading that ended with a part"),
@@ -157,6 +163,7 @@ _ROWS: Final = (
     Code("N286", "note", "stream of values that is faster than its MODBUS signal"),
     Code("N287", "note", "negative value in a register"),
     Code("N288", "note", "force mode that meets nothing"),
+    Code("N290", "note", "time of a device that is very long"),
     # What contradicts the command catalogue; a program may catch it, so it starts unless it is strict.
     Code("E301", "error", "unknown command"),
     Code("E302", "error", "command of a newer firmware"),
@@ -207,6 +214,25 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
 
     near = get_close_matches(word, sorted(known), n=1)
     return f"; did you mean {near[0]!r}?" if near else ""
+
+
+def suggests_keywords(function: Callable[_Given, _Returned]) -> Callable[_Given, _Returned]:
+    """Let the refusal of a keyword that a function does not have name the nearest one; a decorator."""
+
+    @wraps(function)
+    def call(*args: _Given.args, **keywords: _Given.kwargs) -> _Returned:
+        try:
+            return function(*args, **keywords)
+        except TypeError as error:
+            known = function.__code__.co_varnames[: function.__code__.co_argcount + function.__code__.co_kwonlyargcount]
+            unknown = [name for name in keywords if name not in known]
+            # Of its own code, the traceback has more than this call.
+            if not unknown or error.__traceback__ is None or error.__traceback__.tb_next is not None:
+                raise
+            near = did_you_mean(unknown[0], known)
+            raise TypeError(f"{function.__qualname__}() has no argument {unknown[0]!r}{near}") from None
+
+    return call
 
 
 class ElitescriptError(Exception):
@@ -273,7 +299,7 @@ class ScriptError(Exception):
     a Python programmer expects (`TypeError`, `ValueError`, `RuntimeError`).
 
     Args:
-        text: what was wrong, with the value and the unit.
+        text: what was wrong, with the value and the unit; made by `said`.
         code: row of `CODES`.
         command: the command that refused.
         argument: the parameter that was wrong, if it was one.
@@ -297,7 +323,9 @@ class ScriptError(Exception):
         unit: str | None = None,
         hint: str | None = None,
     ) -> None:
-        super().__init__(text)
+        # Programs see a plain text.
+        super().__init__(str(text))
+        self.said = text
         self.code = code or self.default_code
         self.command = command
         self.argument = argument
@@ -305,6 +333,16 @@ class ScriptError(Exception):
         self.limit = limit
         self.unit = unit
         self.hint = hint
+
+
+def text_of(error: BaseException) -> str:
+    """Return the text of an error, with its template if it was made by `said`.
+
+    An error of a program may have a text that raises something else.
+    """
+    text = str(error)
+    said = getattr(error, "said", None) or (error.args[0] if error.args else None)
+    return said if type(said) is Said and said == text else text
 
 
 class ArgumentTypeError(ScriptError, TypeError):

@@ -24,7 +24,7 @@ from elitescript.devices.surroundings import RobotSettings, Surroundings
 from elitescript.environment.allowance import TASK_DIR_BYTES
 from elitescript.environment.interrupts import interrupts_passed_to
 from elitescript.environment.program_file import source_of
-from elitescript.errors import UsageError
+from elitescript.errors import UsageError, suggests_keywords
 from elitescript.kernel.arm import named_model
 from elitescript.kernel.kernel import Kernel
 from elitescript.kernel.option_signature import takes_options
@@ -47,7 +47,7 @@ from elitescript.messages.state import RobotState
 from elitescript.messages.timing import seconds, ticks_for
 from elitescript.models.model import RobotModel
 from elitescript.observer import OBSERVATION
-from elitescript.run import FINDINGS, NOT_DELIVERED, EndState, Look, Run
+from elitescript.run import FINDINGS, NOT_DELIVERED, EndState, Look, ProgramGlobals, Run
 from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.probe import Probe, noted, probed, witness
 from elitescript.runtime.threads.strand import is_stop
@@ -69,6 +69,8 @@ IDLE_TICKS: Final = ticks_for(1.0)
 
 TRACE_TICKS_MAX: Final = 10_000
 """Rows that are recorded before `pace` is called, or an interrupt is seen."""
+
+_OWN_KEYWORDS: Final = ("model", "task_dir", "world", "lines", "drain_s", "state_file", "on_event", "probe")
 
 Pace = Callable[[int], None]
 Watch = Callable[["VirtualRobot"], None]
@@ -121,7 +123,7 @@ class VirtualRobot:
         probe: Probe | None = None,
         **options: Unpack[RobotKeywords],
     ) -> None:
-        check_keywords(options)
+        check_keywords(options, _OWN_KEYWORDS)
         settings = RobotSettings()
         if isinstance(world, str | Path):
             from elitescript.world_file import load_world_file
@@ -317,6 +319,7 @@ class VirtualRobot:
         options = Options(strict=self.options.strict, kind=kind, ignored=self.options.ignored)
         return probed(self._kernel.probe, options, source)
 
+    @suggests_keywords
     def run(
         self,
         program: str | Path | CompiledUnit,
@@ -410,6 +413,7 @@ class VirtualRobot:
         self._raise_listener_error()
         self._remember()
 
+    @suggests_keywords
     def start(
         self,
         program: str | Path | CompiledUnit,
@@ -695,7 +699,7 @@ class VirtualRobot:
             state.q_target,
             state.tcp_pose_target,
             SignalRecord(self.controller.non_default_signals()),
-            self._globals_of(run),
+            ProgramGlobals(self._globals_of(run)),
         )
 
     def _globals_of(self, run: Run) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final, Literal, TypeVar
 
 from elitescript.controller.views.trace_signals import SignalRecord
-from elitescript.errors import AlarmError
+from elitescript.errors import AlarmError, did_you_mean
 from elitescript.language.compiler import CompiledUnit
 from elitescript.messages.events import (
     UNDELIVERED,
@@ -47,6 +47,17 @@ EXIT_CODES: Final = {"finished": 0, "stopped": 0, "alarm": 1, "time_limit": 4, "
 """Exit code of a process that runs one program, by the state at its end."""
 
 
+class ProgramGlobals(dict[str, Any]):
+    """The variable monitor; a name that is not there is refused with the names that are."""
+
+    __slots__ = ()
+
+    def __missing__(self, name: object) -> Any:
+        near = did_you_mean(name, self) if isinstance(name, str) else ""
+        known = f"; there are {', '.join(sorted(self)[:20])}" if self else "; the program declares none"
+        raise KeyError(f"no global is called {name!r}{near or known}")
+
+
 class Look(NamedTuple):
     """State of a run at a tick; see the properties of `Run`."""
 
@@ -54,7 +65,7 @@ class Look(NamedTuple):
     joints: Six | tuple[()] = ()
     tcp_pose: Six | tuple[()] = ()
     signals: SignalRecord = SignalRecord()
-    globals: dict[str, Any] = {}  # noqa: RUF012
+    globals: dict[str, Any] = ProgramGlobals()
 
 
 class EventRecord:
@@ -202,6 +213,10 @@ class Run:
     def has_findings(self) -> bool:
         """Whether `findings` may have a row: False costs less than the list."""
         return self._found is not None or self.unit.findings != ()
+
+    def __getattr__(self, name: str) -> Any:
+        # Called for what is not there alone.
+        raise AttributeError(f"'Run' object has no attribute {name!r}{did_you_mean(name, dir(type(self)))}")
 
     @property
     def why(self) -> str | None:

@@ -102,6 +102,19 @@ def joined(separator: str, texts: Iterable[str]) -> str:
     return _made(separator.join(parts), template, tuple(zip(names, parts, strict=True)))
 
 
+def replaced(text: str, words: str, other: str) -> str:
+    """Return a text with other words, in the texts within it too; values that are no texts of `said` stay."""
+    if words not in text:
+        return text
+    if not isinstance(text, Said):
+        return text.replace(words, other)
+    values = {
+        name: replaced(value, words, other) if isinstance(value, Said) else value for name, value in text.values.items()
+    }
+    template = text.template.replace(escaped(words), escaped(other))
+    return _made(template.format_map(values), template, tuple(values.items()))
+
+
 def escaped(text: str) -> str:
     """Return a text as the template that makes it."""
     return text.replace("{", "{{").replace("}", "}}") if "{" in text or "}" in text else text
@@ -135,9 +148,13 @@ def rebuilt(text: str, template: str, values: Mapping[str, str | int]) -> Said:
     """
     plain, holes = _READ.get(template) or _read(template, is_kept=False)
     names = {name for name, _, _ in holes}
-    if plain != template or names != values.keys() or template.format_map(values) != text:
-        raise ValueError("a text that its template and values do not make")
-    return _made(text, template, tuple(values.items()))
+    if plain == template and names == values.keys():
+        # A short template may make a text that fills the memory.
+        lengths = {name: len(str(value)) for name, value in values.items()}
+        size = sum(lengths[hole[1]] for hole in _HOLE.finditer(template) if hole[1])
+        if size <= len(text) and template.format_map(values) == text:
+            return _made(text, template, tuple(values.items()))
+    raise ValueError("a text that its template and values do not make")
 
 
 _Holes = tuple[tuple[str, str | None, str | None], ...]

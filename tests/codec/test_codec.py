@@ -13,10 +13,10 @@ import pytest
 
 from elitescript.codec.json_text import from_text, to_text
 from elitescript.codec.messages import shape_of
-from elitescript.codec.values import CodecError
+from elitescript.codec.values import CodecError, with_parts, without_parts
 from elitescript.messages import events, faults, inputs, machine, motion, outcomes, outputs, snapshot, state, yielding
 from elitescript.messages.enums import AnalogDomain, RobotMode
-from elitescript.messages.events import Alarm, Event, Printed, SignalChanged
+from elitescript.messages.events import Alarm, Event, Printed, SignalChanged, Warned
 from elitescript.messages.faults import ChannelFault
 from elitescript.messages.inputs import ChannelData, Do, Input, PlayTask, RunUnit
 from elitescript.messages.line import LineSettings
@@ -26,6 +26,7 @@ from elitescript.messages.plant import PlantConfig
 from elitescript.messages.signals import SIGNALS, Signal
 from elitescript.messages.snapshot import Snapshot
 from elitescript.messages.snapshot_parts import ALL_PARTS
+from elitescript.said import said
 from tests.protocol.snapshots import output
 
 IMAGE = [field.name for field in fields(Snapshot)].index("signals")
@@ -307,3 +308,59 @@ class TestGarbage:
                 outcomes[True] += 1
         assert outcomes[False] > 1000
         assert outcomes[True] > 50
+
+
+class TestSaid:
+    TEXT = said("{value} of {limit}", value="a", limit=said("{n} {{x}}", n=3))
+
+    def test_a_text_alone_in_json(self):
+        data = shape_of(Warned).encode(Warned(1, self.TEXT))
+        assert '"a of 3 {x}"' in to_text(data)
+        assert "template" not in to_text(data)
+
+    def test_with_its_parts(self):
+        data = from_text(to_text(with_parts(shape_of(Warned).encode(Warned(1, self.TEXT)))))
+        assert data[1] == [
+            "said",
+            "a of 3 {x}",
+            "{value} of {limit}",
+            {"value": "a", "limit": ["said", "3 {x}", "{n} {{x}}", {"n": 3}]},
+        ]
+        found = shape_of(Warned).decode(data).text
+        assert found == self.TEXT
+        assert (found.template, found.values["limit"].template) == ("{value} of {limit}", "{n} {{x}}")
+        assert without_parts(data) == from_text(to_text(shape_of(Warned).encode(Warned(1, self.TEXT))))
+
+    @pytest.mark.parametrize(
+        "text",
+        [
+            ["said"],
+            ["said", "a", "a"],
+            ["said", "a", "a", []],
+            ["said", "a", "b", {}],
+            ["said", 1, "a", {}],
+            ["said", "a", "{x}", {"x": "b"}],
+            ["said", "a", "{x}", {"x": ["said", "a", "b", {}]}],
+            ["said", "a", "{x}", {"x": 1.5}],
+            ["said", "a", "{x}", {"x": None}],
+            ["said", "1" * 20, "{x}", {"x": 10**19 * 2}],
+            ["said", "aa", "{x.__class__}", {"x": "a"}],
+            ["said", "a", "{x}" * 100_000, {"x": "a" * 100_000}],
+        ],
+    )
+    def test_parts_that_make_no_text_are_refused(self, text):
+        data = shape_of(Warned).encode(Warned(1, ""))
+        with pytest.raises(CodecError):
+            shape_of(Warned).decode([data[0], text, *data[2:]])
+
+    def test_parts_within_parts_end(self):
+        text = ["said", "a", "{x}", {"x": "a"}]
+        for _ in range(10):
+            text = ["said", "a", "{x}", {"x": text}]
+        data = shape_of(Warned).encode(Warned(1, ""))
+        with pytest.raises(CodecError):
+            shape_of(Warned).decode([data[0], text, *data[2:]])
+
+    def test_halves_of_pairs_are_no_parts(self):
+        data = with_parts(shape_of(Warned).encode(Warned(1, said("{x}", x="\ud83d"))))
+        assert data[1] == "\\ud83d"

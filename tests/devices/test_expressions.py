@@ -60,6 +60,17 @@ def test_they_say_which_signals_they_depend_on():
         ("(" * 500 + ")" * 500, "is no expression"),
         ("1" * 3000, "2000 characters at most"),
         (3, "write an expression as a text"),
+        ("standard_digital_out[0] && a", "write `and` instead of `&&`"),
+        ("standard_digital_out[0] || a", "write `or` instead of `\\|\\|`"),
+        ("!standard_digital_out[0]", "write `not` instead of `!`"),
+        ("standard_digital_out[0] = True", "write `==` instead of `=`"),
+        ("'a = b' === a", "write `==` instead of `===`"),
+        ("standard_digital_out[0] AND a", "write `and` instead of `AND`"),
+        ("standard_digital_out[0] ? 1 : 0", "`a if condition else b`"),
+        ("standard_digital_out[0] == true", "write True"),
+        ("standard_digital_ot[0]", "did you mean 'standard_digital_out'"),
+        ("standard_digital_uot", "did you mean 'standard_digital_out'"),
+        ("get_standard_digital_out(3)", r"write standard_digital_out\[3\]"),
     ],
 )
 def test_what_is_not_possible_is_refused(text, words):

@@ -13,14 +13,18 @@ from elitescript.messages import events
 from elitescript.messages.events import ChannelActivity, Event, SignalChanged, Warned
 from tools.events_page import EXAMPLES, events_page, field_texts
 
+PARTS = "template values hint_template hint_values"
 EXPECTED = {
     "TextMessage": ("log", "t level text thread line"),
     "Printed": ("print", "t text thread line"),
     "Popup": ("popup", "t level title text blocking confirmed thread line"),
-    "Warned": ("warning", "t text thread line code hint source severity"),
-    "DeviceNoted": ("device", "t level device text"),
-    "Alarm": ("alarm", "t code class text line column thread command argument value limit unit hint"),
-    "SafetyModeChanged": ("safety", "t mode text"),
+    "Warned": ("warning", "t text thread line code hint source severity " + PARTS),
+    "DeviceNoted": ("device", "t level device text template values"),
+    "Alarm": (
+        "alarm",
+        "t code class text line column thread command argument value limit unit hint " + PARTS,
+    ),
+    "SafetyModeChanged": ("safety", "t mode text template values"),
     "SignalChanged": ("signal", "t name value by line"),
     "ChannelActivity": ("channel", "t channel kind what data line thread"),
 }
@@ -84,6 +88,10 @@ def test_a_warning_says_its_code_and_hint_if_it_has_them():
         "line": 3,
         "code": "W230",
         "hint": "give m/s",
+        "template": "too fast",
+        "values": {},
+        "hint_template": "give m/s",
+        "hint_values": {},
     }
 
 

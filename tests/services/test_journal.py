@@ -10,9 +10,11 @@ from elitescript.cli.main import main
 from elitescript.environment.memory import MemoryFiles
 from elitescript.errors import UsageError
 from elitescript.kernel import RobotOptions
+from elitescript.messages.events import Warned
 from elitescript.messages.inputs import Do, LoadTask, PlayTask, RunUnit
 from elitescript.messages.machine import WritePortCoils, WritePortRegisters, WriteSignal
 from elitescript.messages.plant import PlantConfig
+from elitescript.said import said
 from elitescript.services.journal.replay import RecordedRobot, Replay
 from elitescript.services.journal.writer import DIGEST_TICKS, Journal, JournalReader
 
@@ -158,6 +160,17 @@ class TestJournal:
         ]
         assert journal.take_warning(4) == ()
         journal.close()
+
+    def test_texts_that_were_told_keep_their_parts(self, tmp_path):
+        path = tmp_path / "told.journal"
+        journal = Journal(path, CONFIG)
+        journal.told(0, [Warned(0, said("{n} times", n=3)), Warned(0, "so")])
+        journal.told(1, [Warned(1, "so")])
+        journal.close()
+        first, second = (json.loads(line) for line in lines_of(path) if '"told"' in line)
+        assert first["events"][0][2] == "3 times"
+        assert first["said"][0][2] == ["said", "3 times", "{n} times", {"n": 3}]
+        assert "said" not in second
 
     def test_a_place_that_cannot_be_written_is_told(self, tmp_path):
         with pytest.raises(UsageError, match="--journal"):

@@ -7,6 +7,10 @@ from typing import Any
 
 import pytest
 
+from elitescript.codec.messages import shape_of
+from elitescript.codec.values import with_parts
+from elitescript.messages.events import Event, Warned
+from elitescript.said import said
 from elitescript.services.journal.records import DIGEST_TICKS, RecordError, RecordReader, check_answer
 
 TICK = {"tick": 3, "in": []}
@@ -22,6 +26,21 @@ def refusal(*records: Any) -> str:
     with pytest.raises(RecordError) as caught:
         read(*records)
     return str(caught.value)
+
+
+TEXT = said("{n} times", n=3)
+WRITTEN = shape_of(Event).encode(Warned(90, TEXT))
+
+
+def test_texts_of_events_may_have_their_parts():
+    told = {"told": 90, "events": [WRITTEN]}
+    (plain,) = read(told)
+    (whole,) = read(told | {"said": with_parts([WRITTEN])})
+    assert plain["events"] == whole["events"] == [Warned(90, TEXT)]
+    assert whole["events"][0].text.template == "{n} times"
+    other = with_parts([shape_of(Event).encode(Warned(90, said("{n} days", n=3)))])
+    assert "texts of the events" in refusal(told | {"said": other})
+    assert "a list is expected" in refusal(told | {"said": 5})
 
 
 def test_lines_in_their_order_pass():

@@ -11,7 +11,9 @@ from elitescript.codec.json_text import from_text, to_text
 from elitescript.codec.values import CodecError
 from elitescript.kernel import Kernel, RobotOptions
 from elitescript.messages.enums import RobotMode
+from elitescript.messages.events import Alarm, Warned
 from elitescript.messages.inputs import RunUnit
+from elitescript.said import said
 from elitescript.services.child import frames
 from elitescript.services.child.output_changes import OutputReader, OutputWriter
 from elitescript.services.output_text import output_text
@@ -53,6 +55,29 @@ def test_the_sign_of_a_zero_is_a_change():
     second = replace(first, snapshot=replace(first.snapshot, tcp_force=(0.0,) * 5 + (-0.0,)))
     _, found = sent(writer, reader, second)
     assert repr(found.snapshot.tcp_force) == repr(second.snapshot.tcp_force)
+
+
+def test_texts_keep_their_template_and_the_digest_has_the_text_alone():
+    inner = said("{limit} is the limit", limit=3)
+    text = said("{value:.1f} is too much: {why}", value=4, why=inner)
+    alarm = Alarm(1, "R102", "ValueError", text, 1, 1, "main", "", {"hint": inner, "hints": [inner]})
+    events = (Warned(1, text, hint=inner), alarm)
+    details = {"hint": str(inner), "hints": [str(inner)]}
+    plain = (Warned(1, str(text), hint=str(inner)), replace(alarm, text=str(text), details=details))
+    for first in (True, False):
+        writer, reader = OutputWriter(), OutputReader()
+        if not first:
+            sent(writer, reader, output(0))
+        whole = replace(output(1), events=events)
+        _, found = sent(writer, reader, whole)
+        assert found == whole
+        for event in found.events:
+            assert event.text.template == "{value} is too much: {why}"
+            assert event.text.values["why"].values == {"limit": 3}
+        assert found.events[0].hint.template == inner.template
+        assert found.events[1].details["hint"].template == inner.template
+        assert found.events[1].details["hints"][0].template == inner.template
+        assert reader.text() == output_text(whole) == output_text(replace(whole, events=plain))
 
 
 def changes(rest=None, *, bits=0, numbers=b"", tick=2):

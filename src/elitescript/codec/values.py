@@ -10,6 +10,7 @@ from typing import Any, Final, Generic, TypeVar
 
 from elitescript.errors import PeerError
 from elitescript.messages.signals import INT32_HIGH, INT32_LOW, SIGNALS, Signal
+from elitescript.said import Said, rebuilt, template_of
 from elitescript.shown import encodable
 
 T = TypeVar("T")
@@ -20,6 +21,8 @@ INT_LIMIT: Final = 2**63
 """Whole numbers of messages are in [-INT_LIMIT, INT_LIMIT)."""
 _DEPTH_MAX: Final = 8
 """Lists in lists that the details of an alarm may have."""
+_SAID: Final = "said"
+"""What a text that keeps its template and values begins with."""
 _NON_FINITE: Final = {"NaN": float("nan"), "Infinity": float("inf"), "-Infinity": float("-inf")}
 _LEVELS: Final = bytes.maketrans(b"\0\1", b"01")
 
@@ -79,12 +82,54 @@ def check_list(data: Any, count: int) -> None:
 
 
 def write_text(value: str) -> str:
-    """Return a text with an escape for each half of a surrogate pair."""
-    return encodable(str.__str__(value))
+    """Return a text with an escape for each half of a surrogate pair; one of `said` keeps its parts: `with_parts`."""
+    text = encodable(str.__str__(value))
+    return value if type(value) is Said and text == value else text
+
+
+def with_parts(data: Any) -> Any:
+    """Return encoded data in which each text of `said` is `["said", text, template, values]`, not the text alone.
+
+    What is encoded has the text alone as JSON, and is read as such; this form keeps template and values too.
+    """
+    if type(data) is Said:
+        values = {name: with_parts(value) for name, value in data.values.items()}
+        return [_SAID, str(data), template_of(data), values]
+    if type(data) is list:
+        return [with_parts(item) for item in data]
+    if type(data) is dict:
+        return {key: with_parts(item) for key, item in data.items()}
+    return data
+
+
+def without_parts(data: Any) -> Any:
+    """Return data of `with_parts` with the texts alone."""
+    if type(data) is list:
+        return data[1] if data[:1] == [_SAID] else [without_parts(item) for item in data]
+    if type(data) is dict:
+        return {key: without_parts(item) for key, item in data.items()}
+    return data
+
+
+def _read_said(data: list[Any], depth: int = 0) -> Said:
+    if depth > _DEPTH_MAX or len(data) != 4 or type(data[3]) is not dict:
+        raise CodecError("a text with template and values is expected")
+    values: dict[str, str | int] = {}
+    for name, value in data[3].items():
+        if type(value) is list and value[:1] == [_SAID]:
+            values[name] = _read_said(value, depth + 1)
+        else:
+            values[name] = value if type(value) is int and not is_large(value) else read_text(value)
+    try:
+        return rebuilt(read_text(data[1]), read_text(data[2]), values)
+    except ValueError as error:
+        raise CodecError(str(error)) from None
 
 
 def read_text(data: Any) -> str:
     """Return a text, or raise `CodecError`."""
+    if type(data) is list and data[:1] == [_SAID]:
+        return _read_said(data)
     if type(data) is not str:
         raise CodecError(f"a text is expected, not {shown(data)}")
     if not data.isascii():
@@ -146,6 +191,8 @@ def _read_any(data: Any, depth: int = 0) -> Any:
     if depth <= _DEPTH_MAX and type(data) is dict:
         return {read_text(key): _read_any(item, depth + 1) for key, item in data.items()}
     if depth <= _DEPTH_MAX and type(data) is list and data:
+        if data[0] == _SAID:
+            return _read_said(data)
         if data[0] == "float" and len(data) == 2:
             return _read_float(data[1])
         items = [_read_any(item, depth + 1) for item in data[1:]]

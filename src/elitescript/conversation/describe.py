@@ -37,6 +37,7 @@ from elitescript.messages.motion import MotionRequest, MoveC, MoveJ, MoveL, Move
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import seconds
 from elitescript.records import field, record, replace
+from elitescript.said import parts_of
 from elitescript.solids.contacts import Contact
 from elitescript.untrusted.json_text import json_value
 
@@ -164,6 +165,7 @@ def problem(found: Diagnostic) -> Message:
         "end_line": found.end_line,
         "end_column": found.end_column,
     }
+    made |= _parts(made)
     if found.fix is not None and found.fix.safe:
         fix = {"title": cut_text(found.fix.title), "edits": [edit._asdict() for edit in found.fix.edits]}
         if size_of(fix) <= FIX_BYTES_MAX:
@@ -393,7 +395,13 @@ def run_findings(findings: Sequence[Finding]) -> list[Message]:
                 "hint": cut_text(finding.hint),
             }
         )
+        rows[-1] |= _parts(rows[-1])
     return rows
+
+
+def _parts(made: Message) -> Message:
+    """Return template and values of the text and the hint of a message; what was cut is a constant."""
+    return parts_of(made["text"]) | parts_of(made["hint"], "hint_")
 
 
 # ---------------------------------------------------------------- alarms
@@ -407,7 +415,7 @@ def alarm_report(found: Alarm, asked: MotionRequest | None = None) -> Message:
         asked: the motion that was refused or under way; None if it has nothing to do with one.
     """
     details = found.details
-    hints = [str(hint) for hint in (details.get("hint", ""), *details.get("hints", ())) if hint]
+    hints = [hint for hint in (details.get("hint", ""), *details.get("hints", ())) if hint]
     made: Message = {
         "t": seconds(found.tick),
         "line": found.line,
@@ -415,6 +423,8 @@ def alarm_report(found: Alarm, asked: MotionRequest | None = None) -> Message:
         "code": found.code,
         "text": found.text,
         "hints": hints,
+        **parts_of(cut(found.text)[0]),
+        "hint_parts": [parts_of(cut(hint)[0]) for hint in hints],
     }
     if (limit := limit_in_words(details)) != "":
         made["limit"] = limit

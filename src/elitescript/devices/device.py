@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final
 
+from elitescript.devices.doubts import Doubt
 from elitescript.devices.signals import RobotSignals, SignalHub
 from elitescript.errors import UsageError, did_you_mean
-from elitescript.messages.events import DeviceNoted
+from elitescript.messages.events import DeviceNoted, Warned
 from elitescript.messages.signals import Value
 from elitescript.messages.timing import ticks_for
 
@@ -96,6 +97,12 @@ class DeviceContext:
         if self.signals.robot is not None:
             self.signals.robot.emit(DeviceNoted(self.agenda.tick, device, text, is_warning))
 
+    def doubt(self, doubt: Doubt) -> None:
+        """Put what is hardly meant into the record of the run."""
+        if self.signals.robot is not None:
+            code = "W293" if doubt.severity == "warning" else "N290"
+            self.signals.robot.emit(Warned(self.agenda.tick, doubt.text, "", 0, code, doubt.hint, 0, doubt.severity))
+
 
 class Device:
     """Something beside the robot; the base class of all devices.
@@ -134,6 +141,7 @@ class Device:
     _context: DeviceContext | None = None
     _random: Random | None = None
     _is_gone: bool = False
+    _has_missed: bool = False
 
     def __init__(self, **settings: Any) -> None:
         known = setting_names(type(self))
@@ -165,6 +173,11 @@ class Device:
     def title(self) -> str:
         """What messages call it."""
         return self.name or type(self).__name__
+
+    @property
+    def held_signal(self) -> str:
+        """The signal whose level it determines at every moment; empty if it determines none."""
+        return ""
 
     @property
     def driven_inputs(self) -> list[str]:
@@ -227,6 +240,19 @@ class Device:
     def warn(self, text: str) -> None:
         """Add a warning to the record of the run."""
         self._in_world().note(self.title, text, is_warning=True)
+
+    def miss_method(self, written: str, got: str) -> None:
+        """Warn that what has come reaches no method of a user's class; once, and not if the class has no methods.
+
+        Args:
+            written: how the method that takes it is defined, such as `line_received(self, line)`.
+            got: what has come.
+        """
+        own = sorted(name for name in own_methods(type(self)) if not name.startswith("_"))
+        if own and not self._has_missed:
+            self._has_missed = True
+            names = ", ".join(f"{name}()" for name in own[:4])
+            self.warn(f"got {got[:60]!r}, and has no {written} that takes it; nothing calls {names}")
 
     # ---------------------------------------------------------------- called by the world
 
@@ -294,15 +320,20 @@ def setting_names(device_class: type[Device]) -> list[str]:
     return names
 
 
-def misspelt(device_class: type[Device]) -> list[tuple[str, str]]:
-    """Return methods of a user's class that are almost called like one of ours, each with that one."""
-    own = {
+def own_methods(device_class: type[Device]) -> set[str]:
+    """Return the names of the methods of a user's class."""
+    return {
         name
         for owner in device_class.__mro__
         if not _is_ours(owner)
         for name, value in vars(owner).items()
         if callable(value)
     }
+
+
+def misspelt(device_class: type[Device]) -> list[tuple[str, str]]:
+    """Return methods of a user's class that are almost called like one of ours, each with that one."""
+    own = own_methods(device_class)
     if not own:
         return []
     from difflib import get_close_matches

@@ -11,7 +11,8 @@ import operator
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
-from elitescript.errors import UsageError
+from elitescript.errors import UsageError, did_you_mean
+from elitescript.language.advice.expression_slips import plain_word, slip
 from elitescript.messages.signals import SIGNALS, Value, parse_signal_name, signal_name
 
 _OPERATORS: Final[dict[type, Callable[[Any, Any], Any]]] = {
@@ -66,7 +67,9 @@ class Expression:
         try:
             self._body = ast.parse(text.strip(), mode="eval").body
         except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-            raise UsageError(f"{text!r} is no expression: {getattr(error, 'msg', error)}") from None
+            found = slip(text)
+            reason = getattr(error, "msg", error) if found is None else found.text
+            raise UsageError(f"{text!r} is no expression: {reason}") from None
         self.text = text
         self._names = names
         signals: dict[str, None] = {}
@@ -97,8 +100,7 @@ class Expression:
         match node:
             case ast.Name(id=name):
                 if name not in self._names:
-                    known = f"; it may name signals and {', '.join(self._names)}" if self._names else ""
-                    raise UsageError(f"{self.text!r}: nothing is called {name!r}{known}")
+                    raise UsageError(f"{self.text!r}: nothing is called {name!r}{self._known(name)}")
             case ast.Call(func=ast.Name(id=name), keywords=[]) if name in _FUNCTIONS:
                 for argument in node.args:
                     self._check(argument, signals)
@@ -120,10 +122,24 @@ class Expression:
                         self._check(child, signals)
                     elif type(child) not in (*_OPERATORS, ast.And, ast.Or, ast.Not, ast.USub, ast.UAdd, ast.Load):
                         raise UsageError(f"{self.text!r}: {type(child).__name__} is not possible here")
+            case ast.Call(func=ast.Name(id=name), args=[ast.Constant(value=int() as index)]) if (
+                signal := name.removeprefix("get_").removeprefix("read_")
+            ) in SIGNALS:
+                raise UsageError(f"{self.text!r}: write {signal}[{index}], as `--set` names signals")
             case _:
                 known = ", ".join(sorted(_FUNCTIONS))
                 what = ast.unparse(node)
                 raise UsageError(f"{self.text!r}: {what!r} is not possible here; functions are {known}")
+
+    def _known(self, name: str) -> str:
+        """Return what may be meant by a name that is not there."""
+        word = plain_word(name)
+        if word:
+            return f"; write {word}"
+        if name in SIGNALS:
+            return f"; write {signal_name(SIGNALS[name], 0)}"
+        known = f"; it may name signals and {', '.join(self._names)}" if self._names else "; it may name signals"
+        return did_you_mean(name, (*self._names, *SIGNALS)) or known
 
     def _signal(self, node: ast.AST) -> str | None:
         """Return the name of the signal that a node means; None if it means none."""

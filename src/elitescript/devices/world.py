@@ -17,6 +17,7 @@ from elitescript.devices.channels.faults import (
     Fault,
     check_protocol,
     check_together,
+    fault_from,
     is_of_input,
     nowhere,
     place_of,
@@ -24,9 +25,10 @@ from elitescript.devices.channels.faults import (
 from elitescript.devices.channels.faulty_channels import FaultyChannels
 from elitescript.devices.channels.machine_faults import channel_fault, input_request
 from elitescript.devices.channels.network import VirtualNetwork
-from elitescript.devices.device import Device, DeviceContext, misspelt
+from elitescript.devices.device import Device, DeviceContext, misspelt, setting_names
+from elitescript.devices.doubts import Doubt, doubts_of, doubts_of_held
 from elitescript.devices.surroundings import REAL, VIRTUAL, RobotAccess, Surroundings
-from elitescript.errors import UsageError
+from elitescript.errors import UsageError, suggests_keywords
 from elitescript.messages.faults import Passing
 from elitescript.messages.machine import DisturbInput, EndInputFaults
 from elitescript.messages.signals import Value
@@ -84,6 +86,7 @@ class World(Surroundings):
         (['closed'], 0.3)
     """
 
+    @suggests_keywords
     def __init__(
         self,
         devices: Iterable[Device] = (),
@@ -134,7 +137,7 @@ class World(Surroundings):
         Raises:
             UsageError: there is no such fault, or it makes no sense there.
         """
-        fault = self.resolved(Fault(kind, on, **settings))
+        fault = self.resolved(fault_from({"kind": kind, "on": on, **settings}))
         now = replace(fault, at_s=max(fault.at_s, self.agenda.time_s))
         check_together([*self._faults, now])
         self.add_fault(now)
@@ -258,6 +261,16 @@ class World(Surroundings):
         self.signals.robot = robot
         for device in self.devices:
             self._start(device)
+        self._doubt(doubts_of_held((device.name or device.title, device.held_signal) for device in self.devices))
+        for fault in self._faults:
+            self._doubt(
+                doubts_of(f"{fault.kind} on {fault.on}", {"delay_s": fault.delay_s, "settle_s": fault.settle_s})
+            )
+
+    def _doubt(self, doubts: Iterable[Doubt]) -> None:
+        # In the first tick, so that the record of the run has it.
+        for doubt in doubts:
+            self.agenda.put(1, partial(self._context.doubt, doubt))
 
     def _start(self, device: Device) -> None:
         for name, near in misspelt(type(device)):
@@ -265,6 +278,7 @@ class World(Surroundings):
             self.agenda.put(
                 1, partial(self._context.note, device.title, _NEVER.format(name, near), is_warning=True), device
             )
+        self._doubt(doubts_of(device.title, {name: getattr(device, name) for name in setting_names(type(device))}))
         self.agenda.attempt(device.begin, device)
         self.agenda.attempt(device.started, device)
 

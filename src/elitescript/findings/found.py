@@ -12,6 +12,7 @@ from elitescript.messages.events import SOURCES, Alarm, DeviceNoted, Warned
 from elitescript.messages.findings import ERROR, NOTE, SEVERITIES, WARNING, Finding
 from elitescript.messages.timing import seconds
 from elitescript.records import replace
+from elitescript.said import parts_of, said
 
 KINDS_MAX: Final = 1000
 """Different findings of a run that are kept; further ones are counted with the first of their code."""
@@ -83,6 +84,8 @@ class Findings(tuple[Finding, ...]):
                 "count": row.count,
                 "thread": row.thread,
                 "source": row.source,
+                **parts_of(row.text),
+                **parts_of(row.hint, "hint_"),
             }
             for row in self
         ]
@@ -169,12 +172,13 @@ def finding_of(event: Warned | DeviceNoted | Alarm, start_tick: int = 0) -> Find
             ERROR,
             event.line,
             event.column,
-            f"{event.class_name}: {event.text}",
-            str(event.details.get("hint", "")),
+            said("{kind}: {text}", kind=event.class_name, text=event.text),
+            event.details.get("hint", ""),
             t,
             thread=event.thread,
             source=SOURCES.get(event.code, "run"),
         )
     if not event.is_warning:
         return None
-    return Finding("", WARNING, 0, 0, f"{event.device}: {event.text}", t=t, source="device")
+    text = said("{device}: {text}", device=event.device, text=event.text)
+    return Finding("", WARNING, 0, 0, text, t=t, source="device")

@@ -8,6 +8,7 @@ from typing import Any, Final
 from elitescript.messages import events
 from elitescript.messages.events import Event
 from elitescript.messages.timing import seconds
+from elitescript.said import parts_of
 
 Record = dict[str, Any]
 
@@ -45,12 +46,15 @@ def _warning(event: events.Warned) -> Record:
     given = (name for name in ("code", "hint", "column") if getattr(event, name))
     kind = "note" if event.severity == "note" else "warning"
     record = _fields(kind, "text", "thread", "line", *given, "source")(event)
-    return record | {"severity": event.severity} if event.code else record
+    if event.code:
+        record["severity"] = event.severity
+    return record | _parts(event.text, event.hint)
 
 
 def _device(event: events.DeviceNoted) -> Record:
     level = "warning" if event.is_warning else "info"
-    return {"type": "device", "t": seconds(event.tick), "level": level, "device": event.device, "text": event.text}
+    record = {"type": "device", "t": seconds(event.tick), "level": level, "device": event.device, "text": event.text}
+    return record | _parts(event.text)
 
 
 def _alarm(event: events.Alarm) -> Record:
@@ -64,11 +68,18 @@ def _alarm(event: events.Alarm) -> Record:
         "column": event.column,
         "thread": event.thread,
         **event.details,
+        **_parts(event.text, event.details.get("hint", "")),
     }
 
 
 def _safety(event: events.SafetyModeChanged) -> Record:
-    return {"type": "safety", "t": seconds(event.tick), "mode": event.mode.name, "text": event.reason}
+    record = {"type": "safety", "t": seconds(event.tick), "mode": event.mode.name, "text": event.reason}
+    return record | _parts(event.reason)
+
+
+def _parts(text: str, hint: str = "") -> Record:
+    """Return template and values of a text, and of a hint if there is one."""
+    return parts_of(text) | (parts_of(hint, "hint_") if hint else {})
 
 
 RECORDS: Final[dict[type, Callable[[Any], Record] | None]] = {

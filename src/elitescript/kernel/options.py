@@ -493,15 +493,20 @@ def robot_options(
     return RobotOptions(**{**base, **from_file, **chosen})
 
 
-def check_keywords(names: Iterable[str]) -> None:
+def check_keywords(names: Iterable[str], others: Iterable[str] = ()) -> None:
     """Refuse keywords that are no options, as a function with these keywords would.
+
+    Args:
+        names: of the keywords.
+        others: further keywords that the function has.
 
     Raises:
         TypeError: there is one; the text names the nearest option.
     """
     for name in names:
         if name not in KEYWORDS:
-            raise TypeError(f"got an unexpected keyword argument {name!r}{did_you_mean(name, KEYWORDS)}")
+            near = did_you_mean(name, (*KEYWORDS, *others))
+            raise TypeError(f"got an unexpected keyword argument {name!r}{near}")
 
 
 def options_of_table(table: Mapping[str, Any]) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from elitescript.errors import CODES
 from elitescript.records import NamedTuple, record
+from elitescript.said import parts_of
 from elitescript.shown import shown, shown_word
 
 LINE_SHOWN: Final = 160
@@ -139,6 +140,8 @@ def to_json(diagnostic: Diagnostic) -> dict[str, Any]:
         "column": diagnostic.column,
         "text": diagnostic.text,
         "hint": diagnostic.hint,
+        **parts_of(diagnostic.text),
+        **parts_of(diagnostic.hint, "hint_"),
     }
 
 

@@ -515,6 +515,22 @@ _TEXTS: Final[dict[str, str]] = {
 
             s = socket_read_string("cam", suffix="\\r\\n")    # W283 for "12.5\\n": read with suffix="\\n"
         """,
+    "W293": """
+        A setting of a device beside the robot that is possible and hardly meant: a connection that takes 20 s or more,
+        a wire or schedule that sets an output of the robot, or two wires that determine the level of one input.
+
+            [[tcp]]
+            port = 5000
+            latency_s = 50                     # W293: 50 ms are 0.05
+        """,
+    "N290": """
+        A machine of the world file takes 100 s or more. Some do; often milliseconds were meant.
+
+            [[wire]]
+            when = "standard_digital_out[0]"
+            then = "standard_digital_in[1]"
+            after_s = 500                      # N290: 500 ms are 0.5
+        """,
     "N281": """
         The peer has closed the connection, or it broke, and the program goes on reading or sending. Readings give
         nothing, sending returns False. Told once a connection; what had arrived before the close is read without it.

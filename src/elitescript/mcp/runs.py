@@ -23,6 +23,7 @@ from elitescript.messages.signals import Value
 from elitescript.plotting.events import moves
 from elitescript.robot import VirtualRobot
 from elitescript.run import Run
+from elitescript.said import parts_of
 from elitescript.world_file import closed_world
 
 FINDINGS_MAX: Final = 100
@@ -129,6 +130,8 @@ def _finding(problem: Diagnostic) -> dict[str, Any]:
         "column": problem.column,
         "text": problem.text,
         "hint": problem.hint,
+        **parts_of(problem.text),
+        **parts_of(problem.hint, "hint_"),
     }
     if problem.fix is not None:
         found["fix"] = problem.fix.title

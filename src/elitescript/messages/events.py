@@ -61,6 +61,7 @@ BARRED: Final = "W274"
 
 SOURCES: Final = {
     "N280": "end",
+    "N290": "device",
     "R110": "limit",
     "R130": "end",
     "R140": "limit",
@@ -68,6 +69,7 @@ SOURCES: Final = {
     "R142": "limit",
     "W273": "contact",
     "W280": "end",
+    "W293": "device",
     UNDELIVERED: "end",
 }
 """What has found a warning or alarm, by its code; `run` for all others. See `findings.Finding.source`."""
@@ -95,7 +97,7 @@ class Warned:
 
     @property
     def source(self) -> str:
-        """What has found it: `run`, `contact`, `limit` or `end`."""
+        """What has found it: `run`, `contact`, `device`, `limit` or `end`."""
         return SOURCES.get(self.code, "run")
 
     def __str__(self) -> str:

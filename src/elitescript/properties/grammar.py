@@ -11,10 +11,11 @@ from math import isfinite
 from typing import Any, Final, NoReturn
 
 from elitescript.errors import UsageError, did_you_mean
+from elitescript.language.advice.expression_slips import plain_word, slip
 from elitescript.messages.signals import SIGNALS, parse_signal_name, signal_name
 from elitescript.properties import over_time
 from elitescript.properties.functions import DIGITS_MAX, EXPONENT_MAX, FUNCTIONS, powered
-from elitescript.properties.names import CONSTANTS, INSTEAD, OVER_TIME, RECORD, TEXTS
+from elitescript.properties.names import CONSTANTS, COUNTED, INSTEAD, LISTS, OVER_TIME, RECORD, TEXTS
 from elitescript.properties.over_time import FUNCTIONS_OVER_TIME, Part, keys_over_time, part_of
 from elitescript.properties.pieces import (
     ANY,
@@ -46,6 +47,7 @@ from elitescript.properties.places import located, wrong_at
 from elitescript.properties.units import Unit, UnitsDiffer, common, power, product, unit, unit_text
 from elitescript.properties.verdicts import NOTHING, Needs, Undefined, plain
 from elitescript.records import NamedTuple
+from elitescript.run import EXIT_CODES
 from elitescript.values.plain import BINARY, COMPARISONS
 
 TEXT_MAX: Final = 2000
@@ -125,6 +127,12 @@ def tree_of(text: str) -> ast.expr:
     try:
         return ast.parse(text, mode="eval").body
     except SyntaxError as error:
+        found = slip(text)
+        if found is not None:
+            name = text[: found.start].strip()
+            is_global = text[found.start : found.end] == "=" and name.isidentifier() and name not in RECORD
+            advice = f'write globals["{name}"] == ...: `==` compares' if is_global else found.text
+            raise located(text, found.start, found.end, advice) from None
         column = min(max(error.offset or 1, 1), len(text)) - 1
         raise located(text, column, column + 1, error.msg) from None
     except (ValueError, RecursionError, MemoryError) as error:
@@ -236,12 +244,18 @@ class _Reader:
         if name == "findings" and not self._is_over_time:
             key = ast.copy_location(ast.Constant(node.attr), node)
             return self._subscript(ast.copy_location(ast.Subscript(node.value, key, ast.Load()), node))
+        if name == "signals" and node.attr in SIGNALS:
+            raise self._wrong(node, f"write {self._signal_example(node.attr)}")
         if name in ("globals", "signals"):
             raise self._wrong(node, f'write {name}["{node.attr}"]')
+        if name == "run" and node.attr in RECORD:
+            raise self._wrong(node, f"write {node.attr} alone, without `run.`")
         return self._not_possible(node)
 
     def _unknown_name(self, node: ast.AST, name: str) -> UsageError:
         """Return the refusal of a name."""
+        if self._globals is not None and name in self._globals and not self._is_over_time:
+            return self._wrong(node, f'{name!r} is a global of the program: write globals["{name}"]')
         if name in OVER_TIME:
             return self._wrong(node, f"{name!r} is there inside functions over time alone, such as always(...)")
         if self._is_over_time and name in RECORD:
@@ -251,9 +265,14 @@ class _Reader:
             return self._wrong(node, f"{name!r} is a function: call it, as {name}(...)")
         if name in SIGNALS:
             return self._wrong(node, f"{name!r} is a signal: write {self._signal_example(name)}")
+        if word := plain_word(name) or (f'"{name}"' if name in EXIT_CODES else ""):
+            return self._wrong(node, f"write {word}")
+        if name in COUNTED and not self._is_over_time:
+            return self._wrong(node, f"nothing is called {name!r}: write findings.{COUNTED[name]}")
         known = (*(OVER_TIME if self._is_over_time else RECORD), *CONSTANTS)
         near = did_you_mean(name, known)
-        return self._wrong(node, f"nothing is called {name!r}{near or '; there are ' + ', '.join(known)}")
+        of_program = "" if near or self._is_over_time else f'; a global of the program is globals["{name}"]'
+        return self._wrong(node, f"nothing is called {name!r}{near or '; there are ' + ', '.join(known)}{of_program}")
 
     def _signal_example(self, family: str) -> str:
         name = signal_name(SIGNALS[family], 0)
@@ -423,12 +442,13 @@ class _Reader:
         if kinds <= {NUMBER, LEVEL} and (kinds == {NUMBER} or is_order or NUMBER in kinds):
             return self._numbers_compared(node, sign, left, right)
         for side, other in ((left, right), (right, left)):
-            if isinstance(side.node, ast.Name) and side.node.id == "warnings" and other.kind == NUMBER:
-                raise self._wrong(
-                    node,
-                    "warnings is the list of texts: len(warnings) counts it, and findings.warning counts what text and "
-                    "run have found, each once",
-                )
+            if isinstance(side.node, ast.Name) and side.node.id in LISTS and other.kind == NUMBER:
+                raise self._wrong(node, LISTS[side.node.id])
+            is_state = isinstance(side.node, ast.Name) and side.node.id == "state"
+            if is_state and other.is_literal and other.kind == TEXT and other.constant not in EXIT_CODES:
+                near = did_you_mean(str(other.constant).lower(), EXIT_CODES)
+                states = f"; there are {', '.join(EXIT_CODES)}"
+                raise self._wrong(other.node, f"no run ends with {other.constant!r}{near or states}")
         if is_order:
             for side in (left, right):
                 if side.kind not in (*NUMBERS, ANY):
@@ -566,6 +586,9 @@ class _Reader:
             return self._function(node, name)
         if name in OVER_TIME or name in RECORD or name in CONSTANTS:
             raise self._wrong(node.func, f"{name!r} is a value, and cannot be called")
+        family = name.removeprefix("get_").removeprefix("read_")
+        if family in SIGNALS:
+            raise self._wrong(node, f"commands are not there: write {self._signal_example(family)}")
         known = (*FUNCTIONS, "len", *(("signal",) if self._is_over_time else FUNCTIONS_OVER_TIME))
         near = did_you_mean(name, known)
         raise self._wrong(node.func, f"there is no function {name!r}{near or '; there are ' + ', '.join(known)}")

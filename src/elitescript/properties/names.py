@@ -151,5 +151,19 @@ OVER_TIME: Final[dict[str, OverTime]] = {
 
 CONSTANTS: Final = {"pi": pi}
 
+COUNTED: Final = {"errors": "error", "warning": "warning", "error": "error", "notes": "note", "note": "note"}
+"""Keys of `findings` that people write as names."""
+
+LISTS: Final = {
+    "warnings": "warnings is the list of texts: write findings.warning, which counts what text and run have found, "
+    "each once, or len(warnings)",
+    "alarms": "alarms is the list of alarms: write len(alarms)",
+    "contacts": "contacts is the list of contacts: write len(contacts)",
+    "log": "log is the list of texts: write len(log)",
+    "printed": "printed is the list of texts: write len(printed)",
+    "findings": "findings has a number for each severity: write findings.error, findings.warning or findings.note",
+}
+"""What to write where one of these is compared with a number."""
+
 INSTEAD: Final = {"joints": "q", "tcp_pose": "tcp", "time_s": "t", "signals": 'signal("...")'}
 """What there is over time instead of a name of the record."""

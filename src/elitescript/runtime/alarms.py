@@ -14,6 +14,7 @@ from elitescript.commands.definition.quantities import shown
 from elitescript.commands.definition.registry import Catalogue
 from elitescript.commands.definition.vocabulary import newer_firmware_hint, newer_firmware_text, vocabulary_of
 from elitescript.errors import CODES, ProgramError, ScriptError
+from elitescript.errors import text_of as text_of_error
 from elitescript.language.compiler import column_of
 from elitescript.language.diagnostics import line_kept
 from elitescript.language.limits import LONG_TEXT
@@ -23,6 +24,7 @@ from elitescript.messages.events import Alarm
 from elitescript.messages.profile import Profile, release_of
 from elitescript.records import NamedTuple
 from elitescript.runtime.threads.strand import INNER_TEXTS, Strand
+from elitescript.said import Said, joined, said
 
 if TYPE_CHECKING:
     from elitescript.language.symbols import Symbols
@@ -104,7 +106,7 @@ def alarm_of(
     elif type(error).__module__ == "builtins":
         text, details = _in_plain_words(class_name, text, place)
     if place.inner:
-        text = f"{text} ({place.inner})"
+        text = said("{text} ({place})", text=text, place=place.inner)
     line = line_kept(place.source_line, place.column)
     return Alarm(clock(), code, class_name, text, place.line, place.column, thread, line, details)
 
@@ -166,8 +168,9 @@ def text_of(error: BaseException) -> str:
     """Return the text of an exception without addresses, which differ from run to run; never raises."""
     try:
         if isinstance(error, ProgramError):
-            return "; ".join(str(getattr(problem, "text", problem)) for problem in error.problems)
-        return without_addresses(_shortened(str(error.msg if isinstance(error, SyntaxError) else error)))
+            return joined("; ", (getattr(problem, "text", "") or str(problem) for problem in error.problems))
+        text = str(error.msg) if isinstance(error, SyntaxError) else text_of_error(error)
+        return without_addresses(_shortened(text))
     except Exception:
         return f"<text of {type(error).__name__} not available>"
 
@@ -186,7 +189,7 @@ def details_of(error: ScriptError) -> dict[str, Any]:
 
 def _plain(value: Any) -> Any:
     """Return a number or text as it is, another value as its text."""
-    if type(value) is str:
+    if type(value) in (str, Said):
         return _shortened(value)
     if value is None or type(value) in (bool, int, float):
         return value
@@ -239,7 +242,7 @@ def _inner_place(trace: TracebackType) -> str:
     file = trace.tb_frame.f_code.co_filename
     if file.startswith("<interpreter"):
         return "in a statement of interpreter mode"
-    return f"line {trace.tb_lineno} of the text that {file[1:5]} ran"
+    return said("line {line} of the text that {function} ran", line=trace.tb_lineno, function=file[1:5])
 
 
 def _position(code: CodeType, instruction: int, line: int) -> tuple[Any, Any, Any, Any]:

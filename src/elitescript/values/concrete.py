@@ -17,6 +17,7 @@ from types import WrapperDescriptorType
 from typing import Any, Final
 
 from elitescript.errors import DebugError, did_you_mean
+from elitescript.language.advice.expression_slips import slip
 from elitescript.language.builtin_names import PURE_BUILTINS
 from elitescript.values.plain import BINARY, COMPARISONS, UNARY
 
@@ -135,7 +136,9 @@ def parsed(text: str) -> ast.expr:
     try:
         return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        found = slip(text)
         reason = _reason(error) if isinstance(error, SyntaxError) else "it cannot be read"
+        reason = reason if found is None else found.text
         raise DebugError(f"{short(text)!r} is no expression: {reason}") from None
 
 

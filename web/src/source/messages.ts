@@ -139,6 +139,10 @@ export interface Problem {
   readonly column: number;
   readonly end_line: number;
   readonly end_column: number;
+  readonly template: string;
+  readonly values: Values;
+  readonly hint_template: string;
+  readonly hint_values: Values;
   /** Edits of a safe fix, with its title. */
   readonly fix?: { readonly title: string; readonly edits: readonly TextEdit[] };
 }
@@ -173,9 +177,18 @@ export interface Moment {
   readonly tcp_force?: Six;
 }
 
+/** What stands in the holes of a template (`{name}`; braces for themselves are doubled): what is shown, or a text with parts of its own. */
+export interface Values { readonly [name: string]: Json }
+
+/** What a text is made of. */
+export interface Parts { readonly template: string; readonly values: Values }
+
 export interface AlarmReport {
   readonly t: number; readonly line: number; readonly column: number; readonly code: string; readonly text: string;
   readonly hints: readonly string[];
+  readonly template: string; readonly values: Values;
+  /** Of each hint. */
+  readonly hint_parts: readonly Parts[];
   /** Joints or pose that were asked for, where the alarm is about a target. */
   readonly asked_joints?: Six; readonly asked_pose?: Six;
   /** The limit that was broken, in words: "joint 3: 3.2 rad, limit 3.05 rad". */
@@ -247,6 +260,10 @@ export interface RunFinding {
   readonly count: number;
   readonly text: string;
   readonly hint: string;
+  readonly template: string;
+  readonly values: Values;
+  readonly hint_template: string;
+  readonly hint_values: Values;
 }
 
 export interface ControllerState {

@@ -7,6 +7,7 @@ from typing import Final
 from elitescript.controller.modes import SWITCH_ON
 from elitescript.messages.events import Alarm, Event, Warned
 from elitescript.records import replace
+from elitescript.said import replaced
 
 VERBS_OF: Final = {
     SWITCH_ON: "brakes",
@@ -21,7 +22,7 @@ def with_verbs(text: str) -> str:
     """Return a text of the machine with the call of `ctl` behind each piece of advice."""
     for words, verb in VERBS_OF.items():
         how = f"(`elitescript ctl {verb}`)"
-        text = text.replace(words, how if words.startswith("(") else f"{words} {how}")
+        text = replaced(text, words, how if words.startswith("(") else f"{words} {how}")
     return text
 
 
@@ -32,8 +33,8 @@ def served(event: Event) -> Event:
     if isinstance(event, Alarm):
         details = dict(event.details)
         if "hint" in details:
-            details["hint"] = with_verbs(str(details["hint"]))
+            details["hint"] = with_verbs(details["hint"])
         if "hints" in details:
-            details["hints"] = [with_verbs(str(hint)) for hint in details["hints"]]
+            details["hints"] = [with_verbs(hint) for hint in details["hints"]]
         return replace(event, text=with_verbs(event.text), details=details)
     return event

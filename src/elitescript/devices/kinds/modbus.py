@@ -57,11 +57,13 @@ class Table:
             self._values[_address(name, address)] = self._checked(address, value)
 
     def _checked(self, address: object, value: object) -> int:
-        if not isinstance(value, int) or not 0 <= value <= self._largest:
+        # A register that its device takes as signed is written with its sign.
+        least = -(self._largest // 2 + 1) if self._largest > 1 else 0
+        if not isinstance(value, int) or not least <= value <= self._largest:
             raise UsageError(
-                f"{self._name}: the value at address {address} must be in [0, {self._largest}], got {value!r}"
+                f"{self._name}: the value at address {address} must be in [{least}, {self._largest}], got {value!r}"
             )
-        return int(value)
+        return value & self._largest if value < 0 else int(value)
 
     def __contains__(self, address: int) -> bool:
         return self._is_open or address in self._values
@@ -74,8 +76,6 @@ class Table:
     def __setitem__(self, address: int, value: int) -> None:
         if self._largest == 1:
             value = int(bool(value))
-        elif value < 0:
-            value &= self._largest  # a signed register
         self._values[_address(self._name, address)] = self._checked(address, value)
 
     def take(self, address: int, count: int) -> list[int]:
@@ -104,7 +104,8 @@ class ModbusDevice(Device):
         latency_s: time that it thinks about a request.
         coils, discrete_inputs, holding_registers, input_registers: what stands at the start: values from address 0 on,
             values by address, or how many there are, all 0. If left out, every address exists. Afterwards they are
-            tables: `self.holding_registers[4]` reads, `self.holding_registers[4] = -1` writes.
+            tables: `self.holding_registers[4]` reads, `self.holding_registers[4] = -1` writes. A negative value of a
+            register is that of a signed one: -1 is read as 65535.
         requests: how many it has answered.
 
     Example:

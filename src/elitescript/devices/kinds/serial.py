@@ -156,6 +156,7 @@ class SerialDevice(LineDevice):
 
     def line_received(self, line: str) -> Answer:
         """Take a line, without its end."""
+        self.miss_method("line_received(self, line)", line)
         return None
 
     def closed(self) -> None:

@@ -166,6 +166,7 @@ class TcpServer(Device):
 
     def line_received(self, connection: TcpConnection, line: str) -> Answer:
         """Take a line, without its end."""
+        self.miss_method("line_received(self, connection, line)", line)
         return None
 
     def closed(self, connection: TcpConnection) -> None:

@@ -70,6 +70,10 @@ class Wire(Device):
     def driven_inputs(self) -> list[str]:
         return [self.then]
 
+    @property
+    def held_signal(self) -> str:
+        return self.then if self.edge == "both" and not self.pulse_s else ""
+
     def check(self) -> None:
         _check_given("then", self.then)
         try:

@@ -20,7 +20,6 @@ from collections.abc import Iterator
 from typing import Final
 
 from elitescript.language.scopes import Scope
-from elitescript.lint.insertions import declare
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -49,6 +48,8 @@ def hidden_variable(program: AnalysedProgram) -> Iterator[Finding]:
                 or not _is_read_by_others(name, scope, home)
             ):
                 continue
+            from elitescript.lint.insertions import declare
+
             where = f"`{home.name}`" if home.name else "the program"
             text = f"`{name}` is a variable of its own here, and nothing reads it; that of {where} keeps its value"
             hint = f"write `nonlocal {name}` at the start of the function `{scope.name}`"

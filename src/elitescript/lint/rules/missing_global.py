@@ -22,7 +22,6 @@ from collections.abc import Iterator
 from typing import Final
 
 from elitescript.language.symbols import Scope
-from elitescript.lint.insertions import declare
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -41,6 +40,8 @@ def missing_global(program: AnalysedProgram) -> Iterator[Finding]:
                 continue
             owner = _declaring_scope(name, scope, program)
             if owner is not None:
+                from elitescript.lint.insertions import declare
+
                 yield Finding(
                     program.name_span(first.node, name),
                     f"`{name}` is a local variable here; {_place(owner)} declares it global",

@@ -20,7 +20,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from elitescript.lint.assignment import Assignments
-from elitescript.lint.insertions import declare
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -38,6 +37,8 @@ def no_value_yet(program: AnalysedProgram) -> Iterator[Finding]:
         if outer is None:
             yield Finding(found.node, text, "assign it before")
             continue
+        from elitescript.lint.insertions import declare
+
         place = f"the function `{scope.name}`"
         hint = f"write `nonlocal {name}` at the start of {place}: it is a variable of its own there"
         yield Finding(found.node, text, hint, declare(program, "nonlocal", name, scope))

@@ -16,7 +16,6 @@ from collections.abc import Iterator
 from elitescript.language.advice.unknown_names import WORDS, owner_of
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.modules import AVAILABLE
-from elitescript.lint.insertions import declare, import_module
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 
@@ -31,7 +30,11 @@ def unknown_name(program: AnalysedProgram) -> Iterator[Finding]:
         if meant:
             fix = Fix(f"write {meant}", (Edit(*program.span(use.node), meant),), safe=use.name in WORDS)
         elif use.name in AVAILABLE:
+            from elitescript.lint.insertions import import_module
+
             fix = import_module(program, use.name)
         elif (owner := owner_of(use.name, program.symbols)) is not None:
+            from elitescript.lint.insertions import declare
+
             fix = declare(program, "global", use.name, owner)
         yield Finding(use.node, f"the name `{use.name}` is not defined", hint, fix)

@@ -17,6 +17,7 @@ from typing import Any, Final
 
 from elitescript.codec.json_text import from_text, to_text
 from elitescript.codec.messages import shape_of
+from elitescript.codec.values import with_parts
 from elitescript.environment import stop_signals
 from elitescript.environment.request_channels import RequestEnvironment
 from elitescript.errors import ElitescriptError, UsageError
@@ -77,7 +78,8 @@ def serve(line: frames.BlockingLine) -> None:
             result = kernel.tick([input_shape.decode(item) for item in from_text(text)] if text else (), tick)
             state, rests = kernel.discrete_state(), kernel.controller.is_resting
             if not parts and state == shown:
-                letter, content = frames.RESULT, to_text([kernel.line, result_shape.encode(without_points(result))])
+                written = with_parts(result_shape.encode(without_points(result)))
+                letter, content = frames.RESULT, to_text([kernel.line, written])
             else:
                 shown = state
                 letter, content = writer.message(result.with_snapshot(kernel.snapshot(parts)))

@@ -24,7 +24,7 @@ from typing import Any, Final, get_args, get_origin, get_type_hints
 
 from elitescript.codec.json_text import from_text, to_text
 from elitescript.codec.messages import field_shapes, shape_of
-from elitescript.codec.values import CodecError, Shape, check_list
+from elitescript.codec.values import CodecError, Shape, check_list, with_parts, without_parts
 from elitescript.errors import UsageError
 from elitescript.messages.outputs import Output
 from elitescript.messages.snapshot import Snapshot
@@ -32,7 +32,7 @@ from elitescript.messages.snapshot_parts import ALL_PARTS
 from elitescript.messages.state import RobotState
 from elitescript.records import NamedTuple, fields_of
 from elitescript.services.child import frames
-from elitescript.services.output_text import output_text, without_points
+from elitescript.services.output_text import without_points
 
 _HEAD: Final = struct.Struct("<qqQ")
 LISTS_MAX: Final = 10_000
@@ -104,7 +104,7 @@ class OutputWriter:
             for value, (bit, pack) in zip(self._values, self._fields, strict=True):
                 if bit:
                     packed[bit] = pack(value)
-            return frames.OUTPUT, output_text(output).encode()
+            return frames.OUTPUT, to_text(with_parts(self._shape.encode(without_points(output)))).encode()
         bits = 0
         parts = [b""]
         changes: list[Any] = []
@@ -126,6 +126,8 @@ class OutputWriter:
         if changes or output.events or output.requests or output.replies:
             short = without_points(output)
             written = [encode(getattr(short, name)) for name, encode in zip(_LISTS, self._lists, strict=True)]
+            if output.events:
+                written[0] = with_parts(written[0])
             parts.append(to_text([*written, changes]).encode())
         return frames.OUTPUT_CHANGES, b"".join(parts)
 
@@ -185,7 +187,8 @@ class OutputReader:
             snapshot = Snapshot(robot, *values[_OF_ROBOT:])
         except (ValueError, TypeError, UsageError, struct.error) as error:
             raise CodecError(f"changes of a snapshot: {error}") from None
-        self._data[:4] = tick, *written
+        # The digest of a journal covers the texts alone, whatever their templates are.
+        self._data[:4] = tick, without_parts(written[0]), *written[1:]
         events, requests, replies = lists
         return Output(tick, events, requests, replies, snapshot, parts)
 
@@ -195,7 +198,7 @@ class OutputReader:
         output = self._shape.decode(data)
         robot, *rest = data[4]
         self._robot_tick = robot[0]
-        self._data = [*data[:4], *robot[1:], *rest]
+        self._data = [data[0], without_parts(data[1]), *data[2:4], *robot[1:], *rest]
         self._values = list(self._values_of(output.snapshot))
         return output
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from elitescript.codec.messages import shape_of
-from elitescript.codec.values import CodecError, shown
+from elitescript.codec.values import CodecError, check_list, shown
 from elitescript.messages.cut import LOOKS_MAX, WHOLE, Cut
 from elitescript.messages.events import Event
 from elitescript.messages.inputs import Input
@@ -25,7 +25,8 @@ FIELDS: Final[dict[str, dict[str, type]]] = {
     "restart": {"restart": int, "reason": str, "state": list, "lost": list},
     "end": {"end": int},
 }
-"""Every kind of line by its first key, with the type of each value; a `tick` may have `asked` and `cut` besides."""
+"""Every kind of line by its first key, with the type of each value; a `tick` may have `asked` and `cut` besides, and
+`told` may have `said`."""
 
 _WORDS: Final = {int: "a whole number", str: "a text", list: "a list"}
 _CHECK_SUM_DIGITS: Final = 8
@@ -99,6 +100,11 @@ class RecordReader:
                 record[key] = [self._input(item) for item in record[key]]
         if "events" in record:
             record["events"] = [self._event(item) for item in record["events"]]
+        if "said" in record:
+            check_list(record["said"], -1)
+            if (events := [self._event(item) for item in record["said"]]) != record["events"]:
+                raise CodecError("said does not have the texts of the events")
+            record["events"] = events
         if "state" in record:
             record["state"] = self._snapshot.decode(record["state"])
         if "cut" in record:

@@ -8,7 +8,8 @@ One JSON text a line:
                                                    without any have no line
     {"digest": 999, "hash": "...", "ticks": "..."} digest of the outputs up to tick 999; a check sum for each tick since
                                                    the last such line, 8 digits each
-    {"told": 1190, "events": [...]}                what clients got at that tick while there was no robot
+    {"told": 1190, "events": [...], "said": [...]} what clients got at that tick while there was no robot; `said` has it
+                                                   again, if there are texts with template and values, with these
     {"restart": 1200, "reason": ..., "state": [...], "lost": [...]}   a new robot goes on at that tick from there
     {"end": 2000}                                  the session ended before that tick
 
@@ -29,7 +30,7 @@ from zlib import crc32
 from elitescript import __version__
 from elitescript.codec.json_text import to_text
 from elitescript.codec.messages import shape_of
-from elitescript.codec.values import CodecError
+from elitescript.codec.values import CodecError, with_parts
 from elitescript.errors import UsageError
 from elitescript.kernel import RobotOptions
 from elitescript.messages.cut import WHOLE, Cut
@@ -166,7 +167,9 @@ class Journal:
         """Write the events that clients got at a tick, in the place of a robot that is gone."""
         self._mark()
         event = shape_of(Event)
-        self._write({"told": tick, "events": [event.encode(item) for item in events]})
+        written = [event.encode(item) for item in events]
+        parts = with_parts(written)
+        self._write({"told": tick, "events": written} | ({"said": parts} if parts != written else {}))
 
     def take_warning(self, tick: int) -> tuple[Warned, ...]:
         """Return a warning that nothing more is written, once."""
