@@ -87,6 +87,7 @@ _ROWS: Final = (
     Code("W220", "warning", "`return` that is missing on one path", is_tolerated=True),
     Code("W221", "warning", "reading that a secondary program does not wait for", is_tolerated=True),
     Code("W222", "warning", "text in GBK that is UTF-8 by chance"),
+    Code("W223", "warning", "variable that nothing reads, beside one of nearly the same name", is_tolerated=True),
     # What is legal, but hardly meant: units and targets; see `commands.definition.plausibility`.
     Code("W230", "warning", "angle that looks like degrees", is_tolerated=True),
     Code("W231", "warning", "length that looks like millimetres", is_tolerated=True),
@@ -126,7 +127,6 @@ _ROWS: Final = (
     Code("W267", "warning", "per cent where a fraction is meant"),
     Code("W268", "warning", "number that the receiver cannot hold"),
     Code("W269", "warning", "call that never ends, in place of a function for a thread"),
-    Code("W276", "warning", "variable that nothing reads, beside one of nearly the same name", is_tolerated=True),
     # What a sound program may have, and what is worth knowing all the same.
     Code("N221", "note", "encoder that is tracked and not set up"),
     Code("N222", "note", "thread that the end of the program ends"),

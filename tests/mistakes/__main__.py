@@ -38,9 +38,20 @@ def main() -> None:
 def record(mistake: Mistake, told: Told) -> dict[str, object]:
     """Return a row of the list."""
     return {
-        "kind": mistake.kind, "program": mistake.program, "lines": sorted(mistake.lines), "names": sorted(mistake.names),
-        "was": mistake.was, "now": mistake.now, "check": told.by_check, "run": told.by_run, "finding": told.finding,
-        "others": told.others, "state": told.state, "same": told.is_same, "told": told.is_told, "wrong": told.is_wrong,
+        "kind": mistake.kind,
+        "program": mistake.program,
+        "lines": sorted(mistake.lines),
+        "names": sorted(mistake.names),
+        "was": mistake.was,
+        "now": mistake.now,
+        "check": told.by_check,
+        "run": told.by_run,
+        "finding": told.finding,
+        "others": told.others,
+        "state": told.state,
+        "same": told.is_same,
+        "told": told.is_told,
+        "wrong": told.is_wrong,
         "text": mistake.text,
     }
 
@@ -55,7 +66,9 @@ def report(rows: list[tuple[Mistake, Told]], same: int) -> None:
         count["wrong"] += told.is_wrong
         count["same"] += told.is_same and not told.is_told
     for kind, count in by_kind.items():
-        print(f"{kind:62} {count['all']:4} check {count['check']:4} told {count['told']:4} wrong {count['wrong']:3} silent&same {count['same']:3}")
+        print(
+            f"{kind:62} {count['all']:4} check {count['check']:4} told {count['told']:4} wrong {count['wrong']:3} silent&same {count['same']:3}"
+        )
     total = sum((count for count in by_kind.values()), Counter())
     print(dict(total), "left out:", same)
 

@@ -109,7 +109,7 @@ class Lines:
 
     @property
     def run(self) -> frozenset[int]:
-        """Lines of statements that were run; `global` is not counted, so that its line is here too if the next one is."""
+        """Lines of statements that were run."""
         return frozenset(line for number, line in self.table if self.cells[number])
 
 
@@ -135,7 +135,11 @@ def outcome(run: Run) -> str:
 
 
 def _plain(event: object) -> str:
-    values = [f"{getattr(event, name)!r}" for name in _fields(event) if name not in ("line", "column", "source_line", "thread")]
+    values = [
+        f"{getattr(event, name)!r}"
+        for name in _fields(event)
+        if name not in ("line", "column", "source_line", "thread")
+    ]
     return re.sub(r"at 0x[0-9a-f]+", "", " ".join(values))
 
 

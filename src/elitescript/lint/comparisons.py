@@ -202,11 +202,14 @@ def always_true(program: AnalysedProgram) -> Iterator[Finding]:
 def _alternatives(program: AnalysedProgram, node: ast.BoolOp) -> Iterator[Finding]:
     """Yield the values that stand alone behind `or`: `x == 1 or 2`."""
     first = node.values[0]
+    if isinstance(first, ast.BoolOp):
+        # `x and y == 1 or 2`: `and` binds closer.
+        first = first.values[-1]
     if not isinstance(node.op, ast.Or) or not isinstance(first, ast.Compare) or not isinstance(first.ops[0], ast.Eq):
         return
     for part in node.values[1:]:
         if isinstance(part, ast.BoolOp):
-            # `x == 1 or 2 and y`: `and` binds closer.
+            # `x == 1 or 2 and y`.
             part = part.values[0]
         if isinstance(part, ast.Constant) and part.value and not isinstance(part.value, bool):
             left = ast.unparse(first.left)

@@ -81,7 +81,7 @@ class Analyst:
         work = Work()
         self._expression(loop.test, work)
         self._block(loop.body, [], work, is_nested=False)
-        if work.is_uncertain or work.exits or self._program.is_tried(loop) or not work.changed:
+        if work.is_uncertain or self._program.is_tried(loop) or not work.changed:
             return False
         parts = loop.test.values if isinstance(loop.test, ast.BoolOp) else [loop.test]
         return all(map(_is_count, loop.body)) and any(
@@ -89,12 +89,20 @@ class Analyst:
         )
 
     def _asks(self, test: ast.expr) -> bool:
-        """Return whether a condition calls a command that reads a signal or a sensor."""
-        for call in ast.walk(test):
-            if isinstance(call, ast.Call) and isinstance(call.func, ast.Name):
-                command = self._program.command(call.func.id, self._symbols.scope_of(call.func))
+        """Return whether a condition calls a command that reads a signal or a sensor, perhaps through a function."""
+        open_nodes: list[ast.AST] = [test]
+        seen: set[ast.AST] = set()
+        while open_nodes:
+            for call in ast.walk(open_nodes.pop()):
+                if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Name):
+                    continue
+                scope = self._symbols.scope_of(call.func)
+                command = self._program.command(call.func.id, scope)
                 if command is not None and command.details.result.origin in ("signal", "measured"):
                     return True
+                functions = {target.node for target in self._symbols.definitions(call.func.id, scope)} - seen
+                seen |= functions
+                open_nodes += functions
         return False
 
     # Statements
@@ -240,7 +248,10 @@ class Analyst:
 
 
 def _is_count(statement: ast.stmt) -> bool:
-    """Return whether a statement does nothing, or adds a constant to a variable."""
+    """Return whether a statement does nothing, counts, or leaves because of a count."""
+    if isinstance(statement, ast.If):
+        leaves = all(isinstance(inner, (ast.Break, ast.Return)) or _is_count(inner) for inner in statement.body)
+        return isinstance(statement.test, ast.Compare) and leaves and not statement.orelse
     if isinstance(statement, ast.AugAssign):
         return isinstance(statement.value, (ast.Constant, ast.Name))
     if isinstance(statement, ast.Assign) and isinstance(statement.value, ast.BinOp):

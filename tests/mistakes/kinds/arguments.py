@@ -128,7 +128,9 @@ def one_too_far(program: Program) -> Iterator[Edit]:
         indexed = [
             other
             for other in ast.walk(node)
-            if isinstance(other, ast.Subscript) and isinstance(other.slice, ast.Name) and other.slice.id == node.target.id
+            if isinstance(other, ast.Subscript)
+            and isinstance(other.slice, ast.Name)
+            and other.slice.id == node.target.id
         ]
         for other in indexed:
             known = program.literal(other.value)
@@ -143,7 +145,9 @@ _PINS = ("n", "port", "address", "index")
 @kind(GROUP, "pin or register that does not exist")
 def no_such_pin(program: Program) -> Iterator[Edit]:
     for command, _, param, value in program.arguments(lambda quantity: quantity.type_name == "int"):
-        is_pin = param.name in _PINS and ("digital" in command.name or "analog" in command.name or "register" in command.name)
+        is_pin = param.name in _PINS and (
+            "digital" in command.name or "analog" in command.name or "register" in command.name
+        )
         literal = program.literal(value)
         if is_pin and literal is not None and number_of(literal) is not None:
             yield Edit(literal, str(int(number_of(literal) or 0) + (64 if "register" in command.name else 16)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from itertools import pairwise
 
 from tests.mistakes.planting import Edit, Program, kind, misspelt
 
@@ -70,9 +71,12 @@ def channel_left_out(program: Program) -> Iterator[Edit]:
 
 @kind(GROUP, "two servers under one name")
 def one_name(program: Program) -> Iterator[Edit]:
-    opened = [(call, given["socket_name"][1]) for command, call, given in program.calls
-              if command.name == "socket_open" and "socket_name" in given]
-    for (_, first), (_, second) in zip(opened, opened[1:], strict=False):
+    opened = [
+        (call, given["socket_name"][1])
+        for command, call, given in program.calls
+        if command.name == "socket_open" and "socket_name" in given
+    ]
+    for (_, first), (_, second) in pairwise(opened):
         if program.source(first) != program.source(second):
             name = program.source(first).strip('"')
             yield Edit(second, program.source(first), frozenset({name, program.source(second).strip('"')}))
@@ -180,7 +184,9 @@ def hidden_function(program: Program) -> Iterator[Edit]:
         declared = [row for row in program.every(ast.Global) if target.id in row.names]
         if declared or len(uses) > 6:
             continue
-        for name in sorted(called & {"max", "min", "len", "abs", "int", "range", "textmsg", "sleep", "length", "force"}):
+        for name in sorted(
+            called & {"max", "min", "len", "abs", "int", "range", "textmsg", "sleep", "length", "force"}
+        ):
             names = frozenset({name, target.id})
             others = tuple((other, name) for other in uses if other is not target)
             yield Edit(target, name, names, others)
@@ -203,4 +209,3 @@ def other_words(program: Program) -> Iterator[Edit]:
     for test in program.every(ast.BoolOp):
         word = "&&" if isinstance(test.op, ast.And) else "||"
         yield Edit(test, f" {word} ".join(program.source(value) for value in test.values))
-

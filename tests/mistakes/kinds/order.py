@@ -58,12 +58,21 @@ def _words(program: Program, node: ast.AST) -> set[str]:
 
 @kind(GROUP, "no wait between on and off")
 def no_pulse(program: Program) -> Iterator[Edit]:
-    outputs = ("set_standard_digital_out", "set_configurable_digital_out", "set_tool_digital", "modbus_set_output_signal")
+    outputs = (
+        "set_standard_digital_out",
+        "set_configurable_digital_out",
+        "set_tool_digital",
+        "modbus_set_output_signal",
+    )
     for _, statement in _called(program, "sleep"):
         body = next((rows for rows in _bodies(program.parents[statement]) if statement in rows), [])
         at = body.index(statement)
         around = body[at - 1 : at] + body[at + 1 : at + 2]
-        first = [row.value.func.id for row in around if isinstance(row, ast.Expr) and isinstance(row.value, ast.Call) and isinstance(row.value.func, ast.Name)]
+        first = [
+            row.value.func.id
+            for row in around
+            if isinstance(row, ast.Expr) and isinstance(row.value, ast.Call) and isinstance(row.value.func, ast.Name)
+        ]
         if len(first) == 2 and first[0] == first[1] and first[0] in outputs:
             yield Edit(statement, "pass", frozenset({first[0]}))
 
@@ -88,15 +97,23 @@ def no_end_of_mode(program: Program) -> Iterator[Edit]:
         # A motion that ends by itself needs no stop.
         if call.func.id in ("stopj", "stopl") and not _is_endless(program, statement):  # type: ignore[attr-defined]
             continue
-        begun = {"end_force_mode": "force_mode", "stop_conveyor_tracking": "track_conveyor_linear", "stopj": "servoj", "stopl": "speedl"}
+        begun = {
+            "end_force_mode": "force_mode",
+            "stop_conveyor_tracking": "track_conveyor_linear",
+            "stopj": "servoj",
+            "stopl": "speedl",
+        }
         name = begun.get(call.func.id, "")  # type: ignore[attr-defined]
         yield Edit(statement, "pass", frozenset({name, "speedj"} - {""}))
 
 
 def _is_endless(program: Program, stop: ast.stmt) -> bool:
     """Return whether the motion in front of a stop has no end of its own: speed commands without a time."""
-    before = [(call, given) for command, call, given in program.calls
-              if command.name in ("speedl", "speedj") and call.lineno < stop.lineno]
+    before = [
+        (call, given)
+        for command, call, given in program.calls
+        if command.name in ("speedl", "speedj") and call.lineno < stop.lineno
+    ]
     return bool(before) and "t" not in before[-1][1]
 
 
@@ -148,7 +165,11 @@ def never_started(program: Program) -> Iterator[Edit]:
         if command.name == "start_thread" and isinstance(call.args[0], ast.Name):
             statement = program.statement(call)
             used = program.functions.get(call.args[0].id)
-            written = {name for node in ast.walk(used) if isinstance(node, ast.Global | ast.Nonlocal) for name in node.names} if used else set()
+            written = (
+                {name for node in ast.walk(used) if isinstance(node, ast.Global | ast.Nonlocal) for name in node.names}
+                if used
+                else set()
+            )
             yield Edit(statement, "pass", frozenset({call.args[0].id, *written}))
 
 
@@ -168,7 +189,10 @@ def other_input(program: Program) -> Iterator[Edit]:
         name = _first_name(call.func) if isinstance(call, ast.Call) else ""
         function = program.functions.get(name)
         inner = next((row.value for row in function.body if isinstance(row, ast.Return)), None) if function else call
-        if isinstance(inner, ast.Call) and _first_name(inner.func) in ("get_standard_digital_in", "get_configurable_digital_in"):
+        if isinstance(inner, ast.Call) and _first_name(inner.func) in (
+            "get_standard_digital_in",
+            "get_configurable_digital_in",
+        ):
             yield Edit(inner.args[0], "7", frozenset({"standard_digital_in[7]", name}))
 
 
@@ -195,7 +219,11 @@ def no_line_end(program: Program) -> Iterator[Edit]:
     for command, call, given in program.calls:
         if command.name == "socket_send_line":
             rest = [value for name, (_, value) in given.items() if name in ("str", "socket_name")]
-            yield Edit(call, f"socket_send_string({', '.join(program.source(value) for value in rest)})", _channel(program, given))
+            yield Edit(
+                call,
+                f"socket_send_string({', '.join(program.source(value) for value in rest)})",
+                _channel(program, given),
+            )
 
 
 def _channel(program: Program, given: dict[str, tuple[object, ast.expr]]) -> frozenset[str]:
@@ -215,6 +243,15 @@ def not_counted(program: Program) -> Iterator[Edit]:
     for node in program.every(ast.Assign):
         target = node.targets[0]
         loop = program.parents[node]
-        is_counted = isinstance(node.value, ast.BinOp) and isinstance(target, ast.Name) and target.id in _words(program, node.value)
-        if is_counted and isinstance(loop, ast.While) and isinstance(target, ast.Name) and target.id in _words(program, loop.test):
+        is_counted = (
+            isinstance(node.value, ast.BinOp)
+            and isinstance(target, ast.Name)
+            and target.id in _words(program, node.value)
+        )
+        if (
+            is_counted
+            and isinstance(loop, ast.While)
+            and isinstance(target, ast.Name)
+            and target.id in _words(program, loop.test)
+        ):
             yield Edit(node, "pass", frozenset({target.id}))

@@ -30,7 +30,9 @@ def written(number: float) -> str:
 
 def _scaled(program: Program, unit: str, factor: float, meanings: tuple[str, ...] = ()) -> Iterator[Edit]:
     """Yield the arguments of a unit, or the constant behind one, as numbers of another unit."""
-    for _, _, _, value in program.arguments(lambda quantity: quantity.unit == unit and fits(quantity.meaning, meanings)):
+    for _, _, _, value in program.arguments(
+        lambda quantity: quantity.unit == unit and fits(quantity.meaning, meanings)
+    ):
         literal = program.literal(value)
         number = number_of(literal)
         if literal is not None and number:
@@ -50,7 +52,7 @@ def milliseconds(program: Program) -> Iterator[Edit]:
 @kind(GROUP, "degrees for radians: joint positions")
 def joints_in_degrees(program: Program) -> Iterator[Edit]:
     for node in _lists(program, lambda meaning, unit: meaning == "joints"):
-        yield Edit(node, f"[{', '.join(written(round(degrees(number_of(n) or 0.0)))  for n in node.elts)}]")
+        yield Edit(node, f"[{', '.join(written(round(degrees(number_of(n) or 0.0))) for n in node.elts)}]")
 
 
 @kind(GROUP, "degrees for radians: orientation of a pose")
@@ -74,7 +76,10 @@ def pose_in_millimetres(program: Program) -> Iterator[Edit]:
     for node in _lists(program, lambda meaning, unit: unit == _POSE_UNIT):
         numbers = [number_of(n) for n in node.elts[:3]]
         if any(numbers):
-            first = [program.source(n) if m is None else written(m * 1000) for n, m in zip(node.elts[:3], numbers, strict=True)]
+            first = [
+                program.source(n) if m is None else written(m * 1000)
+                for n, m in zip(node.elts[:3], numbers, strict=True)
+            ]
             yield Edit(node, f"[{', '.join(first + [program.source(n) for n in node.elts[3:]])}]")
 
 

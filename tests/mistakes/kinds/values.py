@@ -56,7 +56,11 @@ def compared_with_number(program: Program) -> Iterator[Edit]:
 def list_compared(program: Program) -> Iterator[Edit]:
     for node in program.every(ast.Compare):
         left = node.left
-        if isinstance(left, ast.Subscript) and isinstance(left.value, ast.Name) and number_of(node.comparators[0]) is not None:
+        if (
+            isinstance(left, ast.Subscript)
+            and isinstance(left.value, ast.Name)
+            and number_of(node.comparators[0]) is not None
+        ):
             yield Edit(left, left.value.id)
 
 
@@ -66,9 +70,8 @@ def truth_of_position(program: Program) -> Iterator[Edit]:
         call = node.left
         if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "str_find":
             yield Edit(node, program.source(call))
-        elif isinstance(call, ast.Name) and isinstance(found := program.literal(call), ast.Call):
-            if isinstance(found.func, ast.Name) and found.func.id == "str_find":
-                yield Edit(node, program.source(call), frozenset({call.id}))
+        elif isinstance(call, ast.Name) and "str_find(" in ast.unparse(program.literal(call) or call):
+            yield Edit(node, program.source(call), frozenset({call.id}))
 
 
 @kind(GROUP, "joints for a pose: the positions that the arm has")
@@ -90,7 +93,9 @@ def other_move(program: Program) -> Iterator[Edit]:
         target = next((value for name, (_, value) in given.items() if name in ("q", "p")), None)
         if command.name not in ("movej", "movel") or target is None:
             continue
-        is_inverse = isinstance(target, ast.Call) and isinstance(target.func, ast.Name) and target.func.id == "get_inverse_kin"
+        is_inverse = (
+            isinstance(target, ast.Call) and isinstance(target.func, ast.Name) and target.func.id == "get_inverse_kin"
+        )
         if command.name == "movej" and is_inverse and isinstance(target, ast.Call) and target.args:
             yield Edit(target, program.source(target.args[0]))
         else:
@@ -162,7 +167,12 @@ def or_number(program: Program) -> Iterator[Edit]:
 
 @kind(GROUP, "register or signal beyond its range in a comparison")
 def beyond_range(program: Program) -> Iterator[Edit]:
-    wanted = ("modbus_get_signal_status", "get_standard_digital_in", "get_standard_analog_in", "get_configurable_digital_in")
+    wanted = (
+        "modbus_get_signal_status",
+        "get_standard_digital_in",
+        "get_standard_analog_in",
+        "get_configurable_digital_in",
+    )
     for node in program.every(ast.Compare):
         left = program.literal(node.left)
         if isinstance(left, ast.Call) and isinstance(left.func, ast.Name) and left.func.id in wanted:
@@ -176,14 +186,16 @@ def truth_compared(program: Program) -> Iterator[Edit]:
     for node in program.every(ast.Call):
         name = node.func.id if isinstance(node.func, ast.Name) else ""
         parent = program.parents[node]
-        is_test = isinstance(parent, ast.If | ast.While) or (isinstance(parent, ast.UnaryOp) and isinstance(parent.op, ast.Not))
+        is_test = isinstance(parent, ast.If | ast.While) or (
+            isinstance(parent, ast.UnaryOp) and isinstance(parent.op, ast.Not)
+        )
         if name in ("get_standard_digital_in", "get_flag", "socket_open", "get_tool_digital") and is_test:
             yield Edit(node, f"{program.source(node)} == 2")
 
 
 @kind(GROUP, "element of a reading that was made a list of another length")
 def other_length(program: Program) -> Iterator[Edit]:
-    for command, call, given in program.calls:
+    for command, _, given in program.calls:
         if command.name == "socket_read_ascii_float" and "number" in given:
             number = number_of(given["number"][1])
             if number:

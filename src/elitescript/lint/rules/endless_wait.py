@@ -24,6 +24,7 @@ from typing import Final
 from elitescript.language.symbols import Resolution
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule, shown_source
+from elitescript.said import said
 from elitescript.values.description import NUMBER, OUTSIDE, SCALAR, Value
 from elitescript.values.operators import truth
 
@@ -65,7 +66,9 @@ def _forgotten_counts(program: AnalysedProgram, loop: ast.While) -> Iterator[Fin
     if not isinstance(loop.test, ast.BoolOp) or not isinstance(loop.test.op, ast.And):
         return
     for part in loop.test.values:
-        is_limit = isinstance(part, ast.Compare) and isinstance(part.left, ast.Name) and isinstance(part.ops[0], _LIMITS)
+        is_limit = (
+            isinstance(part, ast.Compare) and isinstance(part.left, ast.Name) and isinstance(part.ops[0], _LIMITS)
+        )
         if not is_limit or not isinstance(part, ast.Compare) or not isinstance(part.left, ast.Name):
             continue
         names = _names(part)
@@ -73,8 +76,12 @@ def _forgotten_counts(program: AnalysedProgram, loop: ast.While) -> Iterator[Fin
         is_start = value.has_constant and not value.kinds & ~NUMBER and not part.left.id.isupper()
         is_asked = any(isinstance(node, ast.Call) for other in loop.test.values for node in ast.walk(other))
         if names and is_start and is_asked and _stays(program, part.left, loop):
-            text = f"nothing changes `{part.left.id}` in this loop: {shown_source(program, part)} stays as it is"
-            yield Finding(part, text, f"count it in the loop: {part.left.id} = {part.left.id} + ...")
+            text = said(
+                "nothing changes `{name}` in this loop: {condition} stays as it is",
+                name=part.left.id,
+                condition=shown_source(program, part),
+            )
+            yield Finding(part, text, said("count it in the loop: {name} = {name} + ...", name=part.left.id))
 
 
 def _told(program: AnalysedProgram, loop: ast.While, names: list[ast.Name], values: list[Value]) -> Finding:

@@ -16,6 +16,7 @@ from typing import Final
 from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _LONG_S: Final = 100
 
@@ -27,5 +28,5 @@ def long_sleep(program: AnalysedProgram) -> Iterator[Finding]:
         node = called.given.get("t")
         time_s = None if node is None else program.least_number(node, called.scope)
         if node is not None and time_s is not None and time_s >= _LONG_S:
-            hint = f"all times are in seconds: {time_s:g} ms are {time_s / 1000:g} s"
-            yield Finding(node, f"sleep: t is {time_s:g} s", hint)
+            hint = said("all times are in seconds: {ms:g} ms are {s:g} s", ms=time_s, s=time_s / 1000)
+            yield Finding(node, said("sleep: t is {time:g} s", time=time_s), hint)

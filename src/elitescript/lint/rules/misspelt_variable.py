@@ -5,7 +5,7 @@ Python makes a new variable of a misspelt name, and the one that was meant keeps
     def job():
       counter = 0
       while counter < 3:
-        conuter = counter + 1    # W276: is `counter` meant?
+        conuter = counter + 1    # W223: is `counter` meant?
         sleep(0.5)
       end
     end
@@ -13,7 +13,7 @@ Python makes a new variable of a misspelt name, and the one that was meant keeps
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Final
 
 from elitescript.language.diagnostics import Edit, Fix
@@ -21,65 +21,87 @@ from elitescript.language.options import SCRIPT
 from elitescript.language.scopes import Scope
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _FOREIGN: Final = frozenset(("exec", "eval", "interpreter_mode", "globals", "locals", "vars"))
 """Functions through which other texts may read a variable."""
 _SHORTEST: Final = 4
 
 
-@rule(code="W276", since="0.3", needs_all_lines=True)
+@rule(code="W223", since="0.3", needs_all_lines=True)
 def misspelt_variable(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the first assignment of each such variable."""
     scopes = program.symbols.scopes
     if program.parsed.kind == SCRIPT or any(name in scope.reads for scope in scopes for name in _FOREIGN):
         return
+    read = {(scope.home(name), name) for scope in scopes for name in scope.reads}
+    known: dict[Scope | None, Spellings] = {}
     for scope in scopes:
         if scope.kind not in ("function", "body"):
             continue
         for name, bindings in scope.bindings.items():
             if len(name) < _SHORTEST or name.startswith("_") or name in program.symbols.global_names:
                 continue
-            if any(binding.kind != "assign" for binding in bindings) or not scope.has_local(name):
+            if (scope, name) in read or not scope.has_local(name):
                 continue
-            if _is_read(name, scope):
+            if any(binding.kind != "assign" for binding in bindings):
                 continue
-            meant = _meant(name, scope, program)
+            meant = _meant(name, scope, read, known, program)
             if meant:
-                first = bindings[0]
-                fix = Fix(f"write {meant}", (Edit(*program.name_span(first.node, name), meant),), safe=False)
-                text = f"nothing reads the variable `{name}`, but there is one called `{meant}`"
-                yield Finding(program.name_span(first.node, name), text, f"is `{meant}` meant?", fix)
+                span = program.name_span(bindings[0].node, name)
+                text = said(
+                    "nothing reads the variable `{name}`, but there is one called `{meant}`", name=name, meant=meant
+                )
+                fix = Fix(said("write {meant}", meant=meant), (Edit(*span, meant),), safe=False)
+                yield Finding(span, text, said("is `{meant}` meant?", meant=meant), fix)
 
 
-def _is_read(name: str, home: Scope) -> bool:
-    return any(name in inner.reads and inner.home(name) is home for inner in home.walk())
-
-
-def _meant(name: str, scope: Scope, program: AnalysedProgram) -> str:
+def _meant(
+    name: str,
+    scope: Scope,
+    read: set[tuple[Scope | None, str]],
+    known: dict[Scope | None, Spellings],
+    program: AnalysedProgram,
+) -> str:
     """Return the variable that can be used here and whose name differs by a slip of a finger; empty for none."""
-    known = set(program.symbols.global_names)
-    outer: Scope | None = scope
-    while outer is not None:
-        known |= {other for other in outer.bindings if other != name and _is_read_anywhere(other, outer)}
-        outer = outer.parent
-    return next((other for other in sorted(known) if is_slip(name, other)), "")
+    place: Scope | None = scope
+    while True:
+        if place not in known:
+            names = program.symbols.global_names if place is None else place.bindings
+            known[place] = Spellings(other for other in names if place is None or (place, other) in read)
+        if meant := known[place].nearest(name):
+            return meant
+        if place is None:
+            return ""
+        place = place.parent
 
 
-def _is_read_anywhere(name: str, scope: Scope) -> bool:
-    return any(name in inner.reads for inner in scope.walk())
+class Spellings:
+    """Finds the names that differ from another by a slip of a finger: two letters in each other's place, a letter more
+    or less, capitals. Another letter makes another word, `left` and `lift`; another digit, or an `s`, another thing.
+
+    Args:
+        names: to find.
+    """
+
+    __slots__ = ("_by_letters", "_longer", "_names")
+
+    def __init__(self, names: Iterable[str]) -> None:
+        self._names = frozenset(names)
+        self._by_letters = {name.lower(): name for name in self._names}
+        self._longer = {short: name for name in self._names for short in _shorter(name)}
+
+    def nearest(self, name: str) -> str:
+        """Return one of the names; empty for none."""
+        swapped = (name[:at] + name[at + 1] + name[at] + name[at + 2 :] for at in range(len(name) - 1))
+        near = (self._by_letters.get(name.lower()), self._longer.get(name), *swapped, *_shorter(name))
+        return next((other for other in near if other and other != name and other in self._names), "")
 
 
-def is_slip(one: str, other: str) -> bool:
-    """Return whether two names differ by two letters in each other's place, a letter more or less, or by capitals."""
-    if one == other:
-        return False
-    if one.lower() == other.lower():
-        return True
-    short, long = sorted((one, other), key=len)
-    if len(long) - len(short) > 1:
-        return False
-    at = next((at for at, (a, b) in enumerate(zip(short, long, strict=False)) if a != b), len(short))
-    if len(short) == len(long):
-        # Another letter makes another word, `left` and `lift`; another digit another thing, `q1` and `q2`.
-        return one[at : at + 2] == other[at : at + 2][::-1] and one[at + 2 :] == other[at + 2 :]
-    return long[at].isalpha() and short[at:] == long[at + 1 :]
+def _shorter(name: str) -> list[str]:
+    """Return what is left of a name without one of its letters; not of a plural without its `s`."""
+    if len(name) <= _SHORTEST:
+        return []
+    last = len(name) - 1
+    places = [at for at, sign in enumerate(name) if sign.isalpha() and not (at == last and sign == "s")]
+    return [name[:at] + name[at + 1 :] for at in places]

@@ -15,19 +15,29 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from elitescript.commands.definition.plausibility import mistaken
-from elitescript.lint.list_uses import ListUses
+from elitescript.commands.definition.plausibility import KINDS, mistaken
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, doubt_findings, rule
+from elitescript.said import said
 
 
 @rule(code="W237", since="0.2")
 def pose_for_joints(program: AnalysedProgram) -> Iterator[Finding]:
     """Report lists that come from a command of the other kind, or go to one."""
     yield from doubt_findings(program, "W237")
+    meanings = {param.quantity.meaning for arguments in program.arguments for param, _ in arguments.given}
+    if not meanings.issuperset(KINDS):
+        return
     told = {doubted.node for doubted in program.doubts if doubted.doubt.code == "W237"}
-    for use, other in program.derived(ListUses).as_both():
+    for use, other in program.list_uses.as_both():
         doubt = mistaken(use.param.quantity.meaning, other.param.quantity.meaning)
         if doubt is not None and use.node not in told:
-            where = f"in line {program.span(other.node).line} the same list goes to {other.command.name}"
-            yield Finding(use.node, f"{use.command.name}: {use.param.name}{doubt.text}: {where}", doubt.hint)
+            text = said(
+                "{command}: {parameter}{doubt}: in line {line} the same list goes to {other}",
+                command=use.command.name,
+                parameter=use.param.name,
+                doubt=doubt.text,
+                line=program.span(other.node).line,
+                other=other.command.name,
+            )
+            yield Finding(use.node, text, doubt.hint)
