@@ -65,8 +65,8 @@ class Said(str):
         raise AttributeError(f"cannot delete {name!r} of a text")
 
 
-def said(template: str, /, **values: object) -> Said:
-    """Return a text of a template and its values.
+def said(template: str, /, **values: object) -> str:
+    """Return a text of a template and its values: a `Said`, used like any other text.
 
     Args:
         template: the text with `{name}`, `{name!r}` or `{name:format}` for values; `{{` and `}}` for braces.
@@ -90,6 +90,15 @@ def said(template: str, /, **values: object) -> Said:
         else:
             shown[name] = format(value, "")
     return _made(plain.format_map(shown), plain, tuple(shown.items()))
+
+
+def counted(count: int, one: str, many: str) -> str:
+    """Return a number with its noun.
+
+    >>> counted(1, "byte", "bytes"), counted(2, "byte", "bytes")
+    ('1 byte', '2 bytes')
+    """
+    return said("{count} " + (one if count == 1 else many), count=count)
 
 
 def joined(separator: str, texts: Iterable[str]) -> str:

@@ -1,76 +1,65 @@
-"""`python -m tests.mistakes`: plants mistakes, sees which are told, and writes docs/explanation/mistakes.md."""
+"""Plants mistakes into sound programs, sees which are told, and writes docs/explanation/mistakes.md.
+
+`python -m tests.mistakes` does all of it (`make mistakes`); `--count` and `--seed` plant others, and then nothing is
+written. `--list FILE` leaves what was planted and told, one JSON record a line.
+"""
 
 from __future__ import annotations
 
 import argparse
 import json
-from collections import Counter
+from dataclasses import asdict
 from pathlib import Path
 
 from tests.mistakes.judging import Told, judge
 from tests.mistakes.kinds import arguments, names, order, units, values  # noqa: F401  (registers the kinds)
+from tests.mistakes.page import COUNT, PAGE, SEED, Result, page
 from tests.mistakes.planting import Mistake, plant
-from tests.mistakes.sources import everything, written_for_it
+from tests.mistakes.sources import Sound, everything, written_for_it
 
 
 def main() -> None:
     """Plant, judge and report."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--count", type=int, default=500)
-    parser.add_argument("--seed", type=int, default=1)
+    parser = argparse.ArgumentParser(prog="python -m tests.mistakes", description=__doc__)
+    parser.add_argument("--count", type=int, default=COUNT, help="how many mistakes")
+    parser.add_argument("--seed", type=int, default=SEED, help="which ones")
     parser.add_argument("--own", action="store_true", help="without the programs of the specification")
-    parser.add_argument("--list", type=Path, help="file for what was planted and told, as JSON lines")
+    parser.add_argument("--list", type=Path, help="file for what was planted and told")
     options = parser.parse_args()
-    sounds = {sound.program.name: sound for sound in (written_for_it() if options.own else everything())}
-    print(len(sounds), "sound programs")
-    mistakes, same = plant([sound.program for sound in sounds.values()], options.count, options.seed)
-    rows: list[tuple[Mistake, Told]] = []
-    for mistake in mistakes:
-        sound = sounds[mistake.program]
-        rows.append((mistake, judge(mistake, sound.setting, sound.run)))
-    report(rows, same)
+    sounds = written_for_it() if options.own else everything()
+    rows, same = judged(sounds, options.count, options.seed)
+    result = Result.of(rows, len(sounds), same)
     if options.list is not None:
         with options.list.open("w", encoding="utf-8") as out:
             for mistake, told in rows:
-                print(json.dumps(record(mistake, told)), file=out)
-
-
-def record(mistake: Mistake, told: Told) -> dict[str, object]:
-    """Return a row of the list."""
-    return {
-        "kind": mistake.kind,
-        "program": mistake.program,
-        "lines": sorted(mistake.lines),
-        "names": sorted(mistake.names),
-        "was": mistake.was,
-        "now": mistake.now,
-        "check": told.by_check,
-        "run": told.by_run,
-        "finding": told.finding,
-        "others": told.others,
-        "state": told.state,
-        "same": told.is_same,
-        "told": told.is_told,
-        "wrong": told.is_wrong,
-        "text": mistake.text,
-    }
-
-
-def report(rows: list[tuple[Mistake, Told]], same: int) -> None:
-    by_kind: dict[str, Counter[str]] = {}
+                print(record(mistake, told), file=out)
     for mistake, told in rows:
-        count = by_kind.setdefault(mistake.kind, Counter())
-        count["all"] += 1
-        count["check"] += bool(told.by_check in ("at", "arrives"))
-        count["told"] += told.is_told
-        count["wrong"] += told.is_wrong
-        count["same"] += told.is_same and not told.is_told
-    for kind, count in by_kind.items():
-        print(
-            f"{kind:62} {count['all']:4} check {count['check']:4} told {count['told']:4} wrong {count['wrong']:3} silent&same {count['same']:3}"
-        )
-    total = sum((count for count in by_kind.values()), Counter())
-    print(dict(total), "left out:", same)
+        if not told.is_told:
+            what = "another line is blamed" if told.is_wrong else "not told"
+            print(f"{what}: {mistake.kind}: {mistake.program}:{min(mistake.lines)}: {mistake.was} -> {mistake.now}")
+            if told.finding:
+                print(f"    {told.finding[:200]}")
+    print(result.summary)
+    if (options.count, options.seed, options.own) == (COUNT, SEED, False):
+        PAGE.write_text(page(result), encoding="utf-8")
+        print(f"written: {PAGE.name}")
+
+
+def judged(sounds: tuple[Sound, ...], count: int, seed: int) -> tuple[list[tuple[Mistake, Told]], int]:
+    """Plant mistakes and see what is told of them; return also how many changes make no difference."""
+    by_name = {sound.program.name: sound for sound in sounds}
+    mistakes, same = plant([sound.program for sound in sounds], count, seed)
+    rows = []
+    for mistake in mistakes:
+        sound = by_name[mistake.program]
+        rows.append((mistake, judge(mistake, sound.setting, sound.run)))
+    return rows, same
+
+
+def record(mistake: Mistake, told: Told) -> str:
+    """Return a row of the list."""
+    row = asdict(mistake) | asdict(told) | {"is_told": told.is_told, "is_wrong": told.is_wrong}
+    return json.dumps(row, default=sorted)
 
 
 if __name__ == "__main__":

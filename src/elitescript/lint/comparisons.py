@@ -12,6 +12,7 @@ from typing import Final
 from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, shown_source
+from elitescript.said import said
 from elitescript.values.description import (
     BOOL,
     FLOAT,
@@ -72,8 +73,12 @@ def _comparison(program: AnalysedProgram, node: ast.Compare) -> Iterator[Finding
     known = _by_range(program, node)
     if known is not None:
         side = sides[0] if _is_from_outside(left) else sides[1]
-        text = f"{_said(program, side, values.of(side))}: {shown_source(program, node)} is "
-        yield Finding(node, f"{text}{'always' if known else 'never'} true", "compare it with a value that it can have")
+        text = said(
+            "{operand}: {expression} is always true" if known else "{operand}: {expression} is never true",
+            operand=_said(program, side, values.of(side)),
+            expression=shown_source(program, node),
+        )
+        yield Finding(node, text, "compare it with a value that it can have")
 
 
 def _may_be_written_elsewhere(program: AnalysedProgram, node: ast.expr, value: Value) -> bool:
@@ -146,14 +151,23 @@ def _analog(program: AnalysedProgram, node: ast.Compare) -> Finding | None:
         most = _CURRENT_MOST_A if is_current else _VOLTAGE_MOST_V
         if limit.constant > most:
             range_text = "a current of 0.004 to 0.02 A" if is_current else "0 to 10 V, or 0.004 to 0.02 A"
-            text = f"{shown_source(program, side)} is {range_text}, and never reaches {limit.constant:g}"
-            hint = f"{limit.constant:g} mA are {limit.constant / 1000:g} A" if limit.constant <= _MILLIAMPERES else ""
+            text = said(
+                "{expression} is {range_text}, and never reaches {limit:g}",
+                expression=shown_source(program, side),
+                range_text=range_text,
+                limit=limit.constant,
+            )
+            hint = (
+                said("{limit:g} mA are {meant:g} A", limit=limit.constant, meant=limit.constant / 1000)
+                if limit.constant <= _MILLIAMPERES
+                else ""
+            )
             return Finding(node, text, hint)
     return None
 
 
 def _said(program: AnalysedProgram, node: ast.expr, value: Value) -> str:
-    return f"{shown_source(program, node)} is {words(value)}"
+    return said("{expression} is {words}", expression=shown_source(program, node), words=words(value))
 
 
 def _told(program: AnalysedProgram, node: ast.Compare, left: Value, right: Value) -> str:
@@ -165,7 +179,7 @@ def _told(program: AnalysedProgram, node: ast.Compare, left: Value, right: Value
     outcome = "never equal to" if isinstance(node.ops[0], (ast.Eq, ast.Is)) else "always different from"
     what = shown_source(program, other)
     if not isinstance(other, ast.Constant):
-        what = f"{what}, which is {words(compared)}"
+        what = said("{what}, which is {words}", what=what, words=words(compared))
     return f"{_said(program, one, value)}: {outcome} {what}"
 
 
@@ -213,8 +227,12 @@ def _alternatives(program: AnalysedProgram, node: ast.BoolOp) -> Iterator[Findin
             part = part.values[0]
         if isinstance(part, ast.Constant) and part.value and not isinstance(part.value, bool):
             left = ast.unparse(first.left)
-            text = f"{shown_source(program, part)} alone is always true"
-            yield Finding(part, text, f"write the comparison again: {left} == {ast.unparse(part)}")
+            text = said("{expression} alone is always true", expression=shown_source(program, part))
+            yield Finding(
+                part,
+                text,
+                said("write the comparison again: {left} == {expression}", left=left, expression=ast.unparse(part)),
+            )
             return
 
 
@@ -237,7 +255,9 @@ def _truth(program: AnalysedProgram, node: ast.expr) -> Iterator[Finding]:
     if _is_position(value):
         yield Finding(node, *_position_words(program, node))
     elif not value.kinds & ~ROW and value.must & OUTSIDE and truth(value) is True:
-        text = f"{shown_source(program, node)} is a list that is never empty, which is always true"
+        text = said(
+            "{expression} is a list that is never empty, which is always true", expression=shown_source(program, node)
+        )
         yield Finding(node, text, "ask for its first element, which says how many values came")
 
 
@@ -246,8 +266,11 @@ def _is_position(value: Value) -> bool:
 
 
 def _position_words(program: AnalysedProgram, node: ast.expr) -> tuple[str, str]:
-    text = f"{shown_source(program, node)} is a position: 0 at the start, which is false; -1 for none, which is true"
-    return text, f"ask {ast.unparse(node)} >= 0"
+    text = said(
+        "{expression} is a position: 0 at the start, which is false; -1 for none, which is true",
+        expression=shown_source(program, node),
+    )
+    return text, said("ask {expression} >= 0", expression=ast.unparse(node))
 
 
 def measured_exactly(program: AnalysedProgram) -> Iterator[Finding]:
@@ -260,7 +283,10 @@ def measured_exactly(program: AnalysedProgram) -> Iterator[Finding]:
         measured = [_is_measured(value) for value in values]
         if any(measured) and not all(measured) and all(map(_has_numbers, values)):
             side = sides[measured.index(True)]
-            text = f"{shown_source(program, side)} is measured, and never exactly equal to a planned value on an arm"
+            text = said(
+                "{expression} is measured, and never exactly equal to a planned value on an arm",
+                expression=shown_source(program, side),
+            )
             yield Finding(node, text, _nearness(values[0], side))
 
 

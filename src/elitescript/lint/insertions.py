@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.scopes import Scope
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.lint.program import AnalysedProgram
@@ -14,13 +15,17 @@ if TYPE_CHECKING:
 
 def declare(program: AnalysedProgram, word: str, name: str, scope: Scope) -> Fix:
     """Return the repair that declares a name `global` or `nonlocal` in a scope."""
-    where = f" in `{scope.name}`" if scope.name else ""
-    return Fix(f"declare `{name}` {word}{where}", (_first(program, f"{word} {name}", scope),), safe=False)
+    where = said(" in `{scope}`", scope=scope.name) if scope.name else ""
+    return Fix(
+        said("declare `{name}` {word}{where}", name=name, word=word, where=where),
+        (_first(program, f"{word} {name}", scope),),
+        safe=False,
+    )
 
 
 def import_module(program: AnalysedProgram, name: str) -> Fix:
     """Return the repair that imports a module at the start of the program."""
-    return Fix(f"import {name}", (_first(program, f"import {name}", program.symbols.body),), safe=False)
+    return Fix(said("import {name}", name=name), (_first(program, f"import {name}", program.symbols.body),), safe=False)
 
 
 def _first(program: AnalysedProgram, statement: str, scope: Scope) -> Edit:

@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Final
 
 from elitescript.messages.motion import Six
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.plausibility import ArmFacts
@@ -83,10 +84,11 @@ class TargetPlaces:
             if nearest(candidates, _AT_FLANGE, arm.joint_ranges) is not None:
                 return ""
             if candidates:
-                reason = f"each of the {len(candidates)} solutions has a joint outside its limits"
+                reason = said("each of the {count} solutions has a joint outside its limits", count=len(candidates))
             else:
                 reason = reason_unreachable(arm.arm, T_base_flange)
-            reason += "" if any(tcp) else " (the TCP is the flange)"
+            if not any(tcp):
+                reason = said("{reason} (the TCP is the flange)", reason=reason)
         return reason
 
     def position(self, called: CommandCall, place: int) -> Six | None:

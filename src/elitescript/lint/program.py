@@ -24,6 +24,7 @@ from elitescript.lint.constants import Constants, Unknown
 from elitescript.lint.refusals import ArgumentRefusal, refuse, refuse_description
 from elitescript.messages.profile import Profile, release_of
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.errors import ScriptError
@@ -392,7 +393,7 @@ class AnalysedProgram:
                     meaning = "pose"
                 if not meaning or node in refused:
                     continue
-                value = self.constants.value(node, called.scope)
+                value = self.constants.bounds(node, called.scope)
                 # Programs also compute with transforms in other units, but not with those of the arm.
                 is_judged = not is_transform or self._is_target(called, arguments)
                 reported = list(JUDGES[meaning](value, self.arm)) if is_judged else []
@@ -400,7 +401,8 @@ class AnalysedProgram:
                     other = mistaken(meaning, self.values.of(node).role)
                     reported += [] if other is None else [other]
                 for doubt in reported:
-                    text = f"{called.command.name}: {param.name}{doubt.text}"
+                    command, argument = called.command.name, param.name
+                    text = said("{command}: {argument}{doubt}", command=command, argument=argument, doubt=doubt.text)
                     doubt = doubt._replace(text=text)
                     found.append(Doubted(element(node, doubt.element), doubt, param, node, called.scope))
         return tuple(found)

@@ -22,9 +22,10 @@ from elitescript.commands.definition.quantities import (
     Vector,
 )
 from elitescript.commands.definition.registry import Command, Param
-from elitescript.errors import ArgumentTypeError, ScriptError
+from elitescript.errors import ArgumentTypeError, ScriptError, text_of
 from elitescript.lint.constants import Unknown
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.values.description import Value
@@ -41,7 +42,8 @@ class ArgumentRefusal(NamedTuple):
     @property
     def text(self) -> str:
         """What is wrong, in the words of the alarm at run time."""
-        return f"{self.command.name}: {self.param.name} {self.error}"
+        command, argument = self.command.name, self.param.name
+        return said("{command}: {argument} {mistake}", command=command, argument=argument, mistake=text_of(self.error))
 
     @property
     def hint(self) -> str:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Final
 from elitescript.commands.definition.plausibility import is_quarter_turns
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.scopes import Resolution, Scope
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.lint.program import AnalysedProgram, Doubted
@@ -51,7 +52,11 @@ def unit_fix(program: AnalysedProgram, doubted: Doubted) -> Fix | None:
         edits.append(Edit(*span, new))
     if not edits:
         return None
-    title = f"write {edits[0].text}" if len(edits) == 1 else f"write {edits[0].text} and so on"
+    title = (
+        said("write {text}", text=edits[0].text)
+        if len(edits) == 1
+        else said("write {text} and so on", text=edits[0].text)
+    )
     return Fix(title, tuple(edits), safe=False)
 
 

@@ -43,6 +43,7 @@ from elitescript.motion.segment import Segment
 from elitescript.motion.timing.profile import Law, TimeLaw, resting, trapezoid, trapezoid_lasting, trapezoid_of
 from elitescript.motion.timing.retiming import SlowPlace, keeps_limits, retimed
 from elitescript.records import record, replace
+from elitescript.said import said
 
 NEAR_WRIST_SINE: Final = 0.2
 """|sin q5| below which the wrist singularity is the cause of a slow place: at ordinary tool speeds
@@ -296,9 +297,9 @@ def _with_zone(plan: Plan, arm: Arm, T_flange_tcp: Transform, r: float) -> Plan:
         return replace(plan, zone=zone)
     note = MoveNote(
         MoveNoteKind.RADIUS_SHORTENED,
-        RADIUS_SHORTENED.format(r=r, most=zone.radius),
+        said(RADIUS_SHORTENED, r=r, most=zone.radius),
         "W235",
-        RADIUS_HINT.format(most=zone.radius),
+        said(RADIUS_HINT, most=zone.radius),
     )
     return replace(plan, zone=zone, notes=(*plan.notes, note))
 

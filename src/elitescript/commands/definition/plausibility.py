@@ -1,7 +1,8 @@
 """Detects values that are legal but hardly meant: degrees for radians, millimetres for metres, and their like.
 
 `JUDGES` has a row for each `meaning` of a quantity: a pure function from a value to doubts. The checker applies it to
-values that are certain before the run, `Command.call` to the values of the run, so both report the same.
+values that are certain before the run, and to ranges of numbers (`Range`): a doubt is then one about each of them.
+`Command.call` applies it to the values of the run, so both report the same.
 
 The bounds lie so far above what any arm does that no legal value meets them (*assumed*: a bound is a factor above
 the largest number that an arm of this family has, and below what the same quantity usually is in the other unit).
@@ -10,11 +11,12 @@ the largest number that an arm of this family has, and below what the same quant
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import hypot, pi, radians
+from math import hypot, inf, isinf, pi, radians
 from typing import Any, Final, Protocol
 
 from elitescript.kinematics.arm import Arm
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 FULL_TURN: Final = 2.0 * pi + 0.01
 """Joints of all arms end at a full turn to either side, rad; with room for rounded numbers."""
@@ -58,6 +60,24 @@ QUARTER_ROOM: Final = 2e-3
 """Joint positions are often quarters of a turn, written as 1.57 or 3.14, rad."""
 
 _POSE: Final = ("x", "y", "z", "Rx", "Ry", "Rz")
+
+
+class Range(float):
+    """A number of which only a range is known, without 0 in it: its end that is nearest to 0.
+
+    Args:
+        near: that end.
+        far: the other end; may be infinite.
+    """
+
+    __slots__ = ("far",)
+
+    def __new__(cls, near: float, far: float) -> Range:
+        made = super().__new__(cls, near)
+        made.far = far
+        return made
+
+    far: float
 
 
 class Doubt(NamedTuple):
@@ -108,27 +128,45 @@ def _is_within(value: Any, most: float) -> bool:
         return False
 
 
+def number_text(number: float) -> str:
+    """Return a number, or a range, for a text."""
+    if not isinstance(number, Range):
+        return f"{number:g}"
+    if isinf(number.far):
+        return said("{number:g} or more", number=number) if number > 0 else said("{number:g} or less", number=number)
+    return said("{least:g} to {most:g}", least=min(number, number.far), most=max(number, number.far))
+
+
 def _degrees(number: float) -> str:
-    return f"{number:g} looks like degrees: d2r({number:g}) is {radians(number):.5g}"
+    return said(
+        "{number:g} looks like degrees: d2r({number:g}) is {radians:.5g}", number=number, radians=radians(number)
+    )
 
 
 def _millimetres(number: float) -> str:
-    return f"{number:g} looks like millimetres: {number:g} mm are {number / 1000.0:g} m"
+    return said(
+        "{number:g} looks like millimetres: {number:g} mm are {meant:g} m", number=number, meant=number / 1000.0
+    )
 
 
 def _joints(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
     if _is_within(value, FULL_TURN):
         return
     for index, number in _numbers(value):
-        if _is_degrees(abs(number)):
-            yield Doubt("W230", f"[{index}] is {number:g} rad, more than a full turn", _degrees(number), index)
+        if _is_degrees(number):
+            yield Doubt(
+                "W230",
+                said("[{index}] is {number} rad, more than a full turn", index=index, number=number_text(number)),
+                _degrees(number),
+                index,
+            )
             return
 
 
 def _pose(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
     if _is_within(value, FULL_TURN) and _is_within(value[:3], _NEAR_M):
         return
-    quarters = [index for index, number in _numbers(value) if index < 3 and _is_quarter(abs(number))]
+    quarters = [index for index, number in _numbers(value) if index < 3 and _is_quarter(number)]
     if len(quarters) > 1:
         # A place with two of these coordinates is 2.2 m away: out of the reach of all arms.
         text = " looks like joint positions: two of x, y and z are quarters of a turn"
@@ -138,7 +176,7 @@ def _pose(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
 
 
 def _is_quarter(number: float) -> bool:
-    return number > QUARTER_ROOM and is_quarter_turns(number)
+    return not isinstance(number, Range) and abs(number) > QUARTER_ROOM and is_quarter_turns(abs(number))
 
 
 def is_quarter_turns(number: float) -> bool:
@@ -152,15 +190,29 @@ def _transform(value: Any, most_m: float) -> Iterator[Doubt]:
     for index, number in _numbers(value):
         if index < 3 and not has_length and abs(number) > most_m:
             has_length = True
-            yield Doubt("W231", f"[{index}], {_POSE[index]}, is {number:g} m", _millimetres(number), index)
-        elif index >= 3 and not has_angle and _is_degrees(abs(number)):
+            yield Doubt(
+                "W231",
+                said(
+                    "[{index}], {element}, is {number} m", index=index, element=_POSE[index], number=number_text(number)
+                ),
+                _millimetres(number),
+                index,
+            )
+        elif index >= 3 and not has_angle and _is_degrees(number):
             has_angle = True
-            text = f"[{index}], {_POSE[index]}, is {number:g} rad, more than a full turn"
+            text = said(
+                "[{index}], {element}, is {number} rad, more than a full turn",
+                index=index,
+                element=_POSE[index],
+                number=number_text(number),
+            )
             yield Doubt("W230", text, _degrees(number), index)
 
 
-def _is_degrees(angle: float) -> bool:
-    return angle > SURELY_DEGREES or (angle > FULL_TURN and angle % ROUND_DEGREES == 0.0)
+def _is_degrees(number: float) -> bool:
+    angle = abs(number)
+    is_round = angle % ROUND_DEGREES == 0.0 and not isinstance(number, Range)
+    return angle > SURELY_DEGREES or (angle > FULL_TURN and is_round)
 
 
 def _tcp(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
@@ -175,8 +227,14 @@ def _centre_of_gravity(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
     index = max(numbers, key=lambda place: abs(numbers[place]))
     reach = COG_MOST_M if arm is None else abs(arm.arm.a2) + abs(arm.arm.a3) + arm.arm.d5
     if distance > reach:
-        limit = f"and no arm reaches further than {reach:g} m" if arm is None else f"the arm reaches {reach:.3g} m"
-        text = f" is {distance:g} m from the flange, {limit}"
+        limit = (
+            said("and no arm reaches further than {reach:g} m", reach=reach)
+            if arm is None
+            else said("the arm reaches {reach:.3g} m", reach=reach)
+        )
+        if any(isinstance(number, Range) for number in numbers.values()):
+            distance = Range(distance, inf)
+        text = said(" is {distance} m from the flange, {limit}", distance=number_text(distance), limit=limit)
         yield Doubt("W231", text, _millimetres(numbers[index]), index)
 
 
@@ -191,13 +249,25 @@ def _scalar(limit: float, unit: str, in_degrees: bool) -> Judge:
 
 
 def _too_fast(place: str, value: float, unit: str, in_degrees: bool, index: int | None) -> Doubt:
-    text = f"{place} is {value:g} {unit}, more than any arm does"
+    text = said("{place} is {value} {unit}, more than any arm does", place=place, value=number_text(value), unit=unit)
     if in_degrees:
         other = unit.replace("rad", "deg")
-        hint = f"{value:g} looks like {other}: d2r({value:g}) is {radians(value):.5g} {unit}"
+        hint = said(
+            "{value:g} looks like {other}: d2r({value:g}) is {radians:.5g} {unit}",
+            value=value,
+            other=other,
+            radians=radians(value),
+            unit=unit,
+        )
     else:
         other = unit.replace("m/", "mm/", 1)
-        hint = f"{value:g} looks like {other}: that is {value / 1000.0:g} {unit}"
+        hint = said(
+            "{value:g} looks like {other}: that is {meant:g} {unit}",
+            value=value,
+            other=other,
+            meant=value / 1000.0,
+            unit=unit,
+        )
     return Doubt("W232", text, hint, index)
 
 
@@ -218,7 +288,7 @@ def _speeds(first_turn: int) -> Judge:
 
 def _blend_radius(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
     if isinstance(value, (int, float)) and value > BLEND_MOST_M:
-        yield Doubt("W231", f" is {value:g} m", _millimetres(value))
+        yield Doubt("W231", said(" is {value} m", value=number_text(value)), _millimetres(value))
 
 
 def _payload(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
@@ -227,16 +297,21 @@ def _payload(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
         carrier = "any arm carries" if arm is None else "this arm carries"
         hint = "the mass of gripper and part together, in kg"
         if value >= 2.0 * PAYLOAD_MOST_KG:
-            hint = f"{value:g} looks like grams: {value:g} g are {value / 1000.0:g} kg"
-        yield Doubt("W233", f" is {value:g} kg; {carrier} at most {most:g} kg", hint)
+            hint = said("{value:g} looks like grams: {value:g} g are {meant:g} kg", value=value, meant=value / 1000.0)
+        yield Doubt(
+            "W233",
+            said(" is {value} kg; {carrier} at most {most:g} kg", value=number_text(value), carrier=carrier, most=most),
+            hint,
+        )
 
 
 def _fraction(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
     if isinstance(value, (int, float)) and not 0.0 <= value <= 1.0:
         hint = "it is a fraction of the range: 0 is 0 V or 4 mA, 1 is 10 V or 20 mA"
         if 1.0 < value <= 10.0:
-            hint += f"; {value:g} V are {value / 10.0:g}"
-        yield Doubt("W234", f" is {value:g}, limited to {0 if value < 0.0 else 1}", hint)
+            hint = said("{hint}; {value:g} V are {meant:g}", hint=hint, value=value, meant=value / 10.0)
+        text = said(" is {value}, limited to {limit}", value=number_text(value), limit=0 if value < 0.0 else 1)
+        yield Doubt("W234", text, hint)
 
 
 JUDGES: Final[dict[str, Judge]] = {

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from elitescript.findings.observing import Observer, found
 from elitescript.messages.findings import Finding
 from elitescript.messages.observations import TextBeyondAscii
+from elitescript.said import said
 
 
 class BeyondAscii(Observer):
@@ -24,6 +25,12 @@ class BeyondAscii(Observer):
             return
         self._told.add(seen.channel)
         data = letter.encode("utf-8", "replace")
-        text = f"{letter!r} in a text on {seen.kind} {seen.channel!r} is not ASCII: it goes as UTF-8, {data.hex(' ')}"
+        text = said(
+            "{letter!r} in a text on {kind} {channel!r} is not ASCII: it goes as UTF-8, {hex}",
+            letter=letter,
+            kind=seen.kind,
+            channel=seen.channel,
+            hex=data.hex(" "),
+        )
         hint = "does the receiver read UTF-8? socket_send_byte_list sends any bytes"
         yield found("N282", text, line=seen.line, thread=seen.thread, hint=hint)

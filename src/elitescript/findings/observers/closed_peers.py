@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from elitescript.findings.observing import Observer, found
 from elitescript.messages.findings import Finding
 from elitescript.messages.observations import PeerClosed
+from elitescript.said import Said, said
 
 
 class ClosedPeers(Observer):
@@ -16,8 +17,10 @@ class ClosedPeers(Observer):
 
     def see(self, seen: PeerClosed) -> Iterable[Finding]:
         """Tell of the first use."""
-        why = seen.reason or "by its peer"
-        lost = "nothing was sent" if seen.done == "sent" else "nothing more can be read"
-        text = f"{seen.kind} {seen.channel!r} is closed ({why}): {lost}"
+        why = seen.reason or Said("by its peer")
+        lost = Said("nothing was sent" if seen.done == "sent" else "nothing more can be read")
+        text = said(
+            "{kind} {channel!r} is closed ({why}): {lost}", kind=seen.kind, channel=seen.channel, why=why, lost=lost
+        )
         hint = "look at the result, and open it anew with socket_close and socket_open"
         yield found("N281", text, line=seen.line, thread=seen.thread, hint=hint)

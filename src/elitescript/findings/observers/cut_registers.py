@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from elitescript.findings.observing import Observer, found
 from elitescript.messages.findings import Finding
 from elitescript.messages.observations import RegisterCut
+from elitescript.said import said
 
 
 class CutRegisters(Observer):
@@ -24,7 +25,12 @@ class CutRegisters(Observer):
         if key in self._told:
             return
         self._told.add(key)
-        text = f"{seen.value} becomes {seen.sent} in the register {seen.signal!r}: only its low 16 bits are sent"
+        text = said(
+            "{value} becomes {sent} in the register {signal!r}: only its low 16 bits are sent",
+            value=seen.value,
+            sent=seen.sent,
+            signal=seen.signal,
+        )
         hint = (
             "a device with signed registers reads it as it was meant"
             if code == "N287"

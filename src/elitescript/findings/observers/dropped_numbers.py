@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from elitescript.findings.observing import Observer, found
 from elitescript.messages.findings import Finding
 from elitescript.messages.observations import NumbersDropped
+from elitescript.said import said
 
 
 class DroppedNumbers(Observer):
@@ -23,10 +24,14 @@ class DroppedNumbers(Observer):
         if (seen.channel, is_surplus) in self._told:
             return
         self._told.add((seen.channel, is_surplus))
-        place = f"on {seen.kind} {seen.channel!r}"
+        place = said("on {kind} {channel!r}", kind=seen.kind, channel=seen.channel)
         if is_surplus:
-            text = (
-                f"{seen.came} numbers came {place}, {seen.asked} were asked for: '({seen.text})'; the others are gone"
+            text = said(
+                "{came} numbers came {place}, {asked} were asked for: '({text})'; the others are gone",
+                came=seen.came,
+                place=place,
+                asked=seen.asked,
+                text=seen.text,
             )
             is_comma = seen.came == 2 * seen.asked and seen.text.count(",") >= seen.asked
             hint = (
@@ -35,8 +40,12 @@ class DroppedNumbers(Observer):
                 else "ask for as many numbers as the sender writes"
             )
         else:
-            text = (
-                f"{seen.read} of {seen.asked} numbers were read {place} from '({seen.text})': what follows is no number"
+            text = said(
+                "{read} of {asked} numbers were read {place} from '({text})': what follows is no number",
+                read=seen.read,
+                asked=seen.asked,
+                place=place,
+                text=seen.text,
             )
             hint = "commas and blanks separate numbers, and each has a decimal point: (1.5, 2.5)"
         yield found("W282", text, line=seen.line, thread=seen.thread, hint=hint)

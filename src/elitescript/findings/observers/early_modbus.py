@@ -8,6 +8,7 @@ from elitescript.findings.observing import Observer, found
 from elitescript.messages.findings import Finding
 from elitescript.messages.observations import ModbusReadAgain, ModbusReadEarly
 from elitescript.messages.timing import seconds
+from elitescript.said import said
 
 
 class EarlyModbus(Observer):
@@ -38,10 +39,14 @@ class EarlyModbus(Observer):
 
 def _told(code: str, first: ModbusReadEarly, count: int) -> Finding:
     age_s = seconds(first.age_ticks)
-    times = "" if count == 1 else f", in {count} readings"
-    text = (
-        f"the MODBUS signal {first.signal!r} had no value yet{times}, it was added {age_s:g} s before: "
-        f"the {first.value} that was read is no answer of the device"
+    times = "" if count == 1 else said(", in {count} readings", count=count)
+    text = said(
+        "the MODBUS signal {signal!r} had no value yet{times}, it was added {age_s:g} s before: "
+        "the {value} that was read is no answer of the device",
+        signal=first.signal,
+        times=times,
+        age_s=age_s,
+        value=first.value,
     )
     hint = "add signals once, at the begin, and wait until modbus_get_error gives [0, 0], or for sleep(0.5)"
     return found(code, text, line=first.line, thread=first.thread, hint=hint)

@@ -8,6 +8,7 @@ from math import degrees
 from elitescript.findings.observing import Observer, found
 from elitescript.messages.findings import Finding
 from elitescript.messages.observations import MotionLeft
+from elitescript.said import Said, said
 
 
 class EndUnderWay(Observer):
@@ -20,22 +21,29 @@ class EndUnderWay(Observer):
         command = seen.command
         if command in _MODES:
             mode, ends = _MODES[command]
-            text, hint = f"the program ends {mode}", f"call {ends} before the end"
+            text, hint = said("the program ends {mode}", mode=mode), said("call {command} before the end", command=ends)
         elif seen.left_rad:
-            text = (
-                f"the program ends {seen.left_rad:.3f} rad ({degrees(seen.left_rad):.1f} deg) before the target of "
-                f"{command}: the arm brakes where it is"
+            text = said(
+                "the program ends {left_rad:.3f} rad ({left_deg:.1f} deg) before the target of "
+                "{command}: the arm brakes where it is",
+                left_rad=seen.left_rad,
+                left_deg=degrees(seen.left_rad),
+                command=command,
             )
             hint = "send the last target again until the arm is there, or end with movej to it"
         else:
-            text = f"the program ends while {command} moves the arm, {seen.speed_rad_per_s:.3f} rad/s: it brakes"
-            hint = f"stop the arm with {_STOPS.get(command, 'stopj')} before the end"
+            text = said(
+                "the program ends while {command} moves the arm, {speed_rad_per_s:.3f} rad/s: it brakes",
+                command=command,
+                speed_rad_per_s=seen.speed_rad_per_s,
+            )
+            hint = said("stop the arm with {command} before the end", command=_STOPS.get(command, "stopj"))
         yield found("W280", text, line=seen.line, thread=seen.thread, hint=hint)
 
 
 _MODES = {
-    "force_mode": ("in force mode", "end_force_mode"),
-    "tracking": ("while the arm follows a conveyor", "stop_conveyor_tracking"),
+    "force_mode": (Said("in force mode"), "end_force_mode"),
+    "tracking": (Said("while the arm follows a conveyor"), "stop_conveyor_tracking"),
 }
 """By observation: what the arm is in, and what ends it."""
 _STOPS = {"speedj": "stopj", "speedl": "stopl"}

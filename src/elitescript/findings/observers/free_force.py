@@ -8,6 +8,7 @@ from elitescript.findings.observing import Observer, found
 from elitescript.messages.findings import Finding
 from elitescript.messages.observations import ForceMetNothing
 from elitescript.messages.timing import seconds
+from elitescript.said import said
 
 
 class FreeForce(Observer):
@@ -24,9 +25,11 @@ class FreeForce(Observer):
             return
         self._told.add(seen.line)
         wanted = ", ".join(f"{value:g}" for value in seen.target)
-        text = (
-            f"force mode was on for {seconds(seen.duration_ticks):g} s with a target of [{wanted}] N, N m, and nothing "
-            "has pressed against the tool: the arm moved freely, at its largest speed in that mode"
+        text = said(
+            "force mode was on for {duration_s:g} s with a target of [{wanted}] N, N m, and nothing has "
+            "pressed against the tool: the arm moved freely, at its largest speed in that mode",
+            duration_s=seconds(seen.duration_ticks),
+            wanted=wanted,
         )
         hint = "give the run something to touch (contact in the world, --contact), or move nearer first"
         yield found("N288", text, line=seen.line, thread=seen.thread, hint=hint)

@@ -8,6 +8,7 @@ from elitescript.findings.observing import Observer, found
 from elitescript.messages.findings import Finding
 from elitescript.messages.observations import InputMissed
 from elitescript.messages.timing import seconds
+from elitescript.said import said
 
 
 class MissedInputs(Observer):
@@ -25,7 +26,11 @@ class MissedInputs(Observer):
         if len(known) > 1:
             return
         step_s = seconds(seen.step_ticks)
-        changes = f"{seen.signal} changed {seen.changes} times between two looks of this line"
-        text = f"{changes}, which looks every {step_s:g} s: the program has missed a pulse"
+        changes = said(
+            "{signal} changed {changes} times between two looks of this line", signal=seen.signal, changes=seen.changes
+        )
+        text = said(
+            "{changes}, which looks every {step_s:g} s: the program has missed a pulse", changes=changes, step_s=step_s
+        )
         hint = "look more often, with sync() in the loop, or let the sender hold the level for longer"
         yield found("W289", text, line=seen.line, thread=seen.thread, hint=hint)

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from elitescript.findings.observing import Observer, found
 from elitescript.messages.findings import Finding
 from elitescript.messages.observations import OddAnswer
+from elitescript.said import said
 
 
 class OddAnswers(Observer):
@@ -19,17 +20,36 @@ class OddAnswers(Observer):
 
     def see(self, seen: OddAnswer) -> Iterable[Finding]:
         """Tell what came."""
-        name, place = seen.question.removeprefix("GET "), f"on {seen.kind} {seen.channel!r}"
-        odd = "" if seen.answer is None else f"was {seen.answer!r}, not '{name} <int>': the value is 0"
+        place = said("on {kind} {channel!r}", kind=seen.kind, channel=seen.channel)
+        if seen.answer is None:
+            odd = said(
+                "the answer to {question!r} had come before it: {earlier!r}",
+                question=seen.question,
+                earlier=seen.earlier,
+            )
+        else:
+            odd = said(
+                "the answer to {question!r} was {answer!r}, not '{name} <int>': the value is 0",
+                question=seen.question,
+                answer=seen.answer,
+                name=seen.question.removeprefix("GET "),
+            )
         if seen.earlier.strip():
-            what, text = "behind", f"the answer to {seen.question!r} {odd or f'had come before it: {seen.earlier!r}'}"
-            text += f"; it belongs to what was sent before, and so does every later answer {place}"
+            what = "behind"
+            text = said(
+                "{odd}; it belongs to what was sent before, and so does every later answer {place}",
+                odd=odd,
+                place=place,
+            )
             hint = 'read every answer before the next question, those to socket_set_var too, with suffix="\\n"'
         elif seen.is_late:
-            what, text = "late", f"no answer to {seen.question!r} came in time {place}: the value is 0"
+            what = "late"
+            text = said(
+                "no answer to {question!r} came in time {place}: the value is 0", question=seen.question, place=place
+            )
             hint = "0 may be an answer too; one that comes later is taken for that to the next question"
         else:
-            what, text = "form", f"the answer to {seen.question!r} {odd}"
+            what, text = "form", odd
             hint = "ask with socket_send_line and read with socket_read_string if the device answers in another form"
         if (seen.channel, what) not in self._told:
             self._told.add((seen.channel, what))

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from elitescript.findings.observing import Observer, found
 from elitescript.messages.findings import Finding
 from elitescript.messages.observations import OtherServer
+from elitescript.said import said
 
 
 class OtherServers(Observer):
@@ -22,9 +23,13 @@ class OtherServers(Observer):
         if (seen.channel, seen.wanted) in self._told:
             return
         self._told.add((seen.channel, seen.wanted))
-        text = (
-            f"{seen.kind} {seen.channel!r} is open to {seen.place} and stays so: {seen.wanted} is not opened, and what "
-            f"is sent goes to {seen.place}"
+        text = said(
+            "{kind} {channel!r} is open to {place} and stays so: {wanted} is not opened, and what is "
+            "sent goes to {place}",
+            kind=seen.kind,
+            channel=seen.channel,
+            place=seen.place,
+            wanted=seen.wanted,
         )
         hint = "give each server a name of its own, the third argument, or close the name first"
         yield found("W247", text, line=seen.line, thread=seen.thread, hint=hint)

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from elitescript.findings.observing import Observer, found
 from elitescript.messages.findings import Finding
 from elitescript.messages.observations import SignalPulsed
+from elitescript.said import said
 
 
 class PulsesInATick(Observer):
@@ -26,10 +27,16 @@ class PulsesInATick(Observer):
         if key in self._told:
             return
         self._told.add(key)
-        where = "" if seen.first_line in (0, seen.line) else f" (set in line {seen.first_line})"
-        text = (
-            f"{seen.signal} was {seen.unseen}{where} and became {seen.value} in the same tick of 4 ms: nothing outside "
-            f"has seen {seen.unseen}"
+        where = (
+            "" if seen.first_line in (0, seen.line) else said(" (set in line {first_line})", first_line=seen.first_line)
+        )
+        text = said(
+            "{signal} was {unseen}{where} and became {value} in the same tick of 4 ms: nothing "
+            "outside has seen {unseen}",
+            signal=seen.signal,
+            unseen=seen.unseen,
+            where=where,
+            value=seen.value,
         )
         code = "W288" if seen.is_back and not seen.is_cleanup else "N285"
         yield found(code, text, line=seen.line, thread=seen.thread, hint="wait between both, such as sleep(0.1)")

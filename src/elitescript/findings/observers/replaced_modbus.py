@@ -9,6 +9,7 @@ from elitescript.findings.observing import Observer, found
 from elitescript.messages.findings import Finding
 from elitescript.messages.observations import ModbusReplaced
 from elitescript.messages.timing import TICKS_PER_S, seconds
+from elitescript.said import said
 
 FEW_SETS: Final = 20
 """A signal that is set more often, and faster than it is sent, carries a stream (*assumed*)."""
@@ -38,13 +39,22 @@ class ReplacedModbus(Observer):
             # A signal without a frequency is sent once for each set, as soon as there is room.
             period_ticks = TICKS_PER_S / (first.frequency_hz or TICKS_PER_S)
             is_stream = last.sets > FEW_SETS and last.span_ticks < 2 * period_ticks * last.sets
-            rate = f"the signal has {first.frequency_hz} Hz" if first.frequency_hz else "it waits for the device"
-            text = (
-                f"{first.unsent} in the MODBUS signal {first.signal!r} was replaced by {first.value} after "
-                f"{seconds(first.held_ticks):g} s, before it was sent: {rate}"
+            rate = (
+                said("the signal has {frequency_hz} Hz", frequency_hz=first.frequency_hz)
+                if first.frequency_hz
+                else said("it waits for the device")
+            )
+            text = said(
+                "{unsent} in the MODBUS signal {signal!r} was replaced by {value} after {held_s:g} s, "
+                "before it was sent: {rate}",
+                unsent=first.unsent,
+                signal=first.signal,
+                value=first.value,
+                held_s=seconds(first.held_ticks),
+                rate=rate,
             )
             if others:
-                text += f"; others were too, up to line {last.line}"
+                text = said("{text}; others were too, up to line {line}", text=text, line=last.line)
             hint = "hold each value for longer than a period, or raise modbus_set_signal_update_frequency"
             code = "N286" if is_stream else "W286"
             yield found(code, text, line=first.line, thread=first.thread, hint=hint)

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from elitescript.findings.observing import Observer, found
 from elitescript.messages.findings import Finding
 from elitescript.messages.observations import StoppedAgain
+from elitescript.said import said
 
 
 class ShortStops(Observer):
@@ -26,9 +27,10 @@ class ShortStops(Observer):
     def end(self, ending: str) -> Iterable[Finding]:
         """Tell of each line."""
         for seen in self._most.values():
-            text = (
-                f"a path of short moves, the last of {1000 * seen.way_m:.3g} mm, came to rest at {seen.stops} points "
-                "in a row"
+            text = said(
+                "a path of short moves, the last of {way_mm:.3g} mm, came to rest at {stops} points in a row",
+                way_mm=1000 * seen.way_m,
+                stops=seen.stops,
             )
             hint = (
                 "a blend radius r lets the arm go on through the points; servoj or a micro-segment file follow a path"

@@ -9,6 +9,7 @@ from elitescript.findings.observing import Observer, found
 from elitescript.messages.findings import Finding
 from elitescript.messages.observations import ServoStarved
 from elitescript.messages.timing import seconds
+from elitescript.said import said
 
 IN_A_ROW: Final = 3
 """Stops at one line from which on they are no chance."""
@@ -27,9 +28,15 @@ class StarvedServo(Observer):
         stops = self._stops[seen.line] = self._stops.get(seen.line, 0) + 1
         if stops == IN_A_ROW:
             step_s = seconds(seen.step_ticks)
-            text = (
-                f"servoj has t={seen.t_s:g} s and gets a target every {step_s:g} s: the arm comes to rest at each of "
-                "them and starts anew"
+            text = said(
+                "servoj has t={t_s:g} s and gets a target every {step_s:g} s: the arm comes to rest at "
+                "each of them and starts anew",
+                t_s=seen.t_s,
+                step_s=step_s,
             )
-            hint = f"send a target every {seen.t_s:g} s, or give t={step_s:g} and do not sleep between"
+            hint = said(
+                "send a target every {t_s:g} s, or give t={step_s:g} and do not sleep between",
+                t_s=seen.t_s,
+                step_s=step_s,
+            )
             yield found("W290", text, line=seen.line, thread=seen.thread, hint=hint)

@@ -9,6 +9,7 @@ from elitescript.findings.observing import Observer, found
 from elitescript.messages.findings import Finding
 from elitescript.messages.observations import CommandRefused
 from elitescript.messages.timing import TICKS_PER_S
+from elitescript.said import said
 
 MOVES_MAX: Final = 10
 """Refusals in a row of a command that moves the arm; a program may try a few places."""
@@ -36,6 +37,11 @@ class SwallowedRefusals(Observer):
             count, first = 0, seen.text
         self._refused[key] = count + 1, seen.tick, first
         if count + 1 == most:
-            text = f"{seen.command} was refused {most} times in a row, and the program goes on: {first}"
+            text = said(
+                "{command} was refused {most} times in a row, and the program goes on: {first}",
+                command=seen.command,
+                most=most,
+                first=first,
+            )
             hint = "end the loop, or say what went wrong, in the block of except"
             yield found("W292", text, line=seen.line, thread=seen.thread, hint=hint)

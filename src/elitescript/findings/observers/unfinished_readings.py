@@ -8,6 +8,7 @@ from typing import Final
 from elitescript.findings.observing import Observer, found
 from elitescript.messages.findings import Finding
 from elitescript.messages.observations import ReadingEnded, ReadingResumed
+from elitescript.said import Said, said
 
 PATIENT_S: Final = 0.5
 """A reading that has waited so long has not merely looked whether a text is complete."""
@@ -48,14 +49,24 @@ class UnfinishedReadings(Observer):
         if key in self._told:
             return
         self._told.add(key)
-        place = f"{seen.kind} {seen.channel!r}"
+        place = said("{kind} {channel!r}", kind=seen.kind, channel=seen.channel)
         there = repr(seen.data.decode("utf-8", "backslashreplace"))
         if seen.lacks == "count":
-            text = f"a reading on {place} ended by its timeout with {seen.wanted}: {there}"
+            text = said(
+                "a reading on {place} ended by its timeout with {wanted}: {there}",
+                place=place,
+                wanted=seen.wanted,
+                there=there,
+            )
             yield found("N283", text, line=seen.line, thread=seen.thread, hint=_COUNT)
             return
-        missing = f"{seen.lacks} {seen.wanted!r}"
-        text = f"a reading on {place} ended by its timeout although {there} is there: its {missing} has not come"
+        missing = said("{part} {mark!r}", part=Said(seen.lacks), mark=seen.wanted)
+        text = said(
+            "a reading on {place} ended by its timeout although {there} is there: its {missing} has not come",
+            place=place,
+            there=there,
+            missing=missing,
+        )
         yield found("W283", text, line=seen.line, thread=seen.thread, hint=_advice(seen))
 
 
@@ -81,5 +92,5 @@ def _advice(seen: ReadingEnded) -> str:
         )
     for end in ("\r\n", "\n", "\r"):
         if seen.data.endswith(end.encode()):
-            return f"the sender ends its texts with {end!r}: read with that suffix"
+            return said("the sender ends its texts with {end!r}: read with that suffix", end=end)
     return "the sender has not ended its text, or ends it in another way"

@@ -8,6 +8,7 @@ from typing import Final
 from elitescript.findings.observing import Observer, found
 from elitescript.messages.findings import Finding
 from elitescript.messages.observations import ChannelLeft
+from elitescript.said import counted, said
 
 SHOWN: Final = 40
 """Most bytes of the data that a finding shows."""
@@ -32,9 +33,12 @@ class UnreadData(Observer):
         for left in self._left if ending == "finished" else ():
             size = len(left.data)
             shown = left.data[:SHOWN].decode("utf-8", "backslashreplace")
-            text = (
-                f"{size} byte{'' if size == 1 else 's'} on {left.kind} {left.channel!r} were not read when the program "
-                f"ended: {shown!r}{' …' if size > SHOWN else ''}"
+            text = said(
+                "{bytes} on {kind} {channel!r} were not read when the program ended: {data}",
+                bytes=counted(size, "byte", "bytes"),
+                kind=left.kind,
+                channel=left.channel,
+                data=f"{shown!r} …" if size > SHOWN else repr(shown),
             )
             hint = "read until the answer is complete, or close the channel when it is not needed any more"
             yield found("N280", text, line=left.line, thread=left.thread, hint=hint)

@@ -17,6 +17,7 @@ from elitescript.language.advice.unknown_names import nearest
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.lint.program import AnalysedProgram, CommandCall
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="E303", since="0.1")
@@ -35,4 +36,4 @@ def _fix(program: AnalysedProgram, called: CommandCall, node: ast.AST) -> Fix | 
     meant = nearest(node.arg, names) if node.arg not in names else ""
     line, column = program.symbols.place(node)
     edit = Edit(line, column, line, column + len(node.arg), meant)
-    return Fix(f"write {meant}", (edit,), safe=False) if meant else None
+    return Fix(said("write {meant}", meant=meant), (edit,), safe=False) if meant else None

@@ -26,6 +26,7 @@ from elitescript.lint.assignment import Assignments
 from elitescript.lint.placing import conditions
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="W257", since="0.3", needs_all_lines=True)
@@ -38,7 +39,12 @@ def assigned_in_one_branch(program: AnalysedProgram) -> Iterator[Finding]:
             continue
         around = conditions(symbols, branch)
         if all(condition in around for condition in conditions(symbols, found.node)):
-            text = f"the variable `{found.node.id}` has a value only if {_shown(branch.test)}, line {branch.lineno}"
+            text = said(
+                "the variable `{node}` has a value only if {test}, line {line}",
+                node=found.node.id,
+                test=_shown(branch.test),
+                line=branch.lineno,
+            )
             yield Finding(found.node, text, "give it a value in front of the `if`, or in an `else`")
 
 

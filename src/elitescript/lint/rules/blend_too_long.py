@@ -22,6 +22,7 @@ from elitescript.lint.places import TargetPlaces
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 from elitescript.messages.motion import BLEND_SHARE, RADIUS_HINT, RADIUS_SHORTENED, Six
+from elitescript.said import said
 
 _MOVES: Final = ("movel", "movej", "movec", "movep")
 _ROOM: Final = 1e-3
@@ -90,7 +91,7 @@ def _judged(program: AnalysedProgram, places: TargetPlaces, start: int, place: i
         return
     most = _most(places, program, start, place)
     if most is not None and most > 0.0 and most < r * (1.0 - _ROOM):
-        yield Finding(node, RADIUS_SHORTENED.format(r=float(r), most=most), RADIUS_HINT.format(most=most))
+        yield Finding(node, said(RADIUS_SHORTENED, r=float(r), most=most), said(RADIUS_HINT, most=most))
 
 
 def _most(places: TargetPlaces, program: AnalysedProgram, start: int, place: int) -> float | None:

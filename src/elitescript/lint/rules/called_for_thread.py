@@ -22,6 +22,7 @@ from typing import Final
 from elitescript.lint.flow import Flow
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _START: Final = "start_thread"
 
@@ -35,7 +36,20 @@ def called_for_thread(program: AnalysedProgram) -> Iterator[Finding]:
         _, node = placed.given[0]
         if isinstance(node, ast.Call) and Flow(program).never_returns(node):
             called = ast.unparse(node.func)
-            text = f"{_START}: `{called}` runs here and never ends, so that no thread is started"
+            text = said(
+                "{start}: `{called}` runs here and never ends, so that no thread is started",
+                start=_START,
+                called=called,
+            )
             arguments = ", ".join(map(ast.unparse, node.args))
             given = f"({arguments},)" if len(node.args) == 1 else f"({arguments})"
-            yield Finding(node, text, f"write the function without parentheses: {_START}({called}, {given})")
+            yield Finding(
+                node,
+                text,
+                said(
+                    "write the function without parentheses: {start}({called}, {given})",
+                    start=_START,
+                    called=called,
+                    given=given,
+                ),
+            )

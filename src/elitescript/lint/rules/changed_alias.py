@@ -21,6 +21,7 @@ from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.scopes import Scope
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 from elitescript.values.description import NUMBER
 from elitescript.values.results import LIST_ROLES
 
@@ -45,9 +46,16 @@ def changed_alias(program: AnalysedProgram) -> Iterator[Finding]:
             found = _changed(scope, node, changed, other, stores.get((changed, scope), []))
             if found is not None:
                 copy = f"{target.id} = {value.id}.copy()"
-                text = f"`{changed}` and `{other}` are one list since line {node.lineno}: this changes both"
-                fix = Fix(f"write {copy}", (Edit(*program.span(value), f"{value.id}.copy()"),), safe=False)
-                yield Finding(found, text, f"{copy} makes a list of its own", fix)
+                text = said(
+                    "`{changed}` and `{other}` are one list since line {line}: this changes both",
+                    changed=changed,
+                    other=other,
+                    line=node.lineno,
+                )
+                fix = Fix(
+                    said("write {copy}", copy=copy), (Edit(*program.span(value), f"{value.id}.copy()"),), safe=False
+                )
+                yield Finding(found, text, said("{copy} makes a list of its own", copy=copy), fix)
                 break
 
 

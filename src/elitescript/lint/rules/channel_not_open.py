@@ -22,6 +22,7 @@ from elitescript.language.diagnostics import Edit, Fix
 from elitescript.lint.called import Called, CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _OPEN: Final = "socket_open"
 _NAME: Final = "socket_name"
@@ -55,16 +56,20 @@ def _told(program: AnalysedProgram, found: Called, name: str, opened: set[str]) 
     node = found.given.get(_NAME)
     listed = ", ".join(repr(other) for other in sorted(opened)[:4])
     if node is None:
-        text = f"{found.name}: no channel is named, and nothing opens the usual one, {USUAL!r}"
-        return Finding(found.call, text, f"name the channel: {listed}")
-    text = f"{found.name}: nothing opens a channel {name!r}"
+        text = said(
+            "{command}: no channel is named, and nothing opens the usual one, {usual!r}",
+            command=found.name,
+            usual=USUAL,
+        )
+        return Finding(found.call, text, said("name the channel: {listed}", listed=listed))
+    text = said("{command}: nothing opens a channel {name!r}", command=found.name, name=name)
     if any(not opened.isdisjoint(program.derived(CalledCommands).texts(found, param, "")) for param in _TEXTS):
         return Finding(node, text, "what is sent comes first, the name of the channel behind it")
     if not name.strip("\r\n"):
-        return Finding(node, text, f"the name comes first: suffix={name!r} is the mark behind the text")
+        return Finding(node, text, said("the name comes first: suffix={name!r} is the mark behind the text", name=name))
     meant = nearest(name, opened)
-    hint = f"is {meant!r} meant?" if meant else f"opened here: {listed}"
+    hint = said("is {meant!r} meant?", meant=meant) if meant else said("opened here: {listed}", listed=listed)
     fix = None
     if meant and isinstance(node, ast.Constant):
-        fix = Fix(f"write {meant!r}", (Edit(*program.span(node), f'"{meant}"'),), safe=False)
+        fix = Fix(said("write {meant!r}", meant=meant), (Edit(*program.span(node), f'"{meant}"'),), safe=False)
     return Finding(node, text, hint, fix)

@@ -20,6 +20,7 @@ from elitescript.lint.called import Called, CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 from elitescript.lint.rules.channel_not_open import USUAL
+from elitescript.said import said
 
 _OPEN: Final = "socket_open"
 _CLOSE: Final = "socket_close"
@@ -50,7 +51,13 @@ def channel_of_another_server(program: AnalysedProgram) -> Iterator[Finding]:
         older = first.setdefault(key, (found, addresses[0], port))
         if name in closed or older[1:] == (addresses[0], port) or not _is_behind(program, older[0], found):
             continue
-        text = f"socket_open: the channel {name!r} stands for {older[1]}:{older[2]} since line {older[0].call.lineno}"
+        text = said(
+            "socket_open: the channel {name!r} stands for {address}:{port} since line {line}",
+            name=name,
+            address=older[1],
+            port=older[2],
+            line=older[0].call.lineno,
+        )
         yield Finding(found.call, text, "give each server a name of its own, the third argument")
 
 

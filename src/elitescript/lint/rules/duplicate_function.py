@@ -23,6 +23,7 @@ from collections.abc import Iterator
 
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="W217", since="0.2")
@@ -40,7 +41,11 @@ def duplicate_function(program: AnalysedProgram) -> Iterator[Finding]:
                     name = statement.name
                     yield Finding(
                         program.name_span(statement, name),
-                        f"`{name}` is defined already in line {before.lineno}: that one can no longer be called",
+                        said(
+                            "`{name}` is defined already in line {line}: that one can no longer be called",
+                            name=name,
+                            line=before.lineno,
+                        ),
                         "remove one of the two, or give it another name",
                     )
                 if statement.decorator_list:

@@ -22,6 +22,7 @@ from elitescript.language.options import PROGRAM
 from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _SET_UP: Final = ("encoder_enable_set_tick_count", "encoder_enable_pulse_decode")
 _INDEX: Final = "encoder_index"
@@ -42,6 +43,6 @@ def encoder_not_set_up(program: AnalysedProgram) -> Iterator[Finding]:
     for found in called.of("track_conveyor_linear", "track_conveyor_circular"):
         number = called.number(found, _INDEX, 0)
         if number is not None and number not in ready:
-            text = f"{found.name}: nothing in the program sets up encoder {number}"
+            text = said("{command}: nothing in the program sets up encoder {number}", command=found.name, number=number)
             hint = "encoder_enable_set_tick_count or encoder_enable_pulse_decode sets it up"
             yield Finding(found.call, text, hint)

@@ -24,6 +24,7 @@ from elitescript.language.scopes import Scope
 from elitescript.lint.called import Called, CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _START: Final = "start_thread"
 _WAIT: Final = "sleep"
@@ -48,7 +49,11 @@ def ended_thread(program: AnalysedProgram) -> Iterator[Finding]:
         for target in symbols.definitions(function.id, found.scope):
             late = _too_late(program, target, left_s)
             if late is not None:
-                text = f"{late.name}: the program ends {left_s:g} s after it has started this thread, and ends it too"
+                text = said(
+                    "{command}: the program ends {left_s:g} s after it has started this thread, and ends it too",
+                    command=late.name,
+                    left_s=left_s,
+                )
                 yield Finding(late.call, text, "join_thread waits for a thread")
 
 

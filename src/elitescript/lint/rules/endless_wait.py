@@ -86,7 +86,11 @@ def _forgotten_counts(program: AnalysedProgram, loop: ast.While) -> Iterator[Fin
 
 def _told(program: AnalysedProgram, loop: ast.While, names: list[ast.Name], values: list[Value]) -> Finding:
     listed = " and ".join(dict.fromkeys(f"`{name.id}`" for name in names))
-    text = f"nothing changes {listed} while this loop waits: {shown_source(program, loop.test)} stays as it is"
+    text = said(
+        "nothing changes {listed} while this loop waits: {expression} stays as it is",
+        listed=listed,
+        expression=shown_source(program, loop.test),
+    )
     hint = "give it a new value in the loop, or in a thread"
     if any(value.must & OUTSIDE for value in values):
         hint = "read it again in each turn of the loop"

@@ -17,6 +17,7 @@ from typing import Final
 
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="W205", since="0.1")
@@ -31,7 +32,10 @@ def forbidden_in_secondary(program: AnalysedProgram) -> Iterator[Finding]:
         if program.is_in_secondary(call):
             yield Finding(
                 call.func,
-                f"a secondary program (sec) may not call {name}: it cannot move the arm, wait or start threads",
+                said(
+                    "a secondary program (sec) may not call {name}: it cannot move the arm, wait or start threads",
+                    name=name,
+                ),
                 "do it in the program; a secondary program can set a global for it",
             )
 

@@ -23,6 +23,7 @@ from typing import Final
 from elitescript.commands.definition.quantities import Integer, Number, Optionally
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 from elitescript.values.description import INT
 from elitescript.values.results import HANDLE
 
@@ -48,7 +49,9 @@ def handle_as_value(program: AnalysedProgram) -> Iterator[Finding]:
         above = program.symbols.parent(node)
         where = arguments.get(node, "")
         if where or isinstance(above, ast.BinOp) or (isinstance(above, ast.Compare) and _is_a_value(above)):
-            text = f"`{ast.unparse(node)}` is the handle of a thread, not what its function returns"
+            text = said(
+                "`{expression}` is the handle of a thread, not what its function returns", expression=ast.unparse(node)
+            )
             hint = "what a thread returns is lost: let it write a global or `nonlocal` variable"
             yield Finding(node, f"{where}: {text}" if where else text, hint)
 

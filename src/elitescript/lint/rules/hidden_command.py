@@ -21,6 +21,7 @@ from elitescript.commands.definition.reserved import RESERVED
 from elitescript.language.symbols import Binding, Scope
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="W203", since="0.1")
@@ -41,12 +42,12 @@ def hidden_command(program: AnalysedProgram) -> Iterator[Finding]:
             seen.add(variable)
             if command is None:
                 if not _is_private(first, scope):
-                    text = f"`{name}` is a word that the robot's own tools reserve"
+                    text = said("`{name}` is a word that the robot's own tools reserve", name=name)
                     yield Finding(program.name_span(first.node, name), text, "use another name")
             elif command.evidence == "documented" and program.is_available(command):
                 is_missed = _is_missed(name, first, scope, program)
                 if is_missed or not (name in _EVERYDAY or _is_private(first, scope)):
-                    text = f"`{name}` hides the robot command {command.signature}"
+                    text = said("`{name}` hides the robot command {signature}", name=name, signature=command.signature)
                     hint = "calls of it below mean this one" if is_missed else "use another name"
                     yield Finding(program.name_span(first.node, name), text, hint)
 

@@ -22,6 +22,7 @@ from typing import Final
 from elitescript.language.scopes import Scope
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _ASSIGNMENTS: Final = ("assign", "augmented", "annotated", "walrus")
 _SHORTEST: Final = 2
@@ -51,8 +52,12 @@ def hidden_variable(program: AnalysedProgram) -> Iterator[Finding]:
             from elitescript.lint.insertions import declare
 
             where = f"`{home.name}`" if home.name else "the program"
-            text = f"`{name}` is a variable of its own here, and nothing reads it; that of {where} keeps its value"
-            hint = f"write `nonlocal {name}` at the start of the function `{scope.name}`"
+            text = said(
+                "`{name}` is a variable of its own here, and nothing reads it; that of {where} keeps its value",
+                name=name,
+                where=where,
+            )
+            hint = said("write `nonlocal {name}` at the start of the function `{scope}`", name=name, scope=scope.name)
             yield Finding(program.name_span(first.node, name), text, hint, declare(program, "nonlocal", name, scope))
 
 

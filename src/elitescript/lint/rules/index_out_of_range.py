@@ -17,6 +17,7 @@ from collections.abc import Iterator
 from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule, shown_source
+from elitescript.said import said
 from elitescript.values.description import INT, LIST, TUPLE
 
 
@@ -37,10 +38,13 @@ def index_out_of_range(program: AnalysedProgram) -> Iterator[Finding]:
             continue
         length = _length(program, node.value, written)
         if length is not None and not -length <= index.constant < length and not program.is_tried(node):
-            text = (
-                f"{shown_source(program, node.value)} has {length} elements, and none with the index {index.constant}"
+            text = said(
+                "{expression} has {length} elements, and none with the index {index}",
+                expression=shown_source(program, node.value),
+                length=length,
+                index=index.constant,
             )
-            yield Finding(node, text, f"the first is 0, the last {length - 1}" if length else "")
+            yield Finding(node, text, said("the first is 0, the last {length}", length=length - 1) if length else "")
     for assignment in program.nodes(ast.Assign):
         for target in assignment.targets:
             if not isinstance(target, (ast.Tuple, ast.List)) or any(
@@ -49,8 +53,16 @@ def index_out_of_range(program: AnalysedProgram) -> Iterator[Finding]:
                 continue
             length = _length(program, assignment.value, written)
             if length is not None and length != len(target.elts) and not program.is_tried(assignment):
-                what = f"{shown_source(program, assignment.value)} has {length} elements"
-                yield Finding(target, f"{what}, and {len(target.elts)} names take them", "take as many as there are")
+                what = said(
+                    "{expression} has {length} elements",
+                    expression=shown_source(program, assignment.value),
+                    length=length,
+                )
+                yield Finding(
+                    target,
+                    said("{what}, and {count} names take them", what=what, count=len(target.elts)),
+                    "take as many as there are",
+                )
 
 
 def _are_counts_written(program: AnalysedProgram) -> bool:

@@ -14,11 +14,12 @@ from collections.abc import Iterator
 
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule, shown_source
+from elitescript.said import said
 
 
 @rule(code="W243", since="0.3")
 def joined_lists(program: AnalysedProgram) -> Iterator[Finding]:
     """Report sums and products of poses and joint positions."""
     for node, joined in program.joined_lists.items():
-        text = f"{shown_source(program, node)} joins lists: {joined.words}"
+        text = said("{expression} joins lists: {words}", expression=shown_source(program, node), words=joined.words)
         yield Finding(node, text, joined.hint)

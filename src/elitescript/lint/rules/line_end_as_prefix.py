@@ -18,6 +18,7 @@ from elitescript.language.diagnostics import Edit, Fix
 from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="W248", since="0.3")
@@ -31,8 +32,15 @@ def line_end_as_prefix(program: AnalysedProgram) -> Iterator[Finding]:
         texts = called.texts(found, "prefix", "")
         if texts and all(text and not text.strip("\r\n\t ") for text in texts):
             written = ast.unparse(node)
-            text = f"socket_read_string: the prefix {written} is a mark in front of the text, not behind it"
+            text = said(
+                "socket_read_string: the prefix {written} is a mark in front of the text, not behind it",
+                written=written,
+            )
             fix = None
             if node in found.call.args and len(found.call.args) == 2:
-                fix = Fix(f"write suffix={written}", (Edit(*program.span(node), f"suffix={written}"),), safe=False)
-            yield Finding(node, text, f"suffix={written} reads to the end of the line", fix)
+                fix = Fix(
+                    said("write suffix={written}", written=written),
+                    (Edit(*program.span(node), f"suffix={written}"),),
+                    safe=False,
+                )
+            yield Finding(node, text, said("suffix={written} reads to the end of the line", written=written), fix)

@@ -16,6 +16,7 @@ from typing import Final
 from elitescript.errors import ArgumentRangeError, MirroredAddressError
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _WRITERS: Final = ("write_port_bit", "write_port_register")
 
@@ -38,6 +39,6 @@ def mirrored_address(program: AnalysedProgram) -> Iterator[Finding]:
                 check(int(address), 1)
             except MirroredAddressError as error:
                 hint = "docs/reference/modbus.md lists what can be set"
-                yield Finding(node, f"{name}: {error}; nothing changes", hint)
+                yield Finding(node, said("{name}: {error}; nothing changes", name=name, error=error), hint)
             except ArgumentRangeError:
                 continue  # the range of the parameter says so

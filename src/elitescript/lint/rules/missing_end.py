@@ -24,6 +24,7 @@ from elitescript.language.options import LINE
 from elitescript.language.text.rewriting import BlockEnd
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import Said, said
 
 
 @rule(code="W216", since="0.2", needs_all_lines=True)
@@ -65,12 +66,21 @@ def _finding(program: AnalysedProgram, block: BlockEnd, closed: int) -> Finding:
     row = program.source.line(opener.line)
     start = len(row) - len(row.lstrip()) + 1
     where = Span(opener.line, start, opener.line, len(row.rstrip()) + 1)
-    others = "another block has its own" if closed == 1 else f"{closed} other blocks have theirs"
-    text = (
-        f"the `{block.word}` of line {opener.line} has no `end`, and {others}: "
-        f"by its indentation it ends after line {last.last_line}"
+    others = (
+        Said("another block has its own") if closed == 1 else said("{closed} other blocks have theirs", closed=closed)
+    )
+    text = said(
+        "the `{word}` of line {line} has no `end`, and {others}: by its indentation it ends after line {last_line}",
+        word=block.word,
+        line=opener.line,
+        others=others,
+        last_line=last.last_line,
     )
     column = len(program.source.line(last.last_line)) + 1
     edit = Edit(last.last_line, column, last.last_line, column, f"\n{row[: start - 1]}end")
-    hint = f"write `end` in column {start} below line {last.last_line}, or indent what else belongs to it"
+    hint = said(
+        "write `end` in column {start} below line {last_line}, or indent what else belongs to it",
+        start=start,
+        last_line=last.last_line,
+    )
     return Finding(where, text, hint, Fix("close it where it ends", (edit,), safe=True))

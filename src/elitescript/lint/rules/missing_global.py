@@ -24,6 +24,7 @@ from typing import Final
 from elitescript.language.symbols import Scope
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import Said, said
 
 
 @rule(code="W202", since="0.1")
@@ -44,8 +45,14 @@ def missing_global(program: AnalysedProgram) -> Iterator[Finding]:
 
                 yield Finding(
                     program.name_span(first.node, name),
-                    f"`{name}` is a local variable here; {_place(owner)} declares it global",
-                    f"write `global {name}` at the start of {_place(scope)}, or use another name",
+                    said(
+                        "`{name}` is a local variable here; {place} declares it global", name=name, place=_place(owner)
+                    ),
+                    said(
+                        "write `global {name}` at the start of {place}, or use another name",
+                        name=name,
+                        place=_place(scope),
+                    ),
                     declare(program, "global", name, scope),
                 )
 
@@ -85,5 +92,5 @@ def _declaring_scope(name: str, scope: Scope, program: AnalysedProgram) -> Scope
 
 def _place(scope: Scope) -> str:
     if scope.kind == "body":
-        return "the program" if not scope.name else f"the program `{scope.name}`"
-    return f"the function `{scope.name}`" if scope.name else "another function"
+        return Said("the program") if not scope.name else said("the program `{scope}`", scope=scope.name)
+    return said("the function `{scope}`", scope=scope.name) if scope.name else Said("another function")

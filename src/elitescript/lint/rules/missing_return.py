@@ -22,6 +22,7 @@ from elitescript.language.symbols import Scope
 from elitescript.lint.flow import Flow, is_generator, own_nodes
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="W220", since="0.2", needs_all_lines=True)
@@ -43,8 +44,13 @@ def missing_return(program: AnalysedProgram) -> Iterator[Finding]:
             first = min(node.lineno for node in returns)
             yield Finding(
                 program.name_span(function, function.name),
-                f"`{function.name}` returns a value in line {first}, but none when it comes to its end, "
-                f"and line {used} uses it",
+                said(
+                    "`{function}` returns a value in line {first}, but none when it comes to its end, and "
+                    "line {used} uses it",
+                    function=function.name,
+                    first=first,
+                    used=used,
+                ),
                 "return a value on every path, also behind the last `if` or loop",
             )
 

@@ -24,6 +24,7 @@ from elitescript.language.diagnostics import Edit, Fix
 from elitescript.lint.called import Called, CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _NAME: Final = "signal_name"
 _ADD: Final = "modbus_add_signal"
@@ -68,11 +69,15 @@ def _unknown(
     program: AnalysedProgram, found: Called, node: ast.expr, name: str, added: dict[str, set[int | None]]
 ) -> Finding:
     meant = nearest(name, set(added))
-    hint = f"is {meant!r} meant?" if meant else f"added here: {', '.join(map(repr, sorted(added)[:4]))}"
+    hint = (
+        said("is {meant!r} meant?", meant=meant)
+        if meant
+        else said("added here: {added}", added=", ".join(map(repr, sorted(added)[:4])))
+    )
     fix = None
     if meant and isinstance(node, ast.Constant):
-        fix = Fix(f"write {meant!r}", (Edit(*program.span(node), f'"{meant}"'),), safe=False)
-    return Finding(node, f"{found.name}: nothing adds a signal {name!r}", hint, fix)
+        fix = Fix(said("write {meant!r}", meant=meant), (Edit(*program.span(node), f'"{meant}"'),), safe=False)
+    return Finding(node, said("{command}: nothing adds a signal {name!r}", command=found.name, name=name), hint, fix)
 
 
 def _unfit(found: Called, node: ast.expr, name: str, kinds: set[int | None]) -> Iterator[Finding]:
@@ -83,8 +88,12 @@ def _unfit(found: Called, node: ast.expr, name: str, kinds: set[int | None]) -> 
     if kind is None or kind not in _KINDS or kind == wanted:
         return
     hint = (
-        f"{_WRITER_OF[kind]} writes it"
+        said("{command} writes it", command=_WRITER_OF[kind])
         if kind in _WRITER_OF
         else "only coils, type 1, and registers, type 3, are written"
     )
-    yield Finding(node, f"{found.name}: {name!r} is {_KINDS[kind]}, type {kind}", hint)
+    yield Finding(
+        node,
+        said("{command}: {name!r} is {what}, type {kind}", command=found.name, name=name, what=_KINDS[kind], kind=kind),
+        hint,
+    )

@@ -23,6 +23,7 @@ from elitescript.language.symbols import Resolution
 from elitescript.language.text.masked import lex
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="W212", since="0.1")
@@ -38,7 +39,12 @@ def newer_syntax(program: AnalysedProgram) -> Iterator[Finding]:
         name = element.value
         is_generic = isinstance(name, ast.Name) and name.id in _GENERIC and _is_python_name(name, program)
         if isinstance(name, ast.Name) and is_generic and not _is_never_computed(element, program):
-            yield _finding(program.span(element), f"`{name.id}[...]` as a type", "3.9", f"write {name.id} alone")
+            yield _finding(
+                program.span(element),
+                said("`{name}[...]` as a type", name=name.id),
+                "3.9",
+                said("write {name} alone", name=name.id),
+            )
     for operation in program.nodes(ast.BinOp):
         is_optional = isinstance(operation.op, ast.BitOr) and any(map(_is_none, (operation.left, operation.right)))
         if is_optional and not _is_never_computed(operation, program):
@@ -58,7 +64,11 @@ _GENERIC: Final = frozenset(("dict", "frozenset", "list", "set", "tuple", "type"
 
 
 def _finding(where: Span, what: str, version: str, hint: str) -> Finding:
-    return Finding(where, f"{what} is new in Python {version}; the robot's Python may be older", hint)
+    return Finding(
+        where,
+        said("{what} is new in Python {version}; the robot's Python may be older", what=what, version=version),
+        hint,
+    )
 
 
 def _is_python_name(node: ast.Name, program: AnalysedProgram) -> bool:

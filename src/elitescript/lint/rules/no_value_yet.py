@@ -22,6 +22,7 @@ from collections.abc import Iterator
 from elitescript.lint.assignment import Assignments
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="W256", since="0.3", needs_all_lines=True)
@@ -32,13 +33,15 @@ def no_value_yet(program: AnalysedProgram) -> Iterator[Finding]:
         # A `global` somewhere else is told by another rule.
         if found.branch is not None or name in program.symbols.global_names or program.is_tried(found.node):
             continue
-        text = f"the variable `{name}` has no value yet here"
+        text = said("the variable `{name}` has no value yet here", name=name)
         outer = None if scope.parent is None else scope.parent.home(name)
         if outer is None:
             yield Finding(found.node, text, "assign it before")
             continue
         from elitescript.lint.insertions import declare
 
-        place = f"the function `{scope.name}`"
-        hint = f"write `nonlocal {name}` at the start of {place}: it is a variable of its own there"
+        place = said("the function `{scope}`", scope=scope.name)
+        hint = said(
+            "write `nonlocal {name}` at the start of {place}: it is a variable of its own there", name=name, place=place
+        )
         yield Finding(found.node, text, hint, declare(program, "nonlocal", name, scope))

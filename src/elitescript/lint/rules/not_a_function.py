@@ -17,6 +17,7 @@ from elitescript.commands.catalogue import CATALOGUE
 from elitescript.language.symbols import Resolution
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="W245", since="0.3")
@@ -34,5 +35,7 @@ def not_a_function(program: AnalysedProgram) -> Iterator[Finding]:
             from elitescript.values.words import words
 
             if not value.kinds & NONE and CATALOGUE.get(function.id) is None:
-                text = f"`{function.id}` is {words(value)} here, and cannot be called"
+                text = said(
+                    "`{function}` is {words} here, and cannot be called", function=function.id, words=words(value)
+                )
                 yield Finding(function, text, "give the variable another name than the function")

@@ -19,6 +19,7 @@ from typing import Final
 from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 from elitescript.values.description import Value
 
 _HOLDS: Final = {
@@ -38,8 +39,16 @@ def number_too_large(program: AnalysedProgram) -> Iterator[Finding]:
                 value = None if part is None else program.values.of(part)
                 if part is not None and value is not None and _is_outside(value, low, high):
                     number = value.low if value.low > high else value.high
-                    text = f"{command}: {param} is {number:g}, and {bits} bits hold {low} to {high}"
-                    hint = f"{int(number) & ((1 << bits) - 1)} is sent" if abs(number) != inf else ""
+                    text = said(
+                        "{command}: {param} is {number:g}, and {bits} bits hold {low} to {high}",
+                        command=command,
+                        param=param,
+                        number=number,
+                        bits=bits,
+                        low=low,
+                        high=high,
+                    )
+                    hint = said("{number} is sent", number=int(number) & (1 << bits) - 1) if abs(number) != inf else ""
                     yield Finding(part, text, hint)
 
 

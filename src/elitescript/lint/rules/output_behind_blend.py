@@ -20,6 +20,7 @@ from typing import Final
 from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _MOVES: Final = ("movel", "movej", "movec", "movep")
 _OUTPUTS: Final = (
@@ -45,8 +46,10 @@ def output_behind_blend(program: AnalysedProgram) -> Iterator[Finding]:
         behind = _statement_before(program, found.call)
         if isinstance(behind, ast.Expr) and behind.value in radii and _moves_on(program, found.call, moves):
             radius_m = radii[behind.value]
-            where = f"{radius_m * 1000:g} mm before the point of line {behind.lineno}"
-            text = f"{found.name} comes {where}, where its blend begins"
+            where = said(
+                "{radius_mm:g} mm before the point of line {line}", radius_mm=radius_m * 1000, line=behind.lineno
+            )
+            text = said("{command} comes {where}, where its blend begins", command=found.name, where=where)
             yield Finding(found.call, text, "a move without r ends at its point")
 
 

@@ -19,6 +19,7 @@ from typing import Final
 from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 from elitescript.values.description import INT, OUTSIDE
 
 _LEAST: Final = 2.0
@@ -37,5 +38,7 @@ def per_cent(program: AnalysedProgram) -> Iterator[Finding]:
             # Whole numbers that go on: a loop over per cent.
             number = value.high
         if number is not None and number >= _LEAST:
-            hint = f"{number:g} looks like per cent: that is {number / 100:g}"
-            yield Finding(node, f"interpolate_pose: alpha is {number:g}; 1 is already the second pose", hint)
+            hint = said("{number:g} looks like per cent: that is {meant:g}", number=number, meant=number / 100)
+            yield Finding(
+                node, said("interpolate_pose: alpha is {number:g}; 1 is already the second pose", number=number), hint
+            )

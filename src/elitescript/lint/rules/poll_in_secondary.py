@@ -17,6 +17,7 @@ from collections.abc import Iterator
 
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="W221", since="0.2")
@@ -33,7 +34,10 @@ def poll_in_secondary(program: AnalysedProgram) -> Iterator[Finding]:
         if times and program.is_in_secondary(call):
             yield Finding(
                 call.func,
-                f"a secondary program (sec) does not wait: {command.name} looks once, whatever its time-out",
+                said(
+                    "a secondary program (sec) does not wait: {command} looks once, whatever its time-out",
+                    command=command.name,
+                ),
                 "without a time-out it waits for its answer, one second at most"
                 if command.family == "modbus_rtu"
                 else "read in the program and share the value as a global",

@@ -18,6 +18,7 @@ from collections.abc import Iterator
 from elitescript.language.options import SCRIPT
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="W208", since="0.1", instead_of=("W201", "E301"))
@@ -27,7 +28,9 @@ def program_name(program: AnalysedProgram) -> Iterator[Finding]:
     if parsed.unit is not None:
         for use in program.unknown:
             if use.name == parsed.name:
-                text = f"`{use.name}` is the name of this program, not of a function: it is not defined here"
+                text = said(
+                    "`{name}` is the name of this program, not of a function: it is not defined here", name=use.name
+                )
                 hint = "for a loop write `while True:`; for a function, `def` inside the program"
                 yield Finding(use.node, text, hint)
     if parsed.kind == SCRIPT:
@@ -49,8 +52,11 @@ def _trailing_calls(statements: list[ast.stmt]) -> Iterator[Finding]:
         assert definition is not None and call is not None
         yield Finding(
             call,
-            f"`{definition.name}()` runs the function when this file is run; sent to the robot's script port, the "
-            "text above runs at once and this line fails",
+            said(
+                "`{name}()` runs the function when this file is run; sent to the robot's script port, "
+                "the text above runs at once and this line fails",
+                name=definition.name,
+            ),
             "leave the call out: a single `def` runs by itself",
         )
 

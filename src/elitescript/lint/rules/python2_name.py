@@ -21,6 +21,7 @@ from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.symbols import Resolution
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="W209", since="0.1", instead_of=("W201", "E301"))
@@ -31,8 +32,8 @@ def python2_name(program: AnalysedProgram) -> Iterator[Finding]:
         if is_old and not program.expects_missing_names(use.node):
             new, hint = _NAMES[use.name]
             fix = _replacement(program.span(use.node), new) if new else None
-            text = f"`{use.name}` is Python 2; a Python 3 controller does not know it"
-            yield Finding(use.node, text, hint or f"write {new}", fix)
+            text = said("`{name}` is Python 2; a Python 3 controller does not know it", name=use.name)
+            yield Finding(use.node, text, hint or said("write {new}", new=new), fix)
     for call in program.nodes(ast.Call):
         if isinstance(call.func, ast.Attribute):
             yield from _method(call, call.func, program)
@@ -64,8 +65,8 @@ def _method(call: ast.Call, function: ast.Attribute, program: AnalysedProgram) -
         yield Finding(place, text, "write `key in dictionary`", fix)
     elif name in _ITERATORS and not call.args and not call.keywords:
         new = _ITERATORS[name]
-        text = f"dictionaries have no `{name}` in Python 3"
-        yield Finding(place, text, f"write {new}()", _replacement(place, new))
+        text = said("dictionaries have no `{name}` in Python 3", name=name)
+        yield Finding(place, text, said("write {new}()", new=new), _replacement(place, new))
     elif name == "sort" and call.args and not _is_module(function.value, program):
         text = "`sort` takes no comparing function in Python 3: it has no positional arguments"
         hint = "write sort(key=...), with functools.cmp_to_key for a comparing function"
@@ -92,7 +93,7 @@ def _attribute_span(node: ast.Attribute, program: AnalysedProgram) -> Span:
 
 
 def _replacement(span: Span, new: str) -> Fix:
-    return Fix(f"write {new}", (Edit(*span, new),), safe=True)
+    return Fix(said("write {new}", new=new), (Edit(*span, new),), safe=True)
 
 
 def _membership(call: ast.Call, function: ast.Attribute, program: AnalysedProgram) -> Fix | None:

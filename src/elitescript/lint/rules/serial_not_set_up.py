@@ -19,6 +19,7 @@ from typing import Final
 from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _CONFIGS: Final = {"tool_": "tool_serial_config", "serial_": "serial_config"}
 _OTHER: Final = {"tool_": "the tool", "serial_": "the control box"}
@@ -45,8 +46,10 @@ def serial_not_set_up(program: AnalysedProgram) -> Iterator[Finding]:
             continue
         first = min(uses, key=lambda one: (one.call.lineno, one.call.col_offset))
         if modes:
-            text = f"{first.name}: {config} sets up the port for plain bytes"
-            yield Finding(first.call, text, f"write {config}(..., modbus_rtu=True)")
+            text = said("{command}: {config} sets up the port for plain bytes", command=first.name, config=config)
+            yield Finding(first.call, text, said("write {config}(..., modbus_rtu=True)", config=config))
         else:
-            text = f"{first.name}: nothing sets up the serial port of {_OTHER[prefix]}"
-            yield Finding(first.call, text, f"call {config}(..., modbus_rtu=True) first")
+            text = said(
+                "{command}: nothing sets up the serial port of {other}", command=first.name, other=_OTHER[prefix]
+            )
+            yield Finding(first.call, text, said("call {config}(..., modbus_rtu=True) first", config=config))

@@ -22,6 +22,7 @@ from elitescript.lint.called import Called, CalledCommands
 from elitescript.lint.placing import loops
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _NAME: Final = "signal_name"
 _ADD: Final = "modbus_add_signal"
@@ -46,7 +47,11 @@ def signal_added_in_loop(program: AnalysedProgram) -> Iterator[Finding]:
         first = min(found.call.lineno for found in by_command[_READ])
         for found in adds:
             if found in by_command.get(found.name, ()) and not _waits_between(program, found.call, first):
-                text = f"{found.name}: {name!r} is added again in each turn of the loop, and never gets a value"
+                text = said(
+                    "{command}: {name!r} is added again in each turn of the loop, and never gets a value",
+                    command=found.name,
+                    name=name,
+                )
                 yield Finding(found.call, text, "add it once, in front of the loop")
 
 

@@ -24,6 +24,7 @@ from elitescript.lint.called import Called, CalledCommands
 from elitescript.lint.placing import loops
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _LEAST_TURNS: Final = 30
 _LONGEST_M: Final = 0.005
@@ -44,7 +45,11 @@ def stops_at_points(program: AnalysedProgram) -> Iterator[Finding]:
             continue
         way = _way(program, node, loop, steps, found.scope)
         if way is not None and 0 < way < _LONGEST_M:
-            text = f"the arm stops at each of {turns:g} points that are {way * 1000:.3g} mm apart"
+            text = said(
+                "the arm stops at each of {turns:g} points that are {way_mm:.3g} mm apart",
+                turns=turns,
+                way_mm=way * 1000,
+            )
             yield Finding(found.call, text, "a blend radius, r, of less than half of the step goes through them")
 
 

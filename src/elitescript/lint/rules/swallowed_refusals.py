@@ -22,6 +22,7 @@ from typing import Final
 
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _REFUSABLE: Final = ("move", "servoj", "get_inverse_kin", "speed")
 
@@ -40,7 +41,9 @@ def swallowed_refusals(program: AnalysedProgram) -> Iterator[Finding]:
         leaves = any(isinstance(node, (ast.Break, ast.Return, ast.Raise)) for node in nodes)
         handled = [node for handler in attempt.handlers for part in handler.body for node in ast.walk(part)]
         if not leaves and not any(isinstance(node, ast.Call) for node in handled):
-            text = f"if {command} is refused, this loop repeats it without waiting and without a word"
+            text = said(
+                "if {command} is refused, this loop repeats it without waiting and without a word", command=command
+            )
             hint = "say what is wrong: `except Exception as e:`, textmsg(str(e)), and leave the loop or sleep"
             yield Finding(program.header_span(attempt), text, hint)
 

@@ -21,6 +21,7 @@ from elitescript.language.diagnostics import Edit, Fix
 from elitescript.lint.arguments import Arguments
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 from elitescript.values.description import BOOL, NUMBER
 
 _INDICES: Final = ("n", "address", "port", "index", "encoder_index")
@@ -36,15 +37,22 @@ def swapped_arguments(program: AnalysedProgram) -> Iterator[Finding]:
             is_wanted = param.name in _INDICES or (_takes_number(param) and _gives_number(program, arguments))
             if not is_wanted or not _is_truth(program, node):
                 continue
-            text = f"{found.command.name}: {param.name} is {ast.unparse(node)}, and a number belongs there"
+            text = said(
+                "{command}: {param} is {expression}, and a number belongs there",
+                command=found.command.name,
+                param=param.name,
+                expression=ast.unparse(node),
+            )
             call = found.call
             fix = None
             if len(call.args) == 2 and call.args[0] is node and not call.keywords:
                 one, other = call.args
                 written = f"{found.command.name}({ast.unparse(other)}, {ast.unparse(one)})"
                 edits = (Edit(*program.span(one), ast.unparse(other)), Edit(*program.span(other), ast.unparse(one)))
-                fix = Fix(f"write {written}", edits, safe=False)
-            yield Finding(node, text, f"the number comes first: {found.command.signature}", fix)
+                fix = Fix(said("write {written}", written=written), edits, safe=False)
+            yield Finding(
+                node, text, said("the number comes first: {signature}", signature=found.command.signature), fix
+            )
 
 
 def _takes_number(param: Param) -> bool:

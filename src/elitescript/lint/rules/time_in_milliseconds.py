@@ -17,6 +17,7 @@ from typing import Final
 
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _MOST_S: Final = 100
 _MOST_OF: Final = {"servoj": 1}
@@ -36,6 +37,12 @@ def time_in_milliseconds(program: AnalysedProgram) -> Iterator[Finding]:
                 continue
             time_s = program.least_number(node, called.scope)
             if time_s is not None and time_s >= most:
-                text = f"{called.command.name}: {param.name} is {time_s:g} s"
-                hint = f"{time_s:g} looks like milliseconds: {time_s:g} ms are {time_s / 1000:g} s"
+                text = said(
+                    "{command}: {param} is {time_s:g} s", command=called.command.name, param=param.name, time_s=time_s
+                )
+                hint = said(
+                    "{time_s:g} looks like milliseconds: {time_s:g} ms are {meant:g} s",
+                    time_s=time_s,
+                    meant=time_s / 1000,
+                )
                 yield Finding(node, text, hint)

@@ -19,6 +19,7 @@ from typing import Final
 from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _CONFIG: Final = "set_tool_digital_io_config"
 
@@ -45,5 +46,9 @@ def tool_pin_input(program: AnalysedProgram) -> Iterator[Finding]:
         number = called.number(found, "n")
         known = states.get(number, set())
         if len(known) == 1 and known <= {"an input", "disabled"}:
-            text = f"set_tool_digital: pin {number} is {known.copy().pop()}"
-            yield Finding(found.call, text, f"{_CONFIG}({number}, 0, True, True) makes it an output")
+            text = said("set_tool_digital: pin {number} is {copy}", number=number, copy=known.copy().pop())
+            yield Finding(
+                found.call,
+                text,
+                said("{config}({number}, 0, True, True) makes it an output", config=_CONFIG, number=number),
+            )

@@ -24,6 +24,7 @@ from elitescript.language.scopes import Scope
 from elitescript.lint.called import Called, CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _READERS: Final = {
     "socket_read_ascii_float": "nan",
@@ -51,9 +52,15 @@ def unasked_reading(program: AnalysedProgram) -> Iterator[Finding]:
         reached = [sinks[part] for part in (reading.call, *names) if part in sinks]
         sink = min(reached, key=lambda found: found.call.lineno, default=None)
         if sink is not None and refused.isdisjoint(sink.given.values()) and not program.is_tried(sink.call):
-            text = f"{sink.name}: {reading.name} of line {reading.call.lineno} may have failed: then it is "
+            text = said(
+                "{command}: {reading} of line {line} may have failed: then it is {failed}",
+                command=sink.name,
+                reading=reading.name,
+                line=reading.call.lineno,
+                failed=_READERS[reading.name],
+            )
             hint = "ask before how many values arrived, the first element"
-            yield Finding(sink.call, f"{text}{_READERS[reading.name]}", hint)
+            yield Finding(sink.call, text, hint)
 
 
 def _sinks(program: AnalysedProgram) -> dict[Variable | ast.Call, Called]:

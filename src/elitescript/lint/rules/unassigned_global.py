@@ -20,6 +20,7 @@ from elitescript.language.advice.unknown_names import nearest
 from elitescript.language.options import SCRIPT
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="W206", since="0.1")
@@ -38,8 +39,10 @@ def unassigned_global(program: AnalysedProgram) -> Iterator[Finding]:
         )
         assigned = {other for scope in scopes for other in scope.bindings}
         meant = nearest(name, assigned)
-        hint = f"is `{meant}` meant?" if meant else "give it a value, or leave the line out"
-        yield Finding(_name_in(first, name, program), f"nothing gives the global `{name}` a value", hint)
+        hint = said("is `{meant}` meant?", meant=meant) if meant else "give it a value, or leave the line out"
+        yield Finding(
+            _name_in(first, name, program), said("nothing gives the global `{name}` a value", name=name), hint
+        )
 
 
 def _name_in(statement: ast.Global, name: str, program: AnalysedProgram) -> Span:

@@ -17,6 +17,7 @@ from elitescript.language.advice.unknown_names import nearest
 from elitescript.language.modules import AVAILABLE, NETWORK
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="W213", since="0.1")
@@ -35,8 +36,8 @@ def unavailable_module(program: AnalysedProgram) -> Iterator[Finding]:
 def _refusal(name: str) -> tuple[str, str]:
     if name.startswith("."):
         return "a program is no package: nothing can be imported from its neighbours", "write it into the program"
-    text = f"the module `{name}` is not available to programs"
+    text = said("the module `{name}` is not available to programs", name=name)
     if name.partition(".")[0] in NETWORK:
         return text, "socket_open, socket_send_string, rpc_factory and their like reach the network"
     meant = nearest(name, AVAILABLE)
-    return text, f"is `{meant}` meant?" if meant else ""
+    return text, said("is `{meant}` meant?", meant=meant) if meant else ""

@@ -19,6 +19,7 @@ from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.symbols import Scope
 from elitescript.lint.program import AnalysedProgram, Use
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _OPERATIONS = (ast.BoolOp, ast.BinOp, ast.Compare, ast.UnaryOp, ast.If, ast.While, ast.IfExp, ast.Assert)
 
@@ -66,8 +67,12 @@ def _finding(program: AnalysedProgram, node: ast.Name, kind: str, *, needs_argum
         fix = Fix("call it", (Edit(line, end_column, end_line, end_column, "()"),), safe=True)
     return Finding(
         node,
-        f"`{node.id}` without parentheses is the {kind} itself, which does nothing and is always true",
-        f"write {node.id}(...)" if needs_arguments else f"write {node.id}()",
+        said(
+            "`{name}` without parentheses is the {kind} itself, which does nothing and is always true",
+            name=node.id,
+            kind=kind,
+        ),
+        said("write {name}(...)", name=node.id) if needs_arguments else said("write {name}()", name=node.id),
         fix,
     )
 

@@ -22,6 +22,7 @@ from elitescript.language.diagnostics import Edit, Fix
 from elitescript.lint.called import Called, CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 _HOSTS: Final = ("address", "IP", "connection_id")
 _HOLDERS: Final = (
@@ -46,7 +47,11 @@ def unfit_address(program: AnalysedProgram) -> Iterator[Finding]:
                     if why:
                         fix = None
                         if fixed and isinstance(node, ast.Constant):
-                            fix = Fix(f"write {fixed!r}", (Edit(*program.span(node), f'"{fixed}"'),), safe=False)
+                            fix = Fix(
+                                said("write {fixed!r}", fixed=fixed),
+                                (Edit(*program.span(node), f'"{fixed}"'),),
+                                safe=False,
+                            )
                         yield Finding(node, f"{found.name}: {why}", hint, fix)
                         break
         yield from _registers(program, found)
@@ -56,23 +61,39 @@ def _host(text: str, command: str) -> tuple[str, str, str]:
     """Return what is wrong with an address, what to do, and what it should be; empty if nothing is."""
     if "://" in text:
         host = text.partition("://")[2].partition("/")[0].partition(":")[0]
-        return f"{text!r} is a URL, not an address", f"write {host!r}", host
+        return said("{text!r} is a URL, not an address", text=text), said("write {host!r}", host=host), host
     host, colon, port = text.partition(":")
     if colon and port.strip().isdigit() and ":" not in port:
-        return f"{text!r} has a port in it", f"write {host!r}, and port {port} as an argument of its own", host
+        return (
+            said("{text!r} has a port in it", text=text),
+            said("write {host!r}, and port {port} as an argument of its own", host=host, port=port),
+            host,
+        )
     if text != text.strip():
-        return f"{text!r} has blanks around it", f"write {text.strip()!r}", text.strip()
+        return said("{text!r} has blanks around it", text=text), said("write {text!r}", text=text.strip()), text.strip()
     parts = re.split(r"[.,]", text)
     if len(parts) < 3 or not all(part.isdigit() for part in parts):
         return "", "", ""
     if "," in text:
         fixed = text.replace(",", ".")
-        return f"{text!r} has a comma in it", f"write {fixed!r}", fixed if len(parts) == 4 else ""
+        return (
+            said("{text!r} has a comma in it", text=text),
+            said("write {fixed!r}", fixed=fixed),
+            fixed if len(parts) == 4 else "",
+        )
     large = next((part for part in parts if int(part) > 255), "")
     if large:
-        return f"{text!r} is no address: {large} is above 255", "each of the four numbers is 0 to 255", ""
+        return (
+            said("{text!r} is no address: {large} is above 255", text=text, large=large),
+            "each of the four numbers is 0 to 255",
+            "",
+        )
     if len(parts) != 4:
-        return f"{text!r} is no address: it has {len(parts)} numbers instead of four", "", ""
+        return (
+            said("{text!r} is no address: it has {count} numbers instead of four", text=text, count=len(parts)),
+            "",
+            "",
+        )
     return "", "", ""
 
 
@@ -86,5 +107,14 @@ def _registers(program: AnalysedProgram, found: Called) -> Iterator[Finding]:
         node = found.given.get(param)
         number = None if node is None else called.number(found, param)
         if node is not None and number is not None and first <= number < first + _BLOCK_LENGTH:
-            text = f"{found.name}: {param} {number} looks like a number of a manual, where {words} begin with {first}"
-            yield Finding(node, text, f"the address of {number} is {number - first}")
+            text = said(
+                "{command}: {param} {number} looks like a number of a manual, where {words} begin with {first}",
+                command=found.name,
+                param=param,
+                number=number,
+                words=words,
+                first=first,
+            )
+            yield Finding(
+                node, text, said("the address of {number} is {address}", number=number, address=number - first)
+            )

@@ -16,6 +16,7 @@ from collections.abc import Iterator
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="E301", since="0.1")
@@ -24,5 +25,9 @@ def unknown_command(program: AnalysedProgram) -> Iterator[Finding]:
     for use, meant, hint in program.undefined(is_call=True):
         if program.shares_globals and not hint:
             continue
-        fix = Fix(f"write {meant}", (Edit(*program.span(use.node), meant),), safe=False) if meant else None
-        yield Finding(use.node, f"there is no command or function called `{use.name}`", hint, fix)
+        fix = (
+            Fix(said("write {meant}", meant=meant), (Edit(*program.span(use.node), meant),), safe=False)
+            if meant
+            else None
+        )
+        yield Finding(use.node, said("there is no command or function called `{name}`", name=use.name), hint, fix)

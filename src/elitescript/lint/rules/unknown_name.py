@@ -18,6 +18,7 @@ from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.modules import AVAILABLE
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="W201", since="0.1")
@@ -28,7 +29,9 @@ def unknown_name(program: AnalysedProgram) -> Iterator[Finding]:
     for use, meant, hint in program.undefined(is_call=False):
         fix = None
         if meant:
-            fix = Fix(f"write {meant}", (Edit(*program.span(use.node), meant),), safe=use.name in WORDS)
+            fix = Fix(
+                said("write {meant}", meant=meant), (Edit(*program.span(use.node), meant),), safe=use.name in WORDS
+            )
         elif use.name in AVAILABLE:
             from elitescript.lint.insertions import import_module
 
@@ -37,4 +40,4 @@ def unknown_name(program: AnalysedProgram) -> Iterator[Finding]:
             from elitescript.lint.insertions import declare
 
             fix = declare(program, "global", use.name, owner)
-        yield Finding(use.node, f"the name `{use.name}` is not defined", hint, fix)
+        yield Finding(use.node, said("the name `{name}` is not defined", name=use.name), hint, fix)

@@ -21,6 +21,7 @@ from elitescript.language.hooks import LINE
 from elitescript.language.symbols import Resolution
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="W207", since="0.1", needs_all_lines=True)
@@ -39,7 +40,9 @@ def unreachable_code(program: AnalysedProgram) -> Iterator[Finding]:
             if not any(start <= first.lineno <= end for start, end in reported):
                 reported.append((first.lineno, rest[-1].end_lineno or rest[-1].lineno))
                 what = _WORDS.get(type(statement), "the lines above")
-                text = f"this is never reached: {what} in line {statement.lineno} always leaves"
+                text = said(
+                    "this is never reached: {what} in line {line} always leaves", what=what, line=statement.lineno
+                )
                 yield Finding(program.header_span(first), text, "remove it, or put it before that line")
             break
 

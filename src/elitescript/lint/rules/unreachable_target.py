@@ -19,6 +19,7 @@ from elitescript.commands.definition.plausibility import FULL_TURN
 from elitescript.lint.places import TargetPlaces, six
 from elitescript.lint.program import AnalysedProgram, element
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import Said, said
 
 _JOINT_MOVES: Final = ("movej", "servoj")
 _POSE_MOVES: Final = ("movel", "movep", "movec")
@@ -58,9 +59,20 @@ def unreachable_target(program: AnalysedProgram) -> Iterator[Finding]:
             for index, number in enumerate(items):
                 low, high = ranges[index]
                 if isinstance(number, (int, float)) and not low <= number <= high:
-                    owner = "of every arm" if program.arm is None else f"of joint {_JOINT_NAMES[index]}"
-                    bounds = f"{low:.4g} to {high:.4g} rad"
-                    text = f"{what}[{index}] is {number:.6g} rad, outside the range {owner}, {bounds}"
+                    owner = (
+                        Said("of every arm")
+                        if program.arm is None
+                        else said("of joint {joint}", joint=_JOINT_NAMES[index])
+                    )
+                    bounds = said("{low:.4g} to {high:.4g} rad", low=low, high=high)
+                    text = said(
+                        "{what}[{index}] is {number:.6g} rad, outside the range {owner}, {bounds}",
+                        what=what,
+                        index=index,
+                        number=number,
+                        owner=owner,
+                        bounds=bounds,
+                    )
                     hint = "choose a target inside the range; a full turn less is the same direction"
                     yield Finding(element(node, index), text, hint)
                     break
@@ -68,5 +80,5 @@ def unreachable_target(program: AnalysedProgram) -> Iterator[Finding]:
         p = six(value)
         reason = "" if p is None or program.arm is None else places.unreachable(program.arm, p)
         if reason:
-            text = f"{what} is out of reach: {reason}"
+            text = said("{what} is out of reach: {reason}", what=what, reason=reason)
             yield Finding(node, text, "keep the whole path inside the workspace")

@@ -20,6 +20,7 @@ from elitescript.language.options import LINE
 from elitescript.lint.effects import has_effect
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="W219", since="0.2")
@@ -34,8 +35,8 @@ def unused_result(program: AnalysedProgram) -> Iterator[Finding]:
             continue
         if isinstance(value, ast.Call) and not has_effect(value, program):
             name = ast.unparse(value.func)
-            text = f"`{name}` only gives a value, and this line does not use it"
-            yield Finding(value.func, text, f"write x = {name}(...), or remove the line")
+            text = said("`{name}` only gives a value, and this line does not use it", name=name)
+            yield Finding(value.func, text, said("write x = {name}(...), or remove the line", name=name))
         elif isinstance(value, (ast.BinOp, ast.UnaryOp)) and not has_classes and not has_effect(value, program):
             # Classes may give operators a meaning of their own.
             text = "the result of this calculation is not used"

@@ -21,6 +21,7 @@ from elitescript.language.symbols import Resolution
 from elitescript.lint.effects import has_effect
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
+from elitescript.said import said
 
 
 @rule(code="W218", since="0.2")
@@ -40,11 +41,13 @@ def useless_statement(program: AnalysedProgram) -> Iterator[Finding]:
             scope = program.symbols.scope_of(value)
             is_function = bool(program.symbols.definitions(value.id, scope))
             if scope.resolve(value.id) is not Resolution.BUILTIN and not is_function:
-                text = f"this line only names `{value.id}`: nothing happens"
+                text = said("this line only names `{name}`: nothing happens", name=value.id)
                 yield Finding(value, text, "give it a value with `=`, use it, or remove the line")
         elif isinstance(value, ast.Attribute) and value.attr not in properties and not has_effect(value, program):
             call = f"{ast.unparse(value)}()"
-            yield Finding(value, "this line only names an attribute: nothing is called", f"write {call}")
+            yield Finding(
+                value, "this line only names an attribute: nothing is called", said("write {call}", call=call)
+            )
         elif isinstance(value, _PLAIN) and not has_effect(value, program) and not _is_text(value):
             yield Finding(value, "this line only makes a value: nothing happens", "use it, or remove the line")
 
@@ -98,7 +101,11 @@ def _comparison(value: ast.Compare, program: AnalysedProgram) -> Finding:
         return Finding(value, text, "`=` assigns, `==` compares")
     edit = Edit(line, column, end_line, end_column, between.replace("==", "="))
     target, new = ast.unparse(value.left), ast.unparse(value.comparators[0])
-    hint = f"is `{target} = {new}` meant?" if len(target) + len(new) <= _LONGEST else "is `=` meant?"
+    hint = (
+        said("is `{target} = {new}` meant?", target=target, new=new)
+        if len(target) + len(new) <= _LONGEST
+        else "is `=` meant?"
+    )
     return Finding(value, text, hint, Fix("assign", (edit,), safe=False))
 
 

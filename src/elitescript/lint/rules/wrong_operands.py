@@ -24,6 +24,7 @@ from typing import Final
 from elitescript.language.symbols import Resolution
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule, shown_source
+from elitescript.said import Said, said
 from elitescript.values.description import (
     BYTES,
     DICT,
@@ -77,7 +78,7 @@ def wrong_operands(program: AnalysedProgram) -> Iterator[Finding]:
 def _found(program: AnalysedProgram) -> Iterator[Finding]:
     for node in program.nodes(ast.BinOp):
         if _is_zero(node) and not program.is_tried(node):
-            yield Finding(node, f"{shown_source(program, node)} divides by 0", "")
+            yield Finding(node, said("{expression} divides by 0", expression=shown_source(program, node)), "")
             continue
         yield from _operands(program, node, node.op, node.left, node.right)
     for comparison in program.nodes(ast.Compare):
@@ -116,15 +117,23 @@ def _operands(
         hint = "pose_sub, or element by element: [a - b for a, b in zip(p, q)]"
     else:
         hint = _advice(op, one, other)
-    what = f"{_said(program, left, one)}, {_said(program, right, other)}"
-    sign = _SIGNS[type(op)]
-    yield Finding(node, f"{what}: `{sign}` does not take them", hint)
+    text = said(
+        "{left}, {right}: `{sign}` does not take them",
+        left=_said(program, left, one),
+        right=_said(program, right, other),
+        sign=_SIGNS[type(op)],
+    )
+    yield Finding(node, text, hint)
 
 
 def _said(program: AnalysedProgram, node: ast.expr, value: Value) -> str:
     if isinstance(node, ast.Constant):
-        return f"{shown_source(program, node)} is a {'text' if value.kinds & (TEXT | BYTES) else 'number'}"
-    return f"{shown_source(program, node)} is {words(value)}"
+        return said(
+            "{expression} is a {kind}",
+            expression=shown_source(program, node),
+            kind=Said("text" if value.kinds & (TEXT | BYTES) else "number"),
+        )
+    return said("{expression} is {words}", expression=shown_source(program, node), words=words(value))
 
 
 _SIGNS: Final[dict[type[ast.AST], str]] = {
@@ -163,7 +172,13 @@ def _steps(program: AnalysedProgram, call: ast.Call) -> Iterator[Finding]:
         value = program.values.of(call.args[0]) if len(call.args) == 1 else None
         if value is not None and value.kinds and not value.kinds & ~(NUMBER | NONE) and not program.is_tried(call):
             yield Finding(
-                call.args[0], f"{shown_source(program, call.args[0])} is {words(value)}, and has no length", ""
+                call.args[0],
+                said(
+                    "{expression} is {words}, and has no length",
+                    expression=shown_source(program, call.args[0]),
+                    words=words(value),
+                ),
+                "",
             )
         return
     for node in call.args:
@@ -174,5 +189,13 @@ def _steps(program: AnalysedProgram, call: ast.Call) -> Iterator[Finding]:
                 hint = "range(len(x)) counts the elements of a list"
             elif value.kinds & ~(INT | FLOAT):
                 hint = ""
-            yield Finding(node, f"range takes whole numbers, and {shown_source(program, node)} is {words(value)}", hint)
+            yield Finding(
+                node,
+                said(
+                    "range takes whole numbers, and {expression} is {words}",
+                    expression=shown_source(program, node),
+                    words=words(value),
+                ),
+                hint,
+            )
             return
