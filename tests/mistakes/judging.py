@@ -43,15 +43,28 @@ class Setting:
         world: its world file.
         signals: levels at the start.
         presets: globals that have a value before it begins.
+        files: contents of its task folder, by name.
     """
 
     world: Path | None = None
     signals: tuple[tuple[str, object], ...] = ()
     presets: tuple[tuple[str, object], ...] = ()
+    files: tuple[tuple[str, bytes], ...] = ()
 
     def robot(self, probe: object = None) -> VirtualRobot:
         """Return a new robot in its world."""
-        robot = VirtualRobot(None if self.world else "CS66", world=self.world, probe=probe, firmware=FIRMWARE)  # type: ignore[arg-type]
+        model = None if self.world else "CS66"
+        files = dict(self.files)
+        # What has no world must not look for one on this computer.
+        network = None if self.world else "none"
+        robot = VirtualRobot(
+            model,
+            world=self.world,
+            task_dir=files,
+            probe=probe,
+            firmware=FIRMWARE,
+            network=network,  # type: ignore[arg-type]
+        )
         for name, value in self.signals:
             robot.signals[name] = value  # type: ignore[assignment]
         return robot
@@ -78,7 +91,7 @@ class Told:
 
     @property
     def is_told(self) -> bool:
-        """Whether somebody learns of it, at the right line."""
+        """Whether it is told, at the right line."""
         return self.by_check in (AT, ARRIVES) or self.by_run in (AT, ARRIVES)
 
     @property

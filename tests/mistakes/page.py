@@ -24,27 +24,28 @@ _HEAD: Final = """\
 
 <!-- Written by `make mistakes`; do not edit. -->
 
-Two measurements say what a person learns who makes a mistake in a program: mistakes that a tool plants into sound
-programs, and programs that hold what people report. `make mistakes` makes both and writes this page; `make test` plants
-fewer, and runs all the programs.
+Two measurements say which mistakes in programs are told: a tool plants mistakes into sound programs, and there are
+programs that hold what people report. `make mistakes` makes both and writes this page; `make test`
+plants fewer, and runs all the programs.
 
 ## Planted mistakes
 
-{planted} single mistakes were planted into {programs} sound programs: the examples, those of the specification, and some
-with devices that were written for it ([tests/mistakes](../../tests/mistakes/planting.py)). Places are drawn by a seed, kinds
-take turns, and only lines that the program really runs get one. Each program is checked, and run in its world for
-the time that the sound one takes and {further} s more.
+{planted} single mistakes were planted into {programs} sound programs: the examples, those of the specification, and
+some with devices that were written for it ([tests/mistakes](../../tests/mistakes/planting.py)). Places are drawn by
+a seed, kinds take turns, and only lines that the program really runs get one. Each program is checked, and run in
+its world for the time that the sound one takes and {further} s more.
 
-**{told} of {planted} are told ({percent:.1f} %)**: {by_check} by `check`, {by_run_alone} by the run alone. {silent} are not told.
-Of {wrong} all that is said is about another line. Of those that are not told, {silent_same} made no difference in their
-run: the same events, moves, times and values. {left_out} changes were left out before anything was run, because
-the text that they gave means the same to the language.
+**{told} of {planted} are told ({percent:.1f} %)**: {by_check} by `check`, {by_run_alone} by the run alone. {silent}
+are not told. Of {wrong}, all that is said is about another line. Of those that are not told, {silent_same} made no
+difference in their run: the same events, moves, times and values. {left_out} changes were left out before anything
+was run, because the text that they gave means the same to the language.
 
-What counts: an error, a warning or a note that the sound program does not have, an alarm, or the sentence that says why
-the program does not go on where that says more than that time goes by. It is told at the right place if it stands in the
-line of the mistake, names that line, names what was changed (the variable, channel, signal or function), or
-stands in a line that has that name: {at}. It also counts where the planted value arrives through variables, arguments and
-results: {arrives}. Anything else is another line.
+What counts: an error, a warning or a note that the sound program does not have, an alarm, or the sentence that says
+why the program does not go on where that says more than that time goes by. It is told at the right place if it
+stands in the line of the mistake (of a step that is missing, also in the head of the loop that misses it), names
+that line, names what was changed (the variable, channel, signal or function), or stands in a line that has that
+name: {at}. It also counts where the planted value arrives through variables, arguments and results: {arrives}.
+Anything else is another line.
 
 | kind | planted | `check` | run alone | not told | another line |
 |---|---|---|---|---|---|
@@ -53,9 +54,9 @@ results: {arrives}. Anything else is another line.
 _CASES: Final = """
 ## Programs that hold what people report
 
-The pages in [tests/mistakes/cases](../../tests/mistakes/cases/README.md) are {count} programs with mistakes from forums and issues,
-written anew, and some of the same kinds. What `check` and the run say, with code and line, is in the programs, and must
-be that and nothing else.
+The pages in [tests/mistakes/cases](../../tests/mistakes/cases/README.md) are {count} programs with mistakes from
+forums and issues, written anew, and some of the same kinds. What `check` and the run say, with code and line, is in
+the programs, and must be that and nothing else.
 
 | program | `check` | run |
 |---|---|---|
@@ -99,9 +100,7 @@ class Result:
                 best[AT if AT in (told.by_check, told.by_run) else ARRIVES] += 1
             silent_same += not told.is_told and told.is_same
         columns = ("planted", "check", "run", "silent", "wrong")
-        table = {
-            kind.name: tuple(rows[kind.name][column] for column in columns) for kind in KINDS if kind.name in rows
-        }
+        table = {kind.name: tuple(rows[kind.name][column] for column in columns) for kind in KINDS if kind.name in rows}
         return cls(table, programs, left_out, silent_same, best[AT], best[ARRIVES])  # type: ignore[arg-type]
 
     def total(self, column: int) -> int:
@@ -118,8 +117,8 @@ class Result:
         """The sums in a line."""
         planted, check, run, silent, wrong = (self.total(column) for column in range(5))
         return (
-            f"{self.told} of {planted} told ({100 * self.told / max(1, planted):.1f} %): {check} by check, {run} by the "
-            f"run alone; {silent} not told, of these {self.silent_same} without a difference in the run; {wrong} elsewhere"
+            f"{self.told} of {planted} told ({100 * self.told / max(1, planted):.1f} %): {check} by check, {run} by "
+            f"the run alone; {silent} not told, {wrong} at another line; of these {self.silent_same} ran as the sound one"
         )
 
 
@@ -165,7 +164,9 @@ def cases_table() -> str:
 def _found(rows: tuple[tuple[int, str], ...]) -> str:
     codes = Counter(code for _, code in rows)
     shown = [f"[{code}](../reference/rules.md)" if code in CODES else "a warning" for code in codes]
-    return ", ".join(f"{code}" if codes[raw] == 1 else f"{code} {codes[raw]} times" for code, raw in zip(shown, codes, strict=True))
+    return ", ".join(
+        f"{code}" if codes[raw] == 1 else f"{code} {codes[raw]} times" for code, raw in zip(shown, codes, strict=True)
+    )
 
 
 def _by_run(case: Case) -> str:

@@ -73,10 +73,11 @@ def _with_declarations(text: str, lines: frozenset[int]) -> frozenset[int]:
 
 def examples() -> Iterator[tuple[str, str, Setting]]:
     """Yield the examples, as their heads say that they are run."""
+    files = tuple((path.name, path.read_bytes()) for path in sorted((ROOT / "examples").glob("*.txt")))
     for path in programs():
         signals, presets = parse_settings(settings(path))
         world = next((ROOT / name for name in settings(path, "--world")), None)
-        setting = Setting(world, tuple(signals.items()), tuple(presets.items()))
+        setting = Setting(world, tuple(signals.items()), tuple(presets.items()), files)
         yield path.name, path.read_text(encoding="utf-8"), setting
 
 
