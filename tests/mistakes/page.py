@@ -116,9 +116,10 @@ class Result:
     def summary(self) -> str:
         """The sums in a line."""
         planted, check, run, silent, wrong = (self.total(column) for column in range(5))
+        share = 100 * self.told / max(1, planted)
         return (
-            f"{self.told} of {planted} told ({100 * self.told / max(1, planted):.1f} %): {check} by check, {run} by "
-            f"the run alone; {silent} not told, {wrong} at another line; of these {self.silent_same} ran as the sound one"
+            f"{self.told} of {planted} told ({share:.1f} %): {check} by check, {run} by the run alone; "
+            f"{silent} not told, {wrong} at another line; of these {self.silent_same} ran as the sound one"
         )
 
 
