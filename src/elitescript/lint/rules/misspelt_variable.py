@@ -40,7 +40,9 @@ def misspelt_variable(program: AnalysedProgram) -> Iterator[Finding]:
         if scope.kind not in ("function", "body"):
             continue
         for name, bindings in scope.bindings.items():
-            if len(name) < _SHORTEST or name.startswith("_") or name in program.symbols.global_names:
+            if len(name) < _SHORTEST or name.startswith("_") or name[-1].isdigit():
+                continue
+            if name in program.symbols.global_names:
                 continue
             if (scope, name) in read or not scope.has_local(name):
                 continue
