@@ -90,7 +90,7 @@ N221   note      encoder that is tracked and not set up
 N222   note      thread that the end of the program ends
 N223   note      output behind a blended move
 N224   note      path that stops at each of its points
-N225   note      sleep that is very long
+N226   note      sleep that is very long
 E301   error     unknown command
 E302   error     command of a newer firmware
 E303   error     wrong number or names of arguments

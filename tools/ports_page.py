@@ -110,7 +110,7 @@ def ports_page() -> str:
         "",
         "## Tasks",
         "",
-        "`task -p NAME.task` and `play` on the dashboard run `NAME.script` of the task folder (`--task-dir`),",
+        "`task -p NAME.task` and `play` on the dashboard run the script of the tree in `NAME.task` of the task folder (`--task-dir`). Of a file that is no tree, it is `NAME.script`,",
         "or else `NAME.task.script`. If the first line of `NAME.task` is `external_control HOST [PORT]`, the",
         f"program comes from the client there instead (port {SENDER_PORT} by default): the controller sends",
         "`request_program`, and runs what comes, up to the comment `# NODE_CONTROL_LOOP_ENDS`. `play` is",

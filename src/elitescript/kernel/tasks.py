@@ -27,7 +27,7 @@ from elitescript.messages.inputs import ChannelEvent, GetVariable, LoadConfigura
 from elitescript.messages.machine import ResumeTask
 from elitescript.messages.outcomes import Done, Outcome, Refused, ShownValue
 from elitescript.messages.snapshot import TaskPicture
-from elitescript.paths import PROGRAM_SUFFIX, is_program_name
+from elitescript.paths import PROGRAM_SUFFIX, is_program_name, is_task_name
 from elitescript.runtime.environment import ProgramEnvironment, relative_name, without_addresses
 from elitescript.runtime.host import ScriptHost
 
@@ -38,6 +38,8 @@ ANSWER_TICKS: Final = PROGRESS_TICKS
 """A start that takes longer, because its program is being compiled, is answered as one that is under way; what comes of
 it is in the log (*assumed*)."""
 
+_HEAD_BYTES: Final = 4096
+"""Of a task file, in which the outermost element of a graphical program stands."""
 _NAMES_SHOWN: Final = 5
 """Programs of the task folder that a message names."""
 
@@ -213,6 +215,8 @@ class Tasks:
             FileNotFoundError: there is none.
         """
         name = relative_name(path)
+        if self._is_tree(name):
+            return name
         stem = name.removesuffix(".task")
         candidates = (name,) if is_program_name(name) else (f"{stem}.script", f"{stem}.task.script")
         for candidate in candidates:
@@ -221,6 +225,33 @@ class Tasks:
         what = "has no program" if self._files.kind(name) == "file" else "does not exist"
         missing = f"neither {' nor '.join(candidates)} is" if len(candidates) > 1 else f"{candidates[0]} is not"
         raise FileNotFoundError(2, f"the task {what}: {missing} in the task folder{self._tasks_there()}", path)
+
+    def _is_tree(self, name: str) -> bool:
+        """Return whether a file is a graphical program: XML, where older tasks here hold a line, or nothing."""
+        if not is_task_name(name) or self._files.kind(name) != "file":
+            return False
+        with self._files.open(name, "rb", None, None) as file:
+            return b"<EliTask" in bytes(file.read(_HEAD_BYTES))
+
+    def _script_of_tree(self, name: str) -> bytes:
+        """Return the script of a graphical program of the task folder.
+
+        Raises:
+            ProgramError: it has none.
+        """
+        # Imported late: few tasks are trees.
+        from elitescript.environment.task_files import source_of_data
+
+        def read(path: str) -> bytes | None:
+            if self._files.kind(path) != "file" or self._files.size(path) > MAX_UNIT_BYTES:
+                return None
+            with self._files.open(path, "rb", None, None) as file:
+                return bytes(file.read(MAX_UNIT_BYTES))
+
+        source = source_of_data(name, read)
+        for note in source.notes:
+            self._controller.emit(Warned(self._controller.tick, f"{name}: {note.text}", code=note.code, hint=note.hint))
+        return source.text.encode("utf-8")
 
     def _found(self, candidate: str) -> str:
         """Return the name of a program, whose suffix may be in other letters there; empty if there is none."""
@@ -235,7 +266,7 @@ class Tasks:
 
     def _tasks_there(self) -> str:
         """Return what a message adds about the programs that the task folder holds; empty if there are none."""
-        names = [name for name in self._files.names("") if is_program_name(name)]
+        names = [name for name in self._files.names("") if is_program_name(name) or self._is_tree(name)]
         shown = ", ".join(names[:_NAMES_SHOWN])
         more = f" and {len(names) - _NAMES_SHOWN} more" if len(names) > _NAMES_SHOWN else ""
         return f"; it holds {shown}{more}" if names else ""
@@ -267,6 +298,8 @@ class Tasks:
         name = self._program_of(self._loaded)
         if self._files.size(name) > MAX_UNIT_BYTES:
             return Refused(f"{name} is longer than {MAX_UNIT_BYTES} bytes")
+        if self._is_tree(name):
+            return self._start(name, self._script_of_tree(name), origin)
         with self._files.open(name, "rb", None, None) as file:
             return self._start(name, bytes(file.read(MAX_UNIT_BYTES)), origin)
 

@@ -8,7 +8,7 @@ from tests.lint.checking import body, problems
 @pytest.mark.parametrize("lines", [("sleep(500)",), ("PAUSE = 100", "sleep(PAUSE)"), ("sleep(t=3000)",)], ids=str)
 def test_it_is_a_note(lines):
     (problem,) = problems("def job():\n" + "".join(f"  {line}\n" for line in lines) + "end\n")
-    assert (problem.code, str(problem.severity)) == ("N225", "note")
+    assert (problem.code, str(problem.severity)) == ("N226", "note")
 
 
 def test_it_says_what_was_meant():

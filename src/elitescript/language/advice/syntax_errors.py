@@ -9,6 +9,7 @@ import re
 from keyword import iskeyword
 from typing import Final
 
+from elitescript.language.text.lexer import NAME
 from elitescript.language.text.masked import lex
 
 _ESCAPE: Final = r"(?s)\\(?:x[0-9a-fA-F]{0,2}|u[0-9a-fA-F]{0,4}|U[0-9a-fA-F]{0,8}|N(?:\{[^}]*\})?|.)"
@@ -161,7 +162,7 @@ def explain(message: str, row: str, at: int = 0) -> tuple[str, str]:
                 return text, hint
         if re.search(r"//[ \t]*\w+[ \t]*$", row[:at]):
             return "a comment begins with `#`; `//` divides", "write `#` in place of `//`"
-        words = re.match(r"([^\W\d]\w*)[ \t]+([^\W\d]\w*)", stripped)
+        words = re.match(rf"({NAME})[ \t]+({NAME})", stripped)
         if words and not iskeyword(words[1]) and not iskeyword(words[2]):
             return f"something is missing between `{words[1]}` and `{words[2]}`", f"a call is written {words[1]}(...)"
     for pattern, text, hint in _TABLE:

@@ -4,7 +4,7 @@ A program may wait for so long, so this is a note.
 
     def job():
       sleep(0.5)
-      sleep(500)                 # N225: 500 ms are 0.5 s
+      sleep(500)                 # N226: 500 ms are 0.5 s
     end
 """
 
@@ -21,7 +21,7 @@ from elitescript.said import said
 _LONG_S: Final = 100
 
 
-@rule(code="N225", since="0.3")
+@rule(code="N226", since="0.3")
 def long_sleep(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such sleep."""
     for called in program.derived(CalledCommands).of("sleep"):
