@@ -23,7 +23,7 @@ from elitescript.commands.definition.quantities import (
     Vector,
 )
 from elitescript.commands.definition.registry import alias, command
-from elitescript.commands.definition.results import DONE, STATE, Result
+from elitescript.commands.definition.results import DONE, STATE, WRITTEN, Result
 from elitescript.errors import ArgumentRangeError
 from elitescript.messages.line import LineSettings
 
@@ -44,6 +44,7 @@ _Data = Annotated[Any, Either(Text(), Integer(), Octets(), Vector(Integer(), Non
 _Received = Annotated[Any, Anything("list[int] or bytes", "byte")]
 _MODBUS_SIZE: Final = 8
 _ByteCount = Annotated[int, Integer(0, unit="byte")]
+_SentCount = Annotated[int, Integer(unit="byte")]
 _ARGUMENTS: Final = {
     "port": "device; `/dev/ttyS2` on B1 and MINI boxes.",
     "time_out": "longest time to wait; 0 and less wait for ever.",
@@ -137,14 +138,14 @@ def tool_serial_read(
 
 
 @command(family="serial", manual="3.32")
-def tool_serial_write(robot: Robot, write_data: _Data) -> Annotated[_ByteCount, STATE]:
+def tool_serial_write(robot: Robot, write_data: _Data) -> Annotated[_SentCount, WRITTEN]:
     """Send through the serial port of the tool.
 
     Args:
         write_data: text, bytes, or one or more numbers, of which the low 8 bits are sent.
 
     Returns:
-        Number of bytes that were sent; 0 and less for a failure.
+        Number of bytes that were sent; what is less than 0 is a failure too.
     """
     return robot.lines.write(TOOL_PORT, _octets(write_data)) or 0
 

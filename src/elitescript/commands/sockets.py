@@ -102,6 +102,8 @@ def socket_get_var(
 ) -> Annotated[int, Integer(INT32_LOW, INT32_HIGH), Result("channel", {0: "also after a failure"})]:
     """Ask the server for a variable: sends `GET <name>` and a line feed, waits 2 s for `<name> <int>`.
 
+    Lines of another form are passed over (*assumed*).
+
     Args:
         var_name: name of the variable.
 

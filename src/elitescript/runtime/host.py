@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from elitescript.runtime.connections.connection import Receiver
     from elitescript.runtime.probe import Probe
     from elitescript.runtime.threads.meter import Meter
+    from elitescript.runtime.why.facts import Facts
+    from elitescript.runtime.why.reasons import Reasons
 
 FINISHED: Final = "finished"
 ALARM: Final = "alarm"
@@ -336,18 +338,28 @@ class ScriptHost:
         """Return the states of the script threads, the main one first."""
         return tuple(map(state_of, self._scheduler.strands))
 
-    def explained_threads(self) -> tuple[ThreadState, ...]:
-        """Return what `threads` returns, with the reason why each does not go on; for the end of a run."""
-        # Imported late: most programs go on.
-        from elitescript.runtime.why import reason_of
+    def explained_threads(self, facts: Facts | None = None, start_tick: int = 0) -> tuple[ThreadState, ...]:
+        """Return what `threads` returns, with the reason why each does not go on.
 
-        if self._unit is None:
+        Args:
+            facts: what is known beside the threads; None for nothing.
+            start_tick: tick from which the times in it are counted.
+        """
+        reasons = self.reasons(facts, start_tick)
+        if reasons is None:
             return self.threads()
-        source, connections = self._unit.source, list(self.connections.values())
-        return tuple(
-            state_of(strand)._replace(because=reason_of(strand, source, self._machine.read, connections))
-            for strand in self._scheduler.strands
-        )
+        return tuple(state_of(strand)._replace(because=reasons.of(strand)) for strand in self._scheduler.strands)
+
+    def reasons(self, facts: Facts | None = None, start_tick: int = 0) -> Reasons | None:
+        """Return what says why threads do not go on, for as long as time stands; None before the first program."""
+        if self._unit is None:
+            return None
+        # Imported late: most programs go on.
+        from elitescript.runtime.why.facts import Facts
+        from elitescript.runtime.why.reasons import Reasons
+
+        strands, connections = self._scheduler.strands, self.connections.values()
+        return Reasons(self._unit, self._program, strands, connections, facts or Facts(), start_tick)
 
     # ---------------------------------------------------------------- time
 

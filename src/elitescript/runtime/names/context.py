@@ -29,7 +29,7 @@ from elitescript.messages.yielding import YieldRequest
 from elitescript.runtime.environment import TASK_PATH, Files, ProgramEnvironment, without_addresses
 from elitescript.runtime.files import content_of
 from elitescript.runtime.threads.scheduler import Scheduler
-from elitescript.runtime.threads.strand import Stopped, Strand
+from elitescript.runtime.threads.strand import TIME_TO_GO_BY, Stopped, Strand
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.plausibility import Doubt
@@ -48,9 +48,6 @@ RESUME: Final = "somebody to resume the program"
 
 POPUP: Final = "somebody to confirm a popup"
 """Reason of the wait for a blocking popup."""
-
-TIME_TO_GO_BY: Final = "time to go by"
-"""Reason of the wait in `sleep` and similar commands."""
 
 ROOM_FOR_TEXT: Final = "its texts to leave"
 """Reason of the wait of a thread that says more than clients take."""
@@ -114,6 +111,9 @@ class Context:
         generator: draws random numbers, seeded.
         world: environment.
         port: the host.
+
+    Attributes:
+        is_look: whether it belongs to what only looks at the program.
     """
 
     __slots__ = (
@@ -127,6 +127,7 @@ class Context:
         "_sockets",
         "_warned",
         "_world",
+        "is_look",
         "machine",
         "micro_lines",
         "profile",
@@ -158,6 +159,7 @@ class Context:
         self._sockets: Sockets | None = None
         self._lines: SerialLines | None = None
         self.micro_lines: list[MicroLine] = []
+        self.is_look = False
 
     def forget_copies(self) -> None:
         """Hold what it remembers apart from the context that it is a copy of."""
@@ -193,7 +195,8 @@ class Context:
     @property
     def modbus(self) -> ModbusSignals:
         """The MODBUS TCP signals of the controller."""
-        return self._port.background.modbus(self._world.channels)
+        found = self._port.background.modbus(self._world.channels)
+        return found.for_look() if self.is_look else found
 
     @property
     def sockets(self) -> Sockets:

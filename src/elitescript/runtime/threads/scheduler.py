@@ -435,6 +435,13 @@ class Scheduler:
         del fuel[-count:]
         return True
 
+    def note_loop(self, line: int) -> bool:
+        """Keep that the running strand comes to a loop in which it may wait; return True."""
+        strand = self.current
+        if strand is not None:
+            strand.loops[line] = self.now
+        return True
+
     def spend_refusal(self, *, moves: bool) -> None:
         """Charge the running strand for a call that a command has refused.
 

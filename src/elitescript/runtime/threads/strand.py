@@ -37,6 +37,9 @@ SITES_MAX: Final = 1000
 _CONTEXTS_MAX: Final = 64
 """Most chained exceptions that are searched for a stop."""
 
+TIME_TO_GO_BY: Final = "time to go by"
+"""Reason of the wait in `sleep` and similar commands."""
+
 STOP: Final = GreenletExit
 """Base of `Stopped`; a forgotten strand gets it when it is collected."""
 
@@ -75,6 +78,7 @@ class Strand:
         is_dying: whether it was stopped, and unwinds or will.
         is_abandoned: whether it could not be stopped and never runs again.
         cancel: cancels what it waits for when it is stopped (brakes a move).
+        loops: tick in which it has come to each loop in which it may wait, by line.
         started_line: line of the call that started it; 0 for a program.
         portion: checkpoints that it is paid out at a time where a meter looks in between.
         ran_tick: the last in which it came past a checkpoint, or a call where a meter looks.
@@ -98,6 +102,7 @@ class Strand:
         "is_abandoned",
         "is_dying",
         "is_secondary",
+        "loops",
         "name",
         "order",
         "owed",
@@ -154,6 +159,7 @@ class Strand:
         self.owed: dict[object, int] = {}
         self.at_end: list[Callable[[], None]] = []
         self.activations = 0
+        self.loops: dict[int, int] = {}
         self.started_line = 0
         self.recursion_limit = 0
         self._line = 0
@@ -398,7 +404,11 @@ class ThreadState(NamedTuple):
     def doing(self) -> str:
         """State in words."""
         words = f"waiting for {self.waits_for}" if self.waits_for else "running"
-        return f"{words}: {self.because}" if self.because else words
+        if not self.because:
+            return words
+        # That time goes by says nothing of why.
+        is_time = not self.waits_for or self.waits_for.startswith(TIME_TO_GO_BY)
+        return self.because if is_time else f"{words}: {self.because}"
 
 
 def state_of(strand: Strand) -> ThreadState:
