@@ -464,7 +464,7 @@ class AnalysedProgram:
         given = [(called.command, called.call, arguments.given) for called, arguments in calls]
         return ListUses(given, self.values, self.symbols)
 
-    def _is_target(self, called: CommandCall, arguments: Arguments) -> bool:
+    def _is_target(self, called: CommandCall | PassedCall, arguments: Arguments) -> bool:
         """Return whether a transform is computed from poses of the arm, or gives one."""
         if any(self._is_of_the_arm(other) for _, other in arguments.given):
             return True
