@@ -30,7 +30,7 @@ from elitescript.runtime.environment import TASK_PATH, Files, ProgramEnvironment
 from elitescript.runtime.files import content_of
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import TIME_TO_GO_BY, Stopped, Strand
-from elitescript.said import Said, said
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.plausibility import Doubt
@@ -163,7 +163,7 @@ class Context:
         self._lines: SerialLines | None = None
         self.micro_lines: list[MicroLine] = []
         self.is_look = False
-        self.missing: Said | None = None
+        self.missing: str | None = None
 
     def forget_copies(self) -> None:
         """Hold what it remembers apart from the context that it is a copy of."""
