@@ -150,7 +150,7 @@ class Look:
 
     def calls(self, strand: Strand) -> list[CallFrame]:
         """Return the calls of a thread, the innermost one first; those that an exception has left stand still."""
-        found = [(frame, frame.f_lineno or 0) for frame in strand.script_frames()]
+        found = [(frame, strand.line_of(frame)) for frame in strand.script_frames()]
         if self._is_failed(strand):
             assert self._error is not None
             trace, left = self._error.__traceback__, []

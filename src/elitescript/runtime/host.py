@@ -82,6 +82,7 @@ class ScriptHost:
     """
 
     __slots__ = (
+        "_cleanup",
         "_confirms_popups",
         "_ending",
         "_has_warned",
@@ -144,6 +145,8 @@ class ScriptHost:
         self._has_warned = False
         """Whether the program was warned of a call that has held up the robot."""
         self._program: Program | None = None
+        self._cleanup: frozenset[int] | None = None
+        """Lines of its `except` and `finally` blocks; None if that was not asked."""
         self._unit: CompiledUnit | None = None
         """Of the program that runs, or ran last."""
         self._main: Strand | None = None
@@ -178,7 +181,7 @@ class ScriptHost:
             raise ScriptStateError("a program is running; stop it first")
         if world is not None:
             self._world = world
-        self._unit = unit
+        self._unit, self._cleanup = unit, None
         self._program = program = self._new_program(presets or {})
         self.result, self.alarm, self._ending = "", None, ""
         if (meter := self._scheduler.meter) is not None:
@@ -325,10 +328,14 @@ class ScriptHost:
 
     def is_cleanup(self, line: int) -> bool:
         """See `controller.tasks.ProgramPort.is_cleanup`."""
-        # Imported late: few runs ask for it.
-        from elitescript.language.cleanup import cleanup_lines
+        if self._unit is None:
+            return False
+        if self._cleanup is None:
+            # Imported late: few runs ask for it.
+            from elitescript.language.cleanup import cleanup_lines
 
-        return self._unit is not None and line in cleanup_lines(self._unit.source)
+            self._cleanup = cleanup_lines(self._unit.source)
+        return line in self._cleanup
 
     def monitor(self) -> dict[str, Any]:
         """Return the globals of the program that runs or ran last, in the order of first assignment."""

@@ -30,6 +30,7 @@ from elitescript.runtime.environment import TASK_PATH, Files, ProgramEnvironment
 from elitescript.runtime.files import content_of
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import TIME_TO_GO_BY, Stopped, Strand
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.plausibility import Doubt
@@ -114,6 +115,7 @@ class Context:
 
     Attributes:
         is_look: whether it belongs to what only looks at the program.
+        missing: what the last reading with missing values says of them; None before.
     """
 
     __slots__ = (
@@ -130,6 +132,7 @@ class Context:
         "is_look",
         "machine",
         "micro_lines",
+        "missing",
         "profile",
         "scheduler",
         "task_path",
@@ -160,6 +163,7 @@ class Context:
         self._lines: SerialLines | None = None
         self.micro_lines: list[MicroLine] = []
         self.is_look = False
+        self.missing: str | None = None
 
     def forget_copies(self) -> None:
         """Hold what it remembers apart from the context that it is a copy of."""
@@ -237,6 +241,8 @@ class Context:
         """Close every connection; the program is over."""
         if self._sockets is not None:
             self._sockets.close_all()
+        if self._lines is not None:
+            self._lines.tell_left()
         if self._procedures is not None:
             self._procedures.close_all()
 
@@ -474,6 +480,17 @@ class Context:
         from elitescript.commands.definition.plausibility import mistaken
 
         return mistaken(meaning, kind)
+
+    def note_missing(self, command: str, came: int, number: int) -> None:
+        """See `commands.definition.context.Robot.note_missing`."""
+        self.missing = said(
+            "nan comes from {command} in line {line}, which has read {came} of {number} numbers: look at its first "
+            "element before you use the others",
+            command=command,
+            line=self.strand.line,
+            came=came,
+            number=number,
+        )
 
     def remember(self, kind: str, value: Six) -> None:
         """Remember the result of a command; only the newest results are kept."""

@@ -100,7 +100,7 @@ class Reasons:
     def _loop(self, strand: Strand) -> str:
         """Return the words for the innermost loop in which a thread is."""
         for frame in self._frames(strand):
-            line = frame.f_lineno or 0
+            line = strand.line_of(frame)
             loop = loop_at(self._symbols, line)
             if loop is not None:
                 scope = scope_at(self._symbols, loop.lineno)
@@ -147,7 +147,7 @@ class Reasons:
         frame = next(iter(self._frames(strand)), None)
         if frame is None or strand.until is None:
             return ""
-        text = self._unit.source.line(frame.f_lineno or 0).strip()
+        text = self._unit.source.line(strand.line_of(frame)).strip()
         since, until = self._since(strand.work_tick), seconds(strand.until - self._start_tick)
         return f"`{cut(text)}` goes on{since} and until {until:g} s" if text else ""
 
@@ -155,7 +155,7 @@ class Reasons:
         """Return a thread that is in a function: its name, the line there, and the variables."""
         for strand in self._strands:
             for frame in self._frames(strand):
-                line = frame.f_lineno or 0
+                line = strand.line_of(frame)
                 if scope_at(self._symbols, line) is scope:
                     return strand.name, line, {**frame.f_globals, **frame.f_locals}
         return None
