@@ -17,8 +17,8 @@ LENGTH_MAX: Final = PDU_MAX + 1
 """Largest length in a header: it counts the unit and the request or answer."""
 
 TOLERATED_LENGTH_MAX: Final = 266
-"""Largest length that a slave reads to the end, and answers with an exception: function 23 with 255 bytes to write. Other
-stacks send too many registers by mistake, and their next request is whole."""
+"""Largest length that a slave reads to the end, and answers with an exception: function 23 with 255 bytes to write.
+Other stacks send too many registers by mistake, and their next request is whole."""
 
 _HEADER: Final = Struct(">HHHB")
 _HEADER_SIZE: Final = 7
