@@ -321,9 +321,7 @@ class ScriptError(Exception):
         unit: str | None = None,
         hint: str | None = None,
     ) -> None:
-        # Programs see a plain text.
-        super().__init__(str(text))
-        self.said = text
+        self.set_text(text)
         self.code = code or self.default_code
         self.command = command
         self.argument = argument
@@ -331,6 +329,11 @@ class ScriptError(Exception):
         self.limit = limit
         self.unit = unit
         self.hint = hint
+
+    def set_text(self, text: str) -> None:
+        """Set what was wrong; programs see it as a plain text."""
+        self.args = (str(text),)
+        self.said = text
 
 
 def text_of(error: BaseException) -> str:

@@ -112,13 +112,13 @@ def joined(separator: str, texts: Iterable[str]) -> str:
 
 
 def replaced(text: str, words: str, other: str) -> str:
-    """Return a text with other words, in the texts within it too; values that are no texts of `said` stay."""
+    """Return a text with other words, in it and in its values."""
     if words not in text:
         return text
     if not isinstance(text, Said):
         return text.replace(words, other)
     values = {
-        name: replaced(value, words, other) if isinstance(value, Said) else value for name, value in text.values.items()
+        name: replaced(value, words, other) if isinstance(value, str) else value for name, value in text.values.items()
     }
     template = text.template.replace(escaped(words), escaped(other))
     return _made(template.format_map(values), template, tuple(values.items()))

@@ -9,6 +9,7 @@ from elitescript.errors import ArgumentRangeError, InvalidValueError, MirroredAd
 from elitescript.messages.machine import MachineRequest, WriteSignal
 from elitescript.messages.signals import WORD_MAX
 from elitescript.modbus.port_map import COIL_COUNT, COILS, REGISTER_COUNT, REGISTERS, View, Words
+from elitescript.said import said
 
 _REGISTER_ROWS: Final = {address: row for row in REGISTERS for address in range(row.first, row.first + row.size)}
 _COIL_ROWS: Final = {address: row for row in COILS for address in range(row.first, row.first + row.size)}
@@ -86,7 +87,7 @@ def register_writes(first: int, values: Sequence[int]) -> list[MachineRequest]:
         try:
             requests += row.write(address - row.first, value)
         except (ArgumentRangeError, InvalidValueError) as error:
-            error.args = (f"register {address}: {error}",)
+            error.set_text(said("register {address}: {mistake}", address=address, mistake=error.said))
             raise
     return requests
 

@@ -28,6 +28,7 @@ from elitescript.runtime.secondary import Secondaries
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import STOP, Strand, ThreadState, state_of
 from elitescript.runtime.watchdogs import Watchdogs
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.messages.inputs import ChannelEvent
@@ -482,8 +483,8 @@ class ScriptHost:
             self.fail(held_up(strand, self._machine.tick, line, late_ms, meter.held_up_max_us / 1000, HELD_UP_HINT))
         elif not self._has_warned:
             self._has_warned = True
-            what = f"one call, or a few on end, took {late_ms} ms too long"
-            text = f"{what}: no stop acts and no stream goes on meanwhile"
+            what = said("one call, or a few on end, took {late_ms} ms too long", late_ms=late_ms)
+            text = said("{what}: no stop acts and no stream goes on meanwhile", what=what)
             line = strand.line or strand.started_line
             self._machine.emit(Warned(self._machine.tick, text, strand.name, line, "", LATE_HINT))
             if meter.notes_statements and not self._scheduler.watchers:
@@ -533,7 +534,7 @@ class ScriptHost:
 
     def _begin_secondary(self, unit: CompiledUnit) -> tuple[Strand, Program | None]:
         program, own = self._namespace()
-        name = f"sec {unit.name}" if unit.name else "sec"
+        name = said("sec {unit}", unit=unit.name) if unit.name else "sec"
         return self._spawn(program, name, program.body_of(unit), is_secondary=True), own
 
     def _warn_secondary(self, text: str, strand: Strand, line: int | None = None) -> None:

@@ -16,6 +16,7 @@ from typing import Any, Final
 from elitescript.errors import ScriptPermissionError
 from elitescript.language.policy import DENIED_ATTRIBUTES, GUARDED_ATTRIBUTES, is_attribute_allowed, is_dunder
 from elitescript.runtime.sealed import Sealed
+from elitescript.said import said
 
 _MISSING: Final = object()
 _SPEC_DEPTH: Final = 2
@@ -57,7 +58,7 @@ def checked_setattr(value: Any, name: Any, new: Any) -> None:
     """
     _check_name("setattr", name)
     if is_dunder(name) or name in DENIED_ATTRIBUTES:
-        raise ScriptPermissionError(f"the attribute {name!r} cannot be changed", value=name)
+        raise ScriptPermissionError(said("the attribute {name!r} cannot be changed", name=name), value=name)
     setattr(value, name, new)
 
 
@@ -69,7 +70,7 @@ def checked_delattr(value: Any, name: Any) -> None:
     """
     _check_name("delattr", name)
     if is_dunder(name) or name in DENIED_ATTRIBUTES:
-        raise ScriptPermissionError(f"the attribute {name!r} cannot be deleted", value=name)
+        raise ScriptPermissionError(said("the attribute {name!r} cannot be deleted", name=name), value=name)
     delattr(value, name)
 
 
@@ -88,7 +89,7 @@ def _check_name(function: str, name: Any) -> None:
 
 
 def _not_available(name: str) -> ScriptPermissionError:
-    return ScriptPermissionError(f"the attribute {name!r} is not available to programs", value=name)
+    return ScriptPermissionError(said("the attribute {name!r} is not available to programs", name=name), value=name)
 
 
 class _OneArgument(Sealed):

@@ -17,6 +17,7 @@ from greenlet import GreenletExit, getcurrent, greenlet  # type: ignore[import-u
 from elitescript.language.modules import COPIED
 from elitescript.messages.timing import seconds
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 READY: Final = "ready"
 WAITING: Final = "waiting"
@@ -397,7 +398,7 @@ class ThreadState(NamedTuple):
     @property
     def doing(self) -> str:
         """State in words."""
-        words = f"waiting for {self.waits_for}" if self.waits_for else "running"
+        words = said("waiting for {waits_for}", waits_for=self.waits_for) if self.waits_for else "running"
         return f"{words}: {self.because}" if self.because else words
 
 
@@ -412,8 +413,13 @@ def _wait_of(strand: Strand) -> str:
     if not reason:
         return ""
     if strand.until is not None:
-        reason = f"{reason}, until {seconds(strand.until):.3f} s"
+        reason = said("{reason}, until {seconds:.3f} s", reason=reason, seconds=seconds(strand.until))
     frame = strand.called_from_script()
     if frame is not None and frame.f_globals.get("__name__") in COPIED:
-        return f"{reason} in {frame.f_globals['__name__']}.{frame.f_code.co_qualname}()"
+        return said(
+            "{reason} in {module}.{function}()",
+            reason=reason,
+            module=frame.f_globals["__name__"],
+            function=frame.f_code.co_qualname,
+        )
     return reason
