@@ -50,7 +50,8 @@ from elitescript.observer import OBSERVATION
 from elitescript.run import FINDINGS, NOT_DELIVERED, EndState, Look, ProgramGlobals, Run
 from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.probe import Probe, noted, probed, witness
-from elitescript.runtime.threads.strand import is_stop
+from elitescript.runtime.threads.strand import ThreadState, is_stop
+from elitescript.said import Said, joined, said
 
 if TYPE_CHECKING:
     from typing import Unpack
@@ -671,7 +672,7 @@ class VirtualRobot:
         if drain is None or run is None:
             return
         for text in drain.give_up():
-            self.controller.emit(Warned(self.tick, NOT_DELIVERED + text, code=UNDELIVERED))
+            self.controller.emit(Warned(self.tick, said(NOT_DELIVERED, text=text), code=UNDELIVERED))
         if text := self._outside.take_refused():
             self.controller.emit(Warned(self.tick, text, code=BARRED))
         if self._outside.surroundings is not None:
@@ -727,19 +728,23 @@ class VirtualRobot:
 
     def _report_stuck(self) -> None:
         threads = self._host.explained_threads()
-        waits = "; ".join(
-            f"{thread.name} (line {thread.line}) {f'waits for {thread.waits_for}' if thread.waits_for else 'is held'}"
-            + (f": {thread.because}" if thread.because else "")
-            for thread in threads
-        )
-        obstruction = self.controller.safety.obstruction
-        waits += f"; {obstruction}" if obstruction else ""
-        waits += "; the speed percentage is 0" if self.controller.speed_scale == 0.0 else ""
+        reasons = [_held(thread) for thread in threads]
+        reasons += filter(None, (self.controller.safety.obstruction,))
+        reasons += [Said("the speed percentage is 0")] if self.controller.speed_scale == 0.0 else []
         line = threads[0].line if threads else 0
         assert self._run is not None
         source = self._run.unit.source
         text = source.line(line) if line else ""
-        alarm = Alarm(self.tick, "R130", "Stuck", f"nothing can ever happen again: {waits}", line, 1, "main", text)
+        alarm = Alarm(
+            self.tick,
+            "R130",
+            "Stuck",
+            said("nothing can ever happen again: {waits}", waits=joined("; ", reasons)),
+            line,
+            1,
+            "main",
+            text,
+        )
         self._event(alarm)
         self._finish("stuck")
 
@@ -786,6 +791,16 @@ class VirtualRobot:
             # Scripts must not catch what is wrong with a listener: it leaves through `run`.
             self._listener_error = error
             self._host.interrupt()
+
+
+def _held(thread: ThreadState) -> str:
+    """Return why a thread does not go on."""
+    held: str = Said("is held")
+    if thread.waits_for:
+        held = said("waits for {waits_for}", waits_for=thread.waits_for)
+    if thread.because:
+        held = said("{held}: {because}", held=held, because=thread.because)
+    return said("{thread} (line {line}) {held}", thread=thread.name, line=thread.line, held=held)
 
 
 def _findings_of(

@@ -31,6 +31,7 @@ from elitescript.paths import PROGRAM_SUFFIX, is_program_name
 from elitescript.runtime.alarms import without_addresses
 from elitescript.runtime.environment import ProgramEnvironment, relative_name
 from elitescript.runtime.host import ScriptHost
+from elitescript.said import said
 
 VALUE_MAX: Final = 4096
 """Characters of a value that are shown."""
@@ -189,7 +190,7 @@ class Tasks:
             return work()
         except ProgramError as error:
             self._programs.report(error, None, origin)
-            return Refused(f"the program does not compile: {error.problems[0]}")
+            return Refused(said("the program does not compile: {problems}", problems=error.problems[0]))
         except ScriptError as error:
             return Refused(f"{error}; {error.hint}" if error.hint else str(error))
         except OSError as error:
@@ -220,8 +221,21 @@ class Tasks:
             if found := self._found(candidate):
                 return found
         what = "has no program" if self._files.kind(name) == "file" else "does not exist"
-        missing = f"neither {' nor '.join(candidates)} is" if len(candidates) > 1 else f"{candidates[0]} is not"
-        raise FileNotFoundError(2, f"the task {what}: {missing} in the task folder{self._tasks_there()}", path)
+        missing = (
+            said("neither {candidates} is", candidates=" nor ".join(candidates))
+            if len(candidates) > 1
+            else said("{candidates} is not", candidates=candidates[0])
+        )
+        raise FileNotFoundError(
+            2,
+            said(
+                "the task {what}: {missing} in the task folder{tasks_there}",
+                what=what,
+                missing=missing,
+                tasks_there=self._tasks_there(),
+            ),
+            path,
+        )
 
     def _found(self, candidate: str) -> str:
         """Return the name of a program, whose suffix may be in other letters there; empty if there is none."""
@@ -238,8 +252,8 @@ class Tasks:
         """Return what a message adds about the programs that the task folder holds; empty if there are none."""
         names = [name for name in self._files.names("") if is_program_name(name)]
         shown = ", ".join(names[:_NAMES_SHOWN])
-        more = f" and {len(names) - _NAMES_SHOWN} more" if len(names) > _NAMES_SHOWN else ""
-        return f"; it holds {shown}{more}" if names else ""
+        more = said(" and {count} more", count=len(names) - _NAMES_SHOWN) if len(names) > _NAMES_SHOWN else ""
+        return said("; it holds {shown}{more}", shown=shown, more=more) if names else ""
 
     def _load_configuration(self, path: str) -> Outcome:
         if self._files.kind(relative_name(path)) != "file":
@@ -267,7 +281,9 @@ class Tasks:
             return None
         name = self._program_of(self._loaded)
         if self._files.size(name) > MAX_UNIT_BYTES:
-            return Refused(f"{name} is longer than {MAX_UNIT_BYTES} bytes")
+            return Refused(
+                said("{name} is longer than {max_unit_bytes} bytes", name=name, max_unit_bytes=MAX_UNIT_BYTES)
+            )
         with self._files.open(name, "rb", None, None) as file:
             return self._start(name, bytes(file.read(MAX_UNIT_BYTES)), origin)
 
@@ -286,13 +302,13 @@ class Tasks:
                 self._making = None
                 outcome = self._guarded(lambda: self._begin_made(compiled), origin) or Done()
                 if not making.answer(outcome) and isinstance(outcome, Refused) and isinstance(compiled, CompiledUnit):
-                    text = f"{name} does not begin: {outcome.reason}"
+                    text = said("{name} does not begin: {reason}", name=name, reason=outcome.reason)
                     self._controller.emit(Warned(self._controller.tick, text))
 
         def abandon(why: str) -> None:
             if self._making is making:
                 self._making = None
-                making.answer(Refused(f"{why} before its program was compiled"))
+                making.answer(Refused(said("{why} before its program was compiled", why=why)))
 
         text = SourceFile.from_bytes(name, data).text
         if self._programs.compile(name, text, None, f"{origin}: {name}", take, abandon):
@@ -305,7 +321,7 @@ class Tasks:
             raise compiled
         stem = relative_name(self._loaded).removesuffix(".task")
         stem = stem[: -len(PROGRAM_SUFFIX)] if is_program_name(stem) else stem
-        self._programs.start(compiled, compiled.name or stem, f"the task {self._loaded}")
+        self._programs.start(compiled, compiled.name or stem, said("the task {loaded}", loaded=self._loaded))
         return Done()
 
     def _begin_made(self, compiled: CompiledUnit | ProgramError) -> Outcome:
@@ -340,7 +356,7 @@ class Tasks:
             return Refused("its value must be a literal, such as 1.5, True, 'text' or [1, 2]")
         presets = self._programs.presets
         if name not in presets and len(presets) >= PRESETS_MAX:
-            return Refused(f"{PRESETS_MAX} variables wait already")
+            return Refused(said("{presets_max} variables wait already", presets_max=PRESETS_MAX))
         presets[name] = literal
         return Done()
 

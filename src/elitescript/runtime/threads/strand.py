@@ -399,7 +399,7 @@ class ThreadState(NamedTuple):
     def doing(self) -> str:
         """State in words."""
         words = said("waiting for {waits_for}", waits_for=self.waits_for) if self.waits_for else "running"
-        return f"{words}: {self.because}" if self.because else words
+        return said("{words}: {because}", words=words, because=self.because) if self.because else words
 
 
 def state_of(strand: Strand) -> ThreadState:
