@@ -83,7 +83,8 @@ class Witness:
 
     def runs(self, program: Program, unit: CompiledUnit) -> None:
         """Note that a text begins to run."""
-        if not self.is_on or crc32(unit.source.text.encode("utf-8", "surrogatepass")) % ONE_IN:
+        is_one = not crc32(unit.source.text.encode("utf-8", "surrogatepass")) % ONE_IN
+        if not self.is_on or not (is_one or id(program.globals.values) in self._programs):
             return
         if not self._programs:
             Scheduler.wait = _wait  # type: ignore[method-assign]
@@ -115,9 +116,14 @@ class Witness:
     def _compare(self, described: Described, scope: Scope, names: dict[str, Any], frame: FrameType) -> None:
         values = described.values
         if scope is values.symbols.body and described.unit.kind in ("program", "script"):
+            # What a client sends while the program runs, such as a `sec`, may set its globals too.
+            _, units = self._programs[id(frame.f_globals)]
+            set_by_others = {
+                name for unit in units.values() if unit is not described for name in unit.values.symbols.global_names
+            }
             for other in values.symbols.scopes:
                 for name in other.globals:
-                    if name in frame.f_globals and name not in described.presets:
+                    if name in frame.f_globals and name not in described.presets and name not in set_by_others:
                         self._hold(described, name, other, frame.f_globals[name], frame)
         for name, real in names.items():
             if not name.startswith(("@", ".")):

@@ -274,17 +274,41 @@ class TestItems:
     @pytest.mark.parametrize(
         ("text", "detail"),
         [
-            ("x = get_actual_joint_positions()\n¦", "variable: joints"),
-            ("x = get_actual_tcp_pose()\n¦", "variable: pose"),
+            ("x = get_actual_joint_positions()\n¦", "variable: joint positions, measured"),
+            ("x = get_actual_tcp_pose()\n¦", "variable: pose in the base frame, measured"),
             ("x = [0, 0, 0, 0, 0, 1]\nmovej(x)\n¦", "joints [0, 0, 0, 0, 0, 1]"),
             ("x = input_value\n¦", "variable"),
             ("def f(x):\n  ¦\nend\n", "parameter of f"),
-            ("for x in (1, 2):\n  ¦\nend\n", "loop variable: int"),
+            ("for x in (1, 2):\n  ¦\nend\n", "loop variable: 1 or 2"),
             ("import math as x\n¦", "module math"),
         ],
     )
     def test_a_name_shows_what_it_is(self, text, detail):
         assert labels(text)["x"].detail == detail
+
+    @pytest.mark.parametrize(
+        ("call", "first"),
+        [
+            ("movel(¦", ["goal", "near"]),
+            ("pose_trans(¦", ["goal", "near"]),
+            ("movel(near, r=¦", ["height", "speed"]),
+            ("movej(¦", ["home"]),
+            ("movej(home, t=¦", ["speed"]),
+            ("set_standard_digital_out(0, ¦", ["is_on"]),
+            ("textmsg(str_cat(¦", ["answer"]),
+            ("socket_open(¦", ["answer"]),
+            ("join_thread(¦", ["worker"]),
+        ],
+    )
+    def test_names_that_fit_an_argument_come_first(self, call, first):
+        text = (
+            "near = get_actual_tcp_pose()\ngoal = pose_trans(near, [0, 0, 0.1, 0, 0, 0])\nheight = near[2]\n"
+            "home = get_actual_joint_positions()\nforces = get_tcp_force()\nis_on = get_flag(0)\nspeed = float('1')\n"
+            "answer = socket_read_string()\nworker = start_thread(halt, ())\n"
+        )
+        own = ["answer", "forces", "goal", "height", "home", "is_on", "near", "speed", "worker"]
+        listed = [item.label for item in completions(*marked(text + call)) if item.label in own]
+        assert listed[: len(first)] == first
 
     def test_commands_of_newer_firmware_are_marked_and_last(self):
         items = completions(*marked("¦", Settings(profile=PROFILES["2.10"])))

@@ -195,7 +195,26 @@ def points() -> bytes:
 
 
 PROGRAM: Final[Mapping[str, File]] = {"moves.script": MOVES}
+TASK: Final = """<EliTask name="cell" installationName="cell" robotType="CS66">
+  <MainTask isTaskAlwaysLoops="false" hasInitVariables="false" typeName="Robot Main Task">
+    <WaitNode type="WAIT_TIME" typeName="Wait"><waitTime value="0.5" unit="S"/></WaitNode>
+  </MainTask>
+</EliTask>"""
 CALLS: Final = (
+    Call("task", ("task", "cell.task"), {"cell.task": TASK}),
+    Call("task --tree", ("task", "cell.task", "--tree"), {"cell.task": TASK}),
+    Call("task --json", ("task", "cell.task", "--json"), {"cell.task": TASK}),
+    Call(
+        "task -o", ("task", "cell.task", "-o", "out.script"), {"cell.task": TASK}, writes=("out.script",), prints=False
+    ),
+    Call("task --new", ("task", "--new", "cell", "-o", "new.task"), writes=("new.task",), prints=False),
+    Call("task script", ("task", "moves.script", "-o", "out.task"), PROGRAM, writes=("out.task",), prints=False),
+    Call(
+        "task --diff",
+        ("task", "cell.task", "--diff", "other.task"),
+        {"cell.task": TASK, "other.task": TASK.replace('"0.5"', '"0.7"')},
+        1,
+    ),
     Call("run", ("run", "moves.script"), PROGRAM, may_be_endless=True),
     Call("run alarm", ("run", "alarm.script"), {"alarm.script": ALARM}, 1, may_be_endless=True),
     Call("run broken", ("run", "broken.script"), {"broken.script": BROKEN}, 3, may_be_endless=True, prints=False),

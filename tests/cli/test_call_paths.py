@@ -21,6 +21,8 @@ from tests.cli.calls import CALLS, MOVES, WORLD
 VALUES: Final = {
     "program": "moves.script",
     "program or trace": "moves.script",
+    "task": "cell.task",
+    "other task": "other.task",
     "compared": "other.script",
     "programs": "moves.script",
     "world": "cell.toml",

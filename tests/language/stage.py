@@ -7,7 +7,7 @@ import copy
 from typing import Any
 
 from elitescript.language.compiler import CompiledUnit, compile_unit
-from elitescript.language.hooks import CHECKPOINT, FORMAT, LINE, MAIN, PAY, RANGE, STOP, TICK
+from elitescript.language.hooks import ATTRIBUTE, CHECKPOINT, LINE, MAIN, PAY, RANGE, STOP, TICK
 from elitescript.language.options import DEFAULT, Options
 from elitescript.language.text.source import SourceFile
 
@@ -50,7 +50,7 @@ class Stage:
             RANGE: self.range,
             STOP: Stopped,
             LINE: lambda *mark: self.marks.append(mark),
-            FORMAT: getattr,
+            ATTRIBUTE: getattr,
             "textmsg": lambda *parts: self.out.append("".join(map(str, parts))),
             "copy": copy,
             "elicopy": copy,

@@ -59,7 +59,6 @@ CAN = [
     "x = [k for k in 'ab' if k in {'a'}]",
     "match x:\n  case dict(keys=k):\n    pass\n  end\nend",
     "match x:\n  case dict(items=k):\n    pass\n  end\nend",
-    "match x:\n  case [str(__hash__=h)]:\n    pass\n  end\nend",
 ]
 
 

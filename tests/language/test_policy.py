@@ -15,7 +15,7 @@ from elitescript.language.policy import (
     DENIED_ATTRIBUTES,
     GUARDED_ATTRIBUTES,
     first_too_deep,
-    guard_formats,
+    guard_attributes,
     is_attribute_allowed,
     is_dunder,
     review,
@@ -239,10 +239,10 @@ def test_every_attribute_of_code_frames_tracebacks_and_generators_is_denied():
 
 def test_format_loads_become_calls_of_the_guard():
     tree = ast.parse("x = '{}'.format(a)\ny = [s.format_map for s in t.format]\nz.format = 1\nw.formats")
-    guard_formats(tree, Census(tree))
+    guard_attributes(tree, Census(tree))
     assert ast.unparse(tree).split("\n") == [
-        "x = @format('{}', 'format')(a)",
-        "y = [@format(s, 'format_map') for s in @format(t, 'format')]",
+        "x = @attribute('{}', 'format')(a)",
+        "y = [@attribute(s, 'format_map') for s in @attribute(t, 'format')]",
         "z.format = 1",
         "w.formats",
     ]
@@ -250,8 +250,8 @@ def test_format_loads_become_calls_of_the_guard():
 
 def test_nested_format_loads_are_all_guarded():
     tree = ast.parse("x.format.format(y.format)")
-    guard_formats(tree, Census(tree))
-    assert ast.unparse(tree) == "@format(@format(x, 'format'), 'format')(@format(y, 'format'))"
+    guard_attributes(tree, Census(tree))
+    assert ast.unparse(tree) == "@attribute(@attribute(x, 'format'), 'format')(@attribute(y, 'format'))"
 
 
 def test_guarded_formats_work():

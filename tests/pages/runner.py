@@ -39,7 +39,7 @@ OUTPUT_LIMIT_S: Final = 5
 ROBOT_LIMIT_S: Final = 60.0
 """Robot time that a program without end gets."""
 
-NO_CODE: Final = frozenset({"text", "yaml", "cpp", "cmake", "lua", "make", "csv", "diff", "ini", "mermaid"})
+NO_CODE: Final = frozenset({"text", "yaml", "cpp", "cmake", "lua", "make", "csv", "diff", "ini", "mermaid", "xml"})
 """Languages of blocks that are not ours to run."""
 
 WORDS: Final[dict[str, frozenset[str]]] = {

@@ -5,7 +5,7 @@ from elitescript.errors import ArgumentRangeError, ProgramError, ScriptError, Sc
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.messages.profile import profile
-from elitescript.runtime.alarms import alarm_of, class_name_of, details_of, text_of, without_addresses
+from elitescript.runtime.alarms import alarm_of, class_name_of, details_of, text_of
 from tests.runtime.machine import run
 
 
@@ -176,19 +176,6 @@ def test_problems_of_a_text_are_put_in_one_line():
         text = "an empty block"
 
     assert text_of(ProgramError((Problem(), Problem()))) == "an empty block; an empty block"
-
-
-@pytest.mark.parametrize(
-    ("text", "clean"),
-    [
-        ("<function f at 0x7f12a4b0c2d0>", "<function f>"),
-        ("[<A object at 0x0000020E5A7C1F40>]", "[<A object>]"),
-        ("error at 0x1F", "error at 0x1F"),
-        ("plain", "plain"),
-    ],
-)
-def test_addresses_are_taken_out_of_texts(text, clean):
-    assert without_addresses(text) == clean
 
 
 @pytest.mark.parametrize(

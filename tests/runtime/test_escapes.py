@@ -139,7 +139,7 @@ COMPUTED = {
         "PermissionError",
     ),
     "getattr partial": ("import functools\nleak(functools.partial(getattr, sleep)('__globals__'))", "PermissionError"),
-    "getattr hook": ("leak(getattr(1, '@format'))", "AttributeError"),
+    "getattr hook": ("leak(getattr(1, '@attribute'))", "AttributeError"),
     "setattr class": ("class C:\n  pass\nsetattr(C(), '__class__', int)", "PermissionError"),
     "setattr code": ("def f():\n  pass\nsetattr(f, '__code__', f)", "PermissionError"),
     "setattr method": ("class C:\n  pass\nsetattr(C, '__getattr__', lambda s, n: 1)", "PermissionError"),
@@ -154,7 +154,7 @@ COMPUTED = {
     "help": ("help()", "PermissionError"),
     "input": ("leak(input())", "RuntimeError"),
     "type of three": ("leak(type('C', (), {'__getattr__': lambda s, n: n}))", "PermissionError"),
-    "type of type": ("leak(type(type(1))('C', (), {}).__name__)", "finished"),
+    "type of type": ("leak(type(type(1))('C', (), {}).__name__)", "PermissionError"),
     "stop class": ("leak(GreenletExit)", "NameError"),
     # format strings
     "format": ("leak('{0.__class__.__base__}'.format(1))", "PermissionError"),

@@ -4,17 +4,18 @@ from hypothesis import strategies as st
 
 from elitescript.errors import ScriptPermissionError
 from elitescript.runtime.names.guards import (
-    IDS_MAX,
-    Identities,
-    OneArgumentType,
+    attribute_hook,
     checked_delattr,
     checked_dir,
     checked_format,
     checked_format_method,
-    checked_getattr,
     checked_hasattr,
     checked_setattr,
+    getattr_over,
 )
+from elitescript.runtime.names.identities import Identities, OneArgumentType
+
+checked_getattr = getattr_over(attribute_hook(Identities()))
 
 
 class Thing:
@@ -185,24 +186,70 @@ class TestType:
             OneArgumentType(1, a=2)
 
 
+class Slotted:
+    """Something without weak references."""
+
+    __slots__ = ("other",)
+
+
 class TestIdentities:
     def test_objects_are_counted_as_they_are_asked_for(self):
         identities = Identities()
         a, b = Thing(), Thing()
         assert [identities.number(item) for item in (a, b, a)] == [16, 32, 16]
 
-    def test_an_object_stays_known_while_it_could_be_asked_for(self):
+    def test_no_number_is_given_twice(self):
         identities = Identities()
-        first = identities.number([1])
-        assert all(identities.number([n]) != first for n in range(100))
+        assert len({identities.number([n]) for n in range(100)}) == 100
 
-    def test_memory_is_bounded(self):
+    @pytest.mark.parametrize("make", [Thing, Slotted, list])
+    def test_a_living_object_keeps_its_number(self, make):
         identities = Identities()
-        kept = [Thing() for _ in range(IDS_MAX + 10)]
-        for item in kept:
-            identities.number(item)
-        assert len(identities._known) == IDS_MAX
-        assert identities.number(kept[-1]) == 16 * (IDS_MAX + 10)
-        assert identities.number(kept[0]) == 16 * (IDS_MAX + 11)
+        kept = [make() for _ in range(5000)]
+        numbers = [identities.number(item) for item in kept]
+        assert [identities.number(item) for item in kept] == numbers
+
+    @pytest.mark.parametrize("make", [Thing, Slotted, list, lambda: [[]], lambda: {"a": ([],)}])
+    def test_memory_does_not_grow_with_objects_that_are_gone(self, make):
+        identities = Identities()
+        for _ in range(10):
+            kept = [make() for _ in range(1500)]
+            for item in kept:
+                identities.number(item)
+        del kept, item
+        identities.number([])
+        assert len(identities._known) <= 3500
+
+    def test_memory_stays_flat_for_large_ones(self):
+        identities = Identities()
+        for _ in range(100):
+            identities.number(bytearray(10_000_000))
+        pairs = [bytearray(1_000_000) for _ in range(2)]
+        for _ in range(100):
+            for item in pairs:
+                identities.number(item)
+            pairs = [bytearray(1_000_000) for _ in range(2)]
+        assert sum(map(len, (held for _, held in identities._known.values()))) < 30_000_000
+
+    def test_cycles_are_let_go(self):
+        def cycle():
+            first, second, third = [], {}, Slotted()
+            first.append(second)
+            second["next"] = third
+            third.other = first
+            return first
+
+        identities = Identities()
+        kept = cycle()
+        number = identities.number(kept)
+        inner = identities.number(kept[0]["next"])
+        for _ in range(5000):
+            identities.number(cycle())
+        assert len(identities._known) <= 2100
+        assert (identities.number(kept), identities.number(kept[0]["next"])) == (number, inner)
+
+    def test_a_program_that_is_over_leaves_nothing(self):
+        identities = Identities()
+        identities.number([])
         identities.clear()
         assert identities._known == {}

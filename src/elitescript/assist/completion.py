@@ -13,9 +13,9 @@ from elitescript.assist.cursor import CallAt, Cursor
 from elitescript.assist.describing import KEYWORDS, command_markdown, fenced, parameter_label, parameter_markdown
 from elitescript.assist.document import Document
 from elitescript.assist.enclosing import Block, blocks_around, indentation_step, scope_at
+from elitescript.assist.fitting import NO_FIT, fit_of
 from elitescript.assist.names_in_strings import names_for
 from elitescript.assist.own_names import (
-    LIST_KINDS,
     NameFacts,
     OwnName,
     function_of,
@@ -197,23 +197,24 @@ class _Offers:
             yield from self._statements(is_alone=not head.strip())
 
     def _own_names(self) -> Iterator[Completion]:
-        wanted = self._wanted_kind()
+        wanted = self._wanted()
         for own in visible_names(self.document, self.scope):
             if not self._is_only_here(own):
-                rank = _EXPECTED if wanted and self.facts.kind(own) == wanted else _OWN
+                fit = NO_FIT if wanted is None else fit_of(self.facts.description(own), wanted, self.facts.kind(own))
+                rank = _OWN if fit == NO_FIT else f"{_EXPECTED}{fit}"
                 yield self._own(own, f"{rank}{min(own.distance, 9)}{own.name}")
         for name in sorted(self.document.settings.presets):
             if self.scope.resolve(name) is Resolution.BUILTIN:
                 yield Completion(name, ItemKind.VARIABLE, self.span, name, "", "global", f"{_OWN}9{name}")
 
-    def _wanted_kind(self) -> str:
-        """Return `joints` or `pose` if the argument at the place takes such a list; else empty."""
+    def _wanted(self) -> Quantity | None:
+        """Return what the argument at the place takes; None if that is not known."""
         call = self.cursor.call
         if call is None or call.path:
-            return ""
+            return None
         command = self.document.program.command(call.function, self.scope)
         param = None if command is None else parameter_at(command, call)
-        return "" if param is None else LIST_KINDS.get(param.quantity.meaning, "")
+        return None if param is None else param.quantity
 
     def _is_only_here(self, own: OwnName) -> bool:
         """Return whether a name is what is just being written."""

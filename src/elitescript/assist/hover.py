@@ -39,10 +39,13 @@ from elitescript.lint.program import Span
 from elitescript.messages.signals import parse_signal_name
 from elitescript.records import record
 from elitescript.untrusted.escaping import code_span
+from elitescript.values.description import Value
 from elitescript.values.references import ModuleType, OwnClass
+from elitescript.values.words import words
 
 _LINES_MAX: Final = 4
 """Lines that a list of places names."""
+_EXPRESSIONS: Final = (ast.Subscript, ast.BinOp, ast.Call, ast.UnaryOp, ast.Compare, ast.BoolOp, ast.IfExp)
 _SOFT_WORDS: Final = ("case", "end", "match", "sec")
 
 
@@ -74,10 +77,12 @@ def hover(document: Document, line: int, column: int, last_run: LastRun | None =
         return _string(document, cursor)
     word = cursor.word_text
     if not word:
-        return None
+        return _expression(document, cursor)
     explain: Callable[[Document, Cursor, LastRun | None], str] = _number if word[0].isdigit() else _word
     text = explain(document, cursor, last_run)
-    return Hover(_number_span(cursor) if word[0].isdigit() else cursor.word_span, text) if text else None
+    if not text:
+        return _expression(document, cursor)
+    return Hover(_number_span(cursor) if word[0].isdigit() else cursor.word_span, text)
 
 
 # -------------------------------------------------------------------- words
@@ -97,7 +102,7 @@ def _word(document: Document, cursor: Cursor, last_run: LastRun | None) -> str:
         return python_markdown(word)
     own = own_name(document, word, scope)
     if own is not None:
-        return _own(document, own, last_run)
+        return _own(document, own, last_run, _value_at(document, cursor.word_span))
     command = CATALOGUE.get(word)
     if command is not None:
         return command_markdown(command, document.settings.profile)
@@ -135,7 +140,33 @@ def _function(document: Document, function: ast.FunctionDef) -> str:
     return "\n\n".join(part for part in (fenced(f"{word} {function_signature(function)}:"), text) if part)
 
 
-def _own(document: Document, own: OwnName, last_run: LastRun | None) -> str:
+def _value_at(document: Document, span: Span) -> Value | None:
+    """Return the description of the name that is read at a place; None if none is."""
+    program = document.program
+    for node in program.nodes(ast.Name):
+        if node.lineno == span.line and isinstance(node.ctx, ast.Load) and program.span(node) == span:
+            return program.values.of(node)
+    return None
+
+
+def _expression(document: Document, cursor: Cursor) -> Hover | None:
+    """Explain the innermost element, sum, call ... around a place without a name, such as the bracket of `p[2]`."""
+    program, best = document.program, None
+    for kind in _EXPRESSIONS:
+        for node in program.nodes(kind):
+            if node.lineno == cursor.line == node.end_lineno:
+                span = program.span(node)
+                inside = span.column <= cursor.column < span.end_column
+                if inside and (best is None or span.column >= best[0].column >= span.column):
+                    best = span, node
+    value = None if best is None else program.values.of(best[1])
+    text = "" if value is None or value.has_constant else words(value)
+    if best is None or not text:
+        return None
+    return Hover(best[0], f"{fenced(ast.unparse(best[1]))}\n\n{text[:1].upper()}{text[1:]}.")
+
+
+def _own(document: Document, own: OwnName, last_run: LastRun | None, at: Value | None) -> str:
     facts = document.once(NameFacts)
     parts = []
     first = own.bindings[0].node if own.bindings else None
@@ -145,10 +176,11 @@ def _own(document: Document, own: OwnName, last_run: LastRun | None) -> str:
             parts.append("Runs as a thread.")
         return "\n\n".join([*parts, f"*Line {first.lineno}.*"])
     value = facts.value(own)
-    kind = facts.kind(own) or facts.type_text(own)
+    kind = facts.kind(own)
     is_known = not isinstance(value, Unknown)
+    what = (kind or facts.type_text(own)) if is_known else facts.described(own, at)
     parts.append(fenced(f"{own.name} = {value_text(value)}" if is_known else f"{own.name}"))
-    parts.append(f"{facts.role(own).capitalize()}{f', {kind}' if kind else ''}; {_places(own)}.")
+    parts.append(f"{facts.role(own).capitalize()}{f', {what}' if what else ''}; {_places(own)}.")
     uses = facts.uses(own)
     if is_known and isinstance(value, list):
         parts.append(_list(document, value, kind))
@@ -158,8 +190,22 @@ def _own(document: Document, own: OwnName, last_run: LastRun | None) -> str:
         parts.append(
             "Used as " + ", ".join(f"`{use.param.name}` of `{use.command}`" for use in uses[:_LINES_MAX]) + "."
         )
+    parts.append(_special(document, own))
     parts.append(_last_values(document, own, last_run))
     return "\n\n".join(part for part in parts if part)
+
+
+def _special(document: Document, own: OwnName) -> str:
+    """Return what some values of a name mean, if it is the result of one command: `False: failed.`."""
+    calls = {id(called.call): called.command for called in document.program.command_calls}
+    commands = set()
+    for binding in own.bindings:
+        statement = document.symbols.parent(binding.node)
+        command = calls.get(id(getattr(statement, "value", None)))
+        if command is None:
+            return ""
+        commands.add(command)
+    return commands.pop().details.result.special_text if len(commands) == 1 else ""
 
 
 def _places(own: OwnName) -> str:

@@ -18,7 +18,9 @@ from elitescript.lint.constants import Unknown
 from elitescript.lint.program import CommandCall
 from elitescript.records import NamedTuple
 from elitescript.untrusted.escaping import markdown_text
+from elitescript.values.description import FUNCTION, OBJECT, Value
 from elitescript.values.references import ModuleType, OwnClass
+from elitescript.values.words import ROLES, words
 
 _SHORT: Final = 40
 LIST_KINDS: Final = {"joints": "joints", "pose": "pose", "tcp": "pose"}
@@ -127,7 +129,7 @@ class NameFacts:
 
     def kind(self, own: OwnName) -> str:
         """Return `joints` or `pose` for six numbers of that kind, by their origin or by their use; else empty."""
-        role = self.document.program.values.evaluated(_read(own), self._scope(own)).role
+        role = self.description(own).role
         if role in ("joints", "pose"):
             return role
         kinds = {LIST_KINDS.get(use.param.quantity.meaning, "") for use in self.uses(own)}
@@ -145,6 +147,23 @@ class NameFacts:
         if isinstance(kind, OwnClass):
             return kind.scope.name if kind.is_object else f"class {kind.scope.name}"
         return "" if kind is None or kind is type(None) else kind.__name__
+
+    def description(self, own: OwnName) -> Value:
+        """Return what is known of all values of a name."""
+        return self.document.program.values.evaluated(_read(own), self._scope(own))
+
+    def described(self, own: OwnName, value: Value | None = None) -> str:
+        """Return what a name is, such as `pose in the base frame, measured`; empty if that is not known.
+
+        Args:
+            own: the name.
+            value: description of the values that it has at a place; None for those that it has anywhere.
+        """
+        value = self.description(own) if value is None else value
+        if value.kinds & (OBJECT | FUNCTION) and value.is_known:
+            return self.type_text(own) or words(value)
+        kind = self.kind(own)
+        return ROLES[kind] if kind and not value.role else words(value)
 
     def role(self, own: OwnName) -> str:
         """Return what a name is: `function`, `thread function`, `parameter`, `global`, `import`, `variable` ..."""
@@ -173,7 +192,7 @@ class NameFacts:
             kind = self.kind(own) if isinstance(value, list) else ""
             words = ("" if role == "variable" else role, kind, value_text(value, _SHORT))
             return " ".join(word for word in words if word)
-        kind = self.kind(own) or self.type_text(own)
+        kind = self.described(own)
         if role == "import":
             return kind or role
         return f"{role}: {kind}" if kind else role

@@ -24,7 +24,7 @@ from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.reserved import RESERVED
 from elitescript.language.advice.unknown_names import KNOWN
 from elitescript.language.diagnostics import Edit
-from elitescript.language.policy import DENIED_ATTRIBUTES, GUARDED_ATTRIBUTES
+from elitescript.language.policy import DENIED_ATTRIBUTES, FORMAT_ATTRIBUTES
 from elitescript.language.symbols import Scope
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.records import record
@@ -266,7 +266,7 @@ def _use_in_string(names: Names, owner: Scope, name: str) -> str:
     """Return the line of a string that may name an attribute: in `__slots__`, or to be formatted."""
     if "__slots__" in owner.bindings:
         return f"`__slots__` of `{owner.name}` may name `{name}`"
-    if GUARDED_ATTRIBUTES.isdisjoint(node.attr for node in names.program.nodes(ast.Attribute)):
+    if FORMAT_ATTRIBUTES.isdisjoint(node.attr for node in names.program.nodes(ast.Attribute)):
         return ""
     pattern = re.compile(rf"\{{[^{{}}]*\.{re.escape(name)}(?!\w)")
     for node in names.program.nodes(ast.Constant):

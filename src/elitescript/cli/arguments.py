@@ -288,6 +288,35 @@ def add_fmt(parser: Parser) -> None:
     _add_color(parser)
 
 
+def add_task(parser: Parser) -> None:
+    parser.description = (
+        "Print the script of a graphical program as the pendant generates it, its tree, or what differs between two; "
+        "make a new task, or one that holds a script. Exit code: 0 done, 1 with --diff: the trees differ, 2 usage, or "
+        "a file cannot be read, 3 a node cannot be generated."
+    )
+    parser.add_argument(
+        "file", nargs="?", metavar="FILE", reads="task", help="a .task file; or a .script file that becomes a task"
+    )
+    parser.add_argument(
+        "-o", "--output", metavar="OUT", writes="text", help="write to this file instead of standard output"
+    )
+    parser.add_argument("--tree", action="store_true", help="print the tree: row, kind, name and values of each node")
+    parser.add_argument("--json", action="store_true", help="print the tree as one JSON object")
+    parser.add_argument(
+        "--diff", metavar="OTHER", reads="other task", help="print what differs in another task, node by node"
+    )
+    parser.add_argument("--new", metavar="NAME", help="make an empty task of this name; needs -o")
+    parser.add_argument(
+        "--robot", default="CS66", metavar="MODEL", reads="arm", help="of a new task (default %(default)s)"
+    )
+    parser.add_argument(
+        "--task-dir",
+        metavar="DIR",
+        reads="folder",
+        help="folder below which a task names the folder of its configuration (default: that of FILE)",
+    )
+
+
 def add_plot(parser: Parser) -> None:
     from elitescript.cli.robot_options import add_options
 
@@ -770,6 +799,7 @@ COMMANDS: Final[dict[str, tuple[str, Callable[[Parser], None]]]] = {
     "sweep": ("run a program many times and say what holds", add_sweep),
     "check": ("report every problem of programs without running them", add_check),
     "fmt": ("lay out programs without changing what they do", add_fmt),
+    "task": ("graphical programs: their script, their tree, differences, new ones", add_task),
     "plot": ("write a page that shows a program's run, or a trace", add_plot),
     "serve": ("the virtual controller on the network", add_serve),
     "ctl": ("work inputs, faults, popups and tasks of a running serve", add_ctl),

@@ -197,6 +197,8 @@ def _programs(value: str, flag: str) -> Iterator[Read]:
 READS: Final[dict[str, _Reads]] = {
     "program": _file("the program"),
     "program or trace": _file("the file that is to be plotted"),
+    "task": _file("the task"),
+    "other task": _file("the task that is compared"),
     "compared": _file("the file that is compared"),
     "programs": _programs,
     "world": _world,
@@ -315,6 +317,7 @@ WRITES: Final[dict[str, _Writes]] = {
     "page of a plot": _page_of_plot,
     "page of a sweep": _page_of_sweep,
     "trace": _written(FILE),
+    "text": _written(FILE),
     "arm": _written(FILE),
     "table": _table,
     "state": _state,
@@ -326,5 +329,5 @@ WRITES: Final[dict[str, _Writes]] = {
 }
 """What is written, by what `cli.arguments` calls it: the paths of one value."""
 
-CLAIMED: Final = frozenset(("page", "page of a plot", "page of a sweep", "trace", "arm"))
+CLAIMED: Final = frozenset(("page", "page of a plot", "page of a sweep", "trace", "text", "arm"))
 """What is held from the begin of the call; the others have locks of their own, or are new files."""

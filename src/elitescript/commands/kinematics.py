@@ -14,7 +14,7 @@ from elitescript.commands.definition.quantities import (
     Vector,
 )
 from elitescript.commands.definition.registry import command
-from elitescript.commands.definition.results import COMPUTED
+from elitescript.commands.definition.results import COMPUTED, COMPUTED_IN_BASE
 from elitescript.errors import MotionError
 from elitescript.kinematics.inverse import Solution, nearest, reason_unreachable, solutions
 from elitescript.kinematics.transforms import Transform, compose, inverse, pose_from_transform, transform_from_pose
@@ -104,7 +104,9 @@ def get_all_inverse_kin(
 
 
 @command(family="math", manual="2.2.3", arguments=_ARGUMENTS)
-def get_forward_kin(robot: Robot, q: OptionalJoints = None, tcp: OptionalTcp = None) -> Annotated[Pose, COMPUTED]:
+def get_forward_kin(
+    robot: Robot, q: OptionalJoints = None, tcp: OptionalTcp = None
+) -> Annotated[Pose, COMPUTED_IN_BASE]:
     """Return the pose of the TCP that joint positions give.
 
     Args:

@@ -20,7 +20,7 @@ from elitescript.commands.definition.quantities import (
     Whole,
 )
 from elitescript.commands.definition.registry import command
-from elitescript.commands.definition.results import COMMANDED, STATE
+from elitescript.commands.definition.results import COMMANDED_IN_BASE, COMPUTED_IN_BASE, STATE
 from elitescript.commands.motion import blend_radius
 from elitescript.errors import InvalidValueError
 from elitescript.kinematics.pose import frame_from_points
@@ -99,7 +99,9 @@ def movep(robot: Robot, pose: Pose, a: ToolAcceleration = 1.2, v: ToolSpeed = 0.
 
 
 @command(family="observed", evidence="observed", spellings={"x_vec": "x_axis", "y_vec": "y_axis"})
-def cal_rpy_frame(origin: _PointOrPose, x_axis: _PointOrPose, y_axis: _PointOrPose) -> Pose:
+def cal_rpy_frame(
+    origin: _PointOrPose, x_axis: _PointOrPose, y_axis: _PointOrPose
+) -> Annotated[Pose, COMPUTED_IN_BASE]:
     """Return the frame through three points, as generated welding programs call it.
 
     Args:
@@ -155,7 +157,7 @@ def serial_open_list(robot: Robot) -> Annotated[list[str], Anything("list[str]")
 
 
 @command(family="observed", evidence="observed")
-def get_target_tcp_pose_along_path(robot: Robot) -> Annotated[Pose, COMMANDED]:
+def get_target_tcp_pose_along_path(robot: Robot) -> Annotated[Pose, COMMANDED_IN_BASE]:
     """Return the commanded pose of the TCP without the path offset; `get_target_tcp_pose` is the one with it.
 
     Returns:

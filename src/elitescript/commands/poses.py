@@ -10,6 +10,7 @@ from typing import Annotated
 
 from elitescript.commands.definition.quantities import Frame, Number, Pose, Real, Vector
 from elitescript.commands.definition.registry import command
+from elitescript.commands.definition.results import Result
 from elitescript.kinematics import pose as algebra
 
 _Angles = Annotated[tuple[float, float, float], Vector(Number(), 3, "rad")]
@@ -89,7 +90,7 @@ def pose_sub(p_to: Frame, p_from: Frame) -> Frame:
 
 
 @command(family="math", manual="2.2.29")
-def pose_trans(p_from: Frame, p_from_to: Frame) -> Pose:
+def pose_trans(p_from: Frame, p_from_to: Frame) -> Annotated[Pose, Result("computed", frame="p_from")]:
     """Chain two poses: T(p_from) T(p_from_to).
 
     Args:

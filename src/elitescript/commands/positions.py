@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from elitescript.commands.definition.quantities import JointPositions, JointSpeeds, Number, Pose, TcpSpeed, Vector
 from elitescript.commands.definition.registry import command
-from elitescript.commands.definition.results import COMMANDED, MEASURED
+from elitescript.commands.definition.results import COMMANDED, COMMANDED_IN_BASE, MEASURED, MEASURED_IN_BASE
 from elitescript.messages.motion import Six
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ def get_actual_joint_speeds(robot: Robot) -> Annotated[JointSpeeds, MEASURED]:
 
 
 @command(family="motion", manual="2.1.6")
-def get_actual_tcp_pose(robot: Robot) -> Annotated[Pose, MEASURED]:
+def get_actual_tcp_pose(robot: Robot) -> Annotated[Pose, MEASURED_IN_BASE]:
     """Return the pose of the TCP in the base frame, from the measured joint positions and the active TCP offset.
 
     Returns:
@@ -101,7 +101,7 @@ def get_target_joint_speeds(robot: Robot) -> Annotated[JointSpeeds, COMMANDED]:
 
 
 @command(family="motion", manual="2.1.13")
-def get_target_tcp_pose(robot: Robot) -> Annotated[Pose, COMMANDED]:
+def get_target_tcp_pose(robot: Robot) -> Annotated[Pose, COMMANDED_IN_BASE]:
     """Return the pose of the TCP in the base frame, from the commanded joint positions and the active TCP offset.
 
     Returns:
@@ -121,7 +121,7 @@ def get_target_tcp_speed(robot: Robot) -> Annotated[TcpSpeed, COMMANDED]:
 
 
 @command(family="motion", manual="2.1.31")
-def get_actual_tool_flange_pose(robot: Robot) -> Annotated[Pose, MEASURED]:
+def get_actual_tool_flange_pose(robot: Robot) -> Annotated[Pose, MEASURED_IN_BASE]:
     """Return the measured pose of the flange in the base frame; the TCP offset does not count.
 
     Returns:
@@ -131,7 +131,7 @@ def get_actual_tool_flange_pose(robot: Robot) -> Annotated[Pose, MEASURED]:
 
 
 @command(family="motion", manual="2.1.32")
-def get_target_waypoint(robot: Robot) -> Annotated[Pose, COMMANDED]:
+def get_target_waypoint(robot: Robot) -> Annotated[Pose, COMMANDED_IN_BASE]:
     """Return the pose of the waypoint that the arm moves to.
 
     Returns:

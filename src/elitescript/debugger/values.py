@@ -10,7 +10,7 @@ from types import BuiltinFunctionType, FunctionType, GeneratorType, MethodType
 from typing import Any, Final
 
 from elitescript.records import NamedTuple
-from elitescript.runtime.alarms import without_addresses
+from elitescript.runtime.environment import without_addresses
 from elitescript.runtime.names.modules import Facade
 from elitescript.runtime.stdlib.locks import holder_of, is_lock
 from elitescript.values.concrete import own_fields

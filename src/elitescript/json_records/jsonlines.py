@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import isfinite, isnan
 from typing import Any, Final
 
-from elitescript.runtime.alarms import without_addresses
+from elitescript.runtime.environment import without_addresses
 
 _VALUES_MAX: Final = 100_000
 """Limit of the values of one record, because a list can contain itself many times over."""
@@ -45,7 +45,7 @@ class _Plain:
         if value is None or value is True or value is False:
             return value
         if isinstance(value, str):
-            return str.__str__(value)
+            return without_addresses(str.__str__(value))
         if isinstance(value, int):
             return _whole(int(value))
         if isinstance(value, float):

@@ -28,8 +28,7 @@ from elitescript.messages.machine import ResumeTask
 from elitescript.messages.outcomes import Done, Outcome, Refused, ShownValue
 from elitescript.messages.snapshot import TaskPicture
 from elitescript.paths import PROGRAM_SUFFIX, is_program_name
-from elitescript.runtime.alarms import without_addresses
-from elitescript.runtime.environment import ProgramEnvironment, relative_name
+from elitescript.runtime.environment import ProgramEnvironment, relative_name, without_addresses
 from elitescript.runtime.host import ScriptHost
 from elitescript.said import said
 

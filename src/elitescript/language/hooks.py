@@ -15,7 +15,7 @@ PAY: Final = "@pay"
 RANGE: Final = "@range"
 STOP: Final = "@stop"
 LINE: Final = "@line"
-FORMAT: Final = "@format"
+ATTRIBUTE: Final = "@attribute"
 WATCHED: Final = "@watched"
 AT: Final = "@at"
 STEPS: Final = "@steps"
@@ -31,7 +31,7 @@ HOOKS: Final[dict[str, str]] = {
     RANGE: "the built-in `range`, to see whether a program has another one",
     STOP: "exception class (a BaseException), or a tuple of them, that ends a thread; every `try` lets it pass",
     LINE: '`(number, label, after=None) -> None`: the program reached a `$ LINE: (number, "label")` mark',
-    FORMAT: "`(object, name) -> value`: stands for `object.format` and `object.format_map`, with `name` one of the two",
+    ATTRIBUTE: "`(object, name) -> value`: stands for `object.name`; `name` is one of `policy.GUARDED_ATTRIBUTES`",
     WATCHED: "what looks at the statements of the run: empty unless a debugger is attached",
     AT: "`(number) -> None`: a statement of the program comes next; called only while `@watched` is not empty",
 }

@@ -13,7 +13,6 @@ SHARED_NAMES: Final[dict[str, str]] = {
     "binascii": "a2b_base64 a2b_hex a2b_uu b2a_base64 b2a_hex b2a_uu crc32 crc_hqx hexlify unhexlify Error Incomplete",
     "bisect": "bisect bisect_left bisect_right insort insort_left insort_right",
     "cmath": "*",
-    "copy": "copy deepcopy Error",
     "decimal": "Decimal Context getcontext setcontext localcontext Clamped ConversionSyntax DecimalException"
     " DivisionByZero DivisionImpossible DivisionUndefined FloatOperation Inexact InvalidContext InvalidOperation"
     " Overflow Rounded Subnormal Underflow MAX_EMAX MAX_PREC MIN_EMIN MIN_ETINY ROUND_05UP ROUND_CEILING ROUND_DOWN"
@@ -32,6 +31,7 @@ SHARED_NAMES: Final[dict[str, str]] = {
 COPIED_NAMES: Final[dict[str, str]] = {
     "collections": "ChainMap Counter OrderedDict UserDict UserList UserString defaultdict deque namedtuple",
     "collections.abc": "*",
+    "copy": "copy deepcopy Error",
     "dataclasses": "FrozenInstanceError InitVar KW_ONLY MISSING asdict astuple dataclass field fields is_dataclass"
     " replace",
     "datetime": "MAXYEAR MINYEAR UTC date datetime time timedelta timezone tzinfo",

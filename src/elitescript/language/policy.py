@@ -17,7 +17,7 @@ from itertools import islice
 from typing import Final
 
 from elitescript.language.diagnostics import Diagnostic, diagnostic
-from elitescript.language.hooks import FORMAT
+from elitescript.language.hooks import ATTRIBUTE
 from elitescript.language.nodes import Census, children
 from elitescript.language.text.source import SourceFile
 from elitescript.said import said
@@ -38,8 +38,11 @@ _INNER_PARTS: Final = """
 DENIED_ATTRIBUTES: Final = frozenset(_INNER_PARTS.split())
 """Attributes that lead to frames, code objects, tracebacks and the class tree."""
 
-GUARDED_ATTRIBUTES: Final = frozenset(("format", "format_map"))
-"""Attributes whose loads become calls of the `@format` hook: format strings hold attribute names."""
+FORMAT_ATTRIBUTES: Final = frozenset(("format", "format_map"))
+"""Methods that fill format strings, which hold attribute names."""
+
+GUARDED_ATTRIBUTES: Final = FORMAT_ATTRIBUTES | {"__class__", "__hash__"}
+"""Attributes whose loads become calls of the `@attribute` hook; the hash of `object` would be an address."""
 
 _OPERATORS: Final = "add sub mul truediv floordiv mod divmod pow matmul and or xor lshift rshift"
 _METHODS: Final = """
@@ -146,8 +149,8 @@ def _place(node: ast.expr) -> tuple[int, int]:
     return node.lineno, node.col_offset
 
 
-def guard_formats(tree: ast.AST, census: Census) -> None:
-    """Replace loads of `.format` and `.format_map` by calls of the `@format` hook."""
+def guard_attributes(tree: ast.AST, census: Census) -> None:
+    """Replace loads of guarded attributes by calls of the `@attribute` hook."""
     calls: dict[ast.AST, ast.Call] = {
         node: _guarded(node)
         for node in census.of(ast.Attribute)
@@ -161,7 +164,7 @@ def guard_formats(tree: ast.AST, census: Census) -> None:
 
 
 def _guarded(node: ast.Attribute) -> ast.Call:
-    hook = ast.copy_location(ast.Name(FORMAT, ast.Load()), node)
+    hook = ast.copy_location(ast.Name(ATTRIBUTE, ast.Load()), node)
     name = ast.copy_location(ast.Constant(node.attr), node)
     return ast.copy_location(ast.Call(hook, [node.value, name], []), node)
 

@@ -6,6 +6,7 @@ import ast
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final
 
+from elitescript.commands.definition.plausibility import Range
 from elitescript.language.symbols import Scope
 
 if TYPE_CHECKING:
@@ -60,14 +61,24 @@ class Constants:
             return UNKNOWN
         return value
 
-    def plain(self, value: Value) -> Any:
-        """Return the only value that a description allows, or an `Unknown`."""
+    def bounds(self, node: ast.expr, scope: Scope) -> Any:
+        """Return the value of an expression as `value` does, but a `Range` for a number of which a range is known."""
+        value = self.value(node, scope)
+        parts = value if isinstance(value, (list, tuple)) else (value,)
+        if not any(isinstance(part, Unknown) for part in parts):
+            return value
+        return self.plain(self._values().evaluated(node, scope), has_ranges=True)
+
+    def plain(self, value: Value, *, has_ranges: bool = False) -> Any:
+        """Return the only value that a description allows, or an `Unknown`; or a `Range` that excludes 0."""
         if value.has_constant:
             return value.constant
+        if has_ranges and value.is_number and not value.low <= 0 <= value.high:
+            return Range(value.low, value.high) if value.low > 0 else Range(value.high, value.low)
         items = value.items
         if items is None:
             return UNKNOWN if value.node is None else Unknown(self._text(value.node))
-        found = [self.plain(item) for item in items]
+        found = [self.plain(item, has_ranges=has_ranges) for item in items]
         return found if value.is_list else tuple(found)
 
     def _text(self, node: ast.expr) -> str:

@@ -6,7 +6,7 @@ import ast
 from collections.abc import Iterator
 from typing import Final
 
-from elitescript.commands.definition.plausibility import POSE_MOST_M, SURELY_DEGREES, Doubt
+from elitescript.commands.definition.plausibility import POSE_MOST_M, SURELY_DEGREES, Doubt, number_text
 from elitescript.lint.constants import Unknown
 from elitescript.lint.program import AnalysedProgram, Doubted
 from elitescript.said import said
@@ -57,16 +57,22 @@ def _judged(program: AnalysedProgram, node: ast.expr, unit: str, place: str) -> 
     if not unit:
         return
     scope = program.symbols.scope_of(node)
-    number = program.constants.value(node, scope)
+    number = program.constants.bounds(node, scope)
     if isinstance(number, (Unknown, bool)) or not isinstance(number, (int, float)):
         return
     if unit == "m" and abs(number) > POSE_MOST_M:
-        text = said("`{place}` is in metres, and {number:g} m is no length of an arm", place=place, number=number)
+        text = said(
+            "`{place}` is in metres, and {number} m is no length of an arm", place=place, number=number_text(number)
+        )
         hint = said(
             "{number:g} looks like millimetres: {number:g} mm are {meant:g} m", number=number, meant=number / 1000.0
         )
         yield Doubted(node, Doubt("W231", text, hint), None, node, scope)
     elif unit == "rad" and abs(number) > SURELY_DEGREES:
-        text = said("`{place}` is in radians, and {number:g} rad is more than a full turn", place=place, number=number)
+        text = said(
+            "`{place}` is in radians, and {number} rad is more than a full turn",
+            place=place,
+            number=number_text(number),
+        )
         hint = said("{number:g} looks like degrees: write d2r({number:g})", number=number)
         yield Doubted(node, Doubt("W230", text, hint), None, node, scope)

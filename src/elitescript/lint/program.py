@@ -392,7 +392,7 @@ class AnalysedProgram:
                     meaning = "pose"
                 if not meaning or node in refused:
                     continue
-                value = self.constants.value(node, called.scope)
+                value = self.constants.bounds(node, called.scope)
                 # Programs also compute with transforms in other units, but not with those of the arm.
                 is_judged = not is_transform or any(self._is_of_the_arm(other) for _, other in arguments.given)
                 reported = list(JUDGES[meaning](value, self.arm)) if is_judged else []

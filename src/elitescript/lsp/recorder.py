@@ -10,7 +10,7 @@ from typing import Any, Final
 from elitescript.language.compiler import CompiledUnit
 from elitescript.plotting.packing import shown_text
 from elitescript.records import NamedTuple
-from elitescript.runtime.alarms import without_addresses
+from elitescript.runtime.environment import without_addresses
 
 VALUE_MAX: Final = 120
 """Characters of a value."""

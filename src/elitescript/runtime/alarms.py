@@ -5,7 +5,6 @@ The place is the innermost line of script text in the traceback; frames of the r
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Mapping
 from types import CodeType, FrameType, TracebackType
 from typing import TYPE_CHECKING, Any, Final
@@ -23,6 +22,7 @@ from elitescript.language.text.source import SourceFile
 from elitescript.messages.events import Alarm
 from elitescript.messages.profile import Profile, release_of
 from elitescript.records import NamedTuple
+from elitescript.runtime.environment import without_addresses
 from elitescript.runtime.threads.strand import INNER_TEXTS, Strand
 from elitescript.said import Said, joined, said
 
@@ -328,13 +328,3 @@ def _nonlocal_hint(place: Place) -> str:
             where = said("`nonlocal {name}` at the start of `{scope}`", name=name, scope=scope.name)
             return said("assign it before, or write {where} if that of the enclosing program is meant", where=where)
     return ""
-
-
-_ADDRESS: Final = r" at 0x[0-9a-fA-F]{8,16}>"
-
-
-def without_addresses(text: str) -> str:
-    """Return a text without the memory addresses of objects, which differ from run to run."""
-    if " at 0x" not in text:
-        return text
-    return re.sub(_ADDRESS, ">", text)

@@ -274,3 +274,17 @@ def _outside(path: str) -> ScriptPermissionError:
         value=path,
         limit=TASK_PATH,
     )
+
+
+def without_addresses(text: str) -> str:
+    """Return a text without the addresses of objects, which differ from run to run; see `runtime.addresses`."""
+    if " at 0x" not in text:
+        return text
+    from elitescript.runtime import addresses
+
+    return addresses.without_addresses(text)
+
+
+def bytes_without_addresses(data: bytes) -> bytes:
+    """Return an encoded text likewise."""
+    return without_addresses(data.decode("latin-1")).encode("latin-1") if b" at 0x" in data else data

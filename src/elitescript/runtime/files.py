@@ -15,7 +15,14 @@ from typing import IO, Any, Final, NoReturn
 from weakref import ref
 
 from elitescript.errors import ArgumentTypeError, InvalidValueError, NotSimulatedError, ScriptError
-from elitescript.runtime.environment import READ_MAX, Files, ProgramEnvironment, relative_name
+from elitescript.runtime.environment import (
+    READ_MAX,
+    Files,
+    ProgramEnvironment,
+    bytes_without_addresses,
+    relative_name,
+    without_addresses,
+)
 from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 
 OPEN_FILES_MAX: Final = 256
@@ -221,6 +228,10 @@ class ScriptFile(metaclass=Sealed):
     def write(self, data: Any) -> int:
         """Write text, or bytes to a binary file; return how many."""
         inner = _used(self)
+        if isinstance(data, str):
+            data = without_addresses(data)
+        elif isinstance(data, bytes):
+            data = bytes_without_addresses(data)
         if type(data) in (str, bytes, bytearray) and len(data) > _PIECE:
             return _long_write(self, inner, data)
         return inner.write(data)

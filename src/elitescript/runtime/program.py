@@ -23,7 +23,6 @@ from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.files import OpenFiles
 from elitescript.runtime.names.bindings import Bindings
 from elitescript.runtime.names.context import Context, ProgramControl
-from elitescript.runtime.names.guards import Identities
 from elitescript.runtime.names.modules import Facade, ModuleShelf
 from elitescript.runtime.probe import witness
 from elitescript.runtime.program_globals import ProgramGlobals
@@ -69,7 +68,6 @@ class Program:
     __slots__ = (
         "_files",
         "_generator",
-        "_identities",
         "_main",
         "_processes",
         "_profile",
@@ -100,7 +98,6 @@ class Program:
         self._generator = _LazyGenerator(seed)
         self.context = Context(machine, scheduler, profile, self._generator, world, port)
         self._files = OpenFiles(world, scheduler.note_call)
-        self._identities = Identities()
         self._sources: dict[str, SourceFile] = {}
         self._main: Strand | None = None
         self.units: list[CompiledUnit] = []
@@ -110,7 +107,6 @@ class Program:
             self.context,
             shelf=self.shelf,
             files=self._files,
-            identities=self._identities,
             evaluate=self._evaluator(),
             execute=self._executor(),
             probe_hooks={} if probe is None else probe.hooks(),
@@ -134,6 +130,8 @@ class Program:
         """Return the body of a unit as a function with the names of this program."""
         self._add_source(unit.source)
         self.bindings.bind(unit.code)
+        if unit.shows_hash_order:
+            self.bindings.number_classes()
         if unit.probes.size:
             # The first one is the program itself.
             del self.units[1 : len(self.units) - SECONDARIES_KEPT]
@@ -153,6 +151,7 @@ class Program:
         """Run a statement of interpreter mode; `names` maps its variables."""
         self._sources[statement.source.name] = statement.source
         self.bindings.bind(statement.code)
+        self.bindings.number_classes()
         exec(statement.code, self.globals.values, names)
 
     def value_of(self, code: CodeType) -> Any:
@@ -201,7 +200,7 @@ class Program:
         self.context.flush()
         self.context.close_connections()
         self._files.close()
-        self._identities.clear()
+        self.bindings.forget_identities()
 
     def _add_source(self, source: SourceFile) -> None:
         if len(self._sources) < SOURCES_MAX:
@@ -274,6 +273,19 @@ class Program:
             "random": self.shelf.facade("random"),
             "time": SimpleNamespace(**clock),
         }
+
+    def build_class(self, *args: Any, **options: Any) -> type:
+        """See `ModulePort.build_class`."""
+        made: type = self.builtins["__build_class__"](*args, **options)
+        return made
+
+    def id_of(self, value: Any) -> int:
+        """See `ModulePort.id_of`."""
+        return self.bindings.identities.number(value)
+
+    def id_for_copies(self, value: Any) -> int:
+        """See `ModulePort.id_for_copies`."""
+        return self.bindings.identities.number_for_copies(value)
 
     def start_thread(self, function: Callable[..., Any], args: tuple[Any, ...], name: str) -> int:
         """See `Context.start_thread`."""

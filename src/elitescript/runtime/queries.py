@@ -10,7 +10,8 @@ from elitescript.language.compiler import compile_expression
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.records import NamedTuple
-from elitescript.runtime.alarms import summary_of, without_addresses
+from elitescript.runtime.alarms import summary_of
+from elitescript.runtime.environment import without_addresses
 from elitescript.runtime.program import Program
 from elitescript.runtime.secondary import Secondaries
 from elitescript.runtime.threads.scheduler import Scheduler

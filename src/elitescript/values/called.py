@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import inf
 from typing import Any
 
@@ -19,6 +19,7 @@ from elitescript.values.description import (
     BYTES,
     DICT,
     FUNCTION,
+    IN_BASE,
     INT,
     LIST,
     NO_SITES,
@@ -219,7 +220,9 @@ class Calls(Conditions):
             result = self._results[node] = result_of(command, self._site(node))
         if command.name == "modbus_get_signal_status" and args:
             return self.signals.narrowed(result, args[0])
-        counted_by = command.details.result.counted_by
+        counted_by, frame = command.details.result.counted_by, command.details.result.frame
+        if frame and _frame_of(command, frame, args, keywords) & IN_BASE:
+            return result.but(may=result.may | IN_BASE, must=result.must | IN_BASE)
         if counted_by and result.shape is not None:
             return _counted(result, args[0] if args and is_certain else UNKNOWN)
         if command.name in ("length", "get_list_length") and args:
@@ -251,7 +254,9 @@ class Calls(Conditions):
                 constant(number).but(role=roles[index].role if index < len(roles) else "")
                 for index, number in enumerate(result)
             ]
-            return row(LIST, items, self._site(node)).but(role=template.role)
+            made = row(LIST, items, self._site(node))
+            frame = template.must & IN_BASE
+            return made.but(role=template.role, may=made.may | frame, must=made.must | frame)
         if isinstance(result, (bool, int, float, str)):
             role = POSITION if -1 in command.details.result.special else command.details.returns.unit
             made = constant(result, may or 1, must or 1)
@@ -379,6 +384,14 @@ class Calls(Conditions):
             return unknown_of(owner).but(kinds=OBJECT, low=inf, high=-inf, constants=())
         self._escape(owner)
         return unknown_of(owner)
+
+
+def _frame_of(command: Command, name: str, args: Sequence[Value], keywords: Mapping[str, Value]) -> int:
+    """Return the origins of the argument in whose frame a result is; 0 if there is none."""
+    names = [param.name for param in command.params]
+    index = names.index(name) if name in names else len(args)
+    value = args[index] if index < len(args) else keywords.get(name)
+    return 0 if value is None else value.must
 
 
 def _counted(result: Value, number: Value) -> Value:

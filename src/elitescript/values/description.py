@@ -76,10 +76,12 @@ LATE: Final = 64
 """A signal that may have no value yet."""
 JOINED: Final = 128
 """A list that was joined of others, or repeated."""
+IN_BASE: Final = 256
+"""A pose in the base frame; beside the other origins."""
 _CARRIED: Final = MEASURED | CHANNEL | SIGNAL
 """Origins that a computed number keeps."""
 OUTSIDE: Final = MEASURED | CHANNEL | SIGNAL
-NOWHERE: Final = May(255)
+NOWHERE: Final = May(511)
 
 CONSTANTS_MAX: Final = 8
 """Constants that a description lists."""
@@ -413,9 +415,11 @@ def join(a: Value, b: Value) -> Value:
     refs = a.refs
     if refs is not b.refs:
         refs = _joined_references(a.refs, b.refs)
-    role = a.role
-    if role != b.role:
-        role = a.role if b.kinds == NONE else b.role if a.kinds == NONE else ""
+    # None has neither role nor origin: what is not None keeps them.
+    role, must = a.role, a.must
+    if b.kinds != NONE:
+        role = b.role if a.kinds == NONE else role if role == b.role else ""
+        must = b.must if a.kinds == NONE else Must(must & b.must)
     return Value(
         a.kinds | b.kinds,
         a.low if a.low <= b.low else b.low,
@@ -423,7 +427,7 @@ def join(a: Value, b: Value) -> Value:
         constants,
         role,
         a.may | b.may,
-        a.must & b.must,
+        must,
         shape,
         sites,
         refs,

@@ -24,6 +24,7 @@ from elitescript.values.description import (
     COMMANDED,
     COMPUTED,
     FLOAT,
+    IN_BASE,
     INT,
     LATE,
     LIST,
@@ -73,6 +74,8 @@ def result_of(command: Command, sites: frozenset[int]) -> Value:
     result = details.result
     returns = details.returns
     origin = _ORIGINS.get(result.origin, COMPUTED)
+    if result.frame == "base":
+        origin |= IN_BASE
     may = origin | (LATE if result.may_be_late else 0)
     if returns.type_name == "None":
         return NOTHING

@@ -13,6 +13,7 @@ from elitescript.language.scopes import Scope
 from elitescript.values.description import (
     BOTTOM,
     COMPUTED,
+    IN_BASE,
     JOINED,
     LITERAL,
     UNKNOWN,
@@ -179,7 +180,9 @@ class Sites:
         if not changed:
             return value
         shape = value.shape
-        may, must = value.may | COMPUTED, value.must & ~_READINGS or COMPUTED
+        may, must = value.may | COMPUTED, value.must & ~_READINGS
+        if not must & ~IN_BASE:
+            must |= COMPUTED
         if any(site.is_open for site in changed):
             element = UNKNOWN.but(sites=reach(value))
             return value.but(shape=Shape(None, element), role="", may=may, must=must, node=None)

@@ -14,6 +14,7 @@ from elitescript.values.description import (
     DICT,
     FLOAT,
     FUNCTION,
+    IN_BASE,
     INT,
     LATE,
     LIST,
@@ -27,6 +28,7 @@ from elitescript.values.description import (
     SIGNAL,
     TEXT,
     TUPLE,
+    Shape,
     Value,
 )
 from elitescript.values.results import POSITION
@@ -61,7 +63,7 @@ ROLES: Final = {
     "centre of gravity": "centre of gravity",
     "thread handle": "thread handle",
     "count": "count",
-    POSITION: POSITION,
+    POSITION: f"{POSITION} (not found)",
 }
 """Words for roles that are not units."""
 
@@ -71,6 +73,8 @@ def words(value: Value) -> str:
     if not value.kinds or value.kinds == ANY:
         return ""
     parts = [_kinds(value)]
+    if value.shape is not None and value.shape.is_counted:
+        parts.append("first element: how many")
     parts += [word for bit, word in _ORIGINS if value.must & bit]
     if value.may & LATE and value.must & SIGNAL:
         parts.append("may have no value yet")
@@ -84,16 +88,29 @@ def _kinds(value: Value) -> str:
     if value.role == POSITION and value.low >= 0:
         role = ""
     if role and value.kinds & (ROW | NUMBER):
+        if value.role == "pose" and value.must & IN_BASE:
+            role += " in the base frame"
         names = [role, *(["None"] if value.kinds & NONE else [])]
     elif value.shape is not None and value.kinds in (LIST, TUPLE):
-        names = [f"{names[0]}{_length(value)}"]
+        names = [f"{names[0]}{_length(value)}{_units(value.shape)}"]
     text = " or ".join(names)
-    if value.constants is not None and 0 < len(value.constants) <= 4 and not value.kinds & ~(NUMBER | TEXT | NONE):
+    if (
+        value.constants is not None
+        and value.constants != (False, True)
+        and 0 < len(value.constants) <= 4
+        and not value.kinds & ~(NUMBER | TEXT | NONE)
+    ):
         return " or ".join(map(repr, value.constants))
-    if not value.kinds & ~NUMBER and not role:
+    if not value.kinds & ~NUMBER and value.kinds != BOOL and not role:
         text += _range(value.low, value.high)
         text += f" {unit}" if unit else ""
     return text
+
+
+def _units(shape: Shape) -> str:
+    """Return the units of elements, each once; empty if that of any is not known."""
+    units = dict.fromkeys(part.role for part in shape.items or (shape.element,))
+    return "" if "" in units or any(unit in ROLES for unit in units) else f" {', '.join(units)}"
 
 
 def _length(value: Value) -> str:

@@ -1,7 +1,8 @@
 """Detects values that are legal but hardly meant: degrees for radians, millimetres for metres, and their like.
 
 `JUDGES` has a row for each `meaning` of a quantity: a pure function from a value to doubts. The checker applies it to
-values that are certain before the run, `Command.call` to the values of the run, so both report the same.
+values that are certain before the run, and to ranges of numbers (`Range`): a doubt is then one about each of them.
+`Command.call` applies it to the values of the run, so both report the same.
 
 The bounds lie so far above what any arm does that no legal value meets them (*assumed*: a bound is a factor above
 the largest number that an arm of this family has, and below what the same quantity usually is in the other unit).
@@ -10,7 +11,7 @@ the largest number that an arm of this family has, and below what the same quant
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import hypot, pi, radians
+from math import hypot, inf, isinf, pi, radians
 from typing import Any, Final, Protocol
 
 from elitescript.kinematics.arm import Arm
@@ -61,6 +62,24 @@ QUARTER_ROOM: Final = 2e-3
 _POSE: Final = ("x", "y", "z", "Rx", "Ry", "Rz")
 
 
+class Range(float):
+    """A number of which only a range is known, without 0 in it: its end that is nearest to 0.
+
+    Args:
+        near: that end.
+        far: the other end; may be infinite.
+    """
+
+    __slots__ = ("far",)
+
+    def __new__(cls, near: float, far: float) -> Range:
+        made = super().__new__(cls, near)
+        made.far = far
+        return made
+
+    far: float
+
+
 class Doubt(NamedTuple):
     """A doubt about a value.
 
@@ -109,6 +128,15 @@ def _is_within(value: Any, most: float) -> bool:
         return False
 
 
+def number_text(number: float) -> str:
+    """Return a number, or a range, for a text."""
+    if not isinstance(number, Range):
+        return f"{number:g}"
+    if isinf(number.far):
+        return said("{number:g} or more", number=number) if number > 0 else said("{number:g} or less", number=number)
+    return said("{least:g} to {most:g}", least=min(number, number.far), most=max(number, number.far))
+
+
 def _degrees(number: float) -> str:
     return said(
         "{number:g} looks like degrees: d2r({number:g}) is {radians:.5g}", number=number, radians=radians(number)
@@ -125,10 +153,10 @@ def _joints(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
     if _is_within(value, FULL_TURN):
         return
     for index, number in _numbers(value):
-        if _is_degrees(abs(number)):
+        if _is_degrees(number):
             yield Doubt(
                 "W230",
-                said("[{index}] is {number:g} rad, more than a full turn", index=index, number=number),
+                said("[{index}] is {number} rad, more than a full turn", index=index, number=number_text(number)),
                 _degrees(number),
                 index,
             )
@@ -138,7 +166,7 @@ def _joints(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
 def _pose(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
     if _is_within(value, FULL_TURN) and _is_within(value[:3], _NEAR_M):
         return
-    quarters = [index for index, number in _numbers(value) if index < 3 and _is_quarter(abs(number))]
+    quarters = [index for index, number in _numbers(value) if index < 3 and _is_quarter(number)]
     if len(quarters) > 1:
         # A place with two of these coordinates is 2.2 m away: out of the reach of all arms.
         text = " looks like joint positions: two of x, y and z are quarters of a turn"
@@ -148,7 +176,7 @@ def _pose(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
 
 
 def _is_quarter(number: float) -> bool:
-    return number > QUARTER_ROOM and is_quarter_turns(number)
+    return not isinstance(number, Range) and abs(number) > QUARTER_ROOM and is_quarter_turns(abs(number))
 
 
 def is_quarter_turns(number: float) -> bool:
@@ -164,23 +192,27 @@ def _transform(value: Any, most_m: float) -> Iterator[Doubt]:
             has_length = True
             yield Doubt(
                 "W231",
-                said("[{index}], {element}, is {number:g} m", index=index, element=_POSE[index], number=number),
+                said(
+                    "[{index}], {element}, is {number} m", index=index, element=_POSE[index], number=number_text(number)
+                ),
                 _millimetres(number),
                 index,
             )
-        elif index >= 3 and not has_angle and _is_degrees(abs(number)):
+        elif index >= 3 and not has_angle and _is_degrees(number):
             has_angle = True
             text = said(
-                "[{index}], {element}, is {number:g} rad, more than a full turn",
+                "[{index}], {element}, is {number} rad, more than a full turn",
                 index=index,
                 element=_POSE[index],
-                number=number,
+                number=number_text(number),
             )
             yield Doubt("W230", text, _degrees(number), index)
 
 
-def _is_degrees(angle: float) -> bool:
-    return angle > SURELY_DEGREES or (angle > FULL_TURN and angle % ROUND_DEGREES == 0.0)
+def _is_degrees(number: float) -> bool:
+    angle = abs(number)
+    is_round = angle % ROUND_DEGREES == 0.0 and not isinstance(number, Range)
+    return angle > SURELY_DEGREES or (angle > FULL_TURN and is_round)
 
 
 def _tcp(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
@@ -200,7 +232,9 @@ def _centre_of_gravity(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
             if arm is None
             else said("the arm reaches {reach:.3g} m", reach=reach)
         )
-        text = said(" is {distance:g} m from the flange, {limit}", distance=distance, limit=limit)
+        if any(isinstance(number, Range) for number in numbers.values()):
+            distance = Range(distance, inf)
+        text = said(" is {distance} m from the flange, {limit}", distance=number_text(distance), limit=limit)
         yield Doubt("W231", text, _millimetres(numbers[index]), index)
 
 
@@ -215,7 +249,7 @@ def _scalar(limit: float, unit: str, in_degrees: bool) -> Judge:
 
 
 def _too_fast(place: str, value: float, unit: str, in_degrees: bool, index: int | None) -> Doubt:
-    text = said("{place} is {value:g} {unit}, more than any arm does", place=place, value=value, unit=unit)
+    text = said("{place} is {value} {unit}, more than any arm does", place=place, value=number_text(value), unit=unit)
     if in_degrees:
         other = unit.replace("rad", "deg")
         hint = said(
@@ -254,7 +288,7 @@ def _speeds(first_turn: int) -> Judge:
 
 def _blend_radius(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
     if isinstance(value, (int, float)) and value > BLEND_MOST_M:
-        yield Doubt("W231", said(" is {value:g} m", value=value), _millimetres(value))
+        yield Doubt("W231", said(" is {value} m", value=number_text(value)), _millimetres(value))
 
 
 def _payload(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
@@ -266,7 +300,7 @@ def _payload(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
             hint = said("{value:g} looks like grams: {value:g} g are {meant:g} kg", value=value, meant=value / 1000.0)
         yield Doubt(
             "W233",
-            said(" is {value:g} kg; {carrier} at most {most:g} kg", value=value, carrier=carrier, most=most),
+            said(" is {value} kg; {carrier} at most {most:g} kg", value=number_text(value), carrier=carrier, most=most),
             hint,
         )
 
@@ -276,7 +310,8 @@ def _fraction(value: Any, arm: ArmFacts | None) -> Iterator[Doubt]:
         hint = "it is a fraction of the range: 0 is 0 V or 4 mA, 1 is 10 V or 20 mA"
         if 1.0 < value <= 10.0:
             hint = said("{hint}; {value:g} V are {meant:g}", hint=hint, value=value, meant=value / 10.0)
-        yield Doubt("W234", said(" is {value:g}, limited to {limit}", value=value, limit=0 if value < 0.0 else 1), hint)
+        text = said(" is {value}, limited to {limit}", value=number_text(value), limit=0 if value < 0.0 else 1)
+        yield Doubt("W234", text, hint)
 
 
 JUDGES: Final[dict[str, Judge]] = {

@@ -26,13 +26,14 @@ class Result:
 
     Attributes:
         origin: one of `ORIGINS`.
+        frame: in which a pose is given: `base`, or the parameter in whose frame it is; empty if it says nothing.
         special: values with a meaning of their own, such as `{-1: "not found"}`.
         counted_by: parameter that says how many values follow the first element, which is how many arrived.
         may_be_late: there may be no value yet.
         kinds: types that it can have, where the quantity does not say it: of `bool`, `int`, `float`, `list`, `bytes`.
     """
 
-    __slots__ = ("counted_by", "kinds", "may_be_late", "origin", "special")
+    __slots__ = ("counted_by", "frame", "kinds", "may_be_late", "origin", "special")
 
     def __init__(
         self,
@@ -40,28 +41,35 @@ class Result:
         special: Mapping[Any, str] | None = None,
         *,
         counted_by: str = "",
+        frame: str = "",
         may_be_late: bool = False,
         kinds: tuple[type, ...] = (),
     ) -> None:
         self.origin = origin
         self.special = special or {}
         self.counted_by = counted_by
+        self.frame = frame
         self.may_be_late = may_be_late
         self.kinds = kinds
+
+    @property
+    def special_text(self) -> str:
+        """What values with a meaning of their own mean, and whether there may be none yet; empty for nothing."""
+        parts = [f"{value!r}: {meaning}." for value, meaning in self.special.items()]
+        return " ".join([*parts, *(["There may be no value yet."] if self.may_be_late else [])])
 
     @property
     def text(self) -> str:
         """What a description of the command adds; empty for nothing."""
         words = ORIGINS[self.origin]
-        parts = [f"Origin: {words}."] if words else []
-        parts += [f"{value!r}: {meaning}." for value, meaning in self.special.items()]
-        if self.may_be_late:
-            parts.append("There may be no value yet.")
-        return " ".join(parts)
+        return " ".join(part for part in (f"Origin: {words}." if words else "", self.special_text) if part)
 
 
 MEASURED: Final = Result("measured")
 COMMANDED: Final = Result("commanded")
+MEASURED_IN_BASE: Final = Result("measured", frame="base")
+COMMANDED_IN_BASE: Final = Result("commanded", frame="base")
+COMPUTED_IN_BASE: Final = Result("computed", frame="base")
 RECEIVED: Final = Result("channel")
 SIGNAL: Final = Result("signal")
 HANDLE: Final = Result("handle")

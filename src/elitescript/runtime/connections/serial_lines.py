@@ -33,7 +33,7 @@ from elitescript.runtime.connections.serial_line import (
     SilentLineConnection,
 )
 from elitescript.runtime.connections.traffic import DATA_MAX, ChannelLog, cut
-from elitescript.runtime.environment import Channels
+from elitescript.runtime.environment import Channels, bytes_without_addresses
 from elitescript.runtime.threads.deadline import Deadline
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Stopped
@@ -257,6 +257,7 @@ class SerialLines:
         waits = not (self._scheduler.caller.is_dying or self._scheduler.caller.is_secondary)
         if not waits and wire.queued - wire.sent > CHANNEL_WINDOW:
             return 0
+        data = bytes_without_addresses(data)
         wire.send(data)
         end = wire.queued
         while waits and wire.sent < end and wire.is_open:

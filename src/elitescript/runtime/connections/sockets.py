@@ -15,7 +15,7 @@ from elitescript.messages.outputs import CHANNEL_WINDOW
 from elitescript.messages.timing import TICKS_PER_S, seconds
 from elitescript.runtime.connections.connection import NOT_ALL_THERE, Receiver, ScriptConnection
 from elitescript.runtime.connections.traffic import DATA_MAX, ChannelLog, Traffic, cut
-from elitescript.runtime.environment import Channels
+from elitescript.runtime.environment import Channels, bytes_without_addresses
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Stopped
 from elitescript.said import said
@@ -179,7 +179,7 @@ class Sockets:
             return False
         if self._scheduler.caller.is_dying and connection.queued - connection.sent > CHANNEL_WINDOW:
             return False
-        connection.send(data)
+        connection.send(bytes_without_addresses(data))
         if is_text and not data.isascii():
             from elitescript.messages.observations import TextBeyondAscii
 

@@ -12,27 +12,24 @@ import builtins
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from types import CodeType, FunctionType
-from typing import Any, Final, NoReturn
+from typing import TYPE_CHECKING, Any, Final, NoReturn
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.registry import Command
 from elitescript.commands.definition.vocabulary import newer_firmware_hint, newer_firmware_text
 from elitescript.errors import FirmwareError, ScriptError, ScriptPermissionError, ScriptStateError
 from elitescript.language.builtin_names import REFUSED_BUILTINS, WITHHELD_ERRORS
-from elitescript.language.hooks import AT, CHECKPOINT, FORMAT, LINE, PAY, RANGE, STOP, TICK, WATCHED
+from elitescript.language.hooks import AT, ATTRIBUTE, CHECKPOINT, LINE, PAY, RANGE, STOP, TICK, WATCHED
 from elitescript.messages.profile import Profile, release_of
 from elitescript.runtime.files import OpenFiles
 from elitescript.runtime.names.context import Context
 from elitescript.runtime.names.guards import (
-    Identities,
-    OneArgumentType,
+    attribute_hook,
     checked_delattr,
     checked_dir,
-    checked_format_method,
-    checked_getattr,
     checked_hasattr,
     checked_setattr,
-    class_builder,
+    getattr_over,
 )
 from elitescript.runtime.names.modules import Facade, ModuleShelf
 from elitescript.runtime.stdlib.iteration import Step, iter_until
@@ -40,8 +37,11 @@ from elitescript.runtime.threads.scheduler import Scheduler, noting_calls
 from elitescript.runtime.threads.strand import UNCATCHABLE
 from elitescript.said import said
 
+if TYPE_CHECKING:
+    from elitescript.runtime.names.identities import Identities
+
 _REAL_NAMES: Final = (
-    "abs all any ascii bin callable chr divmod format hash hex isinstance issubclass len max min next oct ord pow repr"
+    "abs all any ascii bin callable chr divmod format hex isinstance issubclass len max min next oct ord pow repr"
     " round sorted sum"
     " bool bytearray bytes classmethod complex dict enumerate filter float frozenset int list map object property range"
     " reversed set slice staticmethod str super tuple zip"
@@ -61,7 +61,6 @@ _REAL: Final[dict[str, Any]] = {
     "NotImplemented": NotImplemented,
     "__debug__": True,
     "long": int,
-    "type": OneArgumentType,
     "unichr": chr,
 }
 """Objects that no script can change; all runs share them."""
@@ -77,7 +76,6 @@ class Bindings:
         context: the program's.
         shelf: its modules.
         files: its open files.
-        identities: numbers its objects.
         evaluate: `eval`.
         execute: `exec`.
         probe_hooks: of what counts its statements; empty without.
@@ -87,7 +85,7 @@ class Bindings:
         names: the dict that its code runs with; grows as code is bound.
     """
 
-    __slots__ = ("context", "evaluate", "execute", "files", "identities", "names", "refused", "shelf")
+    __slots__ = ("_identities", "context", "evaluate", "execute", "files", "names", "refused", "shelf")
 
     def __init__(
         self,
@@ -95,7 +93,6 @@ class Bindings:
         *,
         shelf: ModuleShelf,
         files: OpenFiles,
-        identities: Identities,
         evaluate: Callable[..., Any],
         execute: Callable[..., None],
         probe_hooks: Mapping[str, object],
@@ -104,15 +101,15 @@ class Bindings:
         self.context = context
         self.shelf = shelf
         self.files = files
-        self.identities = identities
         self.evaluate = evaluate
         self.execute = execute
         self.refused = refused
+        self._identities: Identities | None = None
         scheduler = context.scheduler
         self.names: dict[str, Any] = {
             **_REAL,
             "__import__": noting_calls(scheduler, _import(shelf)),
-            "__build_class__": class_builder(identities),
+            "__build_class__": builtins.__build_class__,
             TICK: scheduler.fuel.pop,
             CHECKPOINT: scheduler.checkpoint,
             PAY: scheduler.pay,
@@ -120,10 +117,34 @@ class Bindings:
             STOP: UNCATCHABLE,
             WATCHED: scheduler.watchers,
             AT: scheduler.passes.__getitem__,
-            FORMAT: checked_format_method,
+            ATTRIBUTE: self._first_attribute,
             LINE: _line(context),
             **probe_hooks,
         }
+
+    @property
+    def identities(self) -> Identities:
+        """Numbers the objects of the run; most programs need none."""
+        if self._identities is None:
+            from elitescript.runtime.names.identities import Identities
+
+            self._identities = Identities()
+        return self._identities
+
+    def _first_attribute(self, value: Any, name: str) -> Any:
+        """Make the hook for guarded attributes when it is first called."""
+        load = self.names[ATTRIBUTE] = attribute_hook(self.identities)
+        return load(value, name)
+
+    def number_classes(self) -> None:
+        """Have classes that are made from now on, and their objects, hashed by number."""
+        if self.names["__build_class__"] is builtins.__build_class__:
+            self.names["__build_class__"] = self.identities.class_builder()
+
+    def forget_identities(self) -> None:
+        """Let go of the objects that have numbers."""
+        if self._identities is not None:
+            self._identities.clear()
 
     def bind(self, code: CodeType) -> None:
         """Make the objects that this code names; called before it runs."""
@@ -247,6 +268,12 @@ def _open(files: OpenFiles) -> Callable[..., Any]:
     return open
 
 
+def _type(run: Bindings) -> type:
+    from elitescript.runtime.names.identities import OneArgumentType
+
+    return OneArgumentType
+
+
 def _id(identities: Identities) -> Callable[[Any], int]:
     def id(value: Any) -> int:
         """Return the number of an object, the same in every run."""
@@ -254,6 +281,17 @@ def _id(identities: Identities) -> Callable[[Any], int]:
 
     id.__qualname__ = "id"
     return id
+
+
+def _hash(identities: Identities) -> Callable[[Any], int]:
+    hash_of = identities.hash_of
+
+    def hash(value: Any, /) -> int:
+        """Return the hash of an object, the same in every run that begins with the same hash seed."""
+        return hash_of(value)
+
+    hash.__qualname__ = "hash"
+    return hash
 
 
 def _input(*prompt: Any) -> NoReturn:
@@ -358,8 +396,9 @@ _MADE: Final[dict[str, Callable[[Bindings], Any]]] = {
     "eval": lambda run: run.evaluate,
     "exec": lambda run: run.execute,
     "exit": lambda run: _leaving(run.context, "exit"),
-    "getattr": _copy_of(checked_getattr),
+    "getattr": lambda run: getattr_over(attribute_hook(run.identities)),
     "hasattr": _copy_of(checked_hasattr),
+    "hash": lambda run: _hash(run.identities),
     "id": lambda run: _id(run.identities),
     "input": _copy_of(_input),
     "iter": lambda run: iter_until(step_of(run.context.scheduler)),
@@ -367,5 +406,6 @@ _MADE: Final[dict[str, Callable[[Bindings], Any]]] = {
     "print": lambda run: _print(run.context),
     "quit": lambda run: _leaving(run.context, "quit"),
     "setattr": _copy_of(checked_setattr),
+    "type": _type,
 }
 """Makers of the names that each run has for itself."""

@@ -26,8 +26,7 @@ from elitescript.messages.path_offset import PathOffsetRequest
 from elitescript.messages.profile import Profile
 from elitescript.messages.timing import ticks_for
 from elitescript.messages.yielding import YieldRequest
-from elitescript.runtime.alarms import without_addresses
-from elitescript.runtime.environment import TASK_PATH, Files, ProgramEnvironment
+from elitescript.runtime.environment import TASK_PATH, Files, ProgramEnvironment, without_addresses
 from elitescript.runtime.files import content_of
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import Stopped, Strand

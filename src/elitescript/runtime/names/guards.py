@@ -11,37 +11,69 @@ import builtins
 from _string import formatter_field_name_split, formatter_parser  # type: ignore[import-not-found]
 from collections.abc import Callable, Mapping
 from types import BuiltinFunctionType, MethodDescriptorType
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.errors import ScriptPermissionError
-from elitescript.language.policy import DENIED_ATTRIBUTES, GUARDED_ATTRIBUTES, is_attribute_allowed, is_dunder
-from elitescript.runtime.sealed import Sealed
+from elitescript.language.policy import (
+    DENIED_ATTRIBUTES,
+    FORMAT_ATTRIBUTES,
+    GUARDED_ATTRIBUTES,
+    is_attribute_allowed,
+    is_dunder,
+)
 from elitescript.said import said
+
+if TYPE_CHECKING:
+    from elitescript.runtime.names.identities import Identities
 
 _MISSING: Final = object()
 _SPEC_DEPTH: Final = 2
 """Fields inside fields of a format string; the limit of `str.format`."""
 
 
-def checked_getattr(value: Any, name: Any, *default: Any) -> Any:
-    """Return an attribute that programs may read.
+Load = Callable[[Any, str], Any]
+"""Returns one of the guarded attributes of an object."""
 
-    Raises:
-        ScriptPermissionError: another name.
-    """
-    if len(default) > 1:
-        raise TypeError(f"getattr expected at most 3 arguments, got {2 + len(default)}")
-    _check_name("getattr", name)
-    if not is_attribute_allowed(name):
-        raise _not_available(name)
-    if name in GUARDED_ATTRIBUTES:
-        try:
-            return checked_format_method(value, name)
-        except AttributeError:
-            if default:
-                return default[0]
-            raise
-    return getattr(value, name, *default)
+
+def attribute_hook(identities: Identities) -> Load:
+    """Return the hook that stands for loads of guarded attributes, for one run."""
+    from elitescript.runtime.names.identities import shown_class
+
+    def load(value: Any, name: str) -> Any:
+        if name == "__class__":
+            return shown_class(value.__class__)
+        if name == "__hash__":
+            return identities.hash_method(value)
+        return checked_format_method(value, name)
+
+    return load
+
+
+def getattr_over(load: Load) -> Callable[..., Any]:
+    """Return `getattr` for one run."""
+
+    def getattr(value: Any, name: Any, *default: Any) -> Any:
+        """Return an attribute that programs may read.
+
+        Raises:
+            ScriptPermissionError: another name.
+        """
+        if len(default) > 1:
+            raise TypeError(f"getattr expected at most 3 arguments, got {2 + len(default)}")
+        _check_name("getattr", name)
+        if not is_attribute_allowed(name):
+            raise _not_available(name)
+        if name in GUARDED_ATTRIBUTES:
+            try:
+                return load(value, name)
+            except AttributeError:
+                if default:
+                    return default[0]
+                raise
+        return builtins.getattr(value, name, *default)
+
+    getattr.__qualname__ = "getattr"
+    return getattr
 
 
 def checked_hasattr(value: Any, name: Any) -> bool:
@@ -90,32 +122,6 @@ def _check_name(function: str, name: Any) -> None:
 
 def _not_available(name: str) -> ScriptPermissionError:
     return ScriptPermissionError(said("the attribute {name!r} is not available to programs", name=name), value=name)
-
-
-class _OneArgument(Sealed):
-    """Makes `type` a function of one argument that is still usable in `isinstance`."""
-
-    def __call__(cls, *args: Any, **kwargs: Any) -> Any:
-        if len(args) != 1 or kwargs:
-            raise ScriptPermissionError("type() takes one object; write `class` to make a class")
-        return type(args[0])
-
-    def __instancecheck__(cls, instance: Any) -> bool:
-        return isinstance(instance, type)
-
-    def __subclasscheck__(cls, subclass: Any) -> bool:
-        return issubclass(subclass, type)
-
-    def __repr__(cls) -> str:
-        return "<class 'type'>"
-
-
-class OneArgumentType(metaclass=_OneArgument):
-    """`type` for scripts."""
-
-    __slots__ = ()
-    __module__ = "builtins"
-    __qualname__ = "type"
 
 
 # ---------------------------------------------------------------- format strings
@@ -188,7 +194,7 @@ class _Fields:
         first, rest = formatter_field_name_split(field)
         value = self.numbered(first) if first == "" or isinstance(first, int) else self.mapping[first]
         for is_attribute, key in rest:
-            value = checked_getattr(value, key) if is_attribute else value[key]
+            value = _field_attribute(value, key) if is_attribute else value[key]
         return value
 
     def numbered(self, number: int | str) -> Any:
@@ -209,6 +215,15 @@ class _Fields:
         return self.args[number]
 
 
+def _attribute_of_a_field(value: Any, name: str) -> Any:
+    # Shown as a text, a method differs in nothing from the guarded one, and a field calls none.
+    return checked_format_method(value, name) if name in FORMAT_ATTRIBUTES else builtins.getattr(value, name)
+
+
+_field_attribute: Final = getattr_over(_attribute_of_a_field)
+"""Reads an attribute in a field."""
+
+
 def _converted(value: Any, conversion: str | None) -> Any:
     if conversion is None:
         return value
@@ -219,70 +234,3 @@ def _converted(value: Any, conversion: str | None) -> Any:
 
 
 _CONVERSIONS: Final[dict[str, Callable[[Any], str]]] = {"r": repr, "s": str, "a": ascii}
-
-
-# ---------------------------------------------------------------- identity
-
-IDS_MAX: Final = 10_000
-"""Objects whose number is remembered."""
-
-
-class Identities:
-    """Numbers objects in the order of their first `number` call, so that `id` is the same in every run.
-
-    The last `IDS_MAX` objects are kept alive; an older one gets a new number.
-    """
-
-    __slots__ = ("_count", "_known")
-
-    def __init__(self) -> None:
-        self._known: dict[int, tuple[int, Any]] = {}
-        self._count = 0
-
-    def next_number(self) -> int:
-        """Return a new number."""
-        self._count += 1
-        return 16 * self._count
-
-    def number(self, value: Any) -> int:
-        """Return the number of an object."""
-        found = self._known.get(id(value))
-        if found is not None:
-            return found[0]
-        number = self.next_number()
-        if len(self._known) >= IDS_MAX:
-            del self._known[next(iter(self._known))]
-        self._known[id(value)] = (number, value)
-        return number
-
-    def clear(self) -> None:
-        """Forget all objects."""
-        self._known.clear()
-
-
-def class_builder(identities: Identities) -> Callable[..., type]:
-    """Return `__build_class__` for objects hashed by number, so that their sets have the same order in every run."""
-    build = builtins.__build_class__
-
-    def hash_of(self: Any) -> int:
-        """Return the number of the object."""
-        try:
-            attributes = object.__getattribute__(self, "__dict__")
-        except AttributeError:
-            return identities.number(self)
-        number = attributes.get(_HASH)
-        if number is None:
-            number = attributes[_HASH] = identities.next_number()
-        return int(number)
-
-    def build_class(body: Callable[..., Any], name: str, *bases: Any) -> type:
-        made: type = build(body, name, *bases)
-        if getattr(made, "__hash__") is getattr(object, "__hash__"):  # noqa: B009
-            type.__setattr__(made, "__hash__", hash_of)
-        return made
-
-    return build_class
-
-
-_HASH: Final = "@hash"
-"""Attribute that no script can name."""

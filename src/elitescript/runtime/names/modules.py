@@ -76,6 +76,15 @@ class ModulePort(Protocol):
     def copy_replacements(self, is_loading_threads: Callable[[], bool]) -> dict[str, Any]:
         """Return the replacements of modules for private copies: `_thread`, `time`, `random`."""
 
+    def build_class(self, *args: Any, **options: Any) -> type:
+        """Make a class, as the statement does."""
+
+    def id_for_copies(self, value: Any) -> int:
+        """Return the `id` of an object for the module `copy`."""
+
+    def id_of(self, value: Any) -> int:
+        """Return the `id` of an object."""
+
 
 class ModuleShelf:
     """The modules of one program, made when they are first imported.
@@ -161,7 +170,11 @@ class ModuleShelf:
         """Return the whole private copy of a module; not for scripts."""
         if self._loader is None:
             replacements = self._port.copy_replacements(lambda: self._is_loading_threads)
-            self._loader = CopyLoader({**replacements, **_REPLACEMENTS})
+            self._loader = CopyLoader(
+                {**replacements, **_REPLACEMENTS},
+                self._port.build_class,
+                {"copy": {"id": self._port.id_for_copies}, "threading": {"id": self._port.id_of}},
+            )
         outer = self._is_loading_threads
         self._is_loading_threads = outer or name in ("queue", "threading")
         try:

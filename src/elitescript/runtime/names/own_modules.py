@@ -43,7 +43,9 @@ _MAKERS: Final[dict[str, Callable[[Owner], dict[str, Any]]]] = {
     "elicopy": lambda program: dict(vars(program.shelf.facade("copy"))),
     "itertools": lambda program: itertools_names(step_of(program.scheduler)),
     "os": lambda program: os_names(program.context.task_files, program.processes, Facade),
-    "random": lambda program: random_names(program.generator()),
+    "random": lambda program: random_names(
+        program.generator(), lambda: vars(program.shelf.facade("collections.abc"))["Sequence"]
+    ),
     "re": lambda program: re_names(),
     "signal": lambda program: signal_names(),
     "subprocess": lambda program: subprocess_names(program.processes, program.scheduler),

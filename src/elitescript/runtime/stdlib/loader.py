@@ -31,14 +31,23 @@ class CopyLoader:
 
     Args:
         replacements: of imported modules, by name; `ABSENT` for none.
+        build_class: makes the classes of copies; that of Python if not given.
+        names: names that a module finds before it runs, by its name.
     """
 
-    __slots__ = ("_builtins", "_copies", "_replacements")
+    __slots__ = ("_builtins", "_copies", "_names", "_replacements")
 
-    def __init__(self, replacements: dict[str, Any]) -> None:
+    def __init__(
+        self,
+        replacements: dict[str, Any],
+        build_class: Callable[..., type] = builtins.__build_class__,
+        names: dict[str, dict[str, Any]] | None = None,
+    ) -> None:
         self._copies: dict[str, ModuleType] = {}
         self._replacements = {"sys": _system({}), "warnings": SimpleNamespace(warn=_no_output), **replacements}
-        self._builtins = {**vars(builtins), "__import__": self._import, "print": _no_output}
+        own = {"__build_class__": build_class, "__import__": self._import, "print": _no_output}
+        self._builtins = {**vars(builtins), **own}
+        self._names = names or {}
 
     def load(self, name: str) -> ModuleType:
         """Return the copy of a module.
@@ -54,6 +63,7 @@ class CopyLoader:
             package = SOURCES.get(name, name)
             space["__package__"] = package if package in PACKAGES else package.rpartition(".")[0]
             space["__builtins__"] = self._builtins
+            space.update(self._names.get(name, {}))
             self._copies[name] = module
             try:
                 exec(_code_of(package), space)
@@ -76,6 +86,7 @@ class CopyLoader:
             if not name:
                 return SimpleNamespace(**{part: self.load(f"{package}.{part}") for part in fromlist or ()})
             name = f"{package}.{name}"
+        name = _SAME.get(name, name)
         if name in COPIED:
             module = self.load(name)
             if name in PACKAGES and fromlist:
@@ -94,6 +105,9 @@ class CopyLoader:
 
 COPIED: Final = modules.COPIED | {"_strptime", "json.decoder", "json.encoder", "json.scanner"}
 """Modules that copies of each other find as copies."""
+
+_SAME: Final = {"_collections_abc": "collections.abc"}
+"""Modules that copies import by another name."""
 
 PACKAGES: Final = frozenset({"json"})
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from elitescript.runtime.stdlib.loader import real
@@ -18,13 +19,18 @@ def new_generator(seed: int) -> Any:
     return real("random").Random(seed)
 
 
-def random_names(generator: Any) -> dict[str, Any]:
+def random_names(generator: Any, sequence_class: Callable[[], Any]) -> dict[str, Any]:
     """Return the public names of `random` for one program.
 
     Args:
         generator: draws for the functions of the module, and seeds generators that get no seed.
+        sequence_class: returns the program's own `collections.abc.Sequence`, which the installed module does not know.
     """
     base = type(generator)
+
+    def known(population: Any) -> Any:
+        is_own = not isinstance(population, Sequence) and isinstance(population, sequence_class())
+        return tuple(population) if is_own else population
 
     class Random(base):  # type: ignore[misc, valid-type]
         """A generator of the program's own."""
@@ -36,6 +42,10 @@ def random_names(generator: Any) -> dict[str, Any]:
             """Begin a sequence; without a seed, one that the run's seed decides."""
             super().seed(generator.getrandbits(64) if a is None else a, version)
 
+        def sample(self, population: Any, k: Any, *, counts: Any = None) -> list[Any]:
+            """Choose k elements of a sequence, each at most once."""
+            return super().sample(known(population), k, counts=counts)  # type: ignore[no-any-return]
+
     Random.__module__ = "random"
     Random.__qualname__ = "Random"
 
@@ -43,4 +53,9 @@ def random_names(generator: Any) -> dict[str, Any]:
         """Begin a sequence; without a seed, one that the run's seed decides."""
         generator.seed(generator.getrandbits(64) if a is None else a, version)
 
-    return {**{name: getattr(generator, name) for name in _METHODS.split()}, "Random": Random, "seed": seed}
+    def sample(population: Any, k: Any, *, counts: Any = None) -> Any:
+        """Choose k elements of a sequence, each at most once."""
+        return generator.sample(known(population), k, counts=counts)
+
+    methods = {name: getattr(generator, name) for name in _METHODS.split()}
+    return {**methods, "Random": Random, "sample": sample, "seed": seed}

@@ -62,7 +62,7 @@ def _typed_dict() -> Callable[..., Any]:
         def __new__(cls, name: str, bases: tuple[type, ...], space: dict[str, Any]) -> Any:
             if any(type(each) is not TypedDictMeta for each in bases):
                 raise TypeError("cannot inherit from both a TypedDict type and a non-TypedDict base class")
-            return type.__new__(cls, name, (dict,), space)
+            return type.__new__(TypedDictMeta, name, (dict,), space)
 
         def __call__(cls, *args: Any, **kwargs: Any) -> Any:
             return dict(*args, **kwargs)

@@ -1,0 +1,148 @@
+"""A graphical program on this computer: the `.task` file, what stands beside it, and its script."""
+
+from __future__ import annotations
+
+import ast
+import textwrap
+from pathlib import Path
+from typing import Final
+
+from elitescript.errors import ProgramError, UsageError
+from elitescript.language.parser import parse
+from elitescript.language.text.source import SourceFile
+from elitescript.program_tree import (
+    Configuration,
+    Generated,
+    GlobalVariable,
+    Task,
+    generated,
+    read_configuration,
+    read_task,
+    read_variables,
+)
+from elitescript.records import record
+from elitescript.said import said
+from elitescript.untrusted.files import Kind, read_bytes
+
+TASK_SUFFIX: Final = ".task"
+_TASK: Final = Kind("task", 64 << 20)
+_CONFIGURATION: Final = Kind("configuration", 64 << 20)
+
+
+@record
+class TaskProgram:
+    """A graphical program with its script.
+
+    Attributes:
+        path: of the `.task` file.
+        task: its tree.
+        script: generated from it.
+        missing: what would stand beside it and does not, as one note; empty: all is there.
+        read: all files that were read.
+    """
+
+    path: Path
+    task: Task
+    script: Generated
+    missing: str = ""
+    read: tuple[Path, ...] = ()
+
+
+def is_task_name(name: str) -> bool:
+    """Return whether a file is a graphical program, by its name."""
+    return name.lower().endswith(TASK_SUFFIX)
+
+
+def task_program(path: str | Path, task_dir: str | Path | None = None) -> TaskProgram:
+    """Read a graphical program with the configuration beside it, and generate its script.
+
+    The files of the configuration stand beside the task, else in the folder that the task names, below the task folder.
+
+    Args:
+        path: of the `.task` file.
+        task_dir: the task folder; None: the folder of the file.
+
+    Raises:
+        UsageError: a file cannot be read, or is not what it should be; with line and column.
+    """
+    path = Path(path)
+    task = read_task(read_bytes(path, _TASK, is_stream_allowed=True), str(path))
+    read = [path]
+    configuration: Configuration | None = None
+    variables: tuple[GlobalVariable, ...] | None = None
+    missing: list[str] = []
+    if task.installation:
+        folders = [path.parent, *_named_folder(task, Path(task_dir) if task_dir is not None else path.parent)]
+        if (file := _found(folders, f"{task.installation}.configuration")) is not None:
+            configuration = read_configuration(read_bytes(file, _CONFIGURATION), str(file))
+            read.append(file)
+        else:
+            missing.append(f"{task.installation}.configuration")
+        if (file := _found(folders, f"{task.installation}.configuration.variables")) is not None:
+            variables = read_variables(read_bytes(file, _CONFIGURATION), str(file))
+            read.append(file)
+        else:
+            missing.append(f"{task.installation}.configuration.variables")
+    note = said("{files} is not beside the task", files=" or ".join(missing)) if missing else ""
+    return TaskProgram(path, task, generated(task, configuration, variables), note, tuple(read))
+
+
+def script_body(source: SourceFile) -> tuple[str, str, str]:
+    """Return what a script does as the text of a script node.
+
+    Returns:
+        The name of the program (that of its `def`; empty: it has none), the body of the `def` at the left margin with
+        what stands in front of it, and a note on what changes; empty: nothing does.
+
+    Raises:
+        ProgramError: it has problems that keep it from running.
+        UsageError: it is a secondary program.
+    """
+    parsed = parse(source)
+    if parsed.has_errors:
+        raise ProgramError(tuple(row for row in parsed.diagnostics if row.severity == "error"), source.name)
+    if parsed.kind == "secondary":
+        raise UsageError(said("{name}: a `sec` runs beside a program and cannot be one", name=source.name))
+    units = [row for row in parsed.tree.body if isinstance(row, ast.FunctionDef)]
+    note = ""
+    if any(
+        isinstance(row, ast.Constant) and isinstance(row.value, str) and row.end_lineno != row.lineno
+        for row in ast.walk(parsed.tree)
+    ):
+        note = said("texts of several lines get the blanks that the pendant puts in front of each line")
+    if parsed.kind != "program" or len(units) != 1:
+        return "", source.text, note
+    unit = units[0]
+    last = max(
+        (number for number, line in enumerate(source.lines, 1) if line.split("#")[0].rstrip() == "end"),
+        default=len(source.lines) + 1,
+    )
+    first = unit.body[0].lineno
+    while first - 1 > unit.lineno and (
+        not source.line(first - 1).strip() or source.line(first - 1).lstrip().startswith("#")
+    ):
+        first -= 1
+    body = textwrap.dedent("\n".join(source.lines[first - 1 : last - 1]))
+    front = "\n".join(source.lines[: unit.lineno - 1]).strip("\n")
+    defaults = "".join(
+        f"{name.arg} = {ast.unparse(value)}\n" for name, value in zip(unit.args.args, unit.args.defaults, strict=True)
+    )
+    return unit.name, "\n".join(part for part in (front, f"{defaults}{body}") if part), note
+
+
+def _named_folder(task: Task, task_dir: Path) -> list[Path]:
+    """Return the folder of the configuration that a task names; none, if it leads out of the task folder."""
+    parts = [part for part in task.installation_directory.replace("\\", "/").split("/") if part not in ("", ".")]
+    return [] if ".." in parts else [task_dir.joinpath(*parts)]
+
+
+def _found(folders: list[Path], name: str) -> Path | None:
+    if "/" in name or "\\" in name or "\0" in name:
+        raise UsageError(said("the task names its configuration {name!r}, which is no name of a file", name=name))
+    for folder in folders:
+        try:
+            if (folder / name).is_file():
+                return folder / name
+        except (OSError, ValueError):
+            continue
+    return None

@@ -1,0 +1,52 @@
+"""Takes addresses of objects, which differ from run to run, out of what leaves a program.
+
+Python writes the address of an object into the text of one that has no text of its own: `<Part object at 0x7f...>`. A
+program may also have such a text from elsewhere, and that one stays as it is. Which it is shows where the number
+points: objects of this process lie side by side in pieces of memory that hold many.
+"""
+
+from __future__ import annotations
+
+import builtins
+import gc
+import re
+import sys
+from typing import Final
+
+_PATTERN: Final = re.compile(r" at 0x([0-9a-fA-F]{6,16})>")
+_PIECE_BITS: Final = 20
+"""Python takes memory for small objects in pieces of 2**20 bytes, which begin at multiples of that."""
+_BLOCKS: Final = 1000
+"""Fewer objects than a piece of memory holds."""
+
+
+def without_addresses(text: str) -> str:
+    """Return a text without the addresses of objects of this process."""
+    return _PATTERN.sub(_without_one, text)
+
+
+def _without_one(match: re.Match[str]) -> str:
+    return ">" if _MEMORY.holds(int(match[1], 16)) else match[0]
+
+
+class _Memory:
+    """The pieces of memory of this process that hold objects; one process has one."""
+
+    __slots__ = ("_blocks", "_pieces")
+
+    def __init__(self) -> None:
+        self._pieces: set[int] = set()
+        self._blocks = -_BLOCKS
+
+    def holds(self, address: int) -> bool:
+        """Return whether there are objects beside this address."""
+        piece = address >> _PIECE_BITS
+        if piece not in self._pieces and abs(sys.getallocatedblocks() - self._blocks) >= _BLOCKS:
+            # Those of Python itself are not among the collector's.
+            known = [*gc.get_objects(), *vars(builtins).values(), *range(-5, 257)]
+            self._pieces.update(id(value) >> _PIECE_BITS for value in known)
+            self._blocks = sys.getallocatedblocks()
+        return piece in self._pieces
+
+
+_MEMORY: Final = _Memory()

@@ -1,0 +1,33 @@
+import pytest
+
+from elitescript.runtime.environment import bytes_without_addresses, without_addresses
+
+
+class Pump:
+    """Something without a text of its own."""
+
+
+def named():
+    """Return nothing."""
+
+
+@pytest.mark.parametrize("value", [Pump(), [Pump(), object()], named, Pump().__init__, iter([]), (n for n in ()), Pump])
+def test_where_an_object_is_does_not_show(value):
+    text = repr(value)
+    assert "0x" not in without_addresses(text)
+    assert b"0x" not in bytes_without_addresses(text.encode())
+    assert without_addresses(text).count("<") == without_addresses(text).count(">")
+
+
+def test_objects_that_are_gone_are_where_others_are():
+    texts = [f"{Pump()}" for _ in range(100)]
+    assert "0x" not in without_addresses(" ".join(texts))
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["<pump object at 0x7f0000001234>", "error at 0x1F", "<A at 0x10>", "plain", "<A object at 0xffffffffffffff>"],
+)
+def test_other_texts_stay(text):
+    assert without_addresses(text) == text
+    assert bytes_without_addresses(text.encode()) == text.encode()
