@@ -232,8 +232,8 @@ class Command:
             if error.command is None:
                 error.command = self.name
                 error.argument = argument = details.params[len(values)].name
-                text = "{command}: {argument} {mistake}"
-                error.set_text(said(text, command=self.name, argument=argument, mistake=error.said))
+                text = f"{self.name}: {argument} {error.args[0]}"
+                error.put_into(text, "{command}: {argument} {mistake}", command=self.name, argument=argument)
             raise
 
     def call(self, robot: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) -> Any:
@@ -255,7 +255,7 @@ class Command:
         except ScriptError as error:
             if error.command is None:
                 error.command = self.name
-                error.set_text(said("{command}: {mistake}", command=self.name, mistake=error.said))
+                error.put_into(f"{self.name}: {error.args[0]}", "{command}: {mistake}", command=self.name)
             if doubts:
                 # One finding about one argument: the refusal, with the hint of the doubt.
                 robot.hold_doubts(())

@@ -283,7 +283,9 @@ def _request(server: RpcServer, method: str, args: tuple[Any, ...]) -> bytes:
             limit="[-2147483648, 2147483647]",
         ) from None
     except (TypeError, RecursionError) as error:
-        raise ArgumentTypeError(f"{method}(): {str(error) or 'nested too deeply'}") from None
+        raise ArgumentTypeError(
+            said("{method}(): {problem}", method=method, problem=str(error) or "nested too deeply")
+        ) from None
     host = server.url.partition("://")[2].partition("/")[0]
     head = (
         f"POST {server.path} HTTP/1.1\r\nHost: {host}\r\nUser-Agent: elitescript\r\n"
