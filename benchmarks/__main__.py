@@ -33,6 +33,8 @@ MODULES = (
     "sweep",
     "record",
     "compiling",
+    "checking",
+    "observed",
     "metered",
 )
 LONG = ("growth",)

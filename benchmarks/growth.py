@@ -177,6 +177,22 @@ def programs(lines: int) -> Iterator[Figure]:
     yield done("start", lambda: begin(robot, units[0]))
 
 
+def checks(lines: int) -> Iterator[Figure]:
+    """Check texts of so many lines, of each kind."""
+    from benchmarks.checking import KINDS, text_of
+    from elitescript.language.text.source import SourceFile
+    from elitescript.lint.engine import check_source
+    from elitescript.messages.profile import profile
+
+    for kind in KINDS:
+        # What is loaded and computed once does not count.
+        check_source(SourceFile("short.script", text_of(kind, 20)), profile())
+    for kind in KINDS:
+        source = SourceFile("long.script", text_of(kind, lines))
+        gc.collect()
+        yield done(f"check of {kind}", lambda source=source: check_source(source, profile()))  # type: ignore[misc]
+
+
 def worlds(devices: int) -> Iterator[Figure]:
     """Make a robot with cameras and wires around it, and run a program that uses the first camera."""
     from elitescript import VirtualRobot
@@ -246,6 +262,7 @@ def _proportional_kb(pid: int) -> float:
 TABLES: dict[str, tuple[Callable[[int], Iterator[Figure]], tuple[int, ...], str]] = {
     "robots": (robots, (1, 10, 100, 1000), "robot"),
     "programs": (programs, (100, 1000, 10_000, 100_000), "line"),
+    "checks": (checks, (1000, 5000, 10_000, 20_000, 40_000), "line"),
     "worlds": (worlds, (1, 10, 100, 1000), "device"),
     "runs": (runs, (*[hours for hours in (1, 10, 100) if hours < HOURS], HOURS), "hour"),
     "served": (served, (1, 5, 10, 25), "robot"),

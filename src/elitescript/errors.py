@@ -49,6 +49,7 @@ _ROWS: Final = (
     Code("E001", "error", "Python syntax"),
     Code("E002", "error", "the text is not UTF-8"),
     Code("E003", "error", "the file cannot be read"),
+    Code("E004", "error", "graphical program that cannot be generated"),
     Code("E101", "error", "`end` that closes nothing"),
     Code("E102", "error", "program unit without its closing `end`"),
     Code("E103", "error", "clause after the `end` of its statement"),
@@ -131,6 +132,7 @@ _ROWS: Final = (
     Code("N222", "note", "thread that the end of the program ends"),
     Code("N223", "note", "output behind a blended move"),
     Code("N224", "note", "path that stops at each of its points"),
+    Code("N225", "note", "what is missing beside a graphical program"),
     # What a run alone can find.
     Code("W270", "warning", "something that a program gave away and that did not arrive"),
     Code("W271", "warning", "write to an output that follows the state of the task"),
@@ -274,9 +276,8 @@ class ProgramError(ElitescriptError):
 class AlarmError(ElitescriptError):
     """A program ended with an alarm; raised by `Run.check`, which holds the alarm itself."""
 
-    def __init__(self, alarm: Any, program: str) -> None:
+    def __init__(self, alarm: Any, place: str) -> None:
         self.alarm = alarm
-        place = f"{shown_word(program)}:{alarm.line}:{alarm.column}"
         lines = [f"{place}: {shown_word(alarm.class_name)}: {shown(alarm.text)}"]
         if alarm.source_line:
             lines.append(f"    {shown(alarm.source_line.strip())}")

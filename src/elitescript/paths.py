@@ -25,6 +25,14 @@ _KINDS: Final = (
 PROGRAM_SUFFIX: Final = ".script"
 
 
+TASK_SUFFIX: Final = ".task"
+
+
+def is_task_name(name: str) -> bool:
+    """Return whether a file is a graphical program, by its name."""
+    return name.lower().endswith(TASK_SUFFIX)
+
+
 def is_program_name(name: str) -> bool:
     """Return whether a file is a program, by its name. Windows and pendants may write `CELL.SCRIPT`."""
     return name.lower().endswith(PROGRAM_SUFFIX)

@@ -327,7 +327,8 @@ class Run:
             AlarmError: the program ended with an alarm, or in a deadlock.
         """
         if self.alarms:
-            raise AlarmError(self.alarms[-1], self.unit.source.name)
+            alarm = self.alarms[-1]
+            raise AlarmError(alarm, self.unit.source.where(alarm.line, alarm.column))
         return self
 
     def find(self, event: Warned | DeviceNoted | Alarm) -> None:

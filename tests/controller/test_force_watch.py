@@ -20,7 +20,7 @@ NORMAL = SafetyMode.NORMAL
 
 @pytest.fixture
 def signals():
-    return SignalImage(lambda name, index, value: None)
+    return SignalImage(lambda name, index, value, before: None)
 
 
 @pytest.fixture

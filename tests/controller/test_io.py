@@ -19,7 +19,7 @@ def changes():
 
 @pytest.fixture
 def image(changes):
-    return SignalImage(lambda name, index, value: changes.append((name, index, value)))
+    return SignalImage(lambda name, index, value, before: changes.append((name, index, value)))
 
 
 def test_a_change_is_told_once(image, changes):
@@ -154,7 +154,7 @@ def test_an_input_keeps_its_level_if_the_new_domain_has_it_and_its_fraction_if_n
 
 
 def test_an_image_shares_what_has_not_changed_with_the_one_before():
-    image = SignalImage(lambda name, index, value: None)
+    image = SignalImage(lambda name, index, value, before: None)
     before = image.image
     image.write("flag", 3, True)
     after = image.image

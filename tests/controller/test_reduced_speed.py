@@ -29,7 +29,7 @@ def motion():
 def speed(motion):
     limits = SafetyLimits(reduced=SafetyBounds(tcp_speed_max=0.2))
     setup = Setup(MODEL)
-    signals = SignalImage(lambda name, index, value: None)
+    signals = SignalImage(lambda name, index, value, before: None)
     yielding = ComplianceControl(
         MODEL, motion.limits, setup, signals, None, lambda event: None, lambda number, is_complete: None
     )

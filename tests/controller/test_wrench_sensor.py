@@ -18,7 +18,7 @@ def sensor(payload: Payload | None = None) -> WrenchSensor:
     setup = Setup(MODEL)
     if payload is not None:
         setup.payload = payload
-    return WrenchSensor(MODEL.arm, setup, SignalImage(lambda name, index, value: None), ContactConfig())
+    return WrenchSensor(MODEL.arm, setup, SignalImage(lambda name, index, value, before: None), ContactConfig())
 
 
 def test_an_arm_that_nothing_touches_reads_plain_zeros() -> None:

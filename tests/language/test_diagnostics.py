@@ -40,7 +40,7 @@ def test_without_an_end_it_covers_one_character():
 def test_rendering_shows_place_line_caret_and_hint():
     source = SourceFile("pick.script", "def a():\n  while True:\n  end\nend\n")
     found = diagnostic("E104", 2, 3, "the body is empty", end_column=14, hint="write `pass`")
-    assert render(found, source.name, source.line(found.line)).split("\n") == [
+    assert render(found, source.where(found.line, found.column), source.line(found.line)).split("\n") == [
         "pick.script:2:3: error E104: the body is empty",
         "      while True:",
         "      ^^^^^^^^^^^",
@@ -68,7 +68,7 @@ def test_a_finding_over_several_lines_is_marked_up_to_the_end_of_the_first():
 
 
 def test_a_finding_at_the_end_of_the_text_shows_no_empty_line():
-    assert render(diagnostic("E001", 2, 1, "text"), "f", "") == "f:2:1: error E001: text"
+    assert render(diagnostic("E001", 2, 1, "text"), "f:2:1", "") == "f:2:1: error E001: text"
 
 
 def test_json_is_the_problem_object_of_the_command_line():

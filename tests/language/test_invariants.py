@@ -146,7 +146,7 @@ def check(text, options):
             assert 1 <= column <= len(source.line(line)) + 2, problem
         assert (problem.line, problem.column) <= (problem.end_line, problem.end_column)
         assert problem.text
-        assert render(problem, source.name, source.line(problem.line))
+        assert render(problem, source.where(problem.line, problem.column), source.line(problem.line))
         if problem.fix:
             apply_fixes(source.text, [problem.fix])
     assert [(problem.line, problem.column) for problem in problems] == sorted(

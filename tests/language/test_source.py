@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from elitescript.errors import ProgramError
-from elitescript.language.text.source import SourceFile
+from elitescript.language.text.source import SourceFile, find_word
 
 
 @pytest.mark.parametrize("text", ["a\nb\n", "a\r\nb\r\n", "a\rb\r", "a\r\nb\r", "\ufeffa\nb\n"])
@@ -48,3 +48,18 @@ def test_bytes_that_are_not_utf8_are_refused_at_their_place(data, line, column):
 def test_a_source_is_a_value():
     assert SourceFile("f", "a\r\n") == SourceFile("f", "a\n")
     assert hash(SourceFile("f", "a")) == hash(SourceFile("f", "a"))
+
+
+@pytest.mark.parametrize(
+    ("row", "start", "place"),
+    [
+        ("x = xx + x", 0, 0),
+        ("xx = x", 0, 5),
+        ("xx = x", 1, 1),
+        ("_x x_ x1 \u4f4dx", 0, -1),
+        ("(x)", 0, 1),
+        ("", 0, -1),
+    ],
+)
+def test_a_word_is_found_where_it_stands_by_itself(row, start, place):
+    assert find_word(row, "x", start) == place

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from random import Random
 from textwrap import dedent
@@ -213,21 +214,21 @@ class TestGrowth:
     """Work grows with the length of a text, whatever stands in it."""
 
     @staticmethod
-    def calls(lines: list[str]) -> int:
-        """Return how many functions are called while a text is checked."""
-        source, firmware = SourceFile("long", "\n".join(["def job():", *lines, "end", ""])), profile()
+    def steps(work: Callable[[], object]) -> int:
+        """Return how many functions are called, and lines of them run."""
         count = 0
 
-        def note(_frame: object, event: str, _argument: object) -> None:
+        def note(_frame: object, _event: str, _argument: object) -> object:
             nonlocal count
-            count += event in ("call", "c_call")
+            count += 1
+            return note
 
-        outer = sys.getprofile()
-        sys.setprofile(note)
+        outer = sys.gettrace()
+        sys.settrace(note)
         try:
-            check_source(source, firmware)
+            work()
         finally:
-            sys.setprofile(outer)
+            sys.settrace(outer)
         return count
 
     @pytest.mark.parametrize(
@@ -243,13 +244,57 @@ class TestGrowth:
             "  movej([0, 0, 0, 0, 0, 0], vv={n})",
         ],
     )
-    def test_ten_times_the_lines_take_ten_times_the_calls(self, line: str) -> None:
+    def test_ten_times_the_lines_take_ten_times_the_steps(self, line: str) -> None:
         def text(count: int) -> list[str]:
             lines = [line.format(n=number) for number in range(count)]
             return ["  x = 1", "  if x == 0:", "    x = 2", *lines, "  end"] if "elif" in line else lines
 
-        _, few, many, more = (self.calls(text(count)) for count in (20, 20, 60, 200))
+        def steps(count: int) -> int:
+            source, firmware = SourceFile("long", "\n".join(["def job():", *text(count), "end", ""])), profile()
+            return self.steps(lambda: check_source(source, firmware))
+
+        _, few, many, more = (steps(count) for count in (20, 20, 60, 200))
         assert more - many < 1.3 * (many - few) * (200 - 60) / (60 - 20)
+
+    @pytest.mark.parametrize(
+        ("first", "part", "last"),
+        [
+            ("", "  def w{n}():\n    sleep(9)\n    set_flag(0, True)\n  end\n  t{n} = start_thread(w{n}, ())", ""),
+            ("  def w():\n    sleep(9)\n    set_flag(0, True)\n  end", "  t{n} = start_thread(w, ())", ""),
+            ("", "  def f{n}():\n    global v{n}\n    v{n} = 1\n  end", ""),
+            ("", "  def f{n}():\n    global count\n    count = {n}\n  end", "  textmsg(count)"),
+            ("", "  def f{n}():\n    level = {n}\n  end", "  global level\n  level = 0"),
+            ("  ready = False", "  def f{n}():\n    ready = True\n  end", "  while not ready:\n    sync()\n  end"),
+            ("", "  def f{n}():\n    return 1\n  end\n  x{n} = f{n}()\n  y = x{n} + 1", ""),
+            ("", "  global name{n}", "  names = 1"),
+            ("", "  v{n} = 1\n  global v{n}", ""),
+            ("", "  go{n} = get_flag(0)\n  while not go{n}:\n    sync()\n  end\n  def f{n}():\n    x = 1\n  end", ""),
+            ("", "  a = get_target_joint_positions()\n  b = a\n  b[{n} % 6] = 1\n  movej(a)", ""),
+            ("", "  f{n} = sync\n  f{n}()", ""),
+            ("  global flag", "  flag = get_flag(0)\n  if flag:\n    sync()\n  end", ""),
+            ('  socket_open("10.0.0.1", 5000, "camera")', '  socket_send_line("x", 0, "camera{n}")', ""),
+            ("", '  while True:\n    modbus_add_signal("10.0.0.1", 1, {n}, 2, "m{n}")\n    sync()\n  end', ""),
+            ("  movel([0.4, 0, 0.4, 3.14, 0, 0], r=0.01)", "  set_standard_digital_out(0, True)", "  movej(HOME)"),
+            ("  for i in range(9):", "    movel([0.4, i * 0.001, 0.{n}, 3.14, 0, 0])", "  end"),
+            (
+                "  try:",
+                "    set_standard_analog_out(0, socket_read_ascii_float(1)[2])",
+                "  except Exception:\n    sync()\n  end",
+            ),
+            ("", "  if get_flag(0):\n    halt()\n    textmsg({n})\n  end", ""),
+            ("", "sec s{n}():\n  set_flag(0, True)\nend", ""),
+        ],
+    )
+    def test_a_part_takes_each_rule_as_much_however_many_there_are(self, first: str, part: str, last: str) -> None:
+        def steps(count: int) -> dict[str, int]:
+            lines = ["def job():", first, *(part.format(n=number) for number in range(count)), last, "end", ""]
+            program = AnalysedProgram(parse(SourceFile("long", "\n".join(lines)), Options()), profile())
+            assert program.values.is_known
+            return {rule.code: self.steps(lambda rule=rule: list(rule.check(program))) for rule in all_rules()}
+
+        few, many, more = (steps(count) for count in (25, 50, 120))
+        bounds = {code: 1.15 * max(0, many[code] - few[code]) * (120 - 50) / (50 - 25) + 300 for code in more}
+        assert {code: more[code] - many[code] for code in more if more[code] - many[code] > bounds[code]} == {}
 
     def test_the_statements_of_a_block_are_gone_through_once_for_its_moves(self) -> None:
         class Noted(list):

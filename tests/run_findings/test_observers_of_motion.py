@@ -164,3 +164,20 @@ class TestInRuns:
     def test_an_output_behind_a_blended_move(self, r, expected):
         body = ["p = get_target_tcp_pose()", "p[2] = p[2] - 0.1", f"movel(p, v=0.1, r={r})", "set_flag(0, True)"]
         assert found(*body, "p[0] = p[0] + 0.1", "movel(p, v=0.1)") == expected
+
+
+@pytest.mark.parametrize(
+    ("call", "a_tick"),
+    [("movel([2.0, 0, 0.3, 3.14, 0, 0])", 10), ("get_inverse_kin([2.0, 0, 0.3, 3.14, 0, 0])", 100)],
+)
+def test_a_loop_that_swallows_refusals_makes_few_in_a_tick(call: str, a_tick: int) -> None:
+    lines = f"n = 0\nwhile True:\n  try:\n    {call}\n  except:\n    n = n + 1\n  end\nend\n"
+    run = VirtualRobot().run(lines.replace("n = 0", "global n\nn = 0"), until_s=0.04)
+    assert 0.8 * a_tick < run.globals["n"] / 10 <= 1.2 * a_tick
+    assert any(row.code == "W292" for row in run.findings)
+
+
+def test_refusals_that_are_told_take_no_tick_of_their_own() -> None:
+    call = "  try:\n    movel([2.0, 0, 0.3, 3.14, 0, 0])\n  except Exception as e:\n    textmsg(e)\n  end\n"
+    run = VirtualRobot().run(f"def job():\n{8 * call}  textmsg(controller_timestamp())\nend\n")
+    assert run.time_s == 0.0

@@ -14,6 +14,9 @@ from tests.tables import rows
 LIMITS = """
 threads.scheduler          WORK_PER_TICK         2000    checkpoints of a thread in a tick
 threads.scheduler          WORK_PER_ACTIVATION   20      checkpoints
+threads.scheduler          WORK_PER_EVENT        20      checkpoints
+threads.scheduler          WORK_PER_REFUSAL      20      checkpoints
+threads.scheduler          WORK_PER_REFUSED_MOVE  200    checkpoints
 threads.scheduler          STARTS_PER_TICK       1000    threads
 connections.sockets        CONNECT_TICKS         500     ticks, 2 s
 connections.sockets        CONNECTIONS_MAX       64      names

@@ -34,7 +34,8 @@ from elitescript.language.builtin_names import REFUSED_BUILTINS, WITHHELD_ERRORS
 from elitescript.language.modules import AVAILABLE
 from elitescript.language.scopes import Resolution
 from elitescript.language.symbols import THREAD_STARTER
-from elitescript.language.text.masked import NAME, operand_before
+from elitescript.language.text.lexer import MARKS, NAME, is_in_word
+from elitescript.language.text.masked import operand_before
 from elitescript.lint.program import Span
 from elitescript.messages.profile import PROFILES, release_of
 from elitescript.records import record, replace
@@ -103,7 +104,7 @@ TRIGGERS: Final = (".", "(", ",", "=", '"', "'", "[")
 # Ranks: the first letter of `Completion.sort`.
 _VALUES, _ARGUMENTS, _EXPECTED, _OWN, _COMMANDS, _ALIASES, _PYTHON, _SNIPPETS, _WORDS, _MISSING = "abcdefghij"
 
-_MODULES: Final = re.compile(rf"\s*(?:import\s+(?:{NAME}[\w.]*(?:\s+as\s+{NAME})?\s*,\s*)*|from\s+)[\w.]*\Z")
+_MODULES: Final = re.compile(rf"\s*(?:import\s+(?:[\w.{MARKS}]*(?:\s+as\s+{NAME})?\s*,\s*)*|from\s+)[\w.{MARKS}]*\Z")
 _MODULE_NAMES: Final = re.compile(rf"\s*from\s+([\w.]+)\s+import\s+\(?(?:{NAME}(?:\s+as\s+{NAME})?\s*,\s*)*\Z")
 _AFTER_FROM: Final = re.compile(r"\s*from\s+[\w.]+\s+\Z")
 _GLOBALS: Final = re.compile(rf"\s*(?:global|nonlocal)\s+(?:{NAME}\s*,\s*)*\Z")
@@ -380,7 +381,7 @@ class _Offers:
     def _modules(self, head: str) -> Iterator[Completion]:
         start = self.cursor.word[0]
         masked = self.cursor.masked
-        while start and (masked[start - 1].isalnum() or masked[start - 1] in "._"):
+        while start and (is_in_word(masked[start - 1]) or masked[start - 1] == "."):
             start -= 1
         span = self.cursor.span(start, self.cursor.word[1])
         for name in sorted(AVAILABLE):
@@ -449,7 +450,7 @@ class _Offers:
         cursor = self.cursor
         field, string = cursor.field, cursor.string
         if field is not None:
-            if re.fullmatch(rf"\s*(?:.*[^\w.\s])?\s*(?:{NAME})?", field):
+            if re.fullmatch(rf"\s*(?:.*[^\w.\s{MARKS}])?\s*(?:{NAME})?", field):
                 yield from self._own_names()
                 yield from (item for item in self._commands() if not item.is_missing)
                 yield from self._python_names()

@@ -12,14 +12,13 @@ from functools import cached_property
 from typing import Final
 
 from elitescript.assist.document import Document
-from elitescript.language.text.lexer import CLOSER_OF, LogicalLine
-from elitescript.language.text.masked import NAME
+from elitescript.language.text.lexer import CLOSER_OF, NAME, WORD_START, LogicalLine, is_in_word
 from elitescript.language.text.strings import string_end_pattern
 from elitescript.lint.program import Span
 from elitescript.records import NamedTuple
 
 _OPENER_OF: Final = {closer: opener for opener, closer in CLOSER_OF.items()}
-_CALLEE: Final = re.compile(rf"(?<![\w.])({NAME}(?:[ \t]*\.[ \t]*{NAME})*)[ \t]*\Z")
+_CALLEE: Final = re.compile(rf"(?<![.]){WORD_START}({NAME}(?:[ \t]*\.[ \t]*{NAME})*)[ \t]*\Z")
 _KEYWORD: Final = re.compile(rf"\s*({NAME})\s*=(?!=)")
 _DECLARATION: Final = re.compile(rf"\b(?:def|sec|thread|class)[ \t]+{NAME}[ \t]*\Z")
 
@@ -372,4 +371,4 @@ def _argument(masked: str, start: int, end: int) -> Argument:
 
 
 def _is_word(character: str) -> bool:
-    return character.isalnum() or character == "_"
+    return is_in_word(character) or character.isalnum()

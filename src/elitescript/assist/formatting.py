@@ -7,10 +7,11 @@ has laid out over several lines keeps its inside.
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Sequence
 from functools import cache
-from typing import Final
+from typing import Any, Final
 
 from elitescript.assist.document import Document
 from elitescript.assist.spacing import spaced
@@ -36,11 +37,14 @@ class Formatted(NamedTuple):
         text: laid out; the same text if it cannot be read, or is left as it is.
         problems: the errors that keep it from being read, in the order of the text.
         is_left: the pendant has written it, and such texts are not asked to be formatted.
+        changed_line: the first line that would run in another way, 0 for none; then the text is left as it is. Such a
+            line is a mistake of this module.
     """
 
     text: str
     problems: tuple[Diagnostic, ...] = ()
     is_left: bool = False
+    changed_line: int = 0
 
 
 def formatted(text: str, name: str = "", *, pendant: bool = False) -> Formatted:
@@ -57,6 +61,8 @@ def formatted(text: str, name: str = "", *, pendant: bool = False) -> Formatted:
     if not pendant and is_generated(document.parsed):
         return Formatted(text, is_left=True)
     rows = _Layout(document, None).rows()
+    if line := _changed_line(document, rows):
+        return Formatted(text, changed_line=line)
     mark = BOM if text.startswith(BOM) else ""
     ends = _line_end().findall(text)
     del rows[_last_row(rows) :]
@@ -71,8 +77,8 @@ def format_edits(document: Document, span: Span | None = None, *, pendant: bool 
     """Return the edits that lay out a document, or the lines of it that a span touches.
 
     They all refer to the text as it is, do not overlap, and come in its order. A block keeps its indentation unless the
-    span holds all of it. There are none if the text cannot be read, or if the pendant has written it and `pendant` is
-    not set.
+    span holds all of it. There are none if the text cannot be read, if the pendant has written it and `pendant` is
+    not set, or if a line would run in another way.
     """
     if document.parsed.has_errors or (not pendant and is_generated(document.parsed)):
         return ()
@@ -83,6 +89,8 @@ def format_edits(document: Document, span: Span | None = None, *, pendant: bool 
         within = (span.line, span.end_line - is_line_start)
     edits = []
     rows = _Layout(document, within).rows()
+    if _changed_line(document, rows):
+        return ()
     for number, (old, new) in enumerate(zip(document.source.lines, rows, strict=True), 1):
         if old != new:
             edits.append(_row_edit(number, old, new))
@@ -95,6 +103,38 @@ def format_edits(document: Document, span: Span | None = None, *, pendant: bool 
             edits = [edit for edit in edits if edit.line <= last]
             edits.append(Edit(last + 1, 1, end, end_column, ""))
     return tuple(edits)
+
+
+def _changed_line(document: Document, rows: Sequence[str]) -> int:
+    """Return the first line that would run in another way in the new rows; 0 if none does."""
+    if document.source.lines == tuple(rows):
+        return 0
+    after = Document(document.source.name, "\n".join(rows)).parsed
+    if after.has_errors:
+        return next(problem.line for problem in after.diagnostics if problem.is_error)
+    return _difference(document.parsed.tree, after.tree)
+
+
+def _difference(one: ast.AST, other: ast.AST) -> int:
+    """Return the line where two trees begin to differ, but for columns; 0 if they do not."""
+    line = 1
+    pending: list[tuple[Any, Any]] = [(one, other)]
+    while pending:
+        a, b = pending.pop()
+        if type(a) is not type(b):
+            return line
+        if isinstance(a, ast.AST):
+            line = getattr(a, "lineno", line)
+            if line != getattr(b, "lineno", line):
+                return line
+            pending += [(getattr(a, field, None), getattr(b, field, None)) for field in reversed(a._fields)]
+        elif isinstance(a, list):
+            if len(a) != len(b):
+                return line
+            pending += zip(reversed(a), reversed(b), strict=True)
+        elif a != b:
+            return line
+    return 0
 
 
 def _last_row(rows: Sequence[str]) -> int:

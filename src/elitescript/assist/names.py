@@ -14,6 +14,7 @@ from unicodedata import normalize
 
 from elitescript.language.parser import character_offset
 from elitescript.language.symbols import THREAD_STARTER, Binding, Resolution, Scope
+from elitescript.language.text.lexer import WORD_END, WORD_START
 from elitescript.lint.arguments import Placements, arrange
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.records import NamedTuple
@@ -398,7 +399,7 @@ class Names:
     def _of_handler(self, node: ast.ExceptHandler, name: str) -> Span | None:
         end = self.symbols.range_of(node.type or node)[2:]
         line = end[0]
-        found = re.compile(rf"\bas\s+({re.escape(name)})\b").search(self.program.source.line(line), end[1] - 1)
+        found = re.compile(rf"\bas\s+({re.escape(name)}){WORD_END}").search(self.program.source.line(line), end[1] - 1)
         if found is None:
             self.unlocated.add(name)
             return None
@@ -407,7 +408,7 @@ class Names:
     def _words(self, node: ast.AST, name: str) -> Iterator[Span]:
         """Yield where a name stands as a word in the text of a node that holds no string."""
         line, column, end_line, end_column = self.symbols.range_of(node)
-        pattern = re.compile(rf"(?<!\w){re.escape(name)}(?!\w)")
+        pattern = re.compile(rf"{WORD_START}{re.escape(name)}{WORD_END}")
         for number in range(line, end_line + 1):
             row = self.program.source.line(number)
             stop = end_column - 1 if number == end_line else len(row)

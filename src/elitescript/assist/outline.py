@@ -12,7 +12,7 @@ from typing import Final
 
 from elitescript.assist.blocks import blocks
 from elitescript.assist.document import Document
-from elitescript.language.text.lexer import LogicalLine
+from elitescript.language.text.lexer import NAME, LogicalLine
 from elitescript.language.text.masked import header_colon
 from elitescript.lint.program import Span
 from elitescript.records import NamedTuple, record
@@ -69,7 +69,7 @@ class FoundSymbol(NamedTuple):
     container: str
 
 
-_DEFINITION: Final = re.compile(r"(?:async[ \t]+)?(def|sec|class|thread)[ \t]+([^\W\d]\w*)")
+_DEFINITION: Final = re.compile(rf"(?:async[ \t]+)?(def|sec|class|thread)[ \t]+({NAME})")
 _MARK: Final = re.compile(r"""\$[ \t]*LINE[ \t]*:[ \t]*\([ \t]*(\d+)[ \t]*,[ \t]*(["'])(.*?)(?<!\\)\2[ \t]*(,?)""")
 _KINDS: Final = {
     "def": SymbolKind.FUNCTION,

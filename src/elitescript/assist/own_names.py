@@ -6,6 +6,7 @@ import ast
 from collections.abc import Iterator
 from functools import cached_property
 from typing import Any, Final
+from unicodedata import normalize
 
 from elitescript.assist.document import Document
 from elitescript.assist.units import value_text, with_unit
@@ -70,7 +71,10 @@ def visible_names(document: Document, scope: Scope) -> list[OwnName]:
 
 
 def own_name(document: Document, name: str, scope: Scope) -> OwnName | None:
-    """Return what a name means in a scope; None if the program does not define it."""
+    """Return what a name, as it is written, means in a scope; None if the program does not define it."""
+    if not name.isascii():
+        # As Python reads it: letters with accents may be written in two ways.
+        name = normalize("NFKC", name)
     if scope.resolve(name) is Resolution.BUILTIN:
         return None
     return OwnName(name, scope.home(name), tuple(document.symbols.bindings(name, scope)), 0)

@@ -26,6 +26,7 @@ from elitescript.language.advice.unknown_names import KNOWN
 from elitescript.language.diagnostics import Edit
 from elitescript.language.policy import DENIED_ATTRIBUTES, FORMAT_ATTRIBUTES
 from elitescript.language.symbols import Scope
+from elitescript.language.text.lexer import WORD_END, WORD_START
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.records import record
 from elitescript.values.references import ModuleType, OwnClass
@@ -268,7 +269,7 @@ def _use_in_string(names: Names, owner: Scope, name: str) -> str:
         return f"`__slots__` of `{owner.name}` may name `{name}`"
     if FORMAT_ATTRIBUTES.isdisjoint(node.attr for node in names.program.nodes(ast.Attribute)):
         return ""
-    pattern = re.compile(rf"\{{[^{{}}]*\.{re.escape(name)}(?!\w)")
+    pattern = re.compile(rf"\{{[^{{}}]*\.{re.escape(name)}{WORD_END}")
     for node in names.program.nodes(ast.Constant):
         if isinstance(node.value, str) and pattern.search(node.value):
             return f"the string of line {node.lineno} may name `{name}`"
@@ -315,7 +316,7 @@ def _hidden_uses(document: Document, name: str) -> str:
     if name in names.unlocated:
         return f"`{name}` stands at a place that is not known exactly, as in a formatted string"
     if name in program.unread_names:
-        word = re.compile(rf"(?<!\w){re.escape(name)}(?!\w)")
+        word = re.compile(rf"{WORD_START}{re.escape(name)}{WORD_END}")
         line = next((line for line in sorted(program.unread_lines) if word.search(program.source.line(line))), 1)
         return f"line {line} has `{name}` too and cannot be read yet: repair it first"
     return ""

@@ -7,6 +7,8 @@ from functools import cache, lru_cache
 from keyword import kwlist
 from typing import Final
 
+from elitescript.language.text.lexer import name_pattern
+
 _KEYWORDS: Final = frozenset(kwlist).difference(("True", "False", "None"))
 _SOFT_HEADERS: Final = frozenset(("match", "case"))
 _SIGNS: Final = frozenset(("+", "-", "*", "**", "~"))
@@ -16,13 +18,13 @@ _ROWS_KEPT: Final = 4096
 
 
 @cache
-def _tokens() -> re.Pattern[str]:
+def _tokens(name: str) -> re.Pattern[str]:
     number = (
         r"0[xX][\da-fA-F_]+|0[bB][01_]+|0[oO][0-7_]+"
         r"|(?:\d[\d_]*(?:\.[\d_]*)?|\.\d[\d_]*)(?:[eE][+-]?\d[\d_]*)?[jJ]?"
     )
     signs = r"\*\*=?|//=?|>>=?|<<=?|->|:=|[-+*/%@&|^=<>!]=|\.\.\.|\S"
-    return re.compile(rf'[ \t\f]*(?:([^\W\d]\w*)|({number})|("+)|({signs}))')
+    return re.compile(rf'[ \t\f]*(?:({name})|({number})|("+)|({signs}))')
 
 
 @lru_cache(_ROWS_KEPT)
@@ -47,7 +49,7 @@ def gaps(code: str, is_header: bool = False) -> tuple[tuple[int, int, str], ...]
     glues = True
     before = ""
     position = 0
-    for found in _tokens().finditer(code):
+    for found in _tokens(name_pattern(code)).finditer(code):
         word, number, string, sign = found.groups()
         start = found.start(found.lastindex or 0)
         old = code[position:start]

@@ -18,7 +18,7 @@ from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import check_source
 from elitescript.lint.fixing import Repair, repaired
 from elitescript.messages.profile import profile
-from elitescript.paths import real_path
+from elitescript.paths import is_task_name, real_path
 from elitescript.shown import shown, shown_word
 
 TYPE_CHECKING = False
@@ -135,6 +135,8 @@ def _check(text: ProgramText, robot: RobotOptions, arm: ArmFacts | None, *, is_f
         near = neighbours(text.path) if text.is_named and text.path is not None else ""
         problem = diagnostic("E003", 1, 1, text.why_not, hint=near)
         return CheckedFile(text.name, SourceFile(text.name, ""), (problem,))
+    if text.path is not None and is_task_name(text.path.name):
+        return _check_task(text, robot, arm)
     repairs: tuple[Repair, ...] = ()
     try:
         source = SourceFile.from_bytes(text.name, text.data)
@@ -162,3 +164,17 @@ def _check(text: ProgramText, robot: RobotOptions, arm: ArmFacts | None, *, is_f
         source = SourceFile(text.name, fixed)
     found = check_source(source, firmware, strict=robot.strict, arm=arm, ignored=robot.ignored)
     return CheckedFile(text.name, source, found, repairs)
+
+
+def _check_task(text: ProgramText, robot: RobotOptions, arm: ArmFacts | None) -> CheckedFile:
+    """Return what is found in a graphical program, node by node: in its tree and in its script."""
+    # Imported late: few programs are graphical.
+    from elitescript.environment.task_files import refused_task, source_of_task
+
+    assert text.path is not None
+    try:
+        source = source_of_task(text.path)
+    except ProgramError as error:
+        return CheckedFile(text.name, refused_task(text.path), error.problems)
+    found = check_source(source, profile(robot.firmware), strict=robot.strict, arm=arm, ignored=robot.ignored)
+    return CheckedFile(text.name, source, found)

@@ -26,7 +26,7 @@ def fmt(options: argparse.Namespace) -> int:
     """Lay out the files of the command line; return the exit code."""
     if not options.files:
         raise UsageError("name files or folders, or - for standard input")
-    changed = kept = refused = left = 0
+    changed = kept = refused = left = unsafe = 0
     is_missing = False
     report = CheckReport(sys.stderr)
     progress = progress_on(sys.stderr)
@@ -39,6 +39,10 @@ def fmt(options: argparse.Namespace) -> int:
             print(f"elitescript fmt: {shown_word(text.name)}: {shown(text.why_not)}", file=sys.stderr)
             continue
         result = _formatted(text.name, text.data, is_pendant=options.pendant)
+        if result.changed_line:
+            unsafe += 1
+            what = f"left as it is: line {result.changed_line} would run in another way; please report this mistake"
+            print(f"elitescript fmt: {shown_word(text.name)}: {what}", file=sys.stderr)
         if result.problems:
             refused += 1
             report.file(CheckedFile(text.name, SourceFile(text.name, result.text), result.problems))
@@ -46,7 +50,7 @@ def fmt(options: argparse.Namespace) -> int:
         left += result.is_left
         is_changed = data != text.data
         changed += is_changed
-        kept += not is_changed and not result.problems and not result.is_left
+        kept += not (is_changed or result.problems or result.is_left or result.changed_line)
         if options.diff:
             if is_changed:
                 sys.stdout.write(_difference(text, result.text))
@@ -57,10 +61,10 @@ def fmt(options: argparse.Namespace) -> int:
             write_out(data)
         elif is_changed:
             rewrite(text.path, data)
-    print(_summary(changed, kept, left, refused, is_dry=options.check or options.diff), file=sys.stderr)
+    print(_summary(changed, kept, left, refused, unsafe, is_dry=options.check or options.diff), file=sys.stderr)
     if is_missing:
         return NOT_FOUND
-    if refused:
+    if refused or unsafe:
         return FOUND_ERRORS
     return WOULD_CHANGE if options.check and changed else 0
 
@@ -88,13 +92,15 @@ def _rows(pieces: list[str]) -> list[str]:
     return [*(f"{piece}\n" for piece in pieces[:-1]), *([pieces[-1]] if pieces[-1] else [])]
 
 
-def _summary(changed: int, kept: int, left: int, refused: int, *, is_dry: bool) -> str:
+def _summary(changed: int, kept: int, left: int, refused: int, unsafe: int, *, is_dry: bool) -> str:
     parts = [
         f"{_count(changed)} {'would be ' if is_dry else ''}formatted",
         f"{kept} unchanged",
     ]
     if left:
         parts.append(f"{_count(left)} of the pendant left as {'it is' if left == 1 else 'they are'} (see --pendant)")
+    if unsafe:
+        parts.append(f"{_count(unsafe)} left because a line would run in another way")
     if refused:
         parts.append(f"{_count(refused)} cannot be read")
     return ", ".join(parts)

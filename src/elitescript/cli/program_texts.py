@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from elitescript.errors import UsageError
-from elitescript.paths import PROGRAM_SUFFIX, is_program_name
+from elitescript.paths import PROGRAM_SUFFIX, is_program_name, is_task_name
 from elitescript.records import NamedTuple
 from elitescript.shown import shown, shown_word
 from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes, read_standard_input
@@ -63,7 +63,7 @@ def program_texts(names: Iterable[str], command: str) -> Iterator[ProgramText]:
         for home, folders, files in os.walk(path, onerror=refuse):
             folders[:] = sorted(name for name in folders if not name.startswith("."))
             for file in sorted(files):
-                if is_program_name(file):
+                if is_program_name(file) or (command == "check" and is_task_name(file)):
                     found = True
                     yield from _read(Path(home, file), seen, is_named=False)
         if not found:

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Final
 
 from elitescript.environment.program_file import source_of
-from elitescript.environment.task_files import TASK_SUFFIX, TaskProgram, is_task_name, script_body, task_program
+from elitescript.environment.task_files import TaskProgram, script_body, task_program
 from elitescript.errors import UsageError
+from elitescript.paths import TASK_SUFFIX, is_task_name
 from elitescript.program_tree import place_of, task_bytes
 from elitescript.program_tree.listing import difference_text, differences, task_record, tree_text
 from elitescript.program_tree.making import new_task, wrapped

@@ -92,6 +92,9 @@ STOPS: Final = (StopJ, StopL, StopTracking, EndForceMode, EndFreedrive)
 """Requests that only end a motion or mode; they are also accepted by an arm that rests without power."""
 
 
+_NO_CHANGE: Final[Change] = (-1, "", 0, False, "", 0)
+
+
 class Controller:
     """One robot: arm, signals, power, task. Implements `commands.definition.context.Machine`.
 
@@ -126,7 +129,6 @@ class Controller:
         "_unseen",
         "_watch",
         "_written",
-        "_written_tick",
         "arm",
         "arm_state",
         "joint_ranges",
@@ -178,9 +180,9 @@ class Controller:
         """From the first change of a signal on."""
         self._unseen: dict[tuple[str, int], int] = {}
         """See `SignalWatch.inputs`."""
-        self._written: dict[tuple[str, int], tuple[Value, Value, int]] = {}
-        """Outputs that the program has changed in `_written_tick`: level before, level after, line."""
-        self._written_tick = -1
+        self._written: dict[str, tuple[list[Change], list[Value]]] = {}
+        """Of outputs that the program has changed, by family and index: the last change, and the level before the
+        first change in its tick."""
         self.signals = SignalImage(self._signal_changed, self._write_overridden)
         mode = RobotMode.RUNNING if is_powered else RobotMode.POWER_OFF
         self.power = Power(lambda mode: on_event(RobotModeChanged(self._tick, mode)), mode, power_times)
@@ -641,7 +643,7 @@ class Controller:
         self.task.require("start")
         self.task.name = name
         self._node = (0, "")
-        self._written_tick = -1
+        self._written.clear()
         if self._watch is not None:
             self._watch.begin_program()
         self.motion.begin_program()
@@ -698,28 +700,31 @@ class Controller:
         self.safety.note(event)
         self.emit(event)
 
-    def _signal_changed(self, name: str, index: int, value: Value) -> None:
-        by = self._by
+    def _signal_changed(self, name: str, index: int, value: Value, before: Value) -> None:
+        by, tick = self._by, self._tick
         line = self.task.program.caller_line if by == PROGRAM else 0
-        self._on_change((self._tick, name, index, value, by, line))
+        change = tick, name, index, value, by, line
+        self._on_change(change)
         if SIGNALS[name].is_input:
             if name == SPEED_SIGNAL:
-                self.tracking.encoders[index].turn(float(value), self._tick)
+                self.tracking.encoders[index].turn(float(value), tick)
             if value is True or value is False:
                 self._watching().input_changed((name, index))
-            self.safety.signal_changed(name, value, self._tick)
+            self.safety.signal_changed(name, value, tick)
         elif line:
             if self.motion.flying is not None:
                 self._look_at_blend(name, index, line)
-            key, written = (name, index), self._written
-            if self._tick != self._written_tick:
-                self._written_tick = self._tick
-                written.clear()
-            elif key in written:
-                self._watching().output_changed(key, written[key], value, self._tick, line)
-                written[key] = written[key][0], value, line
-                return
-            written[key] = self.signals.replaced, value, line
+            try:
+                changes, levels = self._written[name]
+            except KeyError:
+                size = SIGNALS[name].size
+                changes, levels = self._written[name] = [_NO_CHANGE] * size, [False] * size
+            known = changes[index]
+            changes[index] = change
+            if known[0] != tick:
+                levels[index] = before
+            else:
+                self._watching().output_changed((name, index), (levels[index], known[3], known[5]), value, tick, line)
 
     def _look_at_blend(self, name: str, index: int, line: int) -> None:
         """Let observers see an output that comes behind a move with a blend radius and before its point."""

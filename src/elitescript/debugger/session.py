@@ -49,6 +49,7 @@ from elitescript.language.parser import parse
 from elitescript.language.probes import CountedStatement
 from elitescript.language.scopes import Resolution
 from elitescript.language.symbols import Symbols
+from elitescript.language.text.lexer import MARKS
 from elitescript.language.text.source import SourceFile
 from elitescript.messages.signals import SIGNALS
 from elitescript.messages.timing import ticks_for
@@ -64,7 +65,7 @@ WINDOW_OF_SNAPSHOTS: Final = 50
 _WIDER: Final = 50
 _WIDE_ENOUGH: Final = 5
 """A search may begin at a copy that stands so many times the width before the present stop."""
-_NAME: Final = re.compile(r"[\w.]*(\(\))?")
+_NAME: Final = re.compile(rf"[\w.{MARKS}]*(\(\))?")
 """Of a function or a command."""
 
 

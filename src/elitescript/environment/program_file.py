@@ -9,7 +9,7 @@ from typing import Final
 from elitescript.errors import UsageError
 from elitescript.language.advice.unknown_names import nearest
 from elitescript.language.text.source import SourceFile
-from elitescript.paths import PROGRAM_SUFFIX, is_program_name
+from elitescript.paths import PROGRAM_SUFFIX, is_program_name, is_task_name
 from elitescript.untrusted.files import PROGRAM, UnreadableError, read_bytes
 
 _MOST_NEIGHBOURS: Final = 1000
@@ -29,6 +29,11 @@ def source_of(program: str | Path) -> SourceFile:
     if isinstance(program, str) and not _is_path(program):
         return SourceFile("<program>", program)
     path = Path(program)
+    if is_task_name(path.name) and path.exists():
+        # Imported late: few programs are graphical.
+        from elitescript.environment.task_files import source_of_task
+
+        return source_of_task(path)
     try:
         data = read_bytes(path, PROGRAM, is_stream_allowed=True)
     except UnreadableError as error:
@@ -43,6 +48,10 @@ def refused_source(path: Path) -> SourceFile:
     Raises:
         UsageError: the file cannot be read any more.
     """
+    if is_task_name(path.name):
+        from elitescript.environment.task_files import refused_task
+
+        return refused_task(path)
     data = read_bytes(path, PROGRAM, is_stream_allowed=True)
     return SourceFile.to_show(str(path), data)
 
@@ -73,7 +82,7 @@ def _is_path(text: str) -> bool:
     line = text.strip()
     if not line or "\n" in text or "\r" in text:
         return False
-    if is_program_name(line):
+    if is_program_name(line) or is_task_name(line):
         return True
     if line in _STATEMENTS:
         return False

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from elitescript.errors import ProgramError, UsageError
+from elitescript.language.diagnostics import Diagnostic, diagnostic
 from elitescript.language.parser import parse
 from elitescript.language.text.source import SourceFile
 from elitescript.program_tree import (
@@ -15,7 +16,9 @@ from elitescript.program_tree import (
     Generated,
     GlobalVariable,
     Task,
+    TaskFileError,
     generated,
+    place_of,
     read_configuration,
     read_task,
     read_variables,
@@ -24,7 +27,6 @@ from elitescript.records import record
 from elitescript.said import said
 from elitescript.untrusted.files import Kind, read_bytes
 
-TASK_SUFFIX: Final = ".task"
 _TASK: Final = Kind("task", 64 << 20)
 _CONFIGURATION: Final = Kind("configuration", 64 << 20)
 
@@ -46,11 +48,6 @@ class TaskProgram:
     script: Generated
     missing: str = ""
     read: tuple[Path, ...] = ()
-
-
-def is_task_name(name: str) -> bool:
-    """Return whether a file is a graphical program, by its name."""
-    return name.lower().endswith(TASK_SUFFIX)
 
 
 def task_program(path: str | Path, task_dir: str | Path | None = None) -> TaskProgram:
@@ -85,6 +82,56 @@ def task_program(path: str | Path, task_dir: str | Path | None = None) -> TaskPr
             missing.append(f"{task.installation}.configuration.variables")
     note = said("{files} is not beside the task", files=" or ".join(missing)) if missing else ""
     return TaskProgram(path, task, generated(task, configuration, variables), note, tuple(read))
+
+
+def source_of_task(path: str | Path, task_dir: str | Path | None = None) -> SourceFile:
+    """Return the script of a graphical program, with the node of each line.
+
+    Raises:
+        UsageError: a file cannot be read.
+        ProgramError: E004: it is no task, or a node of it cannot be generated.
+    """
+    try:
+        program = task_program(path, task_dir)
+    except TaskFileError as error:
+        raise ProgramError((diagnostic("E004", error.line, error.column, error.why),), str(path)) from None
+    source, errors = _source(program)
+    if errors:
+        raise ProgramError(errors, str(path))
+    return source
+
+
+def refused_task(path: str | Path, task_dir: str | Path | None = None) -> SourceFile:
+    """Return the text in which the problems of a refused task are: its script, or its file."""
+    try:
+        return _source(task_program(path, task_dir))[0]
+    except TaskFileError:
+        return SourceFile.to_show(str(path), read_bytes(path, _TASK, is_stream_allowed=True))
+
+
+def _source(program: TaskProgram) -> tuple[SourceFile, tuple[Diagnostic, ...]]:
+    """Return the script of a task, and what keeps it from running."""
+    script = program.script
+    places = {row.number: place_of(script.rows, row.number) for row in script.rows}
+    first: dict[int, int] = {}
+    for line, row in enumerate(script.line_rows, 1):
+        first.setdefault(row, line)
+    found = [
+        diagnostic(
+            "E004" if problem.is_error else "N225", first.get(problem.row, 1), 1, problem.text, hint=problem.hint
+        )
+        for problem in script.problems
+        if problem.row or problem.is_error
+    ]
+    missing = [problem for problem in script.problems if not problem.row and not problem.is_error]
+    if program.missing:
+        text = said("{missing}; {text}", missing=program.missing, text=missing[0].text) if missing else program.missing
+        found.append(diagnostic("N225", 1, 1, text, hint=missing[0].hint if missing else ""))
+    else:
+        found += [diagnostic("N225", 1, 1, problem.text, hint=problem.hint) for problem in missing]
+    notes = tuple(row for row in found if not row.is_error)
+    lines = tuple(places.get(row, "") for row in script.line_rows)
+    return SourceFile(str(program.path), script.text, lines, notes), tuple(row for row in found if row.is_error)
 
 
 def script_body(source: SourceFile) -> tuple[str, str, str]:

@@ -19,6 +19,7 @@ from elitescript.language.compiler import CompiledUnit
 from elitescript.language.diagnostics import Diagnostic, diagnostic, line_kept
 from elitescript.language.limits import LONG_TEXT, SymbolCount, excess_at_once
 from elitescript.language.options import LINE, SECONDARY, Options
+from elitescript.language.text.lexer import name_pattern
 from elitescript.language.text.source import SourceFile
 from elitescript.lint.engine import CheckResult
 from elitescript.lint.registry import all_rules
@@ -42,7 +43,6 @@ TOLD_MAX: Final = 100
 """Texts whose findings are remembered as logged."""
 PRESETS_MAX: Final = 1000
 """Variables that may wait for the next program."""
-_HEAD: Final = re.compile(r"\s*(?:def|sec)[ \t]+(\w+)")
 _NAME_MAX: Final = 100
 
 
@@ -445,7 +445,7 @@ def _failure(text: str) -> ProgramError:
 
 def _label(text: str) -> str:
     """Return the name of a program, with a blank behind it; empty if it has none."""
-    found = _HEAD.match(text)
+    found = re.match(rf"\s*(?:def|sec)[ \t]+({name_pattern(text)})", text)
     return f"`{found[1][:_NAME_MAX]}` " if found else ""
 
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 from elitescript.errors import CODES
 from elitescript.records import NamedTuple, record
 from elitescript.said import parts_of
-from elitescript.shown import shown, shown_word
+from elitescript.shown import shown
 
 LINE_SHOWN: Final = 160
 """Characters of a line that are shown with a finding."""
@@ -111,15 +111,14 @@ def in_order(diagnostics: tuple[Diagnostic, ...] | list[Diagnostic]) -> tuple[Di
     return tuple(sorted(diagnostics, key=lambda d: (d.line, d.column, d.severity, d.code)))
 
 
-def render(diagnostic: Diagnostic, file: str, line: str) -> str:
+def render(diagnostic: Diagnostic, place: str, line: str) -> str:
     """Format a finding as text: place, message, the line with a caret under it, the hint; nothing in it acts.
 
     Args:
         diagnostic: the finding.
-        file: name of the text.
+        place: where it is, as `SourceFile.where` returns it.
         line: the line of the text in which the finding begins.
     """
-    place = f"{shown_word(file)}:{diagnostic.line}:{diagnostic.column}"
     rows = [f"{place}: {diagnostic.severity} {diagnostic.code}: {shown(diagnostic.text)}"]
     if line.strip():
         around, cut = excerpt(line.rstrip(), diagnostic.column)

@@ -7,9 +7,11 @@ every program, so they only give a warning.
 from __future__ import annotations
 
 import ast
+from itertools import islice
 
 from elitescript.language.checkpoints import body_start, is_checkpoint
 from elitescript.language.diagnostics import Diagnostic, Edit, Fix, Severity, diagnostic
+from elitescript.language.nodes import BLOCKS
 from elitescript.language.parser import Parsed
 from elitescript.language.symbols import LateGlobal, Symbols
 from elitescript.said import said
@@ -21,20 +23,15 @@ def hoist_late_globals(parsed: Parsed) -> list[Diagnostic]:
     late = symbols.late_globals()
     severity = Severity.ERROR if parsed.options.strict else Severity.WARNING
     problems = [_finding(item, symbols, severity) for item in late]
-    for statement, scope in {item.statement: item.scope for item in late}.items():
-        _take_out(statement, symbols)
+    moving = {item.statement: item.scope for item in late}
+    for statement in moving:
+        _, block, place = symbols.block_of(statement)
+        block[place] = ast.copy_location(ast.Pass(), statement)
+    for statement, scope in moving.items():
         body = scope.statements
         moved = ast.copy_location(ast.Global(statement.names), body[0])
         body.insert(body_start(body), moved)
     return problems
-
-
-def _take_out(statement: ast.stmt, symbols: Symbols) -> None:
-    parent = symbols.parent(statement)
-    for field in ("body", "orelse", "finalbody"):
-        block = getattr(parent, field, None)
-        if isinstance(block, list) and statement in block:
-            block[block.index(statement)] = ast.copy_location(ast.Pass(), statement)
 
 
 def _finding(item: LateGlobal, symbols: Symbols, severity: Severity) -> Diagnostic:
@@ -62,7 +59,7 @@ def _finding(item: LateGlobal, symbols: Symbols, severity: Severity) -> Diagnost
 def _fix(item: LateGlobal, symbols: Symbols) -> Fix | None:
     source = symbols.parsed.source
     line, column, end_line, end_column = symbols.range_of(item.statement)
-    own = [statement for statement in item.scope.statements if not is_checkpoint(statement)]
+    own = list(islice((statement for statement in item.scope.statements if not is_checkpoint(statement)), 2))
     first = own[min(body_start(own), len(own) - 1)]
     first_line, first_column = symbols.place(first)
     if end_line != line or first_line == line:
@@ -72,7 +69,7 @@ def _fix(item: LateGlobal, symbols: Symbols) -> Fix | None:
     separator = "; " if before.strip() else f"\n{before}"
     parent = symbols.parent(item.statement)
     alone = source.line(line).strip(" \t;") == declaration
-    siblings = max(len(getattr(parent, field, ())) for field in ("body", "orelse", "finalbody"))
+    siblings = max(len(getattr(parent, field, ())) for field in BLOCKS)
     if alone and siblings > 1:
         removal = Edit(line, 1, line + 1, 1, "")
     else:

@@ -90,6 +90,9 @@ CHILDREN: Final[dict[type[ast.AST], tuple[str, ...]]] = {
 }
 """For each known kind of node, the fields that hold other nodes."""
 
+BLOCKS: Final = ("body", "orelse", "finalbody")
+"""The fields that hold statements."""
+
 FUNCTIONS: Final = (ast.FunctionDef, ast.Lambda)
 
 

@@ -397,12 +397,13 @@ class _TextReader:
             kind = wanted
         if kind in (PROGRAM, SECONDARY):
             return kind, outer_definition(tree)
+        told = {problem.text for problem in self.problems}
         for statement in tree.body:
             if not isinstance(statement, ast.FunctionDef) or statement.lineno not in self.translation.secondaries:
                 continue
             # One that has lost its indentation has no body, which is said already: what follows belongs to it.
             flat = said("the body of the `sec` of line {line} should be indented here", line=statement.lineno)
-            if not any(problem.text == flat for problem in self.problems):
+            if flat not in told:
                 text, hint = "a secondary program cannot be part of a longer text", "send it by itself, or write `def`"
                 self.problems.append(diagnostic("E105", statement.lineno, 1, text, end_column=4, hint=hint))
         return kind, None

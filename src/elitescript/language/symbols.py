@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 from typing import Any, Final
 
-from elitescript.language.nodes import children
+from elitescript.language.nodes import BLOCKS, children
 from elitescript.language.parser import Parsed, character_offset
 from elitescript.language.scopes import Binding, Resolution, Scope
 from elitescript.records import record
@@ -51,6 +51,7 @@ class Symbols:
         self._declared: set[str] = set()
         self._parents: dict[ast.AST, ast.AST] = {}
         self._scope_of: dict[ast.AST, Scope] = {}
+        self._global_bindings: dict[str, list[Binding]] = {}
         root: ast.AST = parsed.unit or parsed.tree
         self.body = Scope(self._declared, "body", parsed.name, root, None)
         _Walk(self).run()
@@ -105,7 +106,7 @@ class Symbols:
     def definitions(self, name: str, scope: Scope) -> tuple[Scope, ...]:
         """Return scopes of the functions that `name` may stand for when it is used in `scope`."""
         home = scope.home(name)
-        places = [home] if home else [other for other in self.scopes if name in other.globals]
+        places = (home,) if home else self.declaring(name)
         nodes = [binding.node for place in places for binding in place.bindings.get(name, ()) if binding.kind == "def"]
         return tuple(made for node in nodes if (made := self.scope_made_by(node)) is not None)
 
@@ -124,6 +125,51 @@ class Symbols:
         for scope in self.scopes:
             for name, reads in scope.reads.items():
                 found.setdefault((name, scope.home(name)), []).extend(reads)
+        return found
+
+    def declaring(self, name: str) -> Sequence[Scope]:
+        """Return the scopes that declare a name global."""
+        return self._declaring.get(name, ())
+
+    @cached_property
+    def _declaring(self) -> dict[str, list[Scope]]:
+        found: dict[str, list[Scope]] = {}
+        for scope in self.scopes:
+            for name in scope.globals:
+                found.setdefault(name, []).append(scope)
+        return found
+
+    def owners(self, name: str) -> Sequence[Scope]:
+        """Return the scopes that have a variable of this name for themselves."""
+        return self._owners.get(name, ())
+
+    @cached_property
+    def _owners(self) -> dict[str, list[Scope]]:
+        found: dict[str, list[Scope]] = {}
+        for scope in self.scopes:
+            for name in scope.bindings:
+                if scope.has_local(name):
+                    found.setdefault(name, []).append(scope)
+        return found
+
+    def block_of(self, statement: ast.AST) -> tuple[str, list[ast.stmt], int]:
+        """Return the block that a statement is part of: its field of the node around it, its statements, the place.
+
+        The field is empty for what is no statement, and for the node of the body.
+        """
+        return self._blocks.get(statement, ("", [], 0))
+
+    @cached_property
+    def _blocks(self) -> dict[ast.AST, tuple[str, list[ast.stmt], int]]:
+        found: dict[ast.AST, tuple[str, list[ast.stmt], int]] = {}
+        for node, above in self._parents.items():
+            if not isinstance(node, ast.stmt) or node in found:
+                continue
+            for field in BLOCKS:
+                block = getattr(above, field, None)
+                if type(block) is list:
+                    for place, statement in enumerate(block):
+                        found[statement] = (field, block, place)
         return found
 
     @cached_property
@@ -149,8 +195,12 @@ class Symbols:
 
     def global_bindings(self, name: str) -> list[Binding]:
         """Return the places that give the program global `name` a value, in the order of the text."""
-        found = [binding for scope in self.scopes if name in scope.globals for binding in scope.bindings.get(name, ())]
-        return sorted(found, key=lambda binding: (binding.line, binding.column))
+        found = self._global_bindings.get(name)
+        if found is None:
+            found = [binding for scope in self.declaring(name) for binding in scope.bindings.get(name, ())]
+            found.sort(key=lambda binding: (binding.line, binding.column))
+            self._global_bindings[name] = found
+        return found
 
     def late_globals(self) -> tuple[LateGlobal, ...]:
         """Return the `global` statements that come too late, in the order of the text."""

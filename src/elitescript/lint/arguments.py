@@ -25,10 +25,12 @@ class Arguments(NamedTuple):
     Attributes:
         given: each parameter that gets a value, with the expression.
         misfits: what is wrong with number and names.
+        is_complete: nothing is passed as `*list` or `**dict`.
     """
 
     given: tuple[tuple[Param, ast.expr], ...]
     misfits: tuple[Misfit, ...]
+    is_complete: bool
 
 
 Placements = dict[tuple[Command, int, tuple[str, ...], bool], Placement]
@@ -60,8 +62,9 @@ def arrange(command: Command, call: ast.Call, known: Placements) -> Arguments:
         ]
     )
     if not placement.misfits:
-        return Arguments(given, ())
+        return Arguments(given, (), is_complete)
     nodes: dict[int | str | None, ast.AST] = {None: call.func}
     nodes.update(enumerate(by_position))
     nodes.update(named.items())
-    return Arguments(given, tuple(Misfit(nodes[misfit.at], misfit.text) for misfit in placement.misfits))
+    misfits = tuple(Misfit(nodes[misfit.at], misfit.text) for misfit in placement.misfits)
+    return Arguments(given, misfits, is_complete)

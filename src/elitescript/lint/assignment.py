@@ -67,12 +67,31 @@ class Assignments:
                 and not program.symbols.is_nonlocal_inside(name, scope)
                 and name not in program.presets
                 and not any(binding.kind in _UNSET for binding in bindings)
+                and not _is_set_before(program, scope, bindings[0])
             }
             if names:
                 follower = _Follower(program, scope, names, flow)
                 follower.block(scope.statements, 0)
                 found += follower.found.values()
         return tuple(found)
+
+
+def _is_set_before(program: AnalysedProgram, scope: Scope, first: Binding) -> bool:
+    """Return whether an assignment, the first of its variable, stands in front of all readings in its own block."""
+    symbols = program.symbols
+    statement = symbols.parent(first.node)
+    if not isinstance(statement, ast.Assign) or not isinstance(first.node, ast.Name):
+        return False
+    _, block, _ = symbols.block_of(statement)
+    last = block[-1]
+    begin, end = (statement.end_lineno, statement.end_col_offset), (last.end_lineno, last.end_col_offset)
+    for read in symbols.reads_of(first.name, scope):
+        if not begin <= (read.lineno, read.col_offset) < end:
+            inner = symbols.scope_of(read)
+            # Functions are run later.
+            if inner is scope or inner.kind == "comprehension":
+                return False
+    return True
 
 
 class _Follower:

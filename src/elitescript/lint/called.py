@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
+from functools import cached_property
 
 from elitescript.language.scopes import Scope
 from elitescript.lint.program import AnalysedProgram
@@ -36,22 +37,28 @@ class CalledCommands:
         program: the program.
     """
 
-    __slots__ = ("_by_name", "_program")
+    __slots__ = ("__dict__", "_by_name", "_program")
 
     def __init__(self, program: AnalysedProgram) -> None:
         self._program = program
         self._by_name: dict[str, list[Called]] = {}
         for found, arguments in zip(program.command_calls, program.arguments, strict=True):
-            call = found.call
-            is_complete = not any(isinstance(part, ast.Starred) for part in call.args)
-            is_complete = is_complete and all(keyword.arg is not None for keyword in call.keywords)
             given = {param.name: node for param, node in arguments.given}
             name = found.command.alias_of or found.command.name
-            self._by_name.setdefault(name, []).append(Called(name, call, found.scope, given, is_complete))
+            made = Called(name, found.call, found.scope, given, arguments.is_complete)
+            self._by_name.setdefault(name, []).append(made)
 
     def __iter__(self) -> Iterator[Called]:
         for calls in self._by_name.values():
             yield from calls
+
+    def at(self, call: ast.AST) -> Called | None:
+        """Return a call of a command; None if it is none."""
+        return self._by_call.get(call)
+
+    @cached_property
+    def _by_call(self) -> dict[ast.AST, Called]:
+        return {called.call: called for called in self}
 
     def of(self, *names: str) -> list[Called]:
         """Return the calls of some commands, in the order of their names."""

@@ -7,6 +7,7 @@ from typing import Final
 
 from elitescript.commands.definition.registry import Command
 from elitescript.language.builtin_names import PURE_BUILTINS
+from elitescript.language.nodes import children
 from elitescript.language.symbols import Resolution
 from elitescript.lint.program import AnalysedProgram
 
@@ -57,5 +58,5 @@ def has_effect(root: ast.expr, program: AnalysedProgram) -> bool:
         if isinstance(node, ast.Call) and not _is_pure_call(node, program):
             return True
         if not isinstance(node, ast.Lambda):
-            stack.extend(ast.iter_child_nodes(node))
+            stack += children(node)
     return False

@@ -98,7 +98,7 @@ def check_parsed(
 ) -> CheckResult:
     """Check and compile a text that was read; see `compile_checked`. Uses up the tree."""
     options = parsed.options
-    problems: list[Diagnostic] = []
+    problems: list[Diagnostic] = [*parsed.source.notes]
     census = None
     if parsed.is_complete:
         program = AnalysedProgram(parsed, profile, is_strict=options.strict, presets=presets, arm=arm)
@@ -121,7 +121,9 @@ def problems_of(program: AnalysedProgram) -> tuple[Diagnostic, ...]:
     """Return all problems of a text that was analysed, as `check_source`, and leave its tree as it is."""
     parsed = program.parsed
     problems = _findings(program) if parsed.is_complete else []
-    return _reported([*problems, *problems_in(parsed, program.census)], parsed.source, parsed.options.ignored)
+    return _reported(
+        [*parsed.source.notes, *problems, *problems_in(parsed, program.census)], parsed.source, parsed.options.ignored
+    )
 
 
 def _findings(program: AnalysedProgram) -> list[Diagnostic]:

@@ -103,6 +103,24 @@ _TEXTS: Final[dict[str, str]] = {
 
             elitescript check cell.scrpt    # E003: is cell.script meant?
         """,
+    "E004": """
+        A graphical program (`.task`) that has no script: its file is no XML or no task, or a node of it cannot be
+        generated: a waypoint that was never taught, an empty expression, a node of a plugin or of a kind that is not
+        known. The node is named by the row above it and its own row, as the pendant numbers them.
+
+            cell.task: 4 MoveJ > 5 Above (script line 24): error E004: the waypoint has never been taught
+
+        `elitescript task cell.task` prints what can be generated.
+        """,
+    "N225": """
+        What a graphical program (`.task`) would find beside it, and which is not there: the files of its configuration,
+        with the values of variables, TCP, payload, frames, and names of inputs and outputs. Its script is generated
+        without them, and its sections stay empty; a variable that has no value ends the program where it is used.
+
+            cell.task: script line 1: note N225: cell.configuration.variables is not beside the task
+
+        Copy the files from the `program` folder of the controller, or name that folder with `--task-dir`.
+        """,
     "E101": """
         An `end` that closes nothing. Each `end` closes the block whose indentation it has. A surplus one often means
         that another block lost its header, or that a block was closed twice.

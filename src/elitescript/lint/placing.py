@@ -20,19 +20,19 @@ def conditions(symbols: Symbols, node: ast.AST) -> list[Condition]:
     for above in symbols.ancestors(node):
         if isinstance(above, _FUNCTIONS):
             break
-        part = _part(above, child)
+        part = _part(symbols, above, child)
         if part:
             found.append((above, part))
         child = above
     return found
 
 
-def _part(above: ast.AST, child: ast.AST) -> str:
+def _part(symbols: Symbols, above: ast.AST, child: ast.AST) -> str:
     """Return the part of a node in which a child stands, if that is not always run; else an empty text."""
     if isinstance(above, (ast.If, ast.While, ast.For)):
-        return "body" if child in above.body else "orelse" if child in above.orelse else ""
+        return symbols.block_of(child)[0]
     if isinstance(above, ast.Try):
-        return "orelse" if child in above.orelse else ""
+        return "orelse" if symbols.block_of(child)[0] == "orelse" else ""
     if isinstance(above, (ast.ExceptHandler, ast.match_case)):
         return "body"
     if isinstance(above, ast.IfExp):
@@ -49,9 +49,9 @@ def loops(symbols: Symbols, node: ast.AST) -> Iterator[ast.For | ast.While]:
         if isinstance(above, _FUNCTIONS):
             return
         if isinstance(above, ast.While):
-            is_repeated = child not in above.orelse
+            is_repeated = symbols.block_of(child)[0] != "orelse"
         else:
-            is_repeated = isinstance(above, ast.For) and child in above.body
+            is_repeated = isinstance(above, ast.For) and symbols.block_of(child)[0] == "body"
         if is_repeated and isinstance(above, (ast.For, ast.While)):
             yield above
         child = above

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from bisect import bisect_left
 from collections.abc import Callable, Collection, Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final, TypeVar
@@ -19,6 +20,7 @@ from elitescript.language.options import SCRIPT, SECONDARY
 from elitescript.language.parser import Parsed
 from elitescript.language.policy import is_dunder
 from elitescript.language.symbols import Resolution, Scope, Symbols
+from elitescript.language.text.source import find_word
 from elitescript.lint.arguments import Arguments, Placements, arrange
 from elitescript.lint.constants import Constants, Unknown
 from elitescript.lint.refusals import ArgumentRefusal, refuse, refuse_description
@@ -53,14 +55,11 @@ class Span(NamedTuple):
 class Use(NamedTuple):
     """A use of a name that the program itself does not define."""
 
+    name: str
     node: ast.Name
     scope: Scope
     is_call: bool
     """Whether it is called there."""
-
-    @property
-    def name(self) -> str:
-        return self.node.id
 
 
 class CommandCall(NamedTuple):
@@ -132,6 +131,7 @@ class AnalysedProgram:
         self.symbols = Symbols(parsed)
         self.census = Census(parsed.tree)
         self._derived: dict[Any, Any] = {}
+        self._hidden: dict[tuple[str, Scope], bool] = {}
 
     @cached_property
     def values(self) -> Values:
@@ -168,8 +168,7 @@ class AnalysedProgram:
         line, column, _, _ = self.symbols.range_of(node)
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.alias, ast.ExceptHandler)):
             row = self.source.line(line)
-            found = re.search(rf"(?<!\w){re.escape(name)}(?!\w)", row[column - 1 :])
-            column += found.start() if found else 0
+            column = max(find_word(row, name, column - 1), column - 1) + 1
         return Span(line, column, line, column + len(name))
 
     @cached_property
@@ -223,7 +222,7 @@ class AnalysedProgram:
                 if scope.resolve(name) is Resolution.BUILTIN:
                     for node in reads:
                         above = parent(node)
-                        yield Use(node, scope, isinstance(above, ast.Call) and above.func is node)
+                        yield Use(name, node, scope, isinstance(above, ast.Call) and above.func is node)
 
     @cached_property
     def unknown(self) -> tuple[Use, ...]:
@@ -260,7 +259,13 @@ class AnalysedProgram:
     def command(self, name: str, scope: Scope) -> Command | None:
         """Return the command that `name` means in `scope`; None if the program gives it another meaning."""
         found = CATALOGUE.get(name)
-        return found if found is not None and scope.resolve(name) is Resolution.BUILTIN else None
+        if found is None:
+            return None
+        key = (name, scope)
+        is_hidden = self._hidden.get(key)
+        if is_hidden is None:
+            is_hidden = self._hidden[key] = scope.resolve(name) is not Resolution.BUILTIN
+        return None if is_hidden else found
 
     def is_available(self, command: Command) -> bool:
         """Return whether the firmware has a command."""
@@ -282,7 +287,7 @@ class AnalysedProgram:
         for above in self.symbols.ancestors(node):
             if isinstance(above, (ast.FunctionDef, ast.Lambda)):
                 return
-            if isinstance(above, ast.Try) and child in above.body:
+            if isinstance(above, ast.Try) and self.symbols.block_of(child)[0] == "body":
                 yield above
             child = above
 
@@ -316,14 +321,15 @@ class AnalysedProgram:
     @cached_property
     def refusals(self) -> tuple[ArgumentRefusal, ...]:
         """The arguments that commands will certainly refuse."""
-        mistakes = [(problem.line, problem.column) for problem in self.parsed.diagnostics if problem.is_error]
+        mistakes = sorted((problem.line, problem.column) for problem in self.parsed.diagnostics if problem.is_error)
         found = []
         for called, arguments in zip(self.command_calls, self.arguments, strict=True):
             for param, node in arguments.given:
                 # A placeholder stands there in place of the author's text.
                 if mistakes:
                     span = self.span(node)
-                    if any(span[:2] <= mistake < span[2:] for mistake in mistakes):
+                    place = bisect_left(mistakes, span[:2])
+                    if place < len(mistakes) and mistakes[place] < span[2:]:
                         continue
                 value = self.constants.value(node, called.scope)
                 error = refuse(param, value) or self._refused_kind(param, node, value)

@@ -7,6 +7,7 @@ by stand-ins that fit, and only what is wrong with the rest is reported.
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, Final
 
 from elitescript.commands.definition.quantities import (
@@ -171,12 +172,12 @@ def _filled(quantity: Quantity, items: list[Any] | tuple[Any, ...]) -> list[Any]
 
 def _stand_in(quantity: Quantity, unknown: Unknown) -> Any:
     """Return a value that fits a quantity and is shown as its source text; None if there is none."""
-    candidates: tuple[Any, ...]
+    candidates: Iterable[Any]
     if type(quantity) is Number:
         low, high = quantity.low or 0.0, quantity.high or 0.0
-        candidates = tuple(_SomeFloat(number) for number in (0.0, low, high, low + 1.0, (low + high) / 2))
+        candidates = map(_SomeFloat, (0.0, low, high, low + 1.0, (low + high) / 2))
     elif type(quantity) is Integer:
-        candidates = tuple(_SomeInt(number) for number in (0, quantity.low or 0, quantity.high or 0))
+        candidates = map(_SomeInt, (0, quantity.low or 0, quantity.high or 0))
     elif type(quantity) is Boolean:
         candidates = (_SomeInt(0),)
     elif type(quantity) is Text:

@@ -94,10 +94,18 @@ def doubt_findings(program: AnalysedProgram, code: str) -> Iterator[Finding]:
         doubts = [*doubts, *program.derived(element_doubts)]
     for doubted in doubts:
         doubt = doubted.doubt
-        if doubt.code == code:
+        if doubt.code == code and not (code == "W231" and _is_towards(doubted)):
             from elitescript.lint.unit_fixes import unit_fix
 
             yield Finding(doubted.node, doubt.text, doubt.hint, unit_fix(program, doubted))
+
+
+TOWARDS: Final = "calculate_point_to_move_towards"
+"""The function of scripts of the pendant that computes a point 1000 m away, for a motion in a direction."""
+
+
+def _is_towards(doubted: Doubted) -> bool:
+    return doubted.scope.name == TOWARDS
 
 
 def shown_source(program: AnalysedProgram, node: ast.AST) -> str:

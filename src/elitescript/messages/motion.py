@@ -29,6 +29,10 @@ def shortened_radius(text: str) -> tuple[float, float] | None:
     return float(asked.removeprefix(words[0])), float(used.removesuffix(behind))
 
 
+DIRECTION_M: Final = 100.0
+"""From so far away on, the target of a straight line is a direction: programs of the pendant name points 1000 m away
+where the arm moves until something stops it. *Assumed*: the limit."""
+
 RADIUS_HINT: Final = "choose r up to {most:.4g}, or leave more way between the points"
 
 Six = tuple[float, float, float, float, float, float]

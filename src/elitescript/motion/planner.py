@@ -33,13 +33,14 @@ from elitescript.kinematics.arm import Arm
 from elitescript.kinematics.jacobian import singularity
 from elitescript.kinematics.rotations import multiply, rotvec_from_rotation, transpose
 from elitescript.kinematics.transforms import IDENTITY, Transform, compose, rotation_of, transform_from_pose
-from elitescript.messages.motion import RADIUS_HINT, RADIUS_SHORTENED, MoveC, MoveJ, MoveL, Six
+from elitescript.messages.motion import DIRECTION_M, RADIUS_HINT, RADIUS_SHORTENED, MoveC, MoveJ, MoveL, Six
 from elitescript.motion.limits import JOINT_NAMES, MotionLimits, joint_outside, joint_range_error
 from elitescript.motion.paths.cartesian import CartesianPath, arc, line
 from elitescript.motion.paths.joint_line import JointLine
-from elitescript.motion.paths.track import JointTrack, follow
+from elitescript.motion.paths.track import JointTrack, follow, reach_along
 from elitescript.motion.paths.zones import Zone, zone_before
 from elitescript.motion.segment import Segment
+from elitescript.motion.streaming.speed import Obstacle
 from elitescript.motion.timing.profile import Law, TimeLaw, resting, trapezoid, trapezoid_lasting, trapezoid_of
 from elitescript.motion.timing.retiming import SlowPlace, keeps_limits, retimed
 from elitescript.records import record, replace
@@ -112,6 +113,12 @@ class Plan:
     """Requested duration; 0 without one."""
     zone: Zone | None = None
     """Where a blend begins."""
+    obstacle: Obstacle | None = None
+    """Why a move in a direction cannot go on at its end; None for moves that arrive at their targets."""
+
+
+_BEYOND_REACH_M: Final = 10.0
+"""Farther than any arm reaches."""
 
 
 def plan_movej(
@@ -164,6 +171,9 @@ def plan_movel(
 ) -> Plan:
     """Plan a straight line of the TCP.
 
+    A target more than `DIRECTION_M` away is a direction: the line ends where the arm cannot go on, and the plan says
+    why. The time `t` of such a line gives its speed.
+
     Args:
         arm: the arm.
         limits: its limits.
@@ -184,6 +194,19 @@ def plan_movel(
         v_max, a_max = limits.tool_turn_speed_max, limits.tool_turn_acceleration_max
     else:
         v_max, a_max = limits.tool_speed_max, limits.tool_acceleration_max
+    if path.unit == "m" and path.length > DIRECTION_M:
+        v = path.length / request.t_s if request.t_s > 0.0 else request.v
+        slower = min(v, v_max), min(request.a, a_max)
+
+        def up_to(s: float) -> CartesianPath:
+            T_base_tcp_end = compose(path.flange(s), T_flange_tcp)
+            return line(T_base_flange, T_base_tcp, T_base_tcp_end, limits.equivalent_radius_m)
+
+        end, refusal = reach_along(arm, limits, up_to(_BEYOND_REACH_M), q_start, *slower)
+        plan = _plan_cartesian(arm, limits, q_start, up_to(end), *slower, 0.0, v_max, a_max, 0.0, is_entered)
+        notes = _lowered(path.length, v, v_max, request.a, a_max, "m")
+        text = said("the line of movel cannot go on after {way:.4f} m: {why}", way=end, why=str(refusal))
+        return replace(plan, notes=notes, obstacle=Obstacle(refusal.code, text, end, "", "m"))
     plan = _plan_cartesian(
         arm, limits, q_start, path, request.v, request.a, request.t_s, v_max, a_max, request.r, is_entered
     )

@@ -324,13 +324,10 @@ def _numbers(text: str) -> list[str]:
 
 
 def _other(name: str, document: Document, wanted: str, meant: str) -> TaskFileError:
-    return TaskFileError(
-        said(
-            "{name}:{line}: this is no {meant}: its outermost element is `{element}`, not `{wanted}`",
-            name=name,
-            line=document.line_of(document.root),
-            meant=meant,
-            element=document.root.name[:60],
-            wanted=wanted,
-        )
+    why = said(
+        "this is no {meant}: its outermost element is `{element}`, not `{wanted}`",
+        meant=meant,
+        element=document.root.name[:60],
+        wanted=wanted,
     )
+    return TaskFileError(name, why, document.line_of(document.root))

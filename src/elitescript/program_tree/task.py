@@ -112,15 +112,8 @@ def read_task(data: bytes, name: str = "the file") -> Task:
     document = read_document(data, name)
     root = document.root
     if root.name != ROOT:
-        line = document.line_of(root)
-        raise TaskFileError(
-            said(
-                "{name}:{line}: this is no task: its outermost element is `{element}`, not `EliTask`",
-                name=name,
-                line=line,
-                element=root.name[:60],
-            )
-        )
+        why = said("this is no task: its outermost element is `{element}`, not `EliTask`", element=root.name[:60])
+        raise TaskFileError(name, why, document.line_of(root))
     damage: list[Damage] = []
     objects = Objects()
     if "reference=" in document.text:
@@ -162,15 +155,8 @@ class _Reading:
 
     def node(self, element: Element, level: int) -> Node:
         if level > LEVELS_MAX:
-            line = self.document.line_of(element)
-            raise TaskFileError(
-                said(
-                    "{name}:{line}: more than {limit} nodes stand in each other",
-                    name=self.name,
-                    line=line,
-                    limit=LEVELS_MAX,
-                )
-            )
+            why = said("more than {limit} nodes stand in each other", limit=LEVELS_MAX)
+            raise TaskFileError(self.name, why, self.document.line_of(element))
         if element.name == "CompressNode":
             return self.suppressed(element, level)
         kind = _kind_of(element)

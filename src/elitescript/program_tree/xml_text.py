@@ -35,7 +35,20 @@ _BOM: Final = "\ufeff"
 
 
 class TaskFileError(UsageError):
-    """A file that is no task; the text has its line and column, where it has one."""
+    """A file that is no task, or none of those beside it.
+
+    Args:
+        name: of the file.
+        why: what is wrong.
+        line, column: where, from 1; no column: the line as a whole; no line: the file.
+    """
+
+    def __init__(self, name: str, why: str, line: int = 0, column: int = 0) -> None:
+        place = ":".join([name, *(str(number) for number in (line, column) if number)])
+        super().__init__(said("{place}: {why}", place=place, why=why))
+        self.why = why
+        self.line = line or 1
+        self.column = column or 1
 
 
 class Shared:
@@ -251,13 +264,13 @@ def read_document(data: bytes, name: str = "the file") -> Document:
         TaskFileError: it is too long or too deep, is not UTF-8, is no XML, or has a DTD; with line and column.
     """
     if len(data) > BYTES_MAX:
-        raise TaskFileError(said("{name} has more than {limit} bytes", name=name, limit=BYTES_MAX))
+        raise TaskFileError(name, said("the file has more than {limit} bytes", limit=BYTES_MAX))
     _refuse_what_is_no_xml(data, name)
     try:
         text = data.decode("utf-8")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        raise TaskFileError(said("{name}:{line}: this is not UTF-8", name=name, line=line)) from None
+        raise TaskFileError(name, said("this is not UTF-8"), line) from None
     return _cut(text, name)
 
 
@@ -291,8 +304,7 @@ def _refuse_what_is_no_xml(data: bytes, name: str) -> None:
     parser = expat.ParserCreate()
 
     def located(text: str) -> TaskFileError:
-        line, column = parser.CurrentLineNumber, parser.CurrentColumnNumber + 1
-        return TaskFileError(said("{name}:{line}:{column}: {text}", name=name, line=line, column=column, text=text))
+        return TaskFileError(name, text, parser.CurrentLineNumber, parser.CurrentColumnNumber + 1)
 
     def refuse(text: str) -> Callable[..., None]:
         def refused(*_: object) -> None:
@@ -310,11 +322,8 @@ def _refuse_what_is_no_xml(data: bytes, name: str) -> None:
     try:
         parser.Parse(data, True)
     except expat.ExpatError as error:
-        line, column = error.lineno, error.offset + 1
-        text = expat.ErrorString(error.code)
-        raise TaskFileError(
-            said("{name}:{line}:{column}: no XML: {text}", name=name, line=line, column=column, text=text)
-        ) from None
+        why = said("no XML: {text}", text=expat.ErrorString(error.code))
+        raise TaskFileError(name, why, error.lineno, error.offset + 1) from None
 
 
 def _cut(text: str, file_name: str) -> Document:
@@ -365,15 +374,7 @@ def _joined(pieces: list[str | Element]) -> str:
 def _too_deep(text: str, offset: int, name: str) -> TaskFileError:
     line = text.count("\n", 0, offset) + 1
     column = offset - text.rfind("\n", 0, offset)
-    return TaskFileError(
-        said(
-            "{name}:{line}:{column}: more than {limit} elements stand in each other",
-            name=name,
-            line=line,
-            column=column,
-            limit=DEPTH_MAX,
-        )
-    )
+    return TaskFileError(name, said("more than {limit} elements stand in each other", limit=DEPTH_MAX), line, column)
 
 
 def _plain(raw: str) -> str:

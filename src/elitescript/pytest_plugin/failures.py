@@ -125,8 +125,7 @@ def _lines(watched: WatchedRun, events: Sequence[Event]) -> list[tuple[int, int]
 
 
 def _alarm_lines(alarm: Alarm, source: SourceFile, start_tick: int) -> list[str]:
-    name = shown_word(source.name)
-    place = f"{name}:{alarm.line}:{alarm.column}" if alarm.line else name
+    place = source.where(alarm.line, alarm.column) if alarm.line else shown_word(source.name)
     text = continued(f"{alarm.code} {alarm.class_name}: {alarm.text}")
     lines = [f"{seconds(alarm.tick - start_tick):.3f} s  {place}: {text}"]
     if alarm.source_line:

@@ -137,7 +137,7 @@ class ScriptHost:
             on_abandoned=self._strand_abandoned,
             on_late=self._held_up,
         )
-        self.spend_event = self._scheduler.spend_event
+        self.spend_event = self._scheduler.spend
         if meter is not None:
             meter.held_up_max_us = round(1_000_000 * held_up_max_s) or _FOR_EVER_US
         self._has_warned = False

@@ -42,7 +42,7 @@ from elitescript.values.description import (
     unknown_of,
 )
 from elitescript.values.references import Library, Made, Method, ModuleType, Name, Own, OwnClass
-from elitescript.values.results import POSITION, result_of
+from elitescript.values.results import POSITION, at_sites, result_of
 from elitescript.values.state import CALL_DEPTH_MAX, CALLED_AT_MOST
 from elitescript.values.store import Cell, Function
 
@@ -206,18 +206,22 @@ class Calls(Conditions):
     def _call_command(
         self, node: ast.Call, command: Command, args: list[Value], keywords: dict[str, Value], is_certain: bool
     ) -> Value:
-        given = [*args, *keywords.values()]
-        if any(not value.kinds for value in given):
-            return BOTTOM
+        for value in args:
+            if not value.kinds:
+                return BOTTOM
+        for value in keywords.values():
+            if not value.kinds:
+                return BOTTOM
         if command.name == THREAD_STARTER:
             self._start(args, keywords, is_certain)
         if args and not command.takes_robot and not keywords and is_certain:
             folded = self._folded(node, command, args)
             if folded is not None:
                 return folded
-        result = self._results.get(node)
-        if result is None or len(self._results) > 100_000:
-            result = self._results[node] = result_of(command, self._site(node))
+        result = result_of(command)
+        if result.kinds & (LIST | DICT):
+            sites = self._site(node)
+            result = self._results.get(node) or self._results.setdefault(node, at_sites(command, sites))
         if command.name == "modbus_get_signal_status" and args:
             return self.signals.narrowed(result, args[0])
         counted_by, frame = command.details.result.counted_by, command.details.result.frame
@@ -246,7 +250,7 @@ class Calls(Conditions):
         if isinstance(result, tuple):
             if not all(isinstance(number, (bool, int, float)) for number in result):
                 return None
-            template = result_of(command, self._site(node))
+            template = result_of(command)
             roles: Sequence[Value] = ()
             if template.shape is not None and template.shape.items is not None:
                 roles = template.shape.items

@@ -12,6 +12,7 @@ from elitescript.values.description import (
     UNKNOWN,
     Value,
 )
+from elitescript.values.plain import MIRRORED
 from elitescript.values.state import State
 
 
@@ -42,8 +43,6 @@ class Conditions(State):
             self._narrow_class(test, outcome)
 
     def _narrow_comparison(self, test: ast.Compare, outcome: bool) -> None:
-        from elitescript.values.plain import MIRRORED
-
         op, left, right = type(test.ops[0]), test.left, test.comparators[0]
         self._narrow_side(left, op, self.values.get(right, UNKNOWN), outcome)
         mirrored = MIRRORED.get(op)

@@ -97,6 +97,9 @@ EVERYWHERE: Final = frozenset((-1,))
 NO_SITES: Final[frozenset[int]] = frozenset()
 
 
+_new: Final = object.__new__
+
+
 class Shape:
     """Describes the elements of a list, tuple, range, dict (its values) or iterator.
 
@@ -185,8 +188,8 @@ class Value:
         self.high = high
         self.constants = constants
         self.role = role
-        self.may = May(may)
-        self.must = Must(must)
+        self.may: May = may  # type: ignore[assignment]
+        self.must: Must = must  # type: ignore[assignment]
         self.shape = shape
         self.sites = sites
         self.refs = refs
@@ -230,9 +233,20 @@ class Value:
 
     def but(self, **changes: Any) -> Value:
         """Return a description that differs in some attributes."""
-        made: Value = object.__new__(Value)
-        for slot in Value.__slots__:
-            setattr(made, slot, changes[slot] if slot in changes else getattr(self, slot))
+        made: Value = _new(Value)
+        made.kinds = self.kinds
+        made.low = self.low
+        made.high = self.high
+        made.constants = self.constants
+        made.role = self.role
+        made.may = self.may
+        made.must = self.must
+        made.shape = self.shape
+        made.sites = self.sites
+        made.refs = self.refs
+        made.node = self.node
+        for name, value in changes.items():
+            setattr(made, name, value)
         return made
 
 

@@ -53,7 +53,11 @@ class Expressions(Calls):
 
     def expression(self, node: ast.expr) -> Value:
         """Return what an expression is, and note it."""
-        visit = _EXPRESSIONS.get(type(node))
+        kind = type(node)
+        if kind is ast.Constant:
+            self.values[node] = value = self._constant(node)  # type: ignore[arg-type]
+            return value
+        visit = _EXPRESSIONS.get(kind)
         if visit is None:
             for child in children(node):
                 if isinstance(child, ast.expr):
@@ -69,9 +73,12 @@ class Expressions(Calls):
         return value
 
     def _constant(self, node: ast.Constant) -> Value:
-        value = self._literals.get(node)
+        # Equal literals have one description.
+        written = node.value
+        key = (type(written), written)
+        value = self._literals.get(key)
         if value is None:
-            value = self._literals[node] = constant(node.value)
+            value = self._literals[key] = constant(written)
         return value
 
     def _name(self, node: ast.Name) -> Value:
@@ -129,12 +136,11 @@ class Expressions(Calls):
         operand = self.expression(node.operand)
         if operand.kinds & ROW:
             operand = self.sites.now(operand, self._function)
-        if operand.constants is not None:
-            value = self._literals.get(node)
+        if type(node.operand) is ast.Constant:
+            key = (type(node.op), operand)
+            value = self._literals.get(key)
             if value is None:
-                value = unary(node.op, operand)
-                if isinstance(node.operand, ast.Constant):
-                    self._literals[node] = value
+                value = self._literals[key] = unary(node.op, operand)
             return value
         return unary(node.op, operand)
 

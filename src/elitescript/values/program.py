@@ -37,6 +37,8 @@ class Values:
         if not self.is_known:
             return UNKNOWN
         found = self._evaluation.values.get(node, UNKNOWN)
+        if found.shape is None and not found.sites:
+            return found if found.kinds else UNKNOWN
         # What makes a list gives it as it is then, before anything changes it.
         is_new = bool(found.sites) and found.sites is self._evaluation.sites.known(node)
         return self._complete(found, is_new=is_new)

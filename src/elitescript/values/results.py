@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from math import inf
 from typing import Final
 
@@ -63,13 +64,23 @@ LIST_ROLES: Final = ("joints", "pose", "tcp", "joint speeds", "tool velocity", "
 """Roles of whole lists."""
 
 
-def result_of(command: Command, sites: frozenset[int]) -> Value:
-    """Return what a command returns.
+@cache
+def result_of(command: Command) -> Value:
+    """Return what a command returns; the lists in it have no sites, see `at_sites`."""
+    return _result_of(command, NO_SITES)
 
-    Args:
-        command: the command.
-        sites: where the lists are made that it returns.
-    """
+
+def at_sites(command: Command, sites: frozenset[int]) -> Value:
+    """Return what a command returns that makes lists at some sites."""
+    result = result_of(command)
+    shape = result.shape
+    inner = None if shape is None else shape.element if shape.items is None else shape.items[0]
+    if inner is not None and inner.shape is None and not inner.kinds & LIST:
+        return result.but(sites=sites)
+    return _result_of(command, sites)
+
+
+def _result_of(command: Command, sites: frozenset[int]) -> Value:
     details = command.details
     result = details.result
     returns = details.returns

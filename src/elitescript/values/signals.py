@@ -23,6 +23,8 @@ class Signals:
     def __init__(self, symbols: Symbols) -> None:
         self._kinds: dict[str, int] | None = {}
         for scope in symbols.scopes:
+            if not any(adder in scope.reads for adder in _ADDERS):
+                continue
             for call in scope.calls:
                 function = call.func
                 if not isinstance(function, ast.Name) or function.id not in _ADDERS:

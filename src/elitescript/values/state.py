@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections import deque
 from collections.abc import Collection, Sequence
-from typing import Final
+from typing import Any, Final
 
 from elitescript.language.options import LINE, SECONDARY
 from elitescript.language.scopes import Scope
@@ -82,7 +82,8 @@ class State:
         self._functions: dict[Scope, Function] = {}
         self._variables: dict[tuple[Scope | None, str], Variable] = {}
         self._names: dict[Scope, dict[str, Variable | None]] = {}
-        self._literals: dict[ast.AST, Value] = {}
+        self._literals: dict[tuple[type, Any], Value] = {}
+        """Of literals, by type and value, and of signs with the description of a literal behind them."""
         self._heads: dict[ast.AST, Locals] = {}
         self._builtins: dict[str, Value] = {}
         self._results: dict[ast.AST, Value] = {}
@@ -285,10 +286,7 @@ class State:
 
     def _site(self, node: ast.AST) -> frozenset[int]:
         """Return the place that makes a list or dict here."""
-        sites = self.sites.of(node)
-        (site,) = self.sites.at(sites)
-        site.maker = None if self._repeated else self._function
-        return sites
+        return self.sites.made_by(node, None if self._repeated else self._function)
 
     def _escape(self, value: Value) -> None:
         """Note that unknown code gets a value, and may change the lists in it."""

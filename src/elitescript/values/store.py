@@ -145,12 +145,17 @@ class Sites:
         self._sites: list[Site] = []
         self._numbers: dict[ast.AST, frozenset[int]] = {}
 
-    def of(self, node: ast.AST) -> frozenset[int]:
-        """Return the place that an expression is, as a set."""
+    def made_by(self, node: ast.AST, maker: Function | None) -> frozenset[int]:
+        """Return the place that an expression is, as a set; see `Site` for what makes a list there."""
         found = self._numbers.get(node)
         if found is None:
             found = self._numbers[node] = frozenset((len(self._sites),))
-            self._sites.append(Site())
+            site = Site()
+            self._sites.append(site)
+        else:
+            (number,) = found
+            site = self._sites[number]
+        site.maker = maker
         return found
 
     def known(self, node: ast.AST) -> frozenset[int] | None:

@@ -95,7 +95,8 @@ class JsonCheckReport(CheckReport):
         self._line(jsonlines.line(record))
 
     def problem(self, checked: CheckedFile, problem: Diagnostic) -> None:
-        self._line(jsonlines.line({"file": checked.name, **to_json(problem)}))
+        node = checked.source.place(problem.line)
+        self._line(jsonlines.line({"file": checked.name, **({"node": node} if node else {}), **to_json(problem)}))
 
 
 class GithubReport(CheckReport):

@@ -57,6 +57,9 @@ def parse_logs(text: str | None) -> frozenset[str]:
     return names
 
 
+_NO_SOURCE: Final = SourceFile("<program>", "")
+
+
 class JsonRunReport:
     """Prints one JSON object per line; hints go to standard error. `TextRunReport` documents the methods."""
 
@@ -64,15 +67,22 @@ class JsonRunReport:
         self._out = out
         self._reported: set[tuple[str, int]] = set()
         """Code and line of each problem found before the run, whose warnings are not repeated."""
+        self._source = _NO_SOURCE
 
     def _write(self, record: dict[str, Any]) -> None:
         self._out.write(jsonlines.line(record) + "\n")
         self._out.flush()
 
     def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
+        self._source = source or _NO_SOURCE
         for problem in problems:
             self._reported.add((problem.code, problem.line))
-            self._write(to_json(problem))
+            self._write(self._with_node(to_json(problem)))
+
+    def _with_node(self, record: dict[str, Any]) -> dict[str, Any]:
+        """Return a record with the node of a graphical program to which its line belongs."""
+        node = self._source.place(record.get("line") or 0) if self._source.places else ""
+        return {**record, "node": node} if node else record
 
     def goes_on(self, errors: int) -> None:
         print(_why_it_runs(errors), file=sys.stderr)
@@ -84,7 +94,7 @@ class JsonRunReport:
         is_reported = isinstance(event, Warned) and (event.code, event.line) in self._reported
         record = None if is_reported else record_of(event)
         if record is not None:
-            self._write(record)
+            self._write(self._with_node(record))
 
     def still_running(self, robot: VirtualRobot, wall_s: float) -> None:
         print(_where(robot, wall_s), file=sys.stderr)
@@ -137,9 +147,11 @@ class TextRunReport:
         self._start_s = 0.0
         self._reported: set[tuple[str, int]] = set()
         """Code and line of each problem found before the run, whose warnings are not repeated."""
+        self._source = _NO_SOURCE
 
     def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
         """Report the findings before the run."""
+        self._source = source or _NO_SOURCE
         counts: Counter[str] = Counter()
         for problem in problems:
             self._reported.add((problem.code, problem.line))
@@ -196,7 +208,7 @@ class TextRunReport:
             return
         role = event.severity
         kind = self._palette.paint(role, shown_word(f"{event.severity} {event.code}".rstrip()))
-        where = f"line {event.line}: " if event.line else ""
+        where = f"{self._source.line_words(event.line)}: " if event.line else ""
         self._problem(event.tick, f"{kind}: {where}{shown(event.text)}")
         if event.hint:
             print(self._palette.paint("hint", f"{'':14}hint: {shown(event.hint)}"), file=self._err)
@@ -211,7 +223,7 @@ class TextRunReport:
 
     def _alarm(self, alarm: Alarm) -> None:
         thread = "" if alarm.thread in ("", "main") else f", thread {shown_word(alarm.thread)}"
-        where = f" in line {alarm.line}{thread}" if alarm.line else thread
+        where = f" in {self._source.line_words(alarm.line)}{thread}" if alarm.line else thread
         paint = self._palette.paint
         kind = paint("alarm", f"ALARM {shown_word(alarm.code)}")
         self._problem(alarm.tick, f"{kind}{where}: {shown_word(alarm.class_name)}: {shown(alarm.text)}")

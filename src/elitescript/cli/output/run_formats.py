@@ -25,11 +25,10 @@ class FindingsReport(TextRunReport):
         super().__init__(sys.stderr, sys.stderr, logs)
         self._form = FORMATS[form](sys.stdout)
         self._problems: tuple[Diagnostic, ...] = ()
-        self._source: SourceFile | None = None
 
     def problems(self, problems: Iterable[Diagnostic], source: SourceFile | None) -> None:
         """Report the findings before the run, which are those of a program that is refused."""
-        self._problems, self._source = tuple(problems), source
+        self._problems = tuple(problems)
         super().problems(self._problems, source)
 
     def end(self, run: Run, *, is_interrupted: bool, overruns: int | None, is_spoilt: bool = False) -> None:
@@ -47,8 +46,7 @@ class FindingsReport(TextRunReport):
 
     def finish(self) -> None:
         """Write the findings."""
-        source = SourceFile("<program>", "") if self._source is None else self._source
-        self._form.file(CheckedFile(source.name, source, self._problems))
+        self._form.file(CheckedFile(self._source.name, self._source, self._problems))
         self._form.end()
 
 

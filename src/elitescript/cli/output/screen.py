@@ -86,7 +86,10 @@ def rendered(problem: Diagnostic, source: SourceFile | None, palette: Palette) -
     # Imported late: every command has this module, and few have findings.
     from elitescript.language.diagnostics import render
 
-    text = shown(str(problem)) if source is None else render(problem, source.name, source.line(problem.line))
+    if source is None:
+        text = shown(str(problem))
+    else:
+        text = render(problem, source.where(problem.line, problem.column), source.line(problem.line))
     if not palette.is_colored:
         return text
     rows = text.split("\n")

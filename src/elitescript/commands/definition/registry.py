@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar, get_args
 from elitescript.commands.definition.quantities import Anything, Optionally, Quantity, Vector
 from elitescript.commands.definition.results import COMPUTED, Result
 from elitescript.errors import ArgumentCountError, InternalError, ScriptError, ScriptStateError, UsageError
+from elitescript.messages.motion import DIRECTION_M
 from elitescript.messages.profile import release_of
 from elitescript.records import NamedTuple
 from elitescript.said import Said, counted, said
@@ -276,6 +277,8 @@ class Command:
             if value is None or value is param.default_value:
                 continue
             doubts = list(judge(value, robot.machine))
+            if self.name == "movel":
+                doubts = [doubt for doubt in doubts if not _is_direction(value, doubt)]
             if is_kind and (other := robot.mistaken(param.quantity.meaning, value)) is not None:
                 doubts.append(other)
             found += [
@@ -440,6 +443,11 @@ class _Details:
         """Index, parameter, judge, and whether it is joints or a pose; see `plausibility`."""
         self.kind = self.returns.meaning if self.returns.meaning in ("joints", "pose") else ""
         """Kind of a returned list: `joints` or `pose`; empty for others."""
+
+
+def _is_direction(target: Any, doubt: Doubt) -> bool:
+    """Return whether a doubtful target of `movel` is a direction, as the scripts of the pendant compute it."""
+    return doubt.code == "W231" and doubt.element is not None and abs(target[doubt.element]) >= DIRECTION_M
 
 
 def _judged(params: tuple[Param, ...]) -> tuple[tuple[int, Param, Judge, bool], ...]:

@@ -407,6 +407,8 @@ class MotionControl:
             self._rest_tick = end_tick
             self._source, self._next = self._next, None
             self._on_event(MotionEnded(end_tick, source.reaches_end))
+            if isinstance(source, Move) and source.reaches_end and source.plan.obstacle is not None:
+                self.on_obstacle(end_tick, source.plan.obstacle, source.thread, source.line)
             if self._source is not None and self._started is not None:
                 self._on_event(replace(self._started, tick=end_tick))
             self._started = None

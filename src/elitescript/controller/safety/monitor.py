@@ -161,7 +161,10 @@ class SafetyMonitor:
 def obstacle_breach(obstacle: Obstacle) -> Breach:
     """Return the breach for the joint range or singularity that a motion at a speed has reached."""
     joint = JOINT_NAMES[obstacle.joint] if obstacle.joint >= 0 else ""
-    if joint:
+    if obstacle.code == "R111" or not (joint or obstacle.limit):
+        first = "positions are in m: a target more than 100 m away is a direction; are millimetres meant?"
+        second = "end a motion in a direction before: call stopl in another thread, after an input, a way or a force"
+    elif joint:
         first = said(
             "end the motion before joint {joint} comes to the end of its range: give a time t and call stopj",
             joint=joint,

@@ -60,13 +60,12 @@ class SignalImage:
     """All points of `messages.signals` and their settings.
 
     Args:
-        on_change: called with family, index and value of every point that changes.
+        on_change: called with family, index, value of every point that changes, and its value before.
         on_override: called with family, index and level of an output that was written to without effect, as it is tied
             to the state of the program; once for each output and program.
 
     Attributes:
         faults: of inputs; None before the first one.
-        replaced: level of a point before the change of which `on_change` tells.
         freedrive_inputs: inputs that are bound to hand guiding, by family and index.
         tool_pins: configuration of the digital pins of the tool.
         tool_analog_mode: function of the shared pins of the tool.
@@ -85,14 +84,13 @@ class SignalImage:
         "_values",
         "faults",
         "freedrive_inputs",
-        "replaced",
         "tool_analog_mode",
         "tool_pins",
     )
 
     def __init__(
         self,
-        on_change: Callable[[str, int, Value], None],
+        on_change: Callable[[str, int, Value, Value], None],
         on_override: Callable[[str, int, Value], None] = lambda name, index, level: None,
     ) -> None:
         self._on_change = on_change
@@ -106,7 +104,6 @@ class SignalImage:
         self.freedrive_inputs: set[tuple[str, int]] = set()
         self._is_running = False
         self._image = _START
-        self.replaced: Value = False
         self._stale: set[str] = set()
         self.faults: InputFaults | None = None
         self.tool_pins: list[SetToolPin] = list(_DEFAULT_TOOL_PINS)
@@ -340,10 +337,10 @@ class SignalImage:
         values = self._values[name]
         if not isinstance(values, list):
             values = self._values[name] = list(values)
-        self.replaced = values[index]
+        before = values[index]
         values[index] = value
         self._stale.add(name)
-        self._on_change(name, index, value)
+        self._on_change(name, index, value, before)
 
 
 def _check_analog(name: str, index: int, value: float, domain: AnalogDomain) -> None:

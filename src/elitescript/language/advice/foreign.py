@@ -11,8 +11,8 @@ from collections.abc import Callable
 
 from elitescript.language.advice import python2
 from elitescript.language.diagnostics import Fix
-from elitescript.language.text.lexer import LogicalLine
-from elitescript.language.text.masked import NAME, OPERATOR_WORDS, compiled, operand_before
+from elitescript.language.text.lexer import NAME, LogicalLine
+from elitescript.language.text.masked import OPERATOR_WORDS, compiled, operand_before
 from elitescript.language.text.rewriting import Draft
 from elitescript.said import said
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from elitescript.language.diagnostics import Fix
-from elitescript.language.text.lexer import LogicalLine, StringToken
-from elitescript.language.text.masked import NAME, OPERATOR_WORDS, compiled, top_level
+from elitescript.language.text.lexer import NAME, LogicalLine, StringToken
+from elitescript.language.text.masked import OPERATOR_WORDS, compiled, top_level
 from elitescript.language.text.rewriting import Draft
 from elitescript.said import said
 

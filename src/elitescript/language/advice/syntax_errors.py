@@ -9,6 +9,7 @@ import re
 from keyword import iskeyword
 from typing import Final
 
+from elitescript.language.text.lexer import NAME
 from elitescript.language.text.masked import lex
 from elitescript.said import said
 
@@ -162,7 +163,7 @@ def explain(message: str, row: str, at: int = 0) -> tuple[str, str]:
                 return text, hint
         if re.search(r"//[ \t]*\w+[ \t]*$", row[:at]):
             return "a comment begins with `#`; `//` divides", "write `#` in place of `//`"
-        words = re.match(r"([^\W\d]\w*)[ \t]+([^\W\d]\w*)", stripped)
+        words = re.match(rf"({NAME})[ \t]+({NAME})", stripped)
         if words and not iskeyword(words[1]) and not iskeyword(words[2]):
             return said("something is missing between `{first}` and `{second}`", first=words[1], second=words[2]), said(
                 "a call is written {name}(...)", name=words[1]

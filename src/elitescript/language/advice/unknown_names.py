@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import ast
 import builtins
-from collections.abc import Collection, Container, Iterable, Mapping
+from collections.abc import Callable, Collection, Container, Iterable, Mapping
+from functools import cached_property
 from typing import Final, Protocol
 
 from elitescript.language.hooks import HOOKS
@@ -47,6 +48,8 @@ _PLACEHOLDERS: Final = ("null", "unconfigured")
 
 _LEAST_LIKENESS: Final = 0.8
 _SHORTEST: Final = 3
+_MOST_SEARCHES: Final = 20
+"""Names of one program for which similar ones are searched: each search goes through all names."""
 
 
 class Names(Protocol):
@@ -150,3 +153,30 @@ def owner_of(name: str, symbols: Symbols) -> Scope | None:
     """Return a function that has a local variable of that name."""
     functions = (scope for scope in symbols.scopes if scope.kind == "function")
     return next((scope for scope in functions if scope.has_local(name) and name not in scope.parameters), None)
+
+
+class Meant:
+    """Finds similar names for the first few unknown ones of a program.
+
+    Args:
+        names: returns the names that there are; called at the first search.
+    """
+
+    __slots__ = ("__dict__", "_found", "_make")
+
+    def __init__(self, names: Callable[[], Collection[str]]) -> None:
+        self._make = names
+        self._found: dict[str, str] = {}
+
+    @cached_property
+    def _names(self) -> Collection[str]:
+        return self._make()
+
+    def by(self, name: str) -> str:
+        """Return the name that is meant; empty if none is like it, or if too many were searched."""
+        found = self._found.get(name)
+        if found is None:
+            if len(self._found) >= _MOST_SEARCHES:
+                return ""
+            found = self._found[name] = nearest(name, self._names)
+        return found

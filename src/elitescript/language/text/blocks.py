@@ -14,7 +14,7 @@ from typing import Final
 from elitescript.language.diagnostics import Fix
 from elitescript.language.options import LINE
 from elitescript.language.text.flat import CLAUSES, restore_indentation
-from elitescript.language.text.lexer import LogicalLine
+from elitescript.language.text.lexer import LogicalLine, name_pattern
 from elitescript.language.text.masked import header_colon
 from elitescript.language.text.rewriting import BlockEnd, Draft
 from elitescript.said import said
@@ -43,8 +43,7 @@ def _end() -> re.Pattern[str]:
 
 
 @cache
-def _soft_header() -> re.Pattern[str]:
-    name = r"[^\W\d]\w*"
+def _soft_header(name: str) -> re.Pattern[str]:
     return re.compile(rf"(?:sec|thread)[ \t]+{name}[ \t]*\(|async[ \t]+(?:def|for|with)\b")
 
 
@@ -218,7 +217,7 @@ class _BlockReader:
     def _is_soft_header(word: str, code: str) -> bool:
         if word in ("match", "case"):
             return header_colon(code) > 0 and (word == "case" or code.endswith(":"))
-        return _soft_header().match(code) is not None
+        return _soft_header(name_pattern(code)).match(code) is not None
 
     def _header(self, block: _Block, line: LogicalLine, code: str, deeper_follows: bool) -> None:
         colon = header_colon(code)

@@ -7,10 +7,7 @@ from collections.abc import Iterator
 from functools import cache
 from keyword import iskeyword
 
-from elitescript.language.text.lexer import Lexed, TextScanner
-
-NAME = r"[^\W\d]\w*"
-"""Pattern of an identifier."""
+from elitescript.language.text.lexer import Lexed, TextScanner, is_in_word, name_pattern
 
 OPERATOR_WORDS = frozenset(("and", "as", "else", "for", "from", "if", "import", "in", "is", "not", "or"))
 """Keywords that may follow a value."""
@@ -73,7 +70,7 @@ def header_colon(code: str) -> int:
 def operand_before(code: str) -> bool:
     """Return whether masked code ends with a value: a name, a number, a string, a closing bracket."""
     code = code.rstrip()
-    if not code or not (code[-1].isalnum() or code[-1] in '_)]}"'):
+    if not code or not (is_in_word(code[-1]) or code[-1] in ')]}"'):
         return False
-    word = compiled(rf"{NAME}\Z").search(code)
+    word = compiled(rf"{name_pattern(code)}\Z").search(code)
     return word is None or not iskeyword(word.group()) or word.group() in ("True", "False", "None")

@@ -12,8 +12,8 @@ from collections.abc import Iterator
 
 from elitescript.language.diagnostics import Diagnostic, Edit, Fix, Severity, diagnostic
 from elitescript.language.options import Options
-from elitescript.language.text.lexer import Lexed, LogicalLine
-from elitescript.language.text.masked import NAME, compiled, top_level
+from elitescript.language.text.lexer import NAME, Lexed, LogicalLine
+from elitescript.language.text.masked import compiled, top_level
 from elitescript.language.text.source import SourceFile
 from elitescript.records import NamedTuple
 

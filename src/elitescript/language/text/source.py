@@ -10,6 +10,7 @@ from elitescript.errors import ProgramError
 from elitescript.language.diagnostics import Diagnostic, Fix, diagnostic
 from elitescript.records import field, record
 from elitescript.said import said
+from elitescript.shown import shown, shown_word
 from elitescript.untrusted.plain_text import EncodingError, plain_text
 
 BOM = "\ufeff"
@@ -23,10 +24,17 @@ class SourceFile:
 
     Line ends become LF and a leading byte order mark is dropped, so that a line is what an
     editor shows as one and columns count the characters that the author sees.
+
+    Attributes:
+        places: of the script of a graphical program, the node of each line, as people say it; empty for a line that
+            belongs to none. A text that was written by hand has none at all.
+        notes: what is known of the text besides: of the graphical program that it was generated from.
     """
 
     name: str
     text: str
+    places: tuple[str, ...] = field(default=(), repr=False, compare=False)
+    notes: tuple[Diagnostic, ...] = field(default=(), repr=False, compare=False)
     lines: tuple[str, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -62,6 +70,26 @@ class SourceFile:
     def line(self, n: int) -> str:
         """Return the line `n`, counted from 1, without its line end; empty outside the text."""
         return self.lines[n - 1] if 1 <= n <= len(self.lines) else ""
+
+    def place(self, n: int) -> str:
+        """Return the node of a graphical program to which the line `n` belongs; empty, if it belongs to none."""
+        return self.places[n - 1] if 1 <= n <= len(self.places) else ""
+
+    def where(self, line: int, column: int = 0) -> str:
+        """Return a place as reports begin with it: `FILE:LINE:COLUMN`, or `FILE: NODE (script line LINE)`."""
+        if self.places:
+            node = self.place(line)
+            return f"{shown_word(self.name)}: {shown(node)} (script line {line})" if node else self._script_line(line)
+        return f"{shown_word(self.name)}:{line}:{column}" if column else f"{shown_word(self.name)}:{line}"
+
+    def line_words(self, line: int) -> str:
+        """Return a line as sentences name it: `line 12`, or `10 MoveJ > 11 Home (script line 12)`."""
+        if node := self.place(line):
+            return f"{shown(node)} (script line {line})"
+        return f"script line {line}" if self.places else f"line {line}"
+
+    def _script_line(self, line: int) -> str:
+        return f"{shown_word(self.name)}: script line {line}"
 
 
 def apply_fixes(text: str, fixes: Iterable[Fix]) -> str:
@@ -99,3 +127,18 @@ def _bad_byte(data: bytes, error: EncodingError) -> Diagnostic:
     text = said("the text is {encoding}, not UTF-8: this line reads `{reads}`", encoding=error.encoding, reads=reads)
     hint = "`elitescript check --fix` converts the file to UTF-8; or save it as UTF-8 in the editor"
     return diagnostic("E002", line, column, text, hint=hint)
+
+
+def find_word(row: str, word: str, start: int = 0) -> int:
+    """Return the index of the first place of a line, from `start` on, where a word stands by itself; -1 if none."""
+    place = row.find(word, start)
+    while place >= 0:
+        end = place + len(word)
+        if (place == start or not _is_of_words(row[place - 1])) and (end == len(row) or not _is_of_words(row[end])):
+            return place
+        place = row.find(word, place + 1)
+    return -1
+
+
+def _is_of_words(sign: str) -> bool:
+    return sign.isalnum() or sign == "_"

@@ -24,7 +24,7 @@ def prefix_start(text: str, quote_at: int) -> int:
     while start > 0 and quote_at - start < 2 and text[start - 1] in "rRbBuUfF":
         start -= 1
     before = text[start - 1 : start]
-    if before and (before.isalnum() or before == "_"):
+    if before and (before.isalnum() or ("a" + before).isidentifier()):
         return quote_at
     return start
 

@@ -15,7 +15,7 @@ from typing import Final
 from elitescript.language.diagnostics import Diagnostic, diagnostic
 from elitescript.language.limits import MAX_UNIT_BYTES
 from elitescript.language.options import LINE, PROGRAM, SECONDARY
-from elitescript.language.text.lexer import structure_pattern
+from elitescript.language.text.lexer import name_pattern, structure_pattern
 from elitescript.language.text.strings import string_end_pattern
 from elitescript.records import record
 from elitescript.said import Said, counted, said
@@ -60,8 +60,8 @@ class DiscardedText:
 
 
 @cache
-def _opener() -> re.Pattern[str]:
-    return re.compile(r"(?P<word>def)[ \t]|(?P<sec>sec)[ \t]+[^\W\d]\w*[ \t]*\(")
+def _opener(name: str) -> re.Pattern[str]:
+    return re.compile(rf"(?P<word>def)[ \t]|(?P<sec>sec)[ \t]+{name}[ \t]*\(")
 
 
 @cache
@@ -175,7 +175,7 @@ class UnitSplitter:
         elif self._kind or line.strip():
             if not self._partial:
                 self._deliver(found)
-            elif not _opener().match(line):
+            elif not _opener(name_pattern(line)).match(line):
                 tracker = copy(self._tracker)
                 tracker.advance(line)
                 if not tracker.inside:
@@ -264,7 +264,7 @@ class UnitSplitter:
 
     def _take(self, line: str, size: int, found: list[Unit | DiscardedText]) -> None:
         """Take one whole line."""
-        opener = _opener().match(line) if line[:1] in "ds" else None
+        opener = _opener(name_pattern(line)).match(line) if line[:1] in "ds" else None
         if opener and not self._tracker.quote:
             # Even inside brackets: `def` cannot stand there, so one was never closed.
             if self._kind in (PROGRAM, SECONDARY):

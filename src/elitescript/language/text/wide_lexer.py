@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from elitescript.language.text.lexer import STRING_FILL, LogicalLine, StringToken, TextScanner, WideSign
+from elitescript.language.text.lexer import STRING_FILL, LogicalLine, StringToken, TextScanner, WideSign, is_in_word
 from elitescript.language.text.strings import prefix_start
 from elitescript.language.text.wide_signs import (
     CORNERS,
@@ -148,7 +148,7 @@ class WideScanner(TextScanner):
 
 def _is_in_word(text: str, start: int, end: int) -> bool:
     before, behind = text[start - 1 : start], text[end : end + 1]
-    return any(sign.isalnum() or sign == "_" for sign in (before, behind))
+    return any(sign.isalnum() or is_in_word(sign) for sign in (before, behind))
 
 
 def _plain_indentation(blank: str) -> str:

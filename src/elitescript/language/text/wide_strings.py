@@ -8,7 +8,7 @@ from functools import cache
 from itertools import chain
 from typing import Final
 
-from elitescript.language.text.lexer import WideSign
+from elitescript.language.text.lexer import MARKS, WideSign, is_in_word
 from elitescript.language.text.strings import string_end_pattern
 from elitescript.language.text.wide_signs import (
     BLANKS,
@@ -149,7 +149,7 @@ def corner_brackets(text: str, at: int) -> tuple[int, str]:
     if partner < 0:
         return -1, '"'
     body = "".join(map(plain_of, text[at + 1 : partner])).strip()
-    is_index = text[at - 1 : at].isalnum() or text[at - 1 : at] in ("_", ")", "]")
+    is_index = text[at - 1 : at].isalnum() or is_in_word(text[at - 1 : at]) or text[at - 1 : at] in (")", "]")
     if (is_index or "," in body) and _all_are(_NUMBER, body):
         return partner, "["
     is_code = not body or (body.isascii() and _all_are(rf"(?:{_NUMBER}|{_NAME}(?:\.{_NAME})*)", body))
@@ -179,7 +179,7 @@ def wide_in_fields(text: str, body: int, end: int, quote: str) -> Iterator[WideS
 
 @cache
 def _field_part() -> re.Pattern[str]:
-    return re.compile(rf"{structure_with_wide_signs().pattern}|\w+|.", re.DOTALL)
+    return re.compile(rf"{structure_with_wide_signs().pattern}|[\w{MARKS}]+|.", re.DOTALL)
 
 
 def _wide_in_field(text: str, position: int, end: int, quote: str, nesting: int = 0) -> Generator[WideSign, None, int]:

@@ -18,6 +18,7 @@ from math import dist
 from typing import Final
 
 from elitescript.commands.definition.plausibility import BLEND_MOST_M
+from elitescript.language.nodes import children
 from elitescript.lint.places import TargetPlaces
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
@@ -46,20 +47,12 @@ def _name(program: AnalysedProgram, place: int) -> str:
 
 def _blocks_of(program: AnalysedProgram, calls: list[ast.Call]) -> list[list[ast.stmt]]:
     """Return each list of statements of which some of the calls are one, once."""
-    by_statement: dict[ast.stmt, list[ast.stmt]] = {}
     found: dict[int, list[ast.stmt]] = {}
     for call in calls:
         statement = program.symbols.parent(call)
-        if not isinstance(statement, ast.Expr):
-            continue
-        if statement not in by_statement:
-            above = program.symbols.parent(statement)
-            for field in ("body", "orelse", "finalbody"):
-                block = getattr(above, field, None)
-                if isinstance(block, list):
-                    by_statement.update(dict.fromkeys(block, block))
-        block = by_statement[statement]
-        found[id(block)] = block
+        if isinstance(statement, ast.Expr):
+            _, block, _ = program.symbols.block_of(statement)
+            found[id(block)] = block
     return list(found.values())
 
 
@@ -72,7 +65,7 @@ def _block_findings(
         place = calls.get(call) if isinstance(call, ast.Call) else None
         if place is None:
             # A plain assignment moves nothing.
-            if not isinstance(statement, ast.Assign) or any(isinstance(n, ast.Call) for n in ast.walk(statement)):
+            if start is not None and (not isinstance(statement, ast.Assign) or _calls(statement)):
                 start = None
             continue
         if _name(program, place) in _MOVES:
@@ -81,6 +74,17 @@ def _block_findings(
             start = place
         elif program.command_calls[place].command.waits or _name(program, place) == "set_tcp":
             start = None
+
+
+def _calls(statement: ast.stmt) -> bool:
+    """Return whether anything is called in a statement."""
+    stack: list[ast.AST] = [statement]
+    while stack:
+        node = stack.pop()
+        if type(node) is ast.Call:
+            return True
+        stack += children(node)
+    return False
 
 
 def _judged(program: AnalysedProgram, places: TargetPlaces, start: int, place: int) -> Iterator[Finding]:

@@ -15,7 +15,9 @@ one.
 from __future__ import annotations
 
 import ast
+from bisect import bisect_right
 from collections.abc import Iterator
+from math import inf
 
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.language.scopes import Scope
@@ -76,21 +78,30 @@ def _stores(program: AnalysedProgram) -> dict[tuple[str, Scope | None], list[ast
         if isinstance(node.ctx, ast.Store) and isinstance(node.value, ast.Name):
             home = program.symbols.scope_of(node).home(node.value.id)
             found.setdefault((node.value.id, home), []).append(node)
+    for nodes in found.values():
+        nodes.sort(key=_line)
     return found
+
+
+def _line(node: ast.expr) -> int:
+    return node.lineno
 
 
 def _changed(
     scope: Scope, alias: ast.Assign, changed: str, other: str, stores: list[ast.Subscript]
 ) -> ast.Subscript | None:
     """Return the first change behind an alias whose other name is read after it, before either is given a new value."""
-    for store in sorted(stores, key=lambda node: node.lineno):
-        if store.lineno <= alias.lineno:
-            continue
-        renewed = [binding.line for name in (changed, other) for binding in scope.bindings[name]]
-        if any(alias.lineno < line <= store.lineno for line in renewed):
-            return None
-        until = min((line for line in renewed if line > store.lineno), default=None)
-        for read in scope.reads.get(other, ()):
-            if read.lineno > store.lineno and (until is None or read.lineno <= until):
-                return store
-    return None
+    place = bisect_right(stores, alias.lineno, key=_line)
+    if place == len(stores):
+        return None
+    store = stores[place]
+    until = inf
+    for name in (changed, other):
+        bindings = scope.bindings[name]
+        renewed = bisect_right(bindings, alias.lineno, key=lambda binding: binding.line)
+        if renewed < len(bindings):
+            until = min(until, bindings[renewed].line)
+    reads = scope.reads.get(other, [])
+    read = bisect_right(reads, store.lineno, key=_line)
+    is_read = read < len(reads) and reads[read].lineno <= until
+    return store if store.lineno < until and is_read else None

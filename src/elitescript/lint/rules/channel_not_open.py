@@ -17,7 +17,7 @@ import ast
 from collections.abc import Iterator
 from typing import Final
 
-from elitescript.language.advice.unknown_names import nearest
+from elitescript.language.advice.unknown_names import Meant
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.lint.called import Called, CalledCommands
 from elitescript.lint.program import AnalysedProgram
@@ -44,17 +44,18 @@ def channel_not_open(program: AnalysedProgram) -> Iterator[Finding]:
         opened.update(name or USUAL for name in names)
     if not opened or called.are_passed_on(_OPEN) or program.shares_globals:
         return
+    meant = Meant(lambda: opened)
+    listed = ", ".join(repr(name) for name in sorted(opened)[:4])
     for found in called:
         if not found.name.startswith("socket_") or found.name == _OPEN:
             continue
         names = tuple(name or USUAL for name in called.texts(found, _NAME, USUAL))
         if names and opened.isdisjoint(names):
-            yield _told(program, found, names[0], opened)
+            yield _told(program, found, names[0], opened, meant, listed)
 
 
-def _told(program: AnalysedProgram, found: Called, name: str, opened: set[str]) -> Finding:
+def _told(program: AnalysedProgram, found: Called, name: str, opened: set[str], likely: Meant, listed: str) -> Finding:
     node = found.given.get(_NAME)
-    listed = ", ".join(repr(other) for other in sorted(opened)[:4])
     if node is None:
         text = said(
             "{command}: no channel is named, and nothing opens the usual one, {usual!r}",
@@ -67,7 +68,7 @@ def _told(program: AnalysedProgram, found: Called, name: str, opened: set[str]) 
         return Finding(node, text, "what is sent comes first, the name of the channel behind it")
     if not name.strip("\r\n"):
         return Finding(node, text, said("the name comes first: suffix={name!r} is the mark behind the text", name=name))
-    meant = nearest(name, opened)
+    meant = likely.by(name)
     hint = said("is {meant!r} meant?", meant=meant) if meant else said("opened here: {listed}", listed=listed)
     fix = None
     if meant and isinstance(node, ast.Constant):

@@ -21,6 +21,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
+from elitescript.language.nodes import BLOCKS
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
 from elitescript.said import said
@@ -67,7 +68,7 @@ def _blocks(statements: list[ast.stmt]) -> Iterator[list[ast.stmt]]:
         for statement in block:
             if isinstance(statement, (ast.FunctionDef, ast.ClassDef)):
                 continue
-            for field in ("body", "orelse", "finalbody"):
+            for field in BLOCKS:
                 inner = getattr(statement, field, None)
                 if inner:
                     stack.append(inner)

@@ -16,6 +16,7 @@ has started the thread; where either is not known, nothing is said.
 from __future__ import annotations
 
 import ast
+from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from typing import Final
 
@@ -37,18 +38,26 @@ def ended_thread(program: AnalysedProgram) -> Iterator[Finding]:
     if program.parsed.kind not in (PROGRAM, SCRIPT):
         return
     symbols = program.symbols
-    for found in program.derived(CalledCommands).of(_START):
-        statements = symbols.body.statements
-        place = next((index for index, statement in enumerate(statements) if _holds(statement, found.call)), None)
-        if place is None or not isinstance(statements[place], (ast.Expr, ast.Assign)):
+    starts = program.derived(CalledCommands).of(_START)
+    if not starts:
+        return
+    left = _waiting(program, symbols.body.statements)
+    timelines: dict[Scope, list[tuple[float, Called]]] = {}
+    for found in starts:
+        statement = _statement_of_body(program, found.call)
+        if not isinstance(statement, (ast.Expr, ast.Assign)):
             continue
-        left_s = _waiting(program, statements[place + 1 :])
+        left_s = left[symbols.block_of(statement)[2] + 1]
         function = found.given.get("function")
         if left_s is None or not isinstance(function, ast.Name):
             continue
         for target in symbols.definitions(function.id, found.scope):
-            late = _too_late(program, target, left_s)
-            if late is not None:
+            if target not in timelines:
+                timelines[target] = list(_effects(program, target))
+            effects = timelines[target]
+            place = bisect_right(effects, left_s, key=lambda effect: effect[0])
+            if place < len(effects):
+                late = effects[place][1]
                 text = said(
                     "{command}: the program ends {left_s:g} s after it has started this thread, and ends it too",
                     command=late.name,
@@ -57,24 +66,32 @@ def ended_thread(program: AnalysedProgram) -> Iterator[Finding]:
                 yield Finding(late.call, text, "join_thread waits for a thread")
 
 
-def _holds(statement: ast.stmt, call: ast.Call) -> bool:
-    return statement.lineno <= call.lineno <= (statement.end_lineno or statement.lineno)
+def _statement_of_body(program: AnalysedProgram, call: ast.Call) -> ast.AST:
+    """Return the statement of the program's body in which a call stands."""
+    child: ast.AST = call
+    for above in program.symbols.ancestors(call):
+        if above is program.symbols.body.node:
+            break
+        child = above
+    return child
 
 
-def _waiting(program: AnalysedProgram, statements: Sequence[ast.stmt]) -> float | None:
-    """Return how long statements take, s; None if that is not known."""
-    seconds = 0.0
-    for statement in statements:
-        if isinstance(statement, (ast.FunctionDef, ast.ClassDef)):
-            continue
+def _waiting(program: AnalysedProgram, statements: Sequence[ast.stmt]) -> list[float | None]:
+    """Return how long what begins at each statement takes, s, and at their end; None where that is not known."""
+    left: list[float | None] = [0.0]
+    for statement in reversed(statements):
+        seconds = left[-1]
         if isinstance(statement, (ast.While, ast.For, ast.Try, ast.With, ast.Match)):
-            return None
-        for node in ast.walk(statement):
-            taken = _taken(program, node)
-            if taken is None:
-                return None
-            seconds += taken
-    return seconds
+            seconds = None
+        if seconds is not None and not isinstance(statement, (ast.FunctionDef, ast.ClassDef)):
+            for node in ast.walk(statement):
+                taken = _taken(program, node)
+                if taken is None:
+                    seconds = None
+                    break
+                seconds += taken
+        left.append(seconds)
+    return left[::-1]
 
 
 def _taken(program: AnalysedProgram, node: ast.AST) -> float | None:
@@ -92,28 +109,18 @@ def _taken(program: AnalysedProgram, node: ast.AST) -> float | None:
     return None if command.waits else 0.0
 
 
-def _too_late(program: AnalysedProgram, target: Scope, left_s: float) -> Called | None:
-    """Return the first call with an effect that a thread comes to after some time; None if there is none."""
+def _effects(program: AnalysedProgram, target: Scope) -> Iterator[tuple[float, Called]]:
+    """Yield the calls with an effect that a thread comes to, and after how long, s, as far as that is known."""
+    called = program.derived(CalledCommands)
     seconds = 0.0
     for statement in target.statements:
         if isinstance(statement, (ast.While, ast.For, ast.Try, ast.If, ast.With, ast.Match)):
-            return None
+            return
         for node in ast.walk(statement):
-            if seconds > left_s:
-                late = _effect(program, node)
-                if late is not None:
-                    return late
+            found = called.at(node)
+            if found is not None and found.name.startswith(_EFFECTS):
+                yield seconds, found
             taken = _taken(program, node)
             if taken is None:
-                return None
+                return
             seconds += taken
-    return None
-
-
-def _effect(program: AnalysedProgram, node: ast.AST) -> Called | None:
-    if not isinstance(node, ast.Call):
-        return None
-    for found in program.derived(CalledCommands):
-        if found.call is node and found.name.startswith(_EFFECTS):
-            return found
-    return None

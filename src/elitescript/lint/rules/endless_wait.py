@@ -20,6 +20,7 @@ import ast
 from collections.abc import Iterator
 from typing import Final
 
+from elitescript.language.scopes import Scope
 from elitescript.language.symbols import Resolution
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule, shown_source
@@ -90,10 +91,16 @@ def _stays(program: AnalysedProgram, node: ast.Name, loop: ast.While) -> bool:
     if symbols.is_nonlocal_inside(node.id, home) or node.id in program.presets:
         return False
     # A function that assigns a variable of its own instead is told by another rule.
-    if any(inner is not home and inner.has_local(node.id) for inner in home.walk()):
+    if any(inner is not home and _is_inside(inner, home) for inner in symbols.owners(node.id)):
         return False
     last = loop.end_lineno or loop.lineno
     return not any(loop.lineno <= binding.line <= last for binding in home.bindings[node.id])
+
+
+def _is_inside(scope: Scope | None, outer: Scope) -> bool:
+    while scope is not None and scope is not outer:
+        scope = scope.parent
+    return scope is outer
 
 
 def _only_waits(loop: ast.While) -> bool:

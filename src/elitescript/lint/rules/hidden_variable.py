@@ -45,8 +45,8 @@ def hidden_variable(program: AnalysedProgram) -> Iterator[Finding]:
             if (
                 home is None
                 or home.kind == "class"
-                or _is_used(name, scope)
-                or not _is_read_by_others(name, scope, home)
+                or program.symbols.reads_of(name, scope)
+                or not _is_read_by_others(name, home, program)
             ):
                 continue
             from elitescript.lint.insertions import declare
@@ -61,14 +61,9 @@ def hidden_variable(program: AnalysedProgram) -> Iterator[Finding]:
             yield Finding(program.name_span(first.node, name), text, hint, declare(program, "nonlocal", name, scope))
 
 
-def _is_used(name: str, scope: Scope) -> bool:
-    """Return whether something reads the variable that a scope has for itself."""
-    return any(name in inner.reads for inner in scope.walk() if inner is scope or inner.home(name) is scope)
-
-
-def _is_read_by_others(name: str, scope: Scope, home: Scope) -> bool:
+def _is_read_by_others(name: str, home: Scope, program: AnalysedProgram) -> bool:
     """Return whether something reads the variable of the enclosing program, which is no function or loop of its own."""
     kinds = {binding.kind for binding in home.bindings.get(name, ())}
     if not kinds & {*_ASSIGNMENTS, "parameter"} or kinds & {"for", "def", "import"}:
         return False
-    return any(name in other.reads and other.home(name) is home for other in home.walk() if other is not scope)
+    return bool(program.symbols.reads_of(name, home))

@@ -62,32 +62,27 @@ _LONGEST_COUNTER: Final = 2
 """Most characters of a name (`i`, `n2`) that counts as that of a loop counter."""
 
 
-def _is_used(name: str, scope: Scope) -> bool:
-    """Return whether something reads the variable `name` that `scope` has for itself."""
-    return any(name in inner.reads for inner in scope.walk() if inner is scope or inner.home(name) is scope)
-
-
 def _is_for_others(name: str, scope: Scope, program: AnalysedProgram) -> bool:
     """Return whether a loop variable of `scope` is not used there, while something reads a global of that name."""
-    if len(name) <= _LONGEST_COUNTER or name not in program.symbols.global_names or _is_used(name, scope):
+    if len(name) <= _LONGEST_COUNTER or name not in program.symbols.global_names:
         return False
-    return any(name in other.reads and other.home(name) is None for other in program.symbols.scopes)
+    return not program.symbols.reads_of(name, scope) and bool(program.symbols.reads_of(name, None))
 
 
 def _declaring_scope(name: str, scope: Scope, program: AnalysedProgram) -> Scope | None:
     """Return the scope whose `global` statement the assignment in `scope` misses."""
     if name not in program.symbols.global_names:
         return None
-    others = [other for other in program.symbols.scopes if name in other.globals]
+    first = program.symbols.declaring(name)[0]
     body = program.symbols.body
     if scope is body:
-        return others[0]
-    if scope.home(name) is not scope or any(name in above.nonlocals for above in scope.walk()):
+        return first
+    if scope.home(name) is not scope or program.symbols.is_nonlocal_inside(name, scope):
         return None
-    if body in others:
+    if name in body.globals:
         return body
     # Two functions may use the same name for different things, but an assigned variable has a use.
-    return None if _is_used(name, scope) else others[0]
+    return None if program.symbols.reads_of(name, scope) else first
 
 
 def _place(scope: Scope) -> str:

@@ -89,10 +89,7 @@ def _uses(call: ast.expr, scope: Scope, program: AnalysedProgram) -> Iterator[as
         if all(isinstance(target, ast.Name) for target in targets):
             for target in targets:
                 assert isinstance(target, ast.Name)
-                home = scope.home(target.id)
-                for other in program.symbols.scopes:
-                    if other.home(target.id) is home:
-                        yield from other.reads.get(target.id, ())
+                yield from program.symbols.reads_of(target.id, scope.home(target.id))
             return
     if not isinstance(above, ast.Expr):
         yield call

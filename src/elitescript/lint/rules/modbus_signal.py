@@ -19,7 +19,7 @@ import ast
 from collections.abc import Iterator
 from typing import Final
 
-from elitescript.language.advice.unknown_names import nearest
+from elitescript.language.advice.unknown_names import Meant
 from elitescript.language.diagnostics import Edit, Fix
 from elitescript.lint.called import Called, CalledCommands
 from elitescript.lint.program import AnalysedProgram
@@ -54,26 +54,21 @@ def modbus_signal(program: AnalysedProgram) -> Iterator[Finding]:
     added = added_signals(program)
     if not added or program.shares_globals:
         return
+    meant = Meant(lambda: added)
+    listed = ", ".join(map(repr, sorted(added)[:4]))
     for found in program.derived(CalledCommands):
         node = found.given.get(_NAME)
         if node is None or found.name in (_ADD, _ADD_BOTH):
             continue
         names = program.derived(CalledCommands).texts(found, _NAME, "")
         if names and added.keys().isdisjoint(names):
-            yield _unknown(program, found, node, names[0], added)
+            yield _unknown(program, found, node, names[0], meant.by(names[0]), listed)
         elif found.name in _WRITERS and len(names) == 1:
             yield from _unfit(found, node, names[0], added[names[0]])
 
 
-def _unknown(
-    program: AnalysedProgram, found: Called, node: ast.expr, name: str, added: dict[str, set[int | None]]
-) -> Finding:
-    meant = nearest(name, set(added))
-    hint = (
-        said("is {meant!r} meant?", meant=meant)
-        if meant
-        else said("added here: {added}", added=", ".join(map(repr, sorted(added)[:4])))
-    )
+def _unknown(program: AnalysedProgram, found: Called, node: ast.expr, name: str, meant: str, listed: str) -> Finding:
+    hint = said("is {meant!r} meant?", meant=meant) if meant else said("added here: {added}", added=listed)
     fix = None
     if meant and isinstance(node, ast.Constant):
         fix = Fix(said("write {meant!r}", meant=meant), (Edit(*program.span(node), f'"{meant}"'),), safe=False)

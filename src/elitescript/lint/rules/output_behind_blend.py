@@ -41,10 +41,15 @@ def output_behind_blend(program: AnalysedProgram) -> Iterator[Finding]:
             radii[found.call] = radius_m
     if not radii:
         return
-    moves = {found.call for found in program.derived(CalledCommands).of(*_MOVES)}
+    last = _last_moves(program)
     for found in program.derived(CalledCommands).of(*_OUTPUTS):
-        behind = _statement_before(program, found.call)
-        if isinstance(behind, ast.Expr) and behind.value in radii and _moves_on(program, found.call, moves):
+        statement = program.symbols.parent(found.call)
+        if not isinstance(statement, ast.Expr):
+            continue
+        _, block, place = program.symbols.block_of(statement)
+        behind = block[place - 1] if place else None
+        # Without another move there is no blend.
+        if isinstance(behind, ast.Expr) and behind.value in radii and last.get(id(block), 0) > place:
             radius_m = radii[behind.value]
             where = said(
                 "{radius_mm:g} mm before the point of line {line}", radius_mm=radius_m * 1000, line=behind.lineno
@@ -53,31 +58,17 @@ def output_behind_blend(program: AnalysedProgram) -> Iterator[Finding]:
             yield Finding(found.call, text, "a move without r ends at its point")
 
 
-def _block(program: AnalysedProgram, call: ast.Call) -> tuple[list[ast.stmt], int] | None:
-    """Return the block in which a call is a statement of its own, and its place."""
-    statement = program.symbols.parent(call)
-    if not isinstance(statement, ast.Expr):
-        return None
-    above = program.symbols.parent(statement)
-    for name in ("body", "orelse", "finalbody"):
-        block = getattr(above, name, None)
-        if isinstance(block, list):
-            for place, other in enumerate(block):
-                if other is statement:
-                    return block, place
-    return None
-
-
-def _statement_before(program: AnalysedProgram, call: ast.Call) -> ast.stmt | None:
-    found = _block(program, call)
-    return None if found is None or found[1] == 0 else found[0][found[1] - 1]
-
-
-def _moves_on(program: AnalysedProgram, call: ast.Call, moves: set[ast.Call]) -> bool:
-    """Return whether another move follows in the block: without one there is no blend."""
-    found = _block(program, call)
-    if found is None:
-        return False
-    block, place = found
-    following = (node for statement in block[place + 1 :] for node in ast.walk(statement))
-    return any(node in moves for node in following)
+def _last_moves(program: AnalysedProgram) -> dict[int, int]:
+    """Return the place of the last statement with a move in it, of each block by its identity."""
+    symbols = program.symbols
+    found: dict[int, int] = {}
+    seen: set[ast.AST] = set()
+    for called in program.derived(CalledCommands).of(*_MOVES):
+        for node in symbols.ancestors(called.call):
+            if node in seen:
+                break
+            seen.add(node)
+            field, block, place = symbols.block_of(node)
+            if field:
+                found[id(block)] = max(place, found.get(id(block), 0))
+    return found

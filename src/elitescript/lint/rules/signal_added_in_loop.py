@@ -15,6 +15,7 @@ Adding a signal again makes a new one, which has no value before the device has 
 from __future__ import annotations
 
 import ast
+from bisect import bisect_left
 from collections.abc import Iterator
 from typing import Final
 
@@ -25,7 +26,7 @@ from elitescript.lint.registry import Finding, rule
 from elitescript.said import said
 
 _NAME: Final = "signal_name"
-_ADD: Final = "modbus_add_signal"
+_ADDING: Final = ("modbus_add_signal", "modbus_add_rw_signal")
 _READ: Final = "modbus_get_signal_status"
 _DELETE: Final = "modbus_delete_signal"
 
@@ -35,8 +36,8 @@ def signal_added_in_loop(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such call."""
     called = program.derived(CalledCommands)
     uses: dict[tuple[str, ast.AST], dict[str, list[Called]]] = {}
-    adds = called.of(_ADD, "modbus_add_rw_signal")
-    for found in (*adds, *called.of(_READ, _DELETE)):
+    waits = sorted(found.call.lineno for found in program.command_calls if found.command.waits)
+    for found in called.of(*_ADDING, _READ, _DELETE):
         names = called.texts(found, _NAME, "")
         loop = next(loops(program.symbols, found.call), None)
         if len(names) == 1 and loop is not None:
@@ -45,8 +46,8 @@ def signal_added_in_loop(program: AnalysedProgram) -> Iterator[Finding]:
         if _READ not in by_command or _DELETE in by_command:
             continue
         first = min(found.call.lineno for found in by_command[_READ])
-        for found in adds:
-            if found in by_command.get(found.name, ()) and not _waits_between(program, found.call, first):
+        for found in (found for command in _ADDING for found in by_command.get(command, ())):
+            if not _waits_between(waits, found.call, first):
                 text = said(
                     "{command}: {name!r} is added again in each turn of the loop, and never gets a value",
                     command=found.name,
@@ -55,9 +56,7 @@ def signal_added_in_loop(program: AnalysedProgram) -> Iterator[Finding]:
                 yield Finding(found.call, text, "add it once, in front of the loop")
 
 
-def _waits_between(program: AnalysedProgram, call: ast.Call, line: int) -> bool:
-    """Return whether anything waits behind a call, in lines before another one."""
-    return any(
-        found.command.waits and found.call.lineno in range(call.lineno, line) and found.call is not call
-        for found in program.command_calls
-    )
+def _waits_between(waits: list[int], call: ast.Call, line: int) -> bool:
+    """Return whether anything waits behind a call, in lines before another one; `waits` are the lines that do."""
+    place = bisect_left(waits, call.lineno)
+    return place < len(waits) and waits[place] < line

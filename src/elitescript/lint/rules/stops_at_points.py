@@ -34,12 +34,15 @@ _COORDINATES: Final = 3
 @rule(code="N224", since="0.3")
 def stops_at_points(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the move of each such loop."""
+    steps_of: dict[ast.stmt, dict[str, float]] = {}
     for found in program.derived(CalledCommands).of("movel"):
         loop = next(loops(program.symbols, found.call), None)
         node = found.given.get("p")
         if loop is None or node is None or not _stops(program, found):
             continue
-        steps = _steps(program, loop, found.scope)
+        if loop not in steps_of:
+            steps_of[loop] = _steps(program, loop, found.scope)
+        steps = steps_of[loop]
         turns = _turns(program, loop, steps)
         if turns is None or turns < _LEAST_TURNS:
             continue

@@ -13,11 +13,11 @@ a script without a `def` may be part of a larger program, so only a name that it
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Iterator
 
-from elitescript.language.advice.unknown_names import nearest
+from elitescript.language.advice.unknown_names import Meant
 from elitescript.language.options import SCRIPT
+from elitescript.language.text.source import find_word
 from elitescript.lint.program import AnalysedProgram, Span
 from elitescript.lint.registry import Finding, rule
 from elitescript.said import said
@@ -29,17 +29,17 @@ def unassigned_global(program: AnalysedProgram) -> Iterator[Finding]:
     if program.shares_globals or program.secondaries:
         return
     scopes = program.symbols.scopes
+    read = {name for scope in scopes for name in scope.reads}
+    meant = Meant(lambda: {name for scope in scopes for name in scope.bindings})
     for name in sorted(program.symbols.global_names.difference(program.unread_names, program.presets)):
         if any(binding.kind != "delete" for binding in program.symbols.global_bindings(name)):
             continue
-        if program.parsed.kind == SCRIPT and any(name in scope.reads for scope in scopes):
+        if program.parsed.kind == SCRIPT and name in read:
             continue
-        first = min(
-            (statement for scope in scopes for statement in scope.globals.get(name, ())), key=lambda node: node.lineno
-        )
-        assigned = {other for scope in scopes for other in scope.bindings}
-        meant = nearest(name, assigned)
-        hint = said("is `{meant}` meant?", meant=meant) if meant else "give it a value, or leave the line out"
+        statements = [node for scope in program.symbols.declaring(name) for node in scope.globals[name]]
+        first = min(statements, key=lambda node: node.lineno)
+        other = meant.by(name)
+        hint = said("is `{meant}` meant?", meant=other) if other else "give it a value, or leave the line out"
         yield Finding(
             _name_in(first, name, program), said("nothing gives the global `{name}` a value", name=name), hint
         )
@@ -50,7 +50,7 @@ def _name_in(statement: ast.Global, name: str, program: AnalysedProgram) -> Span
     span = program.span(statement)
     for number in range(span.line, span.end_line + 1):
         start = span.column if number == span.line else 1
-        found = re.search(rf"(?<!\w){re.escape(name)}(?!\w)", program.source.line(number)[start - 1 :])
-        if found:
-            return Span(number, start + found.start(), number, start + found.end())
+        place = find_word(program.source.line(number), name, start - 1)
+        if place >= 0:
+            return Span(number, place + 1, number, place + 1 + len(name))
     return span

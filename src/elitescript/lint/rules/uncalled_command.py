@@ -85,9 +85,12 @@ def _is_condition(node: ast.Name, parent: ast.AST | None) -> bool:
 
 def _only_functions(name: str, scope: Scope, program: AnalysedProgram) -> list[ast.FunctionDef]:
     """Return the functions that a name stands for; none if it may be something else."""
-    bindings = program.symbols.bindings(name, scope)
-    functions = [binding.node for binding in bindings if isinstance(binding.node, ast.FunctionDef)]
-    return functions if len(functions) == len(bindings) else []
+    functions = []
+    for binding in program.symbols.bindings(name, scope):
+        if not isinstance(binding.node, ast.FunctionDef):
+            return []
+        functions.append(binding.node)
+    return functions
 
 
 def _needs_arguments(function: ast.FunctionDef) -> bool:
@@ -106,15 +109,14 @@ def _wants_the_result(program: AnalysedProgram, use: Use) -> bool:
         )
     if isinstance(parent, ast.Assign) and parent.value is use.node:
         targets = [target.id for target in parent.targets if isinstance(target, ast.Name)]
-        return len(targets) == len(parent.targets) and not any(_is_used_as_function(program, name) for name in targets)
+        return len(targets) == len(parent.targets) and program.derived(_used_as_functions).isdisjoint(targets)
     return False
 
 
-def _is_used_as_function(program: AnalysedProgram, name: str) -> bool:
-    """Return whether a name is called, or passed on to what may call it."""
-    return any(
-        node.id == name
-        and isinstance(node.ctx, ast.Load)
-        and not isinstance(program.symbols.parent(node), (ast.Expr, *_OPERATIONS))
+def _used_as_functions(program: AnalysedProgram) -> frozenset[str]:
+    """Return the names that are called, or passed on to what may call them."""
+    return frozenset(
+        node.id
         for node in program.nodes(ast.Name)
+        if isinstance(node.ctx, ast.Load) and not isinstance(program.symbols.parent(node), (ast.Expr, *_OPERATIONS))
     )

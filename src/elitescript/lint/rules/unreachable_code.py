@@ -13,11 +13,14 @@ generators put at the end of each loop) do not count.
 from __future__ import annotations
 
 import ast
+from bisect import bisect_right
 from collections.abc import Iterator
+from math import inf
 from typing import Final
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.language.hooks import LINE
+from elitescript.language.nodes import BLOCKS
 from elitescript.language.symbols import Resolution
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, rule
@@ -27,7 +30,8 @@ from elitescript.said import said
 @rule(code="W207", since="0.1", needs_all_lines=True)
 def unreachable_code(program: AnalysedProgram) -> Iterator[Finding]:
     """Report the first such statement of each block."""
-    reported: list[tuple[int, int]] = []
+    # Ranges of lines, in order; those that are nested are not reported.
+    reported: list[tuple[int, float]] = []
     blocks = sorted(_blocks(program), key=lambda block: block[0].lineno)
     for block in blocks:
         for index, statement in enumerate(block):
@@ -37,8 +41,9 @@ def unreachable_code(program: AnalysedProgram) -> Iterator[Finding]:
             first = next((other for other in rest if not _is_filler(other)), None)
             if first is None or _makes_generator(rest):
                 break
-            if not any(start <= first.lineno <= end for start, end in reported):
-                reported.append((first.lineno, rest[-1].end_lineno or rest[-1].lineno))
+            place = bisect_right(reported, (first.lineno, inf))
+            if not place or reported[place - 1][1] < first.lineno:
+                reported.insert(place, (first.lineno, rest[-1].end_lineno or rest[-1].lineno))
                 what = _WORDS.get(type(statement), "the lines above")
                 text = said(
                     "this is never reached: {what} in line {line} always leaves", what=what, line=statement.lineno
@@ -77,7 +82,7 @@ _LEAVING: Final = frozenset(("exit", "halt", "quit"))
 def _blocks(program: AnalysedProgram) -> Iterator[list[ast.stmt]]:
     for kind in _BLOCK_OWNERS:
         for owner in program.nodes(kind):
-            for field in ("body", "orelse", "finalbody"):
+            for field in BLOCKS:
                 block = getattr(owner, field, None)
                 if block:
                     yield block

@@ -239,15 +239,66 @@ def follow(
         raise
 
 
+def reach_along(
+    arm: Arm, limits: MotionLimits, path: FlangePath, q_start: Six, speed: float, acceleration: float
+) -> tuple[float, MotionError]:
+    """Return how far the arm can follow a path that leads out of its workspace, and why not farther.
+
+    Args:
+        arm, limits, path, q_start, speed, acceleration: as of `follow`; the path is longer than the arm reaches.
+
+    Returns:
+        A path position that is reached, at most `REACH_RESOLUTION` before the last one, and the refusal of the rest.
+
+    Raises:
+        MotionError: the start is outside the joint ranges already.
+    """
+    branch = branch_of(arm, q_start)
+    solved: list[float] = [0.0]
+    try:
+        _followed(arm, limits, path, q_start, branch, speed, acceleration, solved)
+    except MotionError as error:
+        refusal = error
+    else:
+        raise InternalError(f"a path of {path.length} {path.unit} inside the workspace")
+    if len(solved) < 2 and joint_outside(limits, q_start) is not None:
+        raise refusal
+    inside, outside = solved[-1], solved[-1] + max(INTERVAL_MIN, INTERVAL_M)
+    while outside - inside > REACH_RESOLUTION:
+        middle = 0.5 * (inside + outside)
+        T_base_flange, twist = path.flange_and_slope(middle)
+        q = solve_branch(arm, T_base_flange, branch)
+        try:
+            is_inside = q is not None and joint_outside(limits, unwrapped(q, q_start)) is None
+            if is_inside and q is not None:
+                _slope(arm, path, middle, twist, q)
+        except MotionError:
+            is_inside = False
+        inside, outside = (middle, outside) if is_inside else (inside, middle)
+    return max(solved[-1], inside - REACH_RESOLUTION), refusal
+
+
+REACH_RESOLUTION: Final = 1e-4
+"""How exactly the end of the reach along a line is found, m."""
+
+
 def _followed(
-    arm: Arm, limits: MotionLimits, path: FlangePath, q_start: Six, branch: int, speed: float, acceleration: float
+    arm: Arm,
+    limits: MotionLimits,
+    path: FlangePath,
+    q_start: Six,
+    branch: int,
+    speed: float,
+    acceleration: float,
+    solved: list[float] | None = None,
 ) -> JointTrack:
+    """Solve a path; see `follow`. `solved` gets the positions of its grid one after the other, up to a refusal."""
     joint = joint_outside(limits, q_start)
     if joint is not None:
         raise joint_range_error(limits, joint, q_start[joint], path.place(0.0), hint=RANGE_HINT)
     length = path.length
     slope_start = _slope(arm, path, 0.0, path.flange_and_slope(0.0)[1], q_start)
-    grid_s, grid_q, grid_slope = [0.0], [q_start], [slope_start]
+    grid_s, grid_q, grid_slope = [0.0] if solved is None else solved, [q_start], [slope_start]
     s_a, q_a, slope_a = 0.0, q_start, slope_start
     grid_ratios: list[Ratios] = []
     intervals = max(2, ceil(path.way / INTERVAL_M), ceil(path.sweep / INTERVAL_RAD))

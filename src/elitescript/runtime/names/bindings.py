@@ -9,8 +9,9 @@ name that it can look up is in its code objects.
 from __future__ import annotations
 
 import builtins
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
+from itertools import chain, repeat
 from types import CodeType, FunctionType
 from typing import TYPE_CHECKING, Any, Final, NoReturn
 
@@ -32,7 +33,7 @@ from elitescript.runtime.names.guards import (
     getattr_over,
 )
 from elitescript.runtime.names.modules import Facade, ModuleShelf
-from elitescript.runtime.stdlib.iteration import Step, iter_until
+from elitescript.runtime.stdlib.iteration import Steps, iter_until
 from elitescript.runtime.threads.scheduler import Scheduler, noting_calls
 from elitescript.runtime.threads.strand import UNCATCHABLE
 from elitescript.said import said
@@ -227,14 +228,16 @@ def _newer(name: str, command: Command, profile: Profile) -> Callable[..., NoRet
     return call
 
 
-def step_of(scheduler: Scheduler) -> Step:
-    """Return a checkpoint for loops of the runtime that run for a script."""
+def steps_of(scheduler: Scheduler) -> Steps:
+    """Return an iterator with a checkpoint in each step, for iterators that run for a script without end."""
     tick, checkpoint = scheduler.fuel.pop, scheduler.checkpoint
 
-    def step() -> bool:
-        return tick() or checkpoint()
+    def refilled(_: None) -> Iterator[bool]:
+        checkpoint()
+        return iter(tick, False)
 
-    return step
+    # As `tick() or checkpoint()`, but in C as long as there is work left.
+    return chain.from_iterable(chain([iter(tick, False)], map(refilled, repeat(None))))
 
 
 def _print(context: Context) -> Callable[..., None]:
@@ -401,7 +404,7 @@ _MADE: Final[dict[str, Callable[[Bindings], Any]]] = {
     "hash": lambda run: _hash(run.identities),
     "id": lambda run: _id(run.identities),
     "input": _copy_of(_input),
-    "iter": lambda run: iter_until(step_of(run.context.scheduler)),
+    "iter": lambda run: iter_until(steps_of(run.context.scheduler), lambda: run.shelf.copy("copy")),
     "open": lambda run: _open(run.files),
     "print": lambda run: _print(run.context),
     "quit": lambda run: _leaving(run.context, "quit"),

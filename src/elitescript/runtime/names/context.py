@@ -453,12 +453,14 @@ class Context:
         self.machine.emit(Warned(self.machine.tick, text, name, line, code, hint))
 
     def tell_refused(self, command: str, family: str, error: ScriptError) -> None:
-        """Let observers see that a command has refused a call."""
+        """Charge the thread for a call that a command has refused, and let observers see it."""
         from elitescript.messages.observations import CommandRefused
 
+        moves = family == "motion"
+        self.scheduler.spend_refusal(moves=moves)
         strand = self.scheduler.current
         line, thread = (0, "") if strand is None else (strand.line, strand.name)
-        self.machine.observe(CommandRefused(self.machine.tick, line, thread, command, str(error), family == "motion"))
+        self.machine.observe(CommandRefused(self.machine.tick, line, thread, command, str(error), moves))
 
     def warn_once(self, key: str, text: str, *, code: str = "", hint: str = "") -> None:
         """Record a warning, once in this program for each `key`."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Final, Protocol
 
-from elitescript.runtime.names.bindings import step_of
+from elitescript.runtime.names.bindings import steps_of
 from elitescript.runtime.names.context import Context
 from elitescript.runtime.names.modules import Facade, ModuleShelf
 from elitescript.runtime.stdlib.iteration import itertools_names
@@ -41,7 +41,7 @@ def own_names(name: str, program: Owner) -> dict[str, Any]:
 
 _MAKERS: Final[dict[str, Callable[[Owner], dict[str, Any]]]] = {
     "elicopy": lambda program: dict(vars(program.shelf.facade("copy"))),
-    "itertools": lambda program: itertools_names(step_of(program.scheduler)),
+    "itertools": lambda program: itertools_names(steps_of(program.scheduler), lambda: program.shelf.copy("copy")),
     "os": lambda program: os_names(program.context.task_files, program.processes, Facade),
     "random": lambda program: random_names(
         program.generator(), lambda: vars(program.shelf.facade("collections.abc"))["Sequence"]

@@ -1,10 +1,16 @@
-"""Endless iterators with a checkpoint in each step."""
+"""Endless iterators: those of Python, with a checkpoint in front of each step.
+
+A step itself is that of Python and has no checkpoint in its middle, so that threads can share an iterator.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
+from operator import itemgetter
+from types import ModuleType
 from typing import Any, Final
 
+from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.runtime.stdlib.loader import real
 
 _SHARED: Final = (
@@ -12,80 +18,73 @@ _SHARED: Final = (
     " pairwise permutations product starmap takewhile tee zip_longest"
 )
 
-_MISSING: Final = object()
-Step = Callable[[], object]
-"""Counts one unit of work; may let other threads run."""
+Steps = Iterator[object]
+"""Gives True without end. Each time it counts one unit of work, and may let other threads run."""
+Copies = Callable[[], ModuleType]
+"""Returns the module `copy` of the program."""
 
 
-def itertools_names(step: Step) -> dict[str, Any]:
+def itertools_names(steps: Steps, copies: Copies) -> dict[str, Any]:
     """Return the public names of `itertools` for one program."""
     host = real("itertools")
-
-    def count(start: Any = 0, step_by: Any = 1, **options: Any) -> Iterator[Any]:
-        """Return numbers from `start` on."""
-        step_by = options.pop("step", step_by)
-        if options:
-            raise TypeError(f"count() got an unexpected keyword argument {next(iter(options))!r}")
-        return _count(step, start, step_by)
-
-    def cycle(values: Iterable[Any]) -> Iterator[Any]:
-        """Return the values, over and over."""
-        return _cycle(step, iter(values))
-
-    def repeat(value: Any, times: Any = None) -> Iterator[Any]:
-        """Return a value, over and over or some times."""
-        return _repeat(step, value, times)
-
     names = {name: getattr(host, name) for name in (*_SHARED.split(), "batched") if hasattr(host, name)}
-    return {**names, "count": count, "cycle": cycle, "repeat": repeat}
+    endless = {name: _stepping(getattr(host, name), "itertools", name, steps, copies) for name in _ENDLESS}
+    return {**names, **endless}
 
 
-def iter_until(step: Step) -> Callable[..., Iterator[Any]]:
+_ENDLESS: Final = ("count", "cycle", "repeat")
+
+
+def iter_until(steps: Steps, copies: Copies) -> Callable[..., Any]:
     """Return `iter`; its form with two arguments has a checkpoint in each step."""
+    calls = _stepping(iter, "builtins", "callable_iterator", steps, copies)
 
-    def checked_iter(source: Any, sentinel: Any = _MISSING) -> Iterator[Any]:
-        if sentinel is _MISSING:
-            return iter(source)
-        if not callable(source):
-            raise TypeError("iter(v, w): v must be callable")
-        return _calls(step, source, sentinel)
+    def checked_iter(*args: Any) -> Any:
+        return calls(*args) if len(args) == 2 else iter(*args)
 
     checked_iter.__name__ = checked_iter.__qualname__ = "iter"
     return checked_iter
 
 
-def _calls(step: Step, function: Callable[[], Any], sentinel: Any) -> Iterator[Any]:
-    while True:
-        step()
-        value = function()
-        if value == sentinel:
-            return
-        yield value
+_SECOND: Final = itemgetter(1)
 
 
-def _count(step: Step, start: Any, step_by: Any) -> Iterator[Any]:
-    while True:
-        step()
-        yield start
-        start = start + step_by
+def _stepping(make: Callable[..., Any], module: str, name: str, steps: Steps, copies: Copies) -> Any:
+    """Return the class of the iterators that `make` makes, with a checkpoint in front of each step."""
 
+    # `zip` takes one element of each of its iterators in turn, in C: first a checkpoint, then a step of the inner one.
+    class Stepping(map, metaclass=Sealed):  # type: ignore[type-arg]
+        __slots__ = ("_inner",)
+        __module__ = module
+        __qualname__ = name
+        __reduce_ex__ = no_copy
 
-def _cycle(step: Step, values: Iterator[Any]) -> Iterator[Any]:
-    kept = []
-    for value in values:
-        step()
-        yield value
-        kept.append(value)
-    while kept:
-        for value in kept:
-            step()
-            yield value
+        def __new__(cls, *args: Any, **options: Any) -> Any:
+            return with_inner(cls, make(*args, **options))
 
+        if make is not iter:
 
-def _repeat(step: Step, value: Any, times: int | None) -> Iterator[Any]:
-    left = times
-    while left is None or left > 0:
-        step()
-        yield value
-        if left is not None:
-            left -= 1
+            def __repr__(self) -> str:
+                return repr(inner_of(self))
+
+        if hasattr(make, "__length_hint__"):
+
+            def __length_hint__(self) -> int:
+                hint: int = inner_of(self).__length_hint__()
+                return hint
+
+        def __copy__(self) -> Any:
+            return with_inner(type(self), copies().copy(inner_of(self)))
+
+        def __deepcopy__(self, memo: Any) -> Any:
+            return with_inner(type(self), copies().deepcopy(inner_of(self), memo))
+
+    def with_inner(kind: Any, inner: Any) -> Any:
+        made = map.__new__(kind, _SECOND, zip(steps, inner, strict=False))
+        set_inner(made, inner)
+        return made
+
+    type.__setattr__(Stepping, "__name__", name)
+    slot = hidden_slot(Stepping, "_inner")
+    inner_of, set_inner = slot.__get__, slot.__set__
+    return Stepping

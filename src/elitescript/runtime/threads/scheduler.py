@@ -33,6 +33,13 @@ WORK_PER_ACTIVATION: Final = 20
 WORK_PER_EVENT: Final = 20
 """Cost of an event in checkpoints (*assumed*), which limits the events of a loop in one tick."""
 
+WORK_PER_REFUSAL: Final = 20
+"""Cost of a call that a command refuses in checkpoints (*assumed*)."""
+
+WORK_PER_REFUSED_MOVE: Final = 200
+"""The same of a move, which is planned first (*assumed*): a loop that swallows refusals makes ten in a tick, as long as
+a tick takes. Elsewhere a clock would have to end it."""
+
 FLOOR: Final = 1000
 """False values below the fuel. In the last calls before the recursion limit `checkpoint` cannot be called, and each try
 takes one away."""
@@ -429,17 +436,28 @@ class Scheduler:
         del fuel[-count:]
         return True
 
-    def spend_event(self) -> None:
-        """Charge the running strand for an event: from its fuel, and as work what that does not hold."""
+    def spend_refusal(self, *, moves: bool) -> None:
+        """Charge the running strand for a call that a command has refused.
+
+        Args:
+            moves: it was planned as a move before it was refused.
+        """
+        self.spend(WORK_PER_REFUSED_MOVE if moves else WORK_PER_REFUSAL)
+
+    def spend(self, count: int = WORK_PER_EVENT) -> None:
+        """Charge the running strand for an event, or for something else that costs as much as so many checkpoints.
+
+        They are taken from its fuel, and are work where that does not hold them.
+        """
         strand = self.current
         if strand is not None:
             fuel = self.fuel
-            left = len(fuel) - WORK_PER_EVENT
+            left = len(fuel) - count
             if left < FLOOR:
-                strand.work += FLOOR - max(left, FLOOR - WORK_PER_EVENT)
+                strand.work += FLOOR - max(left, FLOOR - count)
                 left = FLOOR
             del fuel[left:]
-            self._unpaid = max(self._unpaid - WORK_PER_EVENT, 0)
+            self._unpaid = max(self._unpaid - count, 0)
 
     def wait(self, reason: str, until: int | None = None) -> bool:
         """Suspend the running strand until it is woken, or until a tick; return whether it was woken.

@@ -9,12 +9,13 @@ from typing import Any, Final
 
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.language.parser import Parsed, parse
+from elitescript.language.text.lexer import MARKS
 from elitescript.language.text.source import SourceFile
 
 MARK: Final = "@"
 """Before a name: the preset that stands in the place of a constant. The variable monitor leaves out such names."""
 
-_NAME: Final = re.compile(r"(\w+)((?:\[\d+\])*)")
+_NAME: Final = re.compile(rf"([\w{MARKS}]+)((?:\[\d+\])*)")
 
 
 def put_presets(parsed: Parsed, names: Sequence[str]) -> dict[str, str]:
