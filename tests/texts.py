@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -12,7 +13,10 @@ from elitescript.said import Said, template_of
 SOURCE = Path(__file__).resolve().parents[1] / "src" / "elitescript"
 
 
-PACKAGES = ("commands", "controller", "errors.py", "findings", "language", "lint", "messages", "motion", "runtime")
+PACKAGES = (
+    *("commands", "controller", "errors.py", "findings", "language", "lint", "messages", "modbus", "motion"),
+    "runtime",
+)
 """Where the texts of findings and alarms are written."""
 
 
@@ -23,15 +27,15 @@ def tree_of(path: Path) -> ast.Module:
 
 
 @cache
-def constants() -> frozenset[str]:
-    """Return every text that is written in these packages as it is."""
+def written() -> str:
+    """Return the source of these packages, with each text in one piece."""
     paths = [path for path in SOURCE.rglob("*.py") if path.relative_to(SOURCE).parts[0] in PACKAGES]
-    return frozenset(
-        node.value
-        for path in paths
-        for node in ast.walk(tree_of(path))
-        if isinstance(node, ast.Constant) and isinstance(node.value, str)
-    )
+    return re.sub(r'"\s+"', "", "\n".join(path.read_text(encoding="utf-8") for path in paths))
+
+
+def is_constant(text: str) -> bool:
+    """Return whether a text is written in the product as it is."""
+    return text in written() or text.replace("\\", "\\\\").replace('"', '\\"') in written()
 
 
 def parts(text: str) -> Iterator[str]:
@@ -49,7 +53,7 @@ def lost(text: str) -> list[str]:
     for part in parts(text):
         if isinstance(part, Said):
             assert part.template.format(**part.values) == part
-        elif part and part not in constants():
+        elif part and not is_constant(part):
             found.append(part)
         assert template_of(part)[:1] or not part
     return found

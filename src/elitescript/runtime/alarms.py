@@ -273,6 +273,8 @@ def _unknown_name(
         text = newer_firmware_text(name, command.since, profile)
         return "R105", "NameError", text, {"command": name, "hint": newer_firmware_hint(command.since)}
     hint = _advice(name, place, known, profile)
+    if text == f"name {name!r} is not defined":
+        text = said("name {name!r} is not defined", name=name)
     return UNCAUGHT, "NameError", text, {"hint": hint} if hint else {}
 
 

@@ -16,6 +16,7 @@ from elitescript.language.text.source import SourceFile
 from elitescript.runtime.connections.connection import Receiver, ScriptConnection
 from elitescript.runtime.stdlib.locks import holder_awaited
 from elitescript.runtime.threads.strand import ENDED, Strand
+from elitescript.said import Said, joined, said
 from elitescript.values.concrete import glance
 
 SHOWN_MAX: Final = 80
@@ -58,7 +59,7 @@ def reason_of(strand: Strand, source: SourceFile, read: ReadSignal, connections:
         tree = tree or parse(source).tree
         loop = _loop_at(tree, frame.f_lineno or 0)
         if loop is not None and frame.f_code.co_filename == source.name:
-            return "; ".join(filter(None, (held, _Loop(tree, loop, frame, read).words())))
+            return joined("; ", filter(None, (held, _Loop(tree, loop, frame, read).words())))
     return held
 
 
@@ -67,8 +68,10 @@ def _holder(strand: Strand) -> str:
     if holder is None:
         return ""
     if holder is strand:
-        return "it holds the lock itself"
-    return f"{holder.name} holds the lock" + (" and has ended" if holder.state is ENDED else "")
+        return Said("it holds the lock itself")
+    if holder.state is ENDED:
+        return said("{thread} holds the lock and has ended", thread=holder.name)
+    return said("{thread} holds the lock", thread=holder.name)
 
 
 def _data_there(strand: Strand, connections: Iterable[Receiver]) -> str:
@@ -76,12 +79,14 @@ def _data_there(strand: Strand, connections: Iterable[Receiver]) -> str:
     for connection in connections:
         if isinstance(connection, ScriptConnection) and connection.is_awaited_by(strand) and connection.received:
             data = bytes(connection.received[:SHOWN_MAX])
-            there = f"{data.decode('utf-8', 'backslashreplace')!r} is there"
+            there = said("{data!r} is there", data=data.decode("utf-8", "backslashreplace"))
             lacks = getattr(connection.rule, "lacks", None)
             if lacks is None:
                 return there
             what, wanted = lacks(data)
-            return f"{there}, {wanted}" if what == "count" else f"{there}, its {what} {wanted!r} has not come"
+            if what == "count":
+                return said("{there}, {count}", there=there, count=wanted)
+            return said("{there}, its {part} {mark!r} has not come", there=there, part=Said(what), mark=wanted)
     return ""
 
 
@@ -117,20 +122,34 @@ class _Loop:
     def words(self) -> str:
         """Return the condition of the loop, or those of its ends, with the values in them."""
         loop = self._loop
+        test, line = _text(loop.test), loop.lineno
         if not isinstance(loop.test, ast.Constant):
-            return f"`while {_text(loop.test)}` in line {loop.lineno} goes on{self._values(loop.test)}"
+            values = self._values(loop.test)
+            return said("`while {test}` in line {line} goes on{values}", test=test, line=line, values=values)
         exits = list(_exits(loop.body))[:EXITS_MAX]
         if not exits:
-            return f"`while {_text(loop.test)}` in line {loop.lineno} has no end"
-        ends = " or ".join(
-            f"in line {node.lineno} when `{_text(node.test)}`{self._values(node.test)}" for node in exits
+            return said("`while {test}` in line {line} has no end", test=test, line=line)
+        ends = joined(
+            " or ",
+            (
+                said(
+                    "in line {line} when `{test}`{values}",
+                    line=node.lineno,
+                    test=_text(node.test),
+                    values=self._values(node.test),
+                )
+                for node in exits
+            ),
         )
-        return f"`while {_text(loop.test)}` in line {loop.lineno} is left {ends}"
+        return said("`while {test}` in line {line} is left {ends}", test=test, line=line, ends=ends)
 
     def _values(self, test: ast.expr) -> str:
-        said = [f"{name} is {_shown(value)}{self._setters(node)}" for node, name, value in self._atoms(test)]
-        said += self._line_ends(test)
-        return ": " + ", ".join(said) if said else ""
+        parts = [
+            said("{name} is {value}{setters}", name=name, value=_shown(value), setters=self._setters(node))
+            for node, name, value in self._atoms(test)
+        ]
+        parts += self._line_ends(test)
+        return said(": {values}", values=joined(", ", parts)) if parts else ""
 
     def _atoms(self, test: ast.expr) -> Iterator[tuple[ast.expr, str, Any]]:
         """Yield what a condition reads, each once: node, text, value."""
@@ -170,7 +189,7 @@ class _Loop:
                     return ""
                 if line > loop.lineno or _scope_at(self._tree, line) is not own:
                     lines.add(line)
-        return f" (set in line {', '.join(map(str, sorted(lines)))})" if lines else ""
+        return said(" (set in line {lines})", lines=", ".join(map(str, sorted(lines)))) if lines else ""
 
     def _line_ends(self, test: ast.expr) -> Iterator[str]:
         for node in ast.walk(test):
@@ -180,7 +199,7 @@ class _Loop:
                     for side in (node.left, node.comparators[0])
                 )
                 if isinstance(left, str) and isinstance(right, str) and left != right and left.strip() == right.strip():
-                    yield f"{left!r} and {right!r} differ by a line end or blanks"
+                    yield said("{left!r} and {right!r} differ by a line end or blanks", left=left, right=right)
 
 
 def _exits(body: list[ast.stmt]) -> Iterator[ast.If]:

@@ -53,7 +53,7 @@ def handle_as_value(program: AnalysedProgram) -> Iterator[Finding]:
                 "`{expression}` is the handle of a thread, not what its function returns", expression=ast.unparse(node)
             )
             hint = "what a thread returns is lost: let it write a global or `nonlocal` variable"
-            yield Finding(node, f"{where}: {text}" if where else text, hint)
+            yield Finding(node, said("{where}: {text}", where=where, text=text) if where else text, hint)
 
 
 def _is_a_value(node: ast.Compare) -> bool:
