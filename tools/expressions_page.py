@@ -9,11 +9,11 @@ from elitescript import VirtualRobot
 from elitescript.errors import UsageError
 from elitescript.properties.checks import Checks
 from elitescript.properties.functions import EXPONENT_MAX, FUNCTIONS
-from elitescript.properties.grammar import DEPTH_MAX, TEXT_MAX
 from elitescript.properties.names import ALARM, CONTACT, OVER_TIME, RECORD
 from elitescript.properties.over_time import FUNCTIONS_OVER_TIME
 from elitescript.properties.parsing import parse_measure, parse_property
 from elitescript.run import Run
+from elitescript.values.plain import DEPTH_MAX, TEXT_MAX
 from tools.markdown import NOTICE, cell, code
 
 PROGRAM: Final = """\
@@ -52,7 +52,7 @@ OF_TIME: Final = {
     "t": "always(t < 4)",
     "q": "always(max(q) < 1.6)",
     "qd": "max_of(abs(qd[1]))",
-    "tcp": "min_of(tcp[2])",
+    "tcp": "min_of(tcp.z)",
     "tcp_speed": "max_of(tcp_speed) < 0.5",
     "line": "first(line == 7)",
 }
@@ -70,8 +70,8 @@ OF_FUNCTIONS: Final = {
     "cos": "cos(joints[4])",
 }
 OVER: Final = {
-    "always": "always(tcp[2] > 0.4)",
-    "eventually": 'eventually(signal("standard_digital_out[0]"))',
+    "always": "always(tcp.z > 0.4)",
+    "eventually": "eventually(standard_digital_out[0])",
     "before": 'before(tcp[2] < 0.45, signal("standard_digital_out[0]"))',
     "max_of": "max_of(hypot(tcp[0], tcp[1])) < 0.9",
     "min_of": "min_of(tcp[2])",
@@ -87,12 +87,14 @@ INTRODUCTION: Final = """\
 {notice}
 `sweep --ensure EXPRESSION` asks whether something holds of each run, and `--measure NAME=EXPRESSION` writes a
 number of each run into its row. They look like Python, but only what stands on this page is possible, and
-nothing of them is run as Python: no dots, no calls of anything else. Names of signals, and of the globals of
+nothing of them is run as Python: no calls of anything else. Names of signals, and of the globals of
 the program, are checked before the first run. In Python they are `elitescript.properties`.
 
 An expression has numbers, texts, lists of these, `pi`, `+ - * / // %`, `**` with a literal from -{exponent} to
 {exponent}, `< <= > >= == !=` (also `0 < x < 1`), `in`, `is None`, `and or not`, `a if c else b`, and parts such as
-`joints[0]` with a literal in the brackets. It has {length:,} characters at most, nested {depth} deep.
+`joints[0]` with a literal in the brackets. Elements have names too: `tcp.z` (x, y, z, rx, ry, rz) and `q.base` (base,
+shoulder, elbow, wrist1, wrist2, wrist3). A signal is written as in world files and in the debugger:
+`standard_digital_out[0]`. It has {length:,} characters at most, nested {depth} deep.
 
 The outcomes on this page are those of this program:
 """
@@ -107,8 +109,9 @@ those of `contacts` are {contact}.
 OVER_A_RUN: Final = """\
 ## Over time
 
-Inside these functions, and only there, stand the names of the next table and `signal("NAME")`, the level of a
-[signal](signals.md). Names of the record do not stand inside, nor one function over time in another.
+Inside these functions, and only there, stand the names of the next table. A [signal](signals.md) has its level of the
+moment there, outside that at the end of the run; `signal("NAME")` is the same. Names of the record do not stand
+inside, nor one function over time in another.
 """
 
 MOMENTS: Final = """\

@@ -31,6 +31,8 @@ LEVELS = {
         ("{'x': a}['x']", 10),
         ("'b' in ['b'] and a != 3", True),
         ("len('abc') + abs(-2)", 5),
+        ("'T%03d' % a", "T010"),
+        ("standard_digital_out[1] or 'none'", "none"),
     ],
 )
 def test_they_come_to_what_python_makes_of_them(text, value):
@@ -59,6 +61,7 @@ def test_they_say_which_signals_they_depend_on():
         ("f'{1}'", "is not possible here"),
         ("(" * 500 + ")" * 500, "is no expression"),
         ("1" * 3000, "2000 characters at most"),
+        ("-" * 60 + "1", "more than 40 deep"),
         (3, "write an expression as a text"),
         ("standard_digital_out[0] && a", "write `and` instead of `&&`"),
         ("standard_digital_out[0] || a", "write `or` instead of `\\|\\|`"),
@@ -81,3 +84,8 @@ def test_what_is_not_possible_is_refused(text, words):
 def test_values_that_do_not_fit_are_explained():
     with pytest.raises(UsageError, match="'1 / a' cannot be worked out: ZeroDivisionError"):
         Expression("1 / a", ("a",)).value(LEVELS.__getitem__, {"a": 0})
+
+
+def test_what_would_take_the_memory_is_refused():
+    with pytest.raises(UsageError, match="the result would be too large"):
+        Expression("'a' * a", ("a",)).value(LEVELS.__getitem__, {"a": 10**10})

@@ -14,7 +14,16 @@ from elitescript.messages.machine import AskSafety, PauseTask, StopTask
 from elitescript.messages.outcomes import Done, Refused, ShownValue
 from tests.kernel.machine import FOREVER, READY, Session
 
+TREE = b"""<EliTask name="tree" installationName="tree" robotType="CS66"><MainTask isTaskAlwaysLoops="false">
+<ScriptNode scriptType="LINE_TYPE"><Expression><ExpressionTokenCell scriptCode="textmsg(greeting)"/></Expression>
+</ScriptNode>
+</MainTask></EliTask>"""
 FILES = {
+    "tree.task": TREE,
+    "tree.script": b"textmsg('an older one')\n",
+    "tree.configuration.variables": b"""<VariablesManager>
+<Variable name="greeting" value="&quot;hello&quot;"/></VariablesManager>""",
+    "untaught.task": b"<EliTask><MainTask><MoveNode><WaypointNode/></MoveNode></MainTask></EliTask>",
     "beside.task": b"<task/>",
     "beside.script": b"def beside():\n  textmsg('beside')\nend\n",
     "sub/inner.task": b"<task/>",
@@ -52,7 +61,16 @@ def play(session: Session) -> Any:
 class TestLoading:
     @pytest.mark.parametrize(
         "path",
-        ["beside.task", "sub/inner.task", "beside", "beside.script", "sub/LOUD.task", "sub/LOUD.SCRIPT", "loud.task"],
+        [
+            "tree.task",
+            "beside.task",
+            "sub/inner.task",
+            "beside",
+            "beside.script",
+            "sub/LOUD.task",
+            "sub/LOUD.SCRIPT",
+            "loud.task",
+        ],
     )
     def test_what_is_loaded_is_shown_as_it_was_sent(self, session, path):
         assert load(session, path) == Done()
@@ -92,6 +110,15 @@ class TestPlaying:
         load(session, path)
         assert play(session) == Done()
         assert session.texts == [text]
+
+    def test_the_script_of_a_graphical_program_runs_whatever_stands_beside_it(self, session):
+        load(session, "tree.task")
+        assert play(session) == Done()
+        assert session.texts == ["hello"]
+
+    def test_a_graphical_program_that_cannot_be_generated_is_refused(self, session):
+        load(session, "untaught.task")
+        assert "the waypoint has never been taught" in play(session).reason
 
     def test_the_snapshot_of_the_answer_shows_that_it_runs(self, session):
         load(session, "endless.task")

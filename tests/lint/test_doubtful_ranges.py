@@ -55,7 +55,7 @@ def test_a_range_with_one_value_that_may_be_meant_is_not_found(meaning):
         ("n = read_input_integer_register(3)\nif n > 60:\n  set_payload(n, [0, 0, 0])\nend", ["W233"]),
         ("n = read_input_integer_register(3)\nif n < 0:\n  set_standard_analog_out(0, n)\nend", ["W234"]),
         ("def go(v):\n  movel(get_actual_tcp_pose(), v=v)\nend\ngo(250)\ngo(300)", ["W232"]),
-        ("def go(v):\n  movel(get_actual_tcp_pose(), v=v)\nend\ngo(250)\ngo(0.3)", []),
+        ("def go(v):\n  movel(get_actual_tcp_pose(), v=v)\nend\ngo(250)\ngo(0.3)", ["W232"]),
         (f"{LARGE}\np = get_actual_tcp_pose()\np[2] = z", ["W231"]),
     ],
 )

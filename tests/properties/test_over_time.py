@@ -91,3 +91,18 @@ def test_an_arm_that_lags_is_seen_as_its_target():
 def test_many_random_expressions_come_to_what_every_tick_says(block):
     for seed in range(1000 + 12 * block, 1012 + 12 * block):
         compare(seed, 10)
+
+
+def test_signals_and_elements_have_the_same_names_inside():
+    program = "def f():\n  movej([0.3, -1.5, -1.6, -1.5, 1.5, 0])\n  set_standard_digital_out(0, True)\nend\n"
+    pairs = [
+        ("first(standard_digital_out[0])", 'first(signal("standard_digital_out[0]"))'),
+        ("max_of(q.base)", "max_of(q[0])"),
+        ("min_of(tcp.z)", "min_of(tcp[2])"),
+        ("max_of(abs(qd.shoulder))", "max_of(abs(qd[1]))"),
+        ("max_of(tool_analog_in)", 'max_of(signal("tool_analog_in"))'),
+    ]
+    results = measured(program, [], [text for pair in pairs for text in pair]).measures
+    for one, other in pairs:
+        assert results[one] == results[other], one
+    assert results["max_of(q.base)"] == pytest.approx(0.3)

@@ -61,6 +61,7 @@ def full(text, held):
         ("[e * 2 for e in q]", [6, 10]),
         ("f'{q[0]:03d}'", "003"),
         ("2 ** 70", 2**70),
+        ("'%03d of 100 %% * %s' % (i, text)", "001 of 100 % * go "),
     ],
 )
 def test_a_value(text, value):
@@ -91,7 +92,17 @@ def test_what_could_run_the_program_is_refused(text):
 
 
 @pytest.mark.parametrize(
-    "text", ["sum(big)", "big + [1]", "1.5 in big", "[e for e in big]", "'a' * 10 ** 9", "9 ** 9 ** 9"]
+    "text",
+    [
+        "sum(big)",
+        "big + [1]",
+        "1.5 in big",
+        "[e for e in big]",
+        "'a' * 10 ** 9",
+        "9 ** 9 ** 9",
+        "'%99999999d' % 1",
+        "b'%*d' % (10 ** 9, 1)",
+    ],
 )
 def test_a_glance_is_short(text):
     assert glance(ast.parse(text, mode="eval").body, {"big": [0.0] * (GLANCE_SIZE_MAX + 1)}) is UNKNOWN

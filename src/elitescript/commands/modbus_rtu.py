@@ -24,7 +24,7 @@ from elitescript.commands.definition.quantities import (
     Whole,
 )
 from elitescript.commands.definition.registry import Function, alias, command
-from elitescript.commands.definition.results import DONE, RECEIVED, STATE
+from elitescript.commands.definition.results import DONE, RECEIVED, WRITTEN
 from elitescript.commands.serial import CABINET_PORT, TOOL_PORT, CabinetPort, cabinet_device
 from elitescript.errors import ArgumentRangeError
 from elitescript.said import said
@@ -147,11 +147,11 @@ def tool_modbus_read_input_bits(
 @_rtu("3.39", _SINGLE_BIT)
 def tool_modbus_write_single_bit(
     robot: Robot, slave: Slave, addr: Address, data: Whole, timeout: RequestTimeOut = TIME_OUT
-) -> Annotated[Whole, STATE]:
+) -> Annotated[Whole, WRITTEN]:
     """Write one coil of a slave through the port of the tool (function code 0x05).
 
     Returns:
-        1 if it was written, 0 and less if not.
+        1 if it was written; what is less than 0 is a failure too.
     """
     return _write(robot, TOOL_PORT, WRITE_COIL, slave, addr, int(data != 0), timeout)
 
@@ -159,11 +159,11 @@ def tool_modbus_write_single_bit(
 @_rtu("3.40", _SINGLE)
 def tool_modbus_write_single_register(
     robot: Robot, slave: Slave, addr: Address, data: RegisterValue, timeout: RequestTimeOut = TIME_OUT
-) -> Annotated[Whole, STATE]:
+) -> Annotated[Whole, WRITTEN]:
     """Write one holding register of a slave through the port of the tool (function code 0x06).
 
     Returns:
-        1 if it was written, 0 and less if not.
+        1 if it was written; what is less than 0 is a failure too.
     """
     return _write(robot, TOOL_PORT, WRITE_REGISTER, slave, addr, data, timeout)
 
@@ -176,11 +176,11 @@ def serial_modbus_write_registers(
     data: Registers,
     timeout: RequestTimeOut = TIME_OUT,
     port: CabinetPort = CABINET_PORT,
-) -> Annotated[Whole, STATE]:
+) -> Annotated[Whole, WRITTEN]:
     """Write holding registers of a slave through the port of the control box (function code 0x10).
 
     Returns:
-        How many were written, 0 and less for a failure.
+        How many were written; what is less than 0 is a failure too.
     """
     return _write(robot, cabinet_device(robot, port), WRITE_REGISTERS, slave, address, data, timeout)
 
@@ -193,11 +193,11 @@ def serial_modbus_write_bits(
     data: Bits,
     timeout: RequestTimeOut = TIME_OUT,
     port: CabinetPort = CABINET_PORT,
-) -> Annotated[Whole, STATE]:
+) -> Annotated[Whole, WRITTEN]:
     """Write coils of a slave through the port of the control box (function code 0x0F).
 
     Returns:
-        How many were written, 0 and less for a failure.
+        How many were written; what is less than 0 is a failure too.
     """
     return _write(robot, cabinet_device(robot, port), WRITE_COILS, slave, address, data, timeout)
 
@@ -278,11 +278,11 @@ def serial_modbus_write_single_bit(
     data: Whole,
     timeout: RequestTimeOut = TIME_OUT,
     port: CabinetPort = CABINET_PORT,
-) -> Annotated[Whole, STATE]:
+) -> Annotated[Whole, WRITTEN]:
     """Write one coil of a slave through the port of the control box (function code 0x05).
 
     Returns:
-        1 if it was written, 0 and less if not.
+        1 if it was written; what is less than 0 is a failure too.
     """
     return _write(robot, cabinet_device(robot, port), WRITE_COIL, slave, address, int(data != 0), timeout)
 
@@ -295,11 +295,11 @@ def serial_modbus_write_single_register(
     data: RegisterValue,
     timeout: RequestTimeOut = TIME_OUT,
     port: CabinetPort = CABINET_PORT,
-) -> Annotated[Whole, STATE]:
+) -> Annotated[Whole, WRITTEN]:
     """Write one holding register of a slave through the port of the control box (function code 0x06).
 
     Returns:
-        1 if it was written, 0 and less if not.
+        1 if it was written; what is less than 0 is a failure too.
     """
     return _write(robot, cabinet_device(robot, port), WRITE_REGISTER, slave, address, data, timeout)
 

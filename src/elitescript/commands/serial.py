@@ -23,7 +23,7 @@ from elitescript.commands.definition.quantities import (
     Vector,
 )
 from elitescript.commands.definition.registry import alias, command
-from elitescript.commands.definition.results import DONE, STATE, Result
+from elitescript.commands.definition.results import DONE, STATE, WRITTEN, Result
 from elitescript.errors import ArgumentRangeError
 from elitescript.messages.line import LineSettings
 from elitescript.said import said
@@ -45,6 +45,7 @@ _Data = Annotated[Any, Either(Text(), Integer(), Octets(), Vector(Integer(), Non
 _Received = Annotated[Any, Anything("list[int] or bytes", "byte")]
 _MODBUS_SIZE: Final = 8
 _ByteCount = Annotated[int, Integer(0, unit="byte")]
+_SentCount = Annotated[int, Integer(unit="byte")]
 _ARGUMENTS: Final = {
     "port": "device; `/dev/ttyS2` on B1 and MINI boxes.",
     "time_out": "longest time to wait; 0 and less wait for ever.",
@@ -143,16 +144,16 @@ def tool_serial_read(
 
 
 @command(family="serial", manual="3.32")
-def tool_serial_write(robot: Robot, write_data: _Data) -> Annotated[_ByteCount, STATE]:
+def tool_serial_write(robot: Robot, write_data: _Data) -> Annotated[_SentCount, WRITTEN]:
     """Send through the serial port of the tool.
 
     Args:
         write_data: text, bytes, or one or more numbers, of which the low 8 bits are sent.
 
     Returns:
-        Number of bytes that were sent; 0 and less for a failure.
+        Number of bytes that were sent; what is less than 0 is a failure too.
     """
-    return robot.lines.write(TOOL_PORT, _octets(write_data)) or 0
+    return robot.lines.write(TOOL_PORT, _octets(write_data), is_text=isinstance(write_data, str)) or 0
 
 
 @command(family="serial", manual="3.41")
@@ -239,7 +240,7 @@ def serial_write(robot: Robot, data: _Data, port: CabinetPort = CABINET_PORT) ->
         True if it worked.
     """
     octets = _octets(data)
-    return robot.lines.write(cabinet_device(robot, port), octets) == len(octets)
+    return robot.lines.write(cabinet_device(robot, port), octets, is_text=isinstance(data, str)) == len(octets)
 
 
 @command(family="serial", manual="3.46", arguments=_ARGUMENTS)

@@ -13,7 +13,7 @@ from elitescript.debugger.api import ALARM_FILTER, DataBreakpoint, FunctionBreak
 from elitescript.debugger.telling import filled
 from elitescript.debugger.values import shown
 from elitescript.errors import DebugError, UsageError
-from elitescript.messages.signals import SIGNALS, parse_signal_name, signal_name
+from elitescript.messages.signals import signal_name
 from elitescript.records import record
 from elitescript.runtime.program_globals import ProgramGlobals
 from elitescript.values.concrete import (
@@ -26,6 +26,7 @@ from elitescript.values.concrete import (
     truth,
     variables_of,
 )
+from elitescript.values.places import signal_at
 
 ROBOT_MODE: Final = "robot mode"
 SAFETY: Final = "safety"
@@ -187,19 +188,21 @@ class Watch:
         self._tree: ast.expr | None = None
         self._read: Callable[[Controller], str] | None = None
         self.variables: frozenset[str] = frozenset()
-        family = self.data_id.partition("[")[0].strip()
         if self.data_id.lower() in (ROBOT_MODE, SAFETY):
             self.data_id = self.data_id.lower()
             self._read = _robot_mode if self.data_id == ROBOT_MODE else _safety_mode
-        elif family in SIGNALS and re.fullmatch(r"\w+\s*(\[\s*\d+\s*\])?", self.data_id):
-            try:
-                signal, index = parse_signal_name(self.data_id.replace(" ", ""))
-            except UsageError as error:
-                raise DebugError(str(error)) from None
+            return
+        tree = parsed(self.data_id)
+        try:
+            found = signal_at(tree)
+        except UsageError as error:
+            raise DebugError(str(error)) from None
+        if found is not None:
+            signal, index = found
             self.data_id = signal_name(signal, index)
             self._read = lambda controller: shown(controller.read(signal.name, index))
         else:
-            self._tree = parsed(self.data_id)
+            self._tree = tree
             self.variables = variables_of(self._tree)
             self.is_polled = True
             self.stops_when_true = not isinstance(self._tree, ast.Name)

@@ -341,10 +341,13 @@ class DebugSession:
             DebugError: that can never be there: a name that is misspelt, or of a local variable.
         """
         watch = Watch(data_id)
-        names = watch.variables - (ROBOT_VALUES.keys() | SIGNALS.keys()) if watch.stops_when_true else watch.variables
+        names = watch.variables
         if not names:
             return watch
         known, local = self._names
+        if watch.stops_when_true:
+            # A local variable hides a value of the robot: the condition would be about another one than is meant.
+            names -= (ROBOT_VALUES.keys() - local) | SIGNALS.keys()
         for name in sorted(names - known):
             if name in local:
                 raise DebugError(f"{name} is a local variable: only program globals and signals are watched")

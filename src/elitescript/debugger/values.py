@@ -14,6 +14,7 @@ from elitescript.runtime.environment import without_addresses
 from elitescript.runtime.names.modules import Facade
 from elitescript.runtime.stdlib.locks import holder_of, is_lock
 from elitescript.values.concrete import own_fields
+from elitescript.values.places import JOINTS, POSE
 
 TEXT_MAX: Final = 2000
 """Characters of the text of a value, but for what says how much is left out."""
@@ -31,9 +32,6 @@ _SORTED_MAX: Final = 1000
 _KEYS_COMPARED_MAX: Final = 1000
 """Keys of a dict that are compared as text with the name of a child."""
 _DEPTH_MAX: Final = 6
-
-POSE: Final = ("x", "y", "z", "rx", "ry", "rz")
-JOINTS: Final = ("base", "shoulder", "elbow", "wrist1", "wrist2", "wrist3")
 
 _SIMPLE: Final = (bool, int, float, complex, type(None), type(...), range)
 _SEQUENCES: Final = (list, tuple, bytes, bytearray)

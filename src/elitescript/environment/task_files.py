@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import textwrap
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
@@ -23,7 +24,7 @@ from elitescript.program_tree import (
     read_task,
     read_variables,
 )
-from elitescript.records import record
+from elitescript.records import record, replace
 from elitescript.said import said
 from elitescript.untrusted.files import Kind, read_bytes
 
@@ -40,14 +41,12 @@ class TaskProgram:
         task: its tree.
         script: generated from it.
         missing: what would stand beside it and does not, as one note; empty: all is there.
-        read: all files that were read.
     """
 
     path: Path
     task: Task
     script: Generated
     missing: str = ""
-    read: tuple[Path, ...] = ()
 
 
 def task_program(path: str | Path, task_dir: str | Path | None = None) -> TaskProgram:
@@ -63,25 +62,54 @@ def task_program(path: str | Path, task_dir: str | Path | None = None) -> TaskPr
         UsageError: a file cannot be read, or is not what it should be; with line and column.
     """
     path = Path(path)
-    task = read_task(read_bytes(path, _TASK, is_stream_allowed=True), str(path))
-    read = [path]
+    home = Path(task_dir) if task_dir is not None else path.parent
+
+    def read(name: str) -> bytes | None:
+        for folder in (path.parent, home):
+            try:
+                if (folder / name).is_file():
+                    return read_bytes(folder / name, _CONFIGURATION)
+            except (OSError, ValueError):
+                continue
+        return None
+
+    data = read_bytes(path, _TASK, is_stream_allowed=True)
+    return replace(_program(str(path), data, read), path=path)
+
+
+def _program(name: str, data: bytes, read: Callable[[str], bytes | None]) -> TaskProgram:
+    """Return a graphical program; `read` returns a file of the task folder by its path there, None if there is none."""
+    task = read_task(data, name)
     configuration: Configuration | None = None
     variables: tuple[GlobalVariable, ...] | None = None
     missing: list[str] = []
     if task.installation:
-        folders = [path.parent, *_named_folder(task, Path(task_dir) if task_dir is not None else path.parent)]
-        if (file := _found(folders, f"{task.installation}.configuration")) is not None:
-            configuration = read_configuration(read_bytes(file, _CONFIGURATION), str(file))
-            read.append(file)
-        else:
-            missing.append(f"{task.installation}.configuration")
-        if (file := _found(folders, f"{task.installation}.configuration.variables")) is not None:
-            variables = read_variables(read_bytes(file, _CONFIGURATION), str(file))
-            read.append(file)
-        else:
-            missing.append(f"{task.installation}.configuration.variables")
+        for ending in ("", ".variables"):
+            file = f"{task.installation}.configuration{ending}"
+            content = None
+            if _is_name(file):
+                content = next(filter(None, (read(f"{folder}{file}") for folder in _folders(name, task))), None)
+            if content is None:
+                missing.append(file)
+            elif ending:
+                variables = read_variables(content, file)
+            else:
+                configuration = read_configuration(content, file)
     note = said("{files} is not beside the task", files=" or ".join(missing)) if missing else ""
-    return TaskProgram(path, task, generated(task, configuration, variables), note, tuple(read))
+    return TaskProgram(Path(name), task, generated(task, configuration, variables), note)
+
+
+def source_of_data(name: str, read: Callable[[str], bytes | None]) -> SourceFile:
+    """Return the script of a graphical program of a task folder, with the node of each line.
+
+    Args:
+        name: of the `.task` file in that folder.
+        read: returns a file of the folder; None if there is none.
+
+    Raises:
+        ProgramError: E004: it is no task, or a node of it cannot be generated.
+    """
+    return _runnable(name, lambda: _program(name, read(name) or b"", read))
 
 
 def source_of_task(path: str | Path, task_dir: str | Path | None = None) -> SourceFile:
@@ -91,13 +119,17 @@ def source_of_task(path: str | Path, task_dir: str | Path | None = None) -> Sour
         UsageError: a file cannot be read.
         ProgramError: E004: it is no task, or a node of it cannot be generated.
     """
+    return _runnable(str(path), lambda: task_program(path, task_dir))
+
+
+def _runnable(name: str, make: Callable[[], TaskProgram]) -> SourceFile:
     try:
-        program = task_program(path, task_dir)
+        program = make()
     except TaskFileError as error:
-        raise ProgramError((diagnostic("E004", error.line, error.column, error.why),), str(path)) from None
+        raise ProgramError((diagnostic("E004", error.line, error.column, error.why),), name) from None
     source, errors = _source(program)
     if errors:
-        raise ProgramError(errors, str(path))
+        raise ProgramError(errors, name)
     return source
 
 
@@ -177,19 +209,14 @@ def script_body(source: SourceFile) -> tuple[str, str, str]:
     return unit.name, "\n".join(part for part in (front, f"{defaults}{body}") if part), note
 
 
-def _named_folder(task: Task, task_dir: Path) -> list[Path]:
-    """Return the folder of the configuration that a task names; none, if it leads out of the task folder."""
+def _folders(name: str, task: Task) -> tuple[str, str]:
+    """Return the folders of the task folder in which a configuration may be: that of the task, and the one it names."""
     parts = [part for part in task.installation_directory.replace("\\", "/").split("/") if part not in ("", ".")]
-    return [] if ".." in parts else [task_dir.joinpath(*parts)]
+    named = "" if ".." in parts else "".join(f"{part}/" for part in parts)
+    beside = name.rpartition("/")[0]
+    return "" if Path(name).is_absolute() or not beside else f"{beside}/", named
 
 
-def _found(folders: list[Path], name: str) -> Path | None:
-    if "/" in name or "\\" in name or "\0" in name:
-        raise UsageError(said("the task names its configuration {name!r}, which is no name of a file", name=name))
-    for folder in folders:
-        try:
-            if (folder / name).is_file():
-                return folder / name
-        except (OSError, ValueError):
-            continue
-    return None
+def _is_name(file: str) -> bool:
+    """Return whether a task names a file, and no path."""
+    return not any(sign in file for sign in "/\\\0")

@@ -27,7 +27,7 @@ from elitescript.messages.inputs import ChannelEvent, GetVariable, LoadConfigura
 from elitescript.messages.machine import ResumeTask
 from elitescript.messages.outcomes import Done, Outcome, Refused, ShownValue
 from elitescript.messages.snapshot import TaskPicture
-from elitescript.paths import PROGRAM_SUFFIX, is_program_name
+from elitescript.paths import PROGRAM_SUFFIX, is_program_name, is_task_name
 from elitescript.runtime.environment import ProgramEnvironment, relative_name, without_addresses
 from elitescript.runtime.host import ScriptHost
 from elitescript.said import said
@@ -39,6 +39,8 @@ ANSWER_TICKS: Final = PROGRESS_TICKS
 """A start that takes longer, because its program is being compiled, is answered as one that is under way; what comes of
 it is in the log (*assumed*)."""
 
+_HEAD_BYTES: Final = 4096
+"""Of a task file, in which the outermost element of a graphical program stands."""
 _NAMES_SHOWN: Final = 5
 """Programs of the task folder that a message names."""
 
@@ -214,6 +216,8 @@ class Tasks:
             FileNotFoundError: there is none.
         """
         name = relative_name(path)
+        if self._is_tree(name):
+            return name
         stem = name.removesuffix(".task")
         candidates = (name,) if is_program_name(name) else (f"{stem}.script", f"{stem}.task.script")
         for candidate in candidates:
@@ -236,6 +240,34 @@ class Tasks:
             path,
         )
 
+    def _is_tree(self, name: str) -> bool:
+        """Return whether a file is a graphical program: XML, where older tasks here hold a line, or nothing."""
+        if not is_task_name(name) or self._files.kind(name) != "file":
+            return False
+        with self._files.open(name, "rb", None, None) as file:
+            return b"<EliTask" in bytes(file.read(_HEAD_BYTES))
+
+    def _script_of_tree(self, name: str) -> bytes:
+        """Return the script of a graphical program of the task folder.
+
+        Raises:
+            ProgramError: it has none.
+        """
+        # Imported late: few tasks are trees.
+        from elitescript.environment.task_files import source_of_data
+
+        def read(path: str) -> bytes | None:
+            if self._files.kind(path) != "file" or self._files.size(path) > MAX_UNIT_BYTES:
+                return None
+            with self._files.open(path, "rb", None, None) as file:
+                return bytes(file.read(MAX_UNIT_BYTES))
+
+        source = source_of_data(name, read)
+        for note in source.notes:
+            text = said("{name}: {text}", name=name, text=note.text)
+            self._controller.emit(Warned(self._controller.tick, text, code=note.code, hint=note.hint))
+        return source.text.encode("utf-8")
+
     def _found(self, candidate: str) -> str:
         """Return the name of a program, whose suffix may be in other letters there; empty if there is none."""
         if self._files.kind(candidate) == "file":
@@ -249,7 +281,7 @@ class Tasks:
 
     def _tasks_there(self) -> str:
         """Return what a message adds about the programs that the task folder holds; empty if there are none."""
-        names = [name for name in self._files.names("") if is_program_name(name)]
+        names = [name for name in self._files.names("") if is_program_name(name) or self._is_tree(name)]
         shown = ", ".join(names[:_NAMES_SHOWN])
         more = said(" and {count} more", count=len(names) - _NAMES_SHOWN) if len(names) > _NAMES_SHOWN else ""
         return said("; it holds {shown}{more}", shown=shown, more=more) if names else ""
@@ -283,6 +315,8 @@ class Tasks:
             return Refused(
                 said("{name} is longer than {max_unit_bytes} bytes", name=name, max_unit_bytes=MAX_UNIT_BYTES)
             )
+        if self._is_tree(name):
+            return self._start(name, self._script_of_tree(name), origin)
         with self._files.open(name, "rb", None, None) as file:
             return self._start(name, bytes(file.read(MAX_UNIT_BYTES)), origin)
 

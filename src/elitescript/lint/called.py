@@ -7,7 +7,9 @@ from collections.abc import Iterator
 from functools import cached_property
 
 from elitescript.language.scopes import Scope
-from elitescript.lint.program import AnalysedProgram
+from elitescript.lint.arguments import Arguments
+from elitescript.lint.passed_values import PassedCall
+from elitescript.lint.program import AnalysedProgram, CommandCall
 from elitescript.records import NamedTuple
 from elitescript.values.description import TEXT, WHOLE
 
@@ -21,6 +23,7 @@ class Called(NamedTuple):
         scope: where it stands.
         given: the expressions of the arguments, by parameter.
         is_complete: nothing is passed as `*list` or `**dict`.
+        written: the call as it is written; another one than `call` for a turn of a loop, or a caller.
     """
 
     name: str
@@ -28,6 +31,16 @@ class Called(NamedTuple):
     scope: Scope
     given: dict[str, ast.expr]
     is_complete: bool
+    written: ast.Call
+
+
+def _put(
+    by_name: dict[str, list[Called]], found: CommandCall | PassedCall, arguments: Arguments, written: ast.Call
+) -> None:
+    call = found.call
+    given = {param.name: node for param, node in arguments.given}
+    name = found.command.alias_of or found.command.name
+    by_name.setdefault(name, []).append(Called(name, call, found.scope, given, arguments.is_complete, written))
 
 
 class CalledCommands:
@@ -37,16 +50,14 @@ class CalledCommands:
         program: the program.
     """
 
-    __slots__ = ("__dict__", "_by_name", "_program")
+    __slots__ = ("__dict__", "_by_name", "_passed", "_program")
 
     def __init__(self, program: AnalysedProgram) -> None:
         self._program = program
         self._by_name: dict[str, list[Called]] = {}
+        self._passed: dict[str, list[Called]] | None = None
         for found, arguments in zip(program.command_calls, program.arguments, strict=True):
-            given = {param.name: node for param, node in arguments.given}
-            name = found.command.alias_of or found.command.name
-            made = Called(name, found.call, found.scope, given, arguments.is_complete)
-            self._by_name.setdefault(name, []).append(made)
+            _put(self._by_name, found, arguments, found.call)
 
     def __iter__(self) -> Iterator[Called]:
         for calls in self._by_name.values():
@@ -63,6 +74,16 @@ class CalledCommands:
     def of(self, *names: str) -> list[Called]:
         """Return the calls of some commands, in the order of their names."""
         return [called for name in names for called in self._by_name.get(name, ())]
+
+    def all_of(self, *names: str) -> list[Called]:
+        """Return the calls of some commands, all if no name is given, and behind them those of `PassedValues`."""
+        if self._passed is None:
+            self._passed = {}
+            for passed, arguments in self._program.passed_calls:
+                _put(self._passed, passed, arguments, passed.written)
+        if not names:
+            return [*self, *(called for calls in self._passed.values() for called in calls)]
+        return self.of(*names) + [called for name in names for called in self._passed.get(name, ())]
 
     def are_passed_on(self, *names: str) -> bool:
         """Return whether commands are used otherwise than by a call, so that their arguments are not known."""

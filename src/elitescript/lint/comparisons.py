@@ -9,6 +9,7 @@ import ast
 from collections.abc import Iterator
 from typing import Final
 
+from elitescript.language.diagnostics import Edit, Fix
 from elitescript.lint.called import CalledCommands
 from elitescript.lint.program import AnalysedProgram
 from elitescript.lint.registry import Finding, shown_source
@@ -36,7 +37,31 @@ def never_equal(program: AnalysedProgram) -> Iterator[Finding]:
     """Report comparisons whose outcome does not depend on what happens."""
     for node in program.nodes(ast.Compare):
         if len(node.ops) == 1:
-            yield from _comparison(program, node)
+            found = list(_comparison(program, node))
+            if not found and _asks_for_identity(node):
+                found = [_identity(program, node)]
+            yield from found
+
+
+def _asks_for_identity(node: ast.Compare) -> bool:
+    """Return whether `is` stands beside a text or a number."""
+    other = node.comparators[0]
+    is_plain = isinstance(other, ast.Constant) and isinstance(other.value, (str, bytes, int, float))
+    return is_plain and isinstance(node.ops[0], (ast.Is, ast.IsNot)) and not isinstance(ast.literal_eval(other), bool)
+
+
+def _identity(program: AnalysedProgram, node: ast.Compare) -> Finding:
+    sign, right = ("is", "==") if isinstance(node.ops[0], ast.Is) else ("is not", "!=")
+    text = said("`{sign}` asks whether both sides are one object, not whether they are equal", sign=sign)
+    wanted = f"{ast.unparse(node.left)} {right} {ast.unparse(node.comparators[0])}"
+    # Between the sides there are the words alone, and perhaps brackets and comments: then nothing is replaced.
+    left, other = program.span(node.left), program.span(node.comparators[0])
+    between = program.source.line(left.end_line)[left.end_column - 1 : other.column - 1]
+    fix = None
+    if left.end_line == other.line and between.split() == sign.split():
+        edit = Edit(left.end_line, left.end_column, other.line, other.column, f" {right} ")
+        fix = Fix(said("write {sign}", sign=right), (edit,), safe=True)
+    return Finding(node, text, said("write {wanted}", wanted=wanted), fix)
 
 
 def _comparison(program: AnalysedProgram, node: ast.Compare) -> Iterator[Finding]:
@@ -261,9 +286,14 @@ def _position_words(program: AnalysedProgram, node: ast.expr) -> tuple[str, str]
 def measured_exactly(program: AnalysedProgram) -> Iterator[Finding]:
     """Report `==` and `!=` with a measured value."""
     for node in program.nodes(ast.Compare):
-        if len(node.ops) != 1 or not isinstance(node.ops[0], (ast.Eq, ast.NotEq)):
+        if len(node.ops) != 1 or not isinstance(node.ops[0], (ast.Eq, ast.NotEq, ast.In, ast.NotIn)):
             continue
-        sides = (node.left, node.comparators[0])
+        sides: tuple[ast.expr, ...] = (node.left, node.comparators[0])
+        if isinstance(node.ops[0], (ast.In, ast.NotIn)):
+            choices = node.comparators[0]
+            if not isinstance(choices, (ast.List, ast.Tuple)) or not choices.elts:
+                continue
+            sides = (node.left, choices.elts[0])
         values = [program.values.of(side) for side in sides]
         measured = [_is_measured(value) for value in values]
         if any(measured) and not all(measured) and all(map(_has_numbers, values)):

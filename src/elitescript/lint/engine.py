@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Collection, Iterable
 
 from elitescript.commands.definition.plausibility import ArmFacts
@@ -17,6 +18,7 @@ from elitescript.lint.registry import Finding, Rule, loaded_rules, rules_for
 from elitescript.lint.suppression import without_suppressed
 from elitescript.messages.profile import Profile
 from elitescript.records import NamedTuple, replace
+from elitescript.said import said
 
 _ANY_SYNTAX = "E001"
 _BESIDE_SYNTAX = ("E104", "E105", "E107", "E115")
@@ -130,7 +132,32 @@ def _findings(program: AnalysedProgram) -> list[Diagnostic]:
     """Return what the rules find."""
     rules = rules_for(program.source.text)
     rules = [rule for rule in rules if not (rule.needs_all_lines and program.parsed.has_errors)]
-    return [_located(finding, rule, program) for rule in rules for finding in rule.check(program)]
+    found: list[Diagnostic] = []
+    for rule in rules:
+        findings = list(rule.check(program))
+        lines = {program.span(finding.where).line for finding in findings if isinstance(finding.where, ast.AST)}
+        for finding in findings:
+            passed = _passed(finding, program)
+            if passed is None:
+                found.append(_located(finding, rule, program))
+            elif passed.lineno not in lines:
+                found.append(_located(_with_origin(finding, passed), rule, program))
+    return found
+
+
+def _passed(finding: Finding, program: AnalysedProgram) -> ast.Call | None:
+    """Return the call to which the value of a finding is passed from elsewhere; None if it is about no such value."""
+    if not isinstance(finding.where, ast.expr) or "passed_values" not in program.__dict__:
+        return None
+    written = program.passed_values.origins.get(finding.where)
+    return written if written is not None and program.span(finding.where).line != written.lineno else None
+
+
+def _with_origin(finding: Finding, call: ast.Call) -> Finding:
+    """Return a finding that says where the value goes."""
+    where = said("it gets there in line {line}", line=call.lineno)
+    hint = said("{hint}; {where}", hint=finding.hint, where=where) if finding.hint else where
+    return finding._replace(hint=hint)
 
 
 def _reported(problems: list[Diagnostic], source: SourceFile, ignored: frozenset[str]) -> tuple[Diagnostic, ...]:

@@ -30,6 +30,7 @@ from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.errors import ScriptError
+    from elitescript.lint.passed_values import PassedCall, PassedValues
     from elitescript.values.program import Values
 
 _SIX: Final = 6
@@ -68,6 +69,11 @@ class CommandCall(NamedTuple):
     command: Command
     call: ast.Call
     scope: Scope
+
+    @property
+    def written(self) -> ast.Call:
+        """The call as it is written."""
+        return self.call
 
 
 class Doubted(NamedTuple):
@@ -311,6 +317,38 @@ class AnalysedProgram:
         known: Placements = {}
         return tuple(arrange(found.command, found.call, known) for found in self.command_calls)
 
+    @cached_property
+    def passed_calls(self) -> tuple[tuple[PassedCall, Arguments], ...]:
+        """The calls of commands once more, with what each turn of a loop and each caller gives them."""
+        if not self._may_pass_values:
+            return ()
+        known: Placements = {}
+        calls = self.passed_values.calls
+        return tuple((found, arrange(found.command, found.call, known)) for found in calls)
+
+    @property
+    def _may_pass_values(self) -> bool:
+        """Whether a loop, a parameter or a variable that is called may give something to a command."""
+        if self.nodes(ast.For) or any(scope.parameters for scope in self.symbols.scopes):
+            return True
+        called = [(call.func, scope) for scope in self.symbols.scopes for call in scope.calls]
+        return any(
+            isinstance(func, ast.Name) and any(b.kind == "assign" for b in scope.bindings.get(func.id, ()))
+            for func, scope in called
+        )
+
+    @cached_property
+    def judged_calls(self) -> list[tuple[CommandCall | PassedCall, Arguments]]:
+        """The calls of commands with their arguments, and behind them `passed_calls`."""
+        return [*zip(self.command_calls, self.arguments, strict=True), *self.passed_calls]
+
+    @cached_property
+    def passed_values(self) -> PassedValues:
+        """What turns of loops and callers give to commands."""
+        from elitescript.lint.passed_values import PassedValues
+
+        return PassedValues(self)
+
     def derived(self, make: Callable[[AnalysedProgram], _Derived]) -> _Derived:
         """Return what is computed of the program by a function or class, once."""
         if make not in self._derived:
@@ -323,7 +361,10 @@ class AnalysedProgram:
         """The arguments that commands will certainly refuse."""
         mistakes = sorted((problem.line, problem.column) for problem in self.parsed.diagnostics if problem.is_error)
         found = []
-        for called, arguments in zip(self.command_calls, self.arguments, strict=True):
+        for called, arguments in self.judged_calls:
+            if called.written is not called.call and self.is_tried(called.written):
+                # The program expects it.
+                continue
             for param, node in arguments.given:
                 # A placeholder stands there in place of the author's text.
                 if mistakes:
@@ -390,7 +431,7 @@ class AnalysedProgram:
         """The arguments that commands accept, but that are hardly meant; see `commands.definition.plausibility`."""
         refused = {refusal.node for refusal in self.refusals}
         found = []
-        for called, arguments in zip(self.command_calls, self.arguments, strict=True):
+        for called, arguments in self.judged_calls:
             for param, node in arguments.given:
                 meaning = param.quantity.meaning
                 is_transform = not meaning and param.quantity.unit == _POSE_UNIT

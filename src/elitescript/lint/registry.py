@@ -117,7 +117,7 @@ def shown_source(program: AnalysedProgram, node: ast.AST) -> str:
 _WORDS: Final[dict[str, tuple[str, ...]]] = {
     "always_true": ("if", "while"),
     "joined_lists": ("+", "*"),
-    "measured_exactly": ("==", "!="),
+    "measured_exactly": ("==", "!=", " in "),
     "never_equal": ("=", "<", ">", " is "),
     "not_a_function": ("=", "for ", "as "),
     "time_in_milliseconds": ("time", "t=", "read", "move", "servoj", "speed", "modbus", "watchdog", "watch"),
@@ -134,7 +134,7 @@ _WORDS: Final[dict[str, tuple[str, ...]]] = {
     "line_end_as_prefix": ("socket_read_string",),
     "modbus_signal": ("modbus_add_",),
     "no_value_yet": ("=",),
-    "number_too_large": ("modbus_set_output_register", "socket_send_byte"),
+    "number_too_large": ("modbus_set_output_register", "socket_send_byte", "set_", "write_"),
     "output_behind_blend": ("_out", "set_tool_digital", "write_"),
     "per_cent": ("interpolate_pose",),
     "serial_not_set_up": ("modbus_rtu", "modbus_read_", "modbus_write_"),

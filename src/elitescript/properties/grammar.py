@@ -11,8 +11,8 @@ from math import isfinite
 from typing import Any, Final, NoReturn
 
 from elitescript.errors import UsageError, did_you_mean
-from elitescript.language.advice.expression_slips import plain_word, slip
-from elitescript.messages.signals import SIGNALS, parse_signal_name, signal_name
+from elitescript.language.advice.expression_slips import plain_word
+from elitescript.messages.signals import SIGNALS, Signal, parse_signal_name, signal_name
 from elitescript.properties import over_time
 from elitescript.properties.functions import DIGITS_MAX, EXPONENT_MAX, FUNCTIONS, powered
 from elitescript.properties.names import CONSTANTS, COUNTED, INSTEAD, LISTS, OVER_TIME, RECORD, TEXTS
@@ -48,14 +48,9 @@ from elitescript.properties.units import Unit, UnitsDiffer, common, power, produ
 from elitescript.properties.verdicts import NOTHING, Needs, Undefined, plain
 from elitescript.records import NamedTuple
 from elitescript.run import EXIT_CODES
-from elitescript.values.plain import BINARY, COMPARISONS
-
-TEXT_MAX: Final = 2000
-"""Characters of an expression."""
-
-DEPTH_MAX: Final = 40
-"""Parts inside each other."""
-
+from elitescript.values.places import PLACES, signal_at
+from elitescript.values.plain import BINARY, COMPARISONS, TEXT_MAX, NoExpression
+from elitescript.values.plain import tree_of as expression
 
 _ENDS: Final = Needs(line=True)
 """What shows few moments, but the first and the last."""
@@ -119,24 +114,22 @@ def tree_of(text: str) -> ast.expr:
     """
     if not text:
         raise UsageError("write an expression, such as 'time_s < 20', not ''")
-    if len(text) > TEXT_MAX:
-        raise UsageError(f"an expression has {TEXT_MAX} characters at most, not {len(text)}")
     for index, char in enumerate(text):
         if char == "\0" or "\ud800" <= char <= "\udfff":
             raise located("?" * len(text), index, index + 1, "this is no character")
     try:
-        return ast.parse(text, mode="eval").body
-    except SyntaxError as error:
-        found = slip(text)
-        if found is not None:
-            name = text[: found.start].strip()
-            is_global = text[found.start : found.end] == "=" and name.isidentifier() and name not in RECORD
-            advice = f'write globals["{name}"] == ...: `==` compares' if is_global else found.text
-            raise located(text, found.start, found.end, advice) from None
-        column = min(max(error.offset or 1, 1), len(text)) - 1
-        raise located(text, column, column + 1, error.msg) from None
-    except (ValueError, RecursionError, MemoryError) as error:
-        raise UsageError(f"this is no expression: {str(error) or 'it is nested too deeply'}") from None
+        return expression(text)
+    except NoExpression as error:
+        if error.node is not None:
+            raise wrong_at(text, error.node, error.text) from None
+        if error.place is None:
+            raise UsageError(f"this is no expression: {error}" if len(text) <= TEXT_MAX else error.text) from None
+        start, end = error.place
+        name = text[:start].strip()
+        is_global = text[start:end] == "=" and name.isidentifier() and name not in RECORD
+        raise located(
+            text, start, end, f'write globals["{name}"] == ...: `==` compares' if is_global else error.text
+        ) from None
 
 
 def parse(text: str, program_globals: Collection[str] | None = None) -> Parsed:
@@ -156,7 +149,7 @@ def parse(text: str, program_globals: Collection[str] | None = None) -> Parsed:
 class _Reader:
     """Reads one expression."""
 
-    __slots__ = ("_calls", "_depth", "_globals", "_is_over_time", "_needs", "_sides", "_text")
+    __slots__ = ("_calls", "_globals", "_is_over_time", "_needs", "_sides", "_text")
 
     def __init__(self, text: str, program_globals: Collection[str] | None) -> None:
         self._text = text
@@ -165,7 +158,6 @@ class _Reader:
         self._sides: list[Side] = []
         self._needs = NOTHING
         self._is_over_time = False
-        self._depth = 0
 
     def parsed(self, body: ast.expr) -> Parsed:
         """Check the whole."""
@@ -188,13 +180,7 @@ class _Reader:
 
     def read(self, node: ast.expr) -> Piece:
         """Check a part."""
-        self._depth += 1
-        if self._depth > DEPTH_MAX:
-            raise self._wrong(node, f"parts are nested more than {DEPTH_MAX} deep")
-        try:
-            return _READERS.get(type(node), _Reader._not_possible)(self, node)
-        finally:
-            self._depth -= 1
+        return _READERS.get(type(node), _Reader._not_possible)(self, node)
 
     def _wrong(self, node: ast.AST | None, message: str) -> UsageError:
         return wrong_at(self._text, node, message)
@@ -226,7 +212,28 @@ class _Reader:
             return Piece(node, over.kind, over.value, over.unit, items=over.items)
         if not self._is_over_time and name in RECORD:
             return self._of_record(node, name)
+        if (level := self._level_at(node)) is not None:
+            return level
         raise self._unknown_name(node, name)
+
+    def _level_at(self, node: ast.expr) -> Piece | None:
+        """Return the level of the signal that a part names, as `flag[0]`; None if it names none."""
+        try:
+            found = signal_at(node)
+        except UsageError as error:
+            raise self._wrong(node, str(error)) from None
+        return None if found is None else self._level(node, *found)
+
+    def _level(self, node: ast.expr, row: Signal, index: int) -> Piece:
+        """Return the level of a signal: over time, or at the end of the run."""
+        name = signal_name(row, index)
+        units = row.unit.split(", ")
+        its_unit = "" if " or " in row.unit else units[0] if len(units) == 1 or index < _FORCES else units[1]
+        kind, of = LEVEL if row.kind == "bool" else NUMBER, unit(its_unit.replace("1/s", ""))
+        if not self._is_over_time:
+            return Piece(node, kind, lambda x: x.run.signals[name], of)
+        self._needs = self._needs.with_those_of(Needs(signals=frozenset({name})))
+        return Piece(node, kind, lambda m: m.levels[name], of)
 
     def _of_record(self, node: ast.Name, name: str) -> Piece:
         row = RECORD[name]
@@ -250,7 +257,18 @@ class _Reader:
             raise self._wrong(node, f'write {name}["{node.attr}"]')
         if name == "run" and node.attr in RECORD:
             raise self._wrong(node, f"write {node.attr} alone, without `run.`")
+        elements = self._elements(name)
+        if node.attr in elements:
+            index = ast.copy_location(ast.Constant(elements.index(node.attr)), node)
+            return self._subscript(ast.copy_location(ast.Subscript(node.value, index, ast.Load()), node))
+        if elements:
+            raise self._wrong(node, f"{name} has {', '.join(elements)}")
         return self._not_possible(node)
+
+    def _elements(self, name: str) -> tuple[str, ...]:
+        """Return the names of the elements of a place; none if a name is none."""
+        place = PLACES.get(_PLACES_AT_END.get(name, name))
+        return () if place is None else place.elements
 
     def _unknown_name(self, node: ast.AST, name: str) -> UsageError:
         """Return the refusal of a name."""
@@ -263,8 +281,6 @@ class _Reader:
             return self._wrong(node, f"{name!r} is known at the end of the run, not over time{instead}")
         if name in FUNCTIONS or name in FUNCTIONS_OVER_TIME or name in ("len", "signal"):
             return self._wrong(node, f"{name!r} is a function: call it, as {name}(...)")
-        if name in SIGNALS:
-            return self._wrong(node, f"{name!r} is a signal: write {self._signal_example(name)}")
         if word := plain_word(name) or (f'"{name}"' if name in EXIT_CODES else ""):
             return self._wrong(node, f"write {word}")
         if name in COUNTED and not self._is_over_time:
@@ -282,9 +298,9 @@ class _Reader:
 
     def _subscript(self, node: ast.Subscript) -> Piece:
         if isinstance(node.value, ast.Name) and not self._is_over_time and node.value.id in ("globals", "signals"):
-            return (self._global if node.value.id == "globals" else self._signal_at_end)(node, node.slice)
-        if isinstance(node.value, ast.Name) and node.value.id in SIGNALS:
-            raise self._wrong(node, f"write the name of a signal as a text: {self._signal_example(node.value.id)}")
+            return (self._global if node.value.id == "globals" else self._signal_named)(node, node.slice)
+        if (level := self._level_at(node)) is not None:
+            return level
         whole = self.read(node.value)
         index = self._index(node.slice)
         get, what = whole.value, self._part_text(node.value)
@@ -342,21 +358,15 @@ class _Reader:
 
         return Piece(node, ANY, value)
 
-    def _signal_at_end(self, node: ast.Subscript, index: ast.expr) -> Piece:
-        name, kind, its_unit = self._signal_row(index)
-        return Piece(node, kind, lambda x: x.run.signals[name], its_unit)
-
-    def _signal_row(self, node: ast.expr) -> tuple[str, str, Unit]:
-        """Return name, kind and unit of the signal that a literal names."""
-        if not isinstance(node, ast.Constant) or not isinstance(node.value, str):
-            raise self._wrong(node, 'write the name of the signal as a text, such as "standard_digital_out[0]"')
+    def _signal_named(self, node: ast.expr, name: ast.expr) -> Piece:
+        """Return the level of the signal that a literal names."""
+        if not isinstance(name, ast.Constant) or not isinstance(name.value, str):
+            raise self._wrong(name, 'write the name of the signal as a text, such as "standard_digital_out[0]"')
         try:
-            row, index = parse_signal_name(node.value)
+            row, index = parse_signal_name(name.value)
         except UsageError as error:
-            raise self._wrong(node, str(error)) from None
-        units = row.unit.split(", ")
-        its_unit = "" if " or " in row.unit else units[0] if len(units) == 1 or index < _FORCES else units[1]
-        return signal_name(row, index), LEVEL if row.kind == "bool" else NUMBER, unit(its_unit.replace("1/s", ""))
+            raise self._wrong(name, str(error)) from None
+        return self._level(node, row, index)
 
     # ---------------------------------------------------------------- true or false
 
@@ -605,9 +615,7 @@ class _Reader:
                 node, 'signal(...) is there inside functions over time alone; at the end of the run: signals["..."]'
             )
         self._counted(node, "signal", 1, 1)
-        name, kind, its_unit = self._signal_row(node.args[0])
-        self._needs = self._needs.with_those_of(Needs(signals=frozenset({name})))
-        return Piece(node, kind, lambda m: m.levels[name], its_unit)
+        return self._signal_named(node, node.args[0])
 
     def _len(self, node: ast.Call) -> Piece:
         self._counted(node, "len", 1, 1)
@@ -713,6 +721,9 @@ _NOT_POSSIBLE: Final[dict[type, tuple[str, str]]] = {
     ast.Starred: ("*", ""),
     ast.Slice: ("a slice", ""),
 }
+
+_PLACES_AT_END: Final = {"joints": "q", "tcp_pose": "tcp"}
+"""Names of the record for places as they are at the end of the run."""
 
 _ORDERS: Final = frozenset({ast.Lt, ast.LtE, ast.Gt, ast.GtE})
 

@@ -9,10 +9,11 @@ from typing import Any, Final
 
 from elitescript.messages.timing import seconds
 from elitescript.properties.pieces import LIST, NUMBER, TABLE, TEXT, Piece
-from elitescript.properties.units import M_PER_S, RAD, RAD_PER_S, M, S, Unit
+from elitescript.properties.units import M, S, Unit, unit
 from elitescript.properties.verdicts import Needs, Undefined
 from elitescript.records import NamedTuple
 from elitescript.run import Run
+from elitescript.values.places import PLACES
 
 _NODE: Final = ast.Constant(None)
 """Of parts that are items of a list, not text."""
@@ -25,9 +26,8 @@ def _items(*units: Unit) -> tuple[Piece, ...]:
     return tuple(Piece(_NODE, NUMBER, item(index), unit) for index, unit in enumerate(units))
 
 
-_JOINTS: Final = _items(*[RAD] * 6)
-_SPEEDS: Final = _items(*[RAD_PER_S] * 6)
-_POSE: Final = _items(M, M, M, RAD, RAD, RAD)
+_JOINTS: Final = _items(*map(unit, PLACES["q"].units))
+_POSE: Final = _items(*map(unit, PLACES["tcp"].units))
 
 Keys = dict[str, tuple[str, Unit]]
 
@@ -137,15 +137,23 @@ class OverTime(NamedTuple):
     items: tuple[Piece, ...] | None = None
 
 
+def _over_time(name: str, kind: str, value: Callable[[Any], Any], needs: Needs) -> OverTime:
+    place = PLACES[name]
+    if place.elements:
+        return OverTime(kind, value, needs, place.summary, None, _items(*map(unit, place.units)))
+    return OverTime(kind, value, needs, place.summary, unit(place.units[0]) if place.units else None)
+
+
 OVER_TIME: Final[dict[str, OverTime]] = {
-    "t": OverTime(NUMBER, lambda m: m.t, Needs(time=True), "time since the start of the run, s", S),
-    "q": OverTime(LIST, lambda m: m.q, Needs(joints=True), "target joint positions, rad", None, _JOINTS),
-    "qd": OverTime(LIST, lambda m: m.qd, Needs(speeds=True), "target joint speeds, rad/s", None, _SPEEDS),
-    "tcp": OverTime(LIST, lambda m: m.tcp, Needs(pose=True), "target pose of the TCP, m and rad", None, _POSE),
-    "tcp_speed": OverTime(
-        NUMBER, lambda m: m.tcp_speed, Needs(tcp_speed=True), "target speed of the TCP, m/s", M_PER_S
-    ),
-    "line": OverTime(NUMBER, lambda m: m.line, Needs(line=True), "line of the main thread; 0 when no program runs"),
+    name: _over_time(name, kind, value, needs)
+    for name, kind, value, needs in (
+        ("t", NUMBER, lambda m: m.t, Needs(time=True)),
+        ("q", LIST, lambda m: m.q, Needs(joints=True)),
+        ("qd", LIST, lambda m: m.qd, Needs(speeds=True)),
+        ("tcp", LIST, lambda m: m.tcp, Needs(pose=True)),
+        ("tcp_speed", NUMBER, lambda m: m.tcp_speed, Needs(tcp_speed=True)),
+        ("line", NUMBER, lambda m: m.line, Needs(line=True)),
+    )
 }
 """Names inside functions over time, by name."""
 

@@ -17,9 +17,10 @@ from typing import Any, Final
 from elitescript.errors import UsageError, did_you_mean
 from elitescript.properties.expressions import ExpressionMeasure, ExpressionProperty
 from elitescript.properties.functions_of_files import FunctionMeasure, FunctionProperty, Load
-from elitescript.properties.grammar import TEXT_MAX, one_line, tree_of
+from elitescript.properties.grammar import one_line, tree_of
 from elitescript.properties.places import wrong_at
 from elitescript.properties.verdicts import Measure, Property
+from elitescript.values.plain import TEXT_MAX
 
 Named = Mapping[str, Callable[..., Property]]
 """Makes the properties that have names, such as `limits`, from the literals in their brackets."""

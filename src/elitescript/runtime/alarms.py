@@ -6,6 +6,7 @@ The place is the innermost line of script text in the traceback; frames of the r
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from math import isnan
 from types import CodeType, FrameType, TracebackType
 from typing import TYPE_CHECKING, Any, Final
 
@@ -72,6 +73,7 @@ def alarm_of(
     sources: Mapping[str, SourceFile],
     catalogue: Catalogue,
     profile: Profile,
+    missing: str | None = None,
 ) -> Alarm:
     """Return the alarm for an uncaught exception.
 
@@ -85,6 +87,7 @@ def alarm_of(
         sources: texts of the program, by name.
         catalogue: the commands; an unknown name may be one of a newer firmware.
         profile: the firmware.
+        missing: where a value that is nan comes from, if a reading has given one.
     """
     place = place_of(error.__traceback__, builtins, sources)
     if place.line == 0 and started_line:
@@ -96,6 +99,8 @@ def alarm_of(
         # A program can extend the class and set what it likes.
         code = error.code if type(error.code) is str and error.code in CODES else UNCAUGHT
         details = details_of(error)
+        if missing is not None and type(error.value) is float and isnan(error.value):
+            details["hint"] = missing
         command = catalogue.get(error.command) if type(error.command) is str else None
         if command is not None and code in _MISCALLED and "hint" not in details:
             details["hint"] = command.call_hint

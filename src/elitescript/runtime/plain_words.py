@@ -18,6 +18,7 @@ from elitescript.language.advice.unknown_names import nearest
 from elitescript.records import NamedTuple
 from elitescript.said import Said, counted, said
 from elitescript.values.concrete import UNKNOWN, glance
+from elitescript.values.plain import SIGNS
 
 _SCALARS: Final = (bool, int, float, str, type(None))
 _LISTS: Final = (list, tuple)
@@ -169,33 +170,12 @@ def _operands(scene: Scene) -> tuple[ast.AST | None, str, ast.AST | None]:
     """Return left operand, sign and right operand of the failed operation; None where unknown."""
     node = scene.node
     if isinstance(node, ast.BinOp):
-        return node.left, _SIGNS.get(type(node.op), ""), node.right
+        return node.left, SIGNS.get(type(node.op), ""), node.right
     if isinstance(node, ast.AugAssign):
-        return node.target, _SIGNS.get(type(node.op), ""), node.value
+        return node.target, SIGNS.get(type(node.op), ""), node.value
     if isinstance(node, ast.Compare) and len(node.ops) == 1:
-        return node.left, _SIGNS.get(type(node.ops[0]), ""), node.comparators[0]
+        return node.left, SIGNS.get(type(node.ops[0]), ""), node.comparators[0]
     return None, "", None
-
-
-_SIGNS: Final[dict[type, str]] = {
-    ast.Add: "+",
-    ast.Sub: "-",
-    ast.Mult: "*",
-    ast.Div: "/",
-    ast.FloorDiv: "//",
-    ast.Mod: "%",
-    ast.Pow: "**",
-    ast.MatMult: "@",
-    ast.LShift: "<<",
-    ast.RShift: ">>",
-    ast.BitAnd: "&",
-    ast.BitOr: "|",
-    ast.BitXor: "^",
-    ast.Lt: "<",
-    ast.LtE: "<=",
-    ast.Gt: ">",
-    ast.GtE: ">=",
-}
 
 
 def _pair(sign: str, left: str, right: str, scene: Scene) -> Words:

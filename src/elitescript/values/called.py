@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Mapping, Sequence
 from math import inf
-from typing import Any
+from typing import Any, Final
 
 from elitescript.commands.catalogue import CATALOGUE
 from elitescript.commands.definition.registry import Command
@@ -22,6 +22,7 @@ from elitescript.values.description import (
     IN_BASE,
     INT,
     LIST,
+    MEASURED,
     NO_SITES,
     NONE,
     NOTHING,
@@ -29,6 +30,7 @@ from elitescript.values.description import (
     ROW,
     SET,
     SIZE_MAX,
+    SOME_BYTES,
     SOME_COUNT,
     TEXT,
     TUPLE,
@@ -45,6 +47,15 @@ from elitescript.values.references import Library, Made, Method, ModuleType, Nam
 from elitescript.values.results import POSITION, at_sites, result_of
 from elitescript.values.state import CALL_DEPTH_MAX, CALLED_AT_MOST
 from elitescript.values.store import Cell, Function
+
+_INEXACT: Final = frozenset(
+    (
+        *("pose_add", "pose_sub", "pose_trans", "pose_inv", "pose_dist", "point_dist", "interpolate_pose"),
+        *("norm", "normalize", "get_forward_kin", "get_inverse_kin", "rotvec2rpy", "rpy2rotvec"),
+        *("sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sqrt", "d2r", "r2d"),
+    )
+)
+"""Commands whose result is measured if an argument is."""
 
 
 class Calls(Conditions):
@@ -138,6 +149,9 @@ class Calls(Conditions):
         if not called.kinds:
             return BOTTOM
         refs = called.refs
+        if not refs and isinstance(node.func, ast.Name) and self._is_missing(node.func.id):
+            # An alarm: nothing gets the arguments.
+            return UNKNOWN
         if not refs or (called.kinds & ~(FUNCTION | OBJECT) and not isinstance(refs[0], Name)):
             for value in (*args, *keywords.values()):
                 self._escape(value)
@@ -188,6 +202,8 @@ class Calls(Conditions):
             return calls.call_builtin(name, current, bool(keywords), self._site(node))
         for value in (*args, *keywords.values()):
             self._escape(value)
+        if name == "struct.pack":
+            return SOME_BYTES
         if module:
             return UNKNOWN.but(refs=(Made(name),))
         if not is_certain:
@@ -225,8 +241,16 @@ class Calls(Conditions):
         if command.name == "modbus_get_signal_status" and args:
             return self.signals.narrowed(result, args[0])
         counted_by, frame = command.details.result.counted_by, command.details.result.frame
+        # What is computed of a reading is as inexact.
+        more = (
+            MEASURED
+            if command.name in _INEXACT and any(value.must & MEASURED for value in (*args, *keywords.values()))
+            else 0
+        )
         if frame and _frame_of(command, frame, args, keywords) & IN_BASE:
-            return result.but(may=result.may | IN_BASE, must=result.must | IN_BASE)
+            more |= IN_BASE
+        if more:
+            return result.but(may=result.may | more, must=result.must | more)
         if counted_by and result.shape is not None:
             return _counted(result, args[0] if args and is_certain else UNKNOWN)
         if command.name in ("length", "get_list_length") and args:

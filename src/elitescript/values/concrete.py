@@ -10,16 +10,16 @@ from __future__ import annotations
 
 import ast
 import builtins
-from collections.abc import Callable, Iterable, Iterator, Mapping
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from itertools import islice
 from types import WrapperDescriptorType
 from typing import Any, Final
 
 from elitescript.errors import DebugError, did_you_mean
-from elitescript.language.advice.expression_slips import slip
 from elitescript.language.builtin_names import PURE_BUILTINS
-from elitescript.values.plain import BINARY, COMPARISONS, UNARY
+from elitescript.values.plain import BINARY, COMPARISONS, MEMBERSHIP, UNARY, NoExpression, tree_of
 
 STEPS_MAX: Final = 200_000
 """Most nodes that one expression may take."""
@@ -41,11 +41,7 @@ _HOLDERS: Final = frozenset(
     (list, tuple, set, frozenset, type({}.keys()), type({}.values()), type({}.items())),
 )
 
-_COMPARE: Final[dict[type[ast.cmpop], Callable[[Any, Any], Any]]] = {
-    **COMPARISONS,
-    ast.In: lambda a, b: a in b,
-    ast.NotIn: lambda a, b: a not in b,
-}
+_COMPARE: Final = {**COMPARISONS, **MEMBERSHIP}
 
 _MOST: Final = {
     **dict.fromkeys(("ljust", "rjust", "center", "zfill", "expandtabs", "to_bytes", "bytes", "bytearray"), SIZE_MAX),
@@ -53,6 +49,8 @@ _MOST: Final = {
 }
 """Largest number, and most elements, that are passed to functions whose result may be far larger."""
 
+_WIDTH: Final = re.compile(r"%%|%[^a-zA-Z%]*")
+"""Widths and precisions of a text with `%`."""
 _MAKING: Final = (ast.BinOp, ast.Call, ast.JoinedStr)
 _FILLED: Final = (str, bytes, bytearray, list, tuple)
 
@@ -134,11 +132,9 @@ def parsed(text: str) -> ast.expr:
         DebugError: it is none.
     """
     try:
-        return ast.parse(text.strip(), mode="eval").body
-    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        found = slip(text)
-        reason = _reason(error) if isinstance(error, SyntaxError) else "it cannot be read"
-        reason = reason if found is None else found.text
+        return tree_of(text.strip(), None, None)
+    except NoExpression as error:
+        reason = "it cannot be read" if error.place is None else _reason(error)
         raise DebugError(f"{short(text)!r} is no expression: {reason}") from None
 
 
@@ -231,7 +227,7 @@ def builtin_call(name: str, arguments: tuple[Any, ...], named: dict[str, Any]) -
 
 def _reason(error: Exception) -> str:
     """Return what Python says, but for what helps nobody here."""
-    text = error.msg if isinstance(error, SyntaxError) else str(error)
+    text = str(error)
     return "a number has too many digits" if text.startswith(_DIGITS) else text.removesuffix(_LINE)
 
 
@@ -313,6 +309,11 @@ class _Computation:
     def _plain(self, node: ast.expr) -> Any:
         return self._checked(self.value(node))
 
+    def _held(self, node: ast.expr) -> Any:
+        """Return the value of a part that something else holds or gets."""
+        value = self.value(node)
+        return list(value.whole) if isinstance(value, Indexed) and value.whole is not None else value
+
     def _checked(self, value: Any) -> Any:
         """Return a value whose operators run no code of the program; refuse any other."""
         if type(value) in PLAIN:
@@ -324,6 +325,8 @@ class _Computation:
             if not why_not:
                 return value
         elif isinstance(value, Indexed):
+            if value.whole is not None:
+                return list(value.whole)
             raise DebugError("it needs an index in brackets")
         raise _refused(_FOREIGN)
 
@@ -356,7 +359,7 @@ class _Computation:
             if isinstance(node, ast.Starred):
                 items += self._counted(self._plain(node.value))
             else:
-                items.append(self.value(node))
+                items.append(self._held(node))
         return items
 
     def _Dict(self, node: ast.Dict) -> Any:
@@ -365,7 +368,7 @@ class _Computation:
             if key is None:
                 made.update(self._plain(value))
             else:
-                made[self._plain(key)] = self.value(value)
+                made[self._plain(key)] = self._held(value)
         return made
 
     def _BinOp(self, node: ast.BinOp) -> Any:
@@ -453,7 +456,7 @@ class _Computation:
 
     def _passes(self, generators: list[ast.comprehension], element: ast.expr) -> Iterator[Any]:
         if not generators:
-            yield self.value(element)
+            yield self._held(element)
             return
         first, *rest = generators
         before = dict(self._own)
@@ -483,7 +486,7 @@ class _Computation:
             if keyword.arg is None:
                 named.update(self._plain(keyword.value))
             else:
-                named[keyword.arg] = self.value(keyword.value)
+                named[keyword.arg] = self._held(keyword.value)
         for value in (*arguments, *named.values()):
             self._counted(self._checked(value))
         if isinstance(function, ast.Name):
@@ -514,12 +517,18 @@ class Indexed:
 
     Args:
         at: returns the value at an index.
+        whole: the values, if there is a use for all of them together: `max(q)`.
+        names: names of the values: `tcp.z`.
     """
 
-    __slots__ = ("at",)
+    __slots__ = ("at", "names", "whole")
 
-    def __init__(self, at: Callable[[Any], Any]) -> None:
+    def __init__(
+        self, at: Callable[[Any], Any], whole: tuple[Any, ...] | None = None, names: Sequence[str] = ()
+    ) -> None:
         self.at = at
+        self.whole = whole
+        self.names = names
 
 
 class Pure:
@@ -555,6 +564,8 @@ def stored_attribute(value: Any, name: str) -> Any:
         raise DebugError(f"{name!r} cannot be read")
     if isinstance(value, Pure):
         return value.function(name)
+    if isinstance(value, Indexed) and name in value.names:
+        return value.at(value.names.index(name))
     if type(value) in PLAIN:
         if name in ("real", "imag", "start", "stop", "step") and hasattr(value, name):
             return getattr(value, name)
@@ -606,7 +617,8 @@ def _refuse_too_large(sign: ast.operator, left: Any, right: Any) -> None:
         holder, times = (left, right) if hasattr(left, "__len__") else (right, left)
         size = len(holder) * times if hasattr(holder, "__len__") and isinstance(times, int) else 0
     elif isinstance(sign, ast.Mod) and isinstance(left, str | bytes):
-        raise DebugError("write the text as f'{...}'")
+        form = " ".join(_WIDTH.findall(left if isinstance(left, str) else left.decode("latin-1")))
+        size = SIZE_MAX + 1 if "*" in form else max((int(number) for number in _numbers(form)), default=0)
     else:
         return
     if size > SIZE_MAX:

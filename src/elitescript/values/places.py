@@ -9,7 +9,7 @@ from __future__ import annotations
 import ast
 from typing import Final
 
-from elitescript.messages.signals import SIGNALS, Signal, parse_signal_name, signal_name
+from elitescript.messages.signals import SIGNALS, Signal, parse_signal_name
 from elitescript.records import NamedTuple
 
 POSE: Final = ("x", "y", "z", "rx", "ry", "rz")
@@ -37,19 +37,19 @@ PLACES: Final[dict[str, Place]] = {
 """By name. Signals are places too: `standard_digital_in[3]`, `tool_analog_in`."""
 
 
-def signal_at(node: ast.AST) -> tuple[Signal, int] | None:
-    """Return row and index of the signal that a part of an expression means; None if it names no family of signals.
+def signal_at(node: ast.AST, *, has_lists: bool = True) -> tuple[Signal, int] | None:
+    """Return row and index of the signal that a part of an expression means; None for anything else.
+
+    Args:
+        node: the part.
+        has_lists: names with brackets may also be something else than signals.
 
     Raises:
-        UsageError: it does, but has no such point.
+        UsageError: it names a family of signals that has no such point.
     """
-    name = node.value if isinstance(node, ast.Subscript) else node
-    if not isinstance(name, ast.Name) or name.id not in SIGNALS:
+    name = node
+    if isinstance(node, ast.Subscript) and (isinstance(node.slice, ast.Constant) or not has_lists):
+        name = node.value
+    if not isinstance(name, ast.Name) or (name.id not in SIGNALS and (has_lists or name is node)):
         return None
     return parse_signal_name(ast.unparse(node))
-
-
-def name_at(node: ast.AST) -> str | None:
-    """Return the name of the signal that a part of an expression means; see `signal_at`."""
-    found = signal_at(node)
-    return None if found is None else signal_name(*found)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections import deque
 from collections.abc import Collection, Sequence
 from typing import Any, Final
 
-from elitescript.language.options import LINE, SECONDARY
+from elitescript.commands.catalogue import CATALOGUE
+from elitescript.language.advice.unknown_names import KNOWN
+from elitescript.language.options import LINE, SCRIPT, SECONDARY
 from elitescript.language.scopes import Scope
 from elitescript.language.symbols import THREAD_STARTER, Symbols
 from elitescript.values.description import (
@@ -106,6 +109,9 @@ class State:
             scope.kind == "class" and not _COMPARING.isdisjoint(scope.bindings) for scope in symbols.scopes
         )
         self._has_foreign_writers = self._find_foreign_writers()
+        parsed = symbols.parsed
+        self._is_a_part = parsed.kind == SCRIPT or bool(re.search(r"import[ \t]*\*", parsed.source.text))
+        """Whether names may be defined that the text does not show."""
         self._has_interpreter = self._is_read(_INTERPRETING)
         self._has_foreign_readers = self._is_read(*_READING)
 
@@ -126,6 +132,12 @@ class State:
     def _is_read(self, *names: str) -> bool:
         """Return whether the program uses one of some names."""
         return any(name in scope.reads for scope in self.symbols.scopes for name in names)
+
+    def _is_missing(self, name: str) -> bool:
+        """Return whether nothing at all is called so, here or outside the program."""
+        if self._has_foreign_writers or self._is_a_part or name in self.presets or name in KNOWN:
+            return False
+        return CATALOGUE.get(name) is None and self.variable(name, self._scope) is None
 
     def _function_of(self, scope: Scope) -> Function:
         found = self._functions.get(scope)

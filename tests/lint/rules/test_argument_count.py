@@ -81,3 +81,32 @@ def test_a_misspelt_keyword_is_repaired_by_hand_only():
     assert not problem.fix.safe
     assert repaired(text) == text.replace("socket_nam=", "socket_name=")
     assert only("def job():\n  socket_close(wrong='a')\nend\n").fix is None
+
+
+OWN = ("def f(a, b=1, *, c=2):", "  textmsg(a, b + c)", "end")
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        ("f()", "f misses the argument 'a'"),
+        ("f(1, 2, 3)", "f takes 2 arguments, and gets 3"),
+        ("f(1, d=2)", "f has no argument 'd'"),
+        ("f(1, a=2)", "f gets 'a' twice"),
+        ("h = start_thread(f, ())", "f misses the argument 'a'"),
+        ("h = start_thread(f, (1, 2, 3))", "f takes 2 arguments, and gets 3"),
+    ],
+)
+def test_a_function_of_the_program_is_called_with_its_arguments(call, words):
+    problem = only("def job():\n" + "".join(f"  {line}\n" for line in (*OWN, call)) + "end\n")
+    assert (problem.code, problem.line, problem.text) == ("E303", 5, words)
+    assert problem.hint == "line 2 has def f(a, b=1, *, c=2)"
+
+
+def test_calls_that_may_fit_are_left_alone():
+    calls = ("f(1)", "f(1, 2, c=3)", "x = [1]", "f(*x)", "y = {}", "f(**y)", "h = start_thread(f, (1,))")
+    assert body(*OWN, *calls) == []
+    assert body("def f(*a, **k):", "  sync()", "end", "f()", "f(1, 2)", "f(x=1)") == []
+    assert (
+        body("def f(a):", "  sync()", "end", "if get_flag(0):", "  def f():", "    sync()", "  end", "end", "f()") == []
+    )

@@ -41,7 +41,7 @@ def test_a_literal_of_the_wrong_type_is_found_at_the_argument(call, column):
         ("x = eval('1')", "sleep(x)", "movej(x)", "movej([x, *[1, 2, 3], 0])"),
         ("textmsg(None, [1, 2])",),
         ("x = get_inverse_kin([0.4, 0, 0.3, 0, 0, 0], qnear='')",),
-        ("def f():", "  pass", "start_thread(f, ())", "start_thread(f, [])", "start_thread(f, (f, 1))"),
+        ("def f(*given):", "  pass", "start_thread(f, ())", "start_thread(f, [])", "start_thread(f, (f, 1))"),
         ("x = length('abc') + length([1, 'a', get_flag(1)])",),
     ],
     ids=str,

@@ -17,6 +17,8 @@ from tests.lint.checking import body
             "h = start_thread(w, ())",
             "movel(pose_add(get_target_tcp_pose(), [0, 0, h, 0, 0, 0]))",
         ),
+        ("def w():", "  return 0.25", "end", "h = start_thread(w, ())", "if h:", "  halt()", "end"),
+        ("def w():", "  return 0.25", "end", "h = start_thread(w, ())", "if h == True:", "  halt()", "end"),
         ("def w():", "  return 0.25", "end", "h = start_thread(w, ())", "if h > 0.2:", "  halt()", "end"),
     ],
     ids=str,

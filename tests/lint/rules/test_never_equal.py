@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.lint.checking import body
+from tests.lint.checking import body, repaired
 
 
 @pytest.mark.parametrize(
@@ -16,6 +16,8 @@ from tests.lint.checking import body
         "if get_actual_tcp_pose() == 0:\n  halt()\nend",
         'if socket_open("1.2.3.4", 80) == "OK":\n  halt()\nend',
         "if socket_read_ascii_float(3) == [1.0, 2.0, 3.0]:\n  halt()\nend",
+        's = socket_read_string()\nif s is "on":\n  halt()\nend',
+        "n = read_input_integer_register(0)\nif n is not 500:\n  halt()\nend",
         "if to_str(3) == 3:\n  halt()\nend",
         'if get_flag(0) is "on":\n  halt()\nend',
         'modbus_add_signal("1.2.3.4", 255, 0, 2, "a")\nv = modbus_get_signal_status("a")\nif v < 0:\n  halt()\nend',
@@ -68,3 +70,9 @@ def test_an_analog_input_never_reaches_more_than_its_domain(domain, condition, i
 def test_a_coordinate_in_millimetres_is_no_length_in_metres():
     assert body("z = get_actual_tcp_pose()[2] * 1000", "if z > 300:", "  halt()", "end") == []
     assert body("z = get_actual_tcp_pose()[2]", "if z > 300:", "  halt()", "end") == ["W231 3:10"]
+
+
+def test_is_beside_a_text_is_repaired():
+    text = 'def job():\n  s = socket_read_string()\n  if s is not  "on": halt()\nend\n'
+    assert 'if s != "on": halt()' in repaired(text)
+    assert body("x = get_flag(0)", "if x is True: halt()", "if x is None: halt()") == []

@@ -12,6 +12,8 @@ from tests.lint.checking import body
         ('modbus_add_signal("10.0.0.5", 255, 0, 3, "s")', "n = 100000", 'modbus_set_output_register("s", n)'),
         ('modbus_add_signal("10.0.0.5", 255, 0, 3, "s")', 'modbus_set_output_register("s", -40000)'),
         ("socket_send_byte(300)",),
+        ("set_standard_digital_out(0, 5)",),
+        ("n = 2", "write_output_boolean_register(3, n)"),
     ],
     ids=str,
 )
@@ -29,6 +31,8 @@ def test_it_is_found(lines):
             'modbus_set_output_register("s", read_input_integer_register(0))',
         ),
         ("socket_send_byte(255)",),
+        ("set_standard_digital_out(0, 1)", "set_standard_digital_out(1, 0)"),
+        ("set_standard_digital_out(0, read_input_integer_register(0))",),
         ('socket_send_byte("a")',),
     ],
     ids=str,

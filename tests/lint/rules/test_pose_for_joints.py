@@ -8,6 +8,12 @@ def test_it_is_found():
     assert body("h = get_actual_joint_positions()", "movel(h)") == ["W237 3:9"]
     assert body("p = get_actual_tcp_pose()", "p[2] = p[2] + 0.1", "movej(p)") == ["W237 4:9"]
     assert body("p = get_actual_tcp_pose()", "q = p.copy()", "movej(q)") == ["W237 4:9"]
+    assert body("movej(get_target_joint_speeds())") == ["W237 2:9"]
+    assert body("speedl(get_actual_joint_speeds(), 0.1, 1)") == ["W237 2:10"]
+
+
+def test_a_misspelt_command_hides_no_other_mistake():
+    assert body("q = get_actual_joint_positions()", "movejj(q)", "movel(q)") == ["E301 3:3", "W237 4:9"]
 
 
 def test_what_almost_is_one_is_not_found():

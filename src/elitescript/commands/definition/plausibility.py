@@ -334,9 +334,16 @@ JUDGES: Final[dict[str, Judge]] = {
 KINDS: Final = ("joints", "pose")
 """Meanings that are lists of six numbers, and taken for each other."""
 
+_SIX: Final = {
+    "joints": "joint positions",
+    "pose": "a pose",
+    "joint speeds": "joint speeds",
+    "tool velocity": "a velocity of the tool",
+}
+"""Meanings of lists of six numbers, and their words."""
 
-TAKEN_FOR_EACH_OTHER: Final = (*KINDS, "tcp")
-"""Meanings of parameters that get a list of the other kind by mistake."""
+TAKEN_FOR_EACH_OTHER: Final = (*_SIX, "tcp")
+"""Meanings of parameters that get a list of another kind by mistake."""
 
 
 def mistaken(meaning: str, kind: str) -> Doubt | None:
@@ -344,12 +351,19 @@ def mistaken(meaning: str, kind: str) -> Doubt | None:
 
     Args:
         meaning: of the parameter.
-        kind: of the value: `joints`, `pose`, or empty if unknown.
+        kind: of the value: a meaning of a list, or empty if unknown.
     """
     if meaning == "tcp" and kind == "joints":
         return Doubt("W237", " are joint positions, where the pose of a tool belongs", "set_tcp([0, 0, 0.1, 0, 0, 0])")
-    if meaning == kind or meaning not in KINDS or kind not in KINDS:
+    if meaning == kind or meaning not in _SIX or kind not in _SIX:
         return None
-    if meaning == "joints":
-        return Doubt("W237", " is a pose, where joint positions belong", "get_inverse_kin turns a pose into them")
-    return Doubt("W237", " are joint positions, where a pose belongs", "get_forward_kin turns them into a pose")
+    words = _SIX[kind]
+    verb, belongs = (
+        ("is" if words.startswith("a ") else "are"),
+        "belongs" if _SIX[meaning].startswith("a ") else "belong",
+    )
+    hint = ""
+    if meaning in KINDS and kind in KINDS:
+        hint = "get_inverse_kin turns a pose into them" if kind == "pose" else "get_forward_kin turns them into a pose"
+    text = said(" {verb} {kind}, where {meant} {belongs}", verb=verb, kind=words, meant=_SIX[meaning], belongs=belongs)
+    return Doubt("W237", text, hint)

@@ -37,7 +37,7 @@ def channel_not_open(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each use of such a name."""
     called = program.derived(CalledCommands)
     opened: set[str] = set()
-    for found in called.of(_OPEN):
+    for found in called.all_of(_OPEN):
         names = called.texts(found, _NAME, USUAL)
         if not names:
             return
@@ -46,7 +46,7 @@ def channel_not_open(program: AnalysedProgram) -> Iterator[Finding]:
         return
     meant = Meant(lambda: opened)
     listed = ", ".join(repr(name) for name in sorted(opened)[:4])
-    for found in called:
+    for found in called.all_of():
         if not found.name.startswith("socket_") or found.name == _OPEN:
             continue
         names = tuple(name or USUAL for name in called.texts(found, _NAME, USUAL))

@@ -48,15 +48,23 @@ def handle_as_value(program: AnalysedProgram) -> Iterator[Finding]:
             continue
         above = program.symbols.parent(node)
         where = arguments.get(node, "")
-        if where or isinstance(above, ast.BinOp) or (isinstance(above, ast.Compare) and _is_a_value(above)):
+        is_value = isinstance(above, ast.BinOp) or (isinstance(above, ast.Compare) and _is_a_value(above))
+        if where or is_value or _is_condition(above, node):
             text = said(
                 "`{expression}` is the handle of a thread, not what its function returns", expression=ast.unparse(node)
             )
             hint = "what a thread returns is lost: let it write a global or `nonlocal` variable"
-            yield Finding(node, said("{where}: {text}", where=where, text=text) if where else text, hint)
+            yield Finding(node, said("{command}: {text}", command=where, text=text) if where else text, hint)
 
 
 def _is_a_value(node: ast.Compare) -> bool:
-    """Return whether a comparison asks for a number with decimals, which no handle has."""
+    """Return whether a comparison asks for True or a number with decimals, which no handle is."""
     sides = (node.left, *node.comparators)
-    return any(isinstance(side, ast.Constant) and isinstance(side.value, float) for side in sides)
+    return any(isinstance(side, ast.Constant) and isinstance(side.value, (float, bool)) for side in sides)
+
+
+def _is_condition(above: ast.AST | None, node: ast.expr) -> bool:
+    """Return whether a handle is asked for its truth: it is always true."""
+    if isinstance(above, (ast.If, ast.While, ast.IfExp)):
+        return above.test is node
+    return isinstance(above, ast.UnaryOp) and isinstance(above.op, ast.Not)

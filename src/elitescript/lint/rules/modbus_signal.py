@@ -38,13 +38,17 @@ def added_signals(program: AnalysedProgram) -> dict[str, set[int | None]]:
     """Return the types of the signals that a program adds, None for one that is unknown; empty if any may be added."""
     called = program.derived(CalledCommands)
     added: dict[str, set[int | None]] = {}
-    for found in called.of(_ADD, _ADD_BOTH):
+    every = called.all_of(_ADD, _ADD_BOTH)
+    passed = {found.written for found in every if found.written is not found.call}
+    for found in every:
         names = called.texts(found, _NAME, "")
         if not names:
             return {}
         kind = 3 if found.name == _ADD_BOTH else called.number(found, "signal_type")
         for name in names:
-            added.setdefault(name, set()).add(kind)
+            kinds = added.setdefault(name, set())
+            if kind is not None or found.call not in passed:
+                kinds.add(kind)
     return {} if called.are_passed_on(_ADD, _ADD_BOTH) else added
 
 
@@ -56,7 +60,7 @@ def modbus_signal(program: AnalysedProgram) -> Iterator[Finding]:
         return
     meant = Meant(lambda: added)
     listed = ", ".join(map(repr, sorted(added)[:4]))
-    for found in program.derived(CalledCommands):
+    for found in program.derived(CalledCommands).all_of():
         node = found.given.get(_NAME)
         if node is None or found.name in (_ADD, _ADD_BOTH):
             continue

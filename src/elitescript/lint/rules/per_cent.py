@@ -28,7 +28,7 @@ _LEAST: Final = 2.0
 @rule(code="W267", since="0.3")
 def per_cent(program: AnalysedProgram) -> Iterator[Finding]:
     """Report fractions of 2 and more."""
-    for found in program.derived(CalledCommands).of("interpolate_pose"):
+    for found in program.derived(CalledCommands).all_of("interpolate_pose"):
         node = found.given.get("alpha")
         if node is None:
             continue

@@ -30,7 +30,7 @@ _LONG: Final = frozenset(("sleep",))
 def time_in_milliseconds(program: AnalysedProgram) -> Iterator[Finding]:
     """Report times that are too long to be seconds."""
     refused = {refusal.node for refusal in program.refusals}
-    for called, arguments in zip(program.command_calls, program.arguments, strict=True):
+    for called, arguments in program.judged_calls:
         most = _MOST_OF.get(called.command.name, _MOST_S)
         for param, node in arguments.given:
             if param.quantity.unit != "s" or called.command.name in _LONG or node in refused:

@@ -38,7 +38,7 @@ _BLOCK_LENGTH: Final = 9_999
 @rule(code="W252", since="0.3")
 def unfit_address(program: AnalysedProgram) -> Iterator[Finding]:
     """Report each such address."""
-    for found in program.derived(CalledCommands).of(*_HOLDERS):
+    for found in program.derived(CalledCommands).all_of(*_HOLDERS):
         for param in _HOSTS:
             node = found.given.get(param)
             if node is not None:

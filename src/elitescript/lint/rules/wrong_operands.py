@@ -43,6 +43,7 @@ from elitescript.values.description import (
     WHOLE,
     Value,
 )
+from elitescript.values.plain import SIGNS
 from elitescript.values.words import words
 
 _SAME: Final = ((NUMBER, NUMBER), (TEXT, TEXT), (BYTES, BYTES), (LIST, LIST), (TUPLE, TUPLE))
@@ -121,7 +122,7 @@ def _operands(
         "{left}, {right}: `{sign}` does not take them",
         left=_said(program, left, one),
         right=_said(program, right, other),
-        sign=_SIGNS[type(op)],
+        sign=SIGNS[type(op)],
     )
     yield Finding(node, text, hint)
 
@@ -134,21 +135,6 @@ def _said(program: AnalysedProgram, node: ast.expr, value: Value) -> str:
             kind=Said("text" if value.kinds & (TEXT | BYTES) else "number"),
         )
     return said("{expression} is {words}", expression=shown_source(program, node), words=words(value))
-
-
-_SIGNS: Final[dict[type[ast.AST], str]] = {
-    ast.Add: "+",
-    ast.Sub: "-",
-    ast.Mult: "*",
-    ast.Div: "/",
-    ast.FloorDiv: "//",
-    ast.Mod: "%",
-    ast.Pow: "**",
-    ast.Lt: "<",
-    ast.LtE: "<=",
-    ast.Gt: ">",
-    ast.GtE: ">=",
-}
 
 
 def _advice(op: ast.AST, one: Value, other: Value) -> str:
