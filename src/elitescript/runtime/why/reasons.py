@@ -186,7 +186,7 @@ class Reasons:
             return f"it holds {which} itself"
         if holder.state is ENDED:
             return f"{holder.name} holds {which} and has ended"
-        wait = f", waiting for {holder.waits_for}" if holder.waits_for else ""
+        wait = f", waiting for {holder.waits_for}" if holder.waits_for not in ("", TIME_TO_GO_BY) else ""
         return f"{holder.name} holds {which} and is in line {holder.line}{wait}"
 
     def _is_in_library(self, strand: Strand) -> bool:
