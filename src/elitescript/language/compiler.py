@@ -24,7 +24,7 @@ from elitescript.language.limits import too_deep
 from elitescript.language.nodes import FUNCTIONS, Census
 from elitescript.language.options import DEFAULT, LINE, Options
 from elitescript.language.parser import NO_FILE, Parsed, character_offset, parse, parse_without, read_again, syntax_tree
-from elitescript.language.policy import first_too_deep, guard_attributes, review
+from elitescript.language.policy import first_too_deep, guard_attributes, obey_futures, review
 from elitescript.language.probes import (
     ATTACH_PROBES,
     NO_PROBES,
@@ -227,6 +227,7 @@ def compile_statement(source: SourceFile, has_global: Callable[[str], bool]) -> 
             ]
         calls = frozenset(node.func.id for node in census.of(ast.Call) if isinstance(node.func, ast.Name))
         if first_too_deep(census) is None and not any(problem.is_error for problem in problems):
+            obey_futures(census)
             guard_attributes(parsed.tree, census)
             insert_checkpoints(census)
             code = _code_or_problem(parsed.tree, "exec", parsed.source, "statement", problems)
@@ -266,6 +267,7 @@ def _compile(parsed: Parsed, census: Census | None = None) -> _Compiled:
     probes = NO_PROBES
     numbers: Mapping[ast.stmt, int] = {}
     if not any(problem.is_error for problem in problems):
+        obey_futures(census)
         guard_attributes(parsed.tree, census)
         options = parsed.options
         if options.probes == ATTACH_PROBES:

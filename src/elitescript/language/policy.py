@@ -62,8 +62,17 @@ ALLOWED_DUNDER_LOADS: Final = ALLOWED_DUNDER_DEFINITIONS | frozenset(
 )
 """Special attributes that a program may read."""
 
-ALLOWED_CLASS_VARIABLES: Final = frozenset(("__doc__", "__hash__", "__slots__"))
-"""Special names that may be assigned in the body of a class."""
+ALLOWED_CLASS_VARIABLES: Final = ALLOWED_DUNDER_DEFINITIONS | {"__doc__", "__slots__"}
+"""Special names that may be assigned in the body of a class, as in `__rmul__ = __mul__`."""
+
+FUTURE: Final = "__future__"
+FUTURE_FEATURES: Final = frozenset(
+    """
+    absolute_import annotations division generator_stop generators nested_scopes print_function unicode_literals
+    with_statement
+    """.split()  # noqa: SIM905
+)
+"""What `from __future__ import` may name; all but `annotations` is so anyway."""
 
 _MAX_FINDINGS: Final = 300
 
@@ -77,7 +86,6 @@ _ADVICE: Final = {
     "__new__": "set the object up in __init__",
     "__getattr__": "define the attributes one by one",
     "__getattribute__": "define the attributes one by one",
-    "__future__": "leave the line out",
 }
 _DEFAULT_ADVICE: Final = "names between double underscores belong to Python itself"
 
@@ -146,6 +154,30 @@ def first_too_deep(census: Census) -> ast.AST | None:
 
 def _place(node: ast.expr) -> tuple[int, int]:
     return node.lineno, node.col_offset
+
+
+def is_future(node: ast.ImportFrom) -> bool:
+    """Return whether a statement asks for what is so anyway, or for annotations that are texts."""
+    return node.module == FUTURE and not node.level and all(alias.name in FUTURE_FEATURES for alias in node.names)
+
+
+def obey_futures(census: Census) -> None:
+    """Take `from __future__ import` out of a tree; if it names `annotations`, make texts of all annotations."""
+    futures = [node for node in census.of(ast.ImportFrom) if is_future(node)]
+    if not futures:
+        return
+    if any(alias.name == "annotations" for node in futures for alias in node.names):
+        for argument in census.of(ast.arg):
+            argument.annotation = _as_text(argument.annotation)
+        for function in census.of(ast.FunctionDef):
+            function.returns = _as_text(function.returns)
+        for assignment in census.of(ast.AnnAssign):
+            assignment.annotation = ast.copy_location(ast.Constant(ast.unparse(assignment.annotation)), assignment)
+    census.replace({node: ast.copy_location(ast.Pass(), node) for node in futures})
+
+
+def _as_text(annotation: ast.expr | None) -> ast.expr | None:
+    return None if annotation is None else ast.copy_location(ast.Constant(ast.unparse(annotation)), annotation)
 
 
 def guard_attributes(tree: ast.AST, census: Census) -> None:
@@ -233,7 +265,7 @@ class _Reviewer:
             yield from (self._special(declaration, name) for name in declaration.names if is_dunder(name))
 
     def _class_variables(self) -> set[int]:
-        """Return the names that class bodies assign and may assign."""
+        """Return the special names that class bodies assign, and that they use for it, and may."""
         allowed = set()
         for node in self.census.of(ast.ClassDef):
             for statement in node.body:
@@ -246,6 +278,9 @@ class _Reviewer:
                 for target in targets:
                     if isinstance(target, ast.Name) and target.id in ALLOWED_CLASS_VARIABLES:
                         allowed.add(id(target))
+                for used in () if statement.value is None else ast.walk(statement.value):
+                    if isinstance(used, ast.Name) and used.id in ALLOWED_DUNDER_DEFINITIONS:
+                        allowed.add(id(used))
         return allowed
 
     def _attributes(self) -> Iterator[Diagnostic]:
@@ -301,6 +336,8 @@ class _Reviewer:
 
     def _imports(self) -> Iterator[Diagnostic]:
         for node in self.census.of(ast.ImportFrom):
+            if is_future(node):
+                continue
             if any(is_dunder(part) for part in (node.module or "").split(".")):
                 yield self._special(node, node.module or "")
                 continue

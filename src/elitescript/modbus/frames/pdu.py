@@ -238,6 +238,8 @@ def request_of(pdu: bytes) -> ModbusRequest:
     if not pdu:
         raise ExceptionResponse(ILLEGAL_FUNCTION)
     function, size = pdu[0], len(pdu)
+    if size > PDU_MAX:
+        raise ExceptionResponse(ILLEGAL_VALUE, function)
     if function in REGISTER_READS or function in BIT_READS:
         if size != 5:
             raise ExceptionResponse(ILLEGAL_VALUE, function)

@@ -11,6 +11,7 @@ from __future__ import annotations
 import builtins
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
+from importlib import import_module as import_real
 from itertools import chain, repeat
 from types import CodeType, FunctionType
 from typing import TYPE_CHECKING, Any, Final, NoReturn
@@ -335,6 +336,9 @@ def _import(shelf: ModuleShelf) -> Callable[..., Any]:
         """`__import__`."""
         if type(name) is not str:
             raise TypeError(f"the name of a module must be a str, not {type(name).__name__}")
+        if len(details) > 2 and type(details[2]) is list:
+            # Python's own C code needs a module; the statement of a program has a tuple or None here.
+            return import_real(name)
         return shelf.import_module(name, *details, **options)
 
     return import_module
@@ -343,6 +347,19 @@ def _import(shelf: ModuleShelf) -> Callable[..., Any]:
 def _stand_in(name: str) -> type[BaseException]:
     """Return an exception that handlers may name, but that is never raised: the real one belongs to the user."""
     return type(name, (BaseException,), {"__module__": "builtins"})
+
+
+def _group(name: str, _run: Bindings) -> type[Exception]:
+    """Return a class that handlers may name, and that cannot be called: groups could rebuild what ends a thread."""
+
+    def refuse(cls: type, *args: Any, **options: Any) -> NoReturn:
+        raise ScriptPermissionError(
+            f"{name} is not available to programs",
+            command=name,
+            hint="raise one exception; it can hold others in a list",
+        )
+
+    return type(name, (Exception,), {"__module__": "builtins", "__new__": refuse})
 
 
 def _copy_of(function: Any) -> Callable[[Bindings], Any]:
@@ -391,6 +408,7 @@ _LONG: Final = frozenset({"open", "print"})
 
 _MADE: Final[dict[str, Callable[[Bindings], Any]]] = {
     **{name: partial(_refusal, name) for name in REFUSED_BUILTINS},
+    **{name: partial(_group, name) for name in ("BaseExceptionGroup", "ExceptionGroup")},
     "KeyboardInterrupt": lambda run: _stand_in("KeyboardInterrupt"),
     "copy": _preloaded,
     "delattr": _copy_of(checked_delattr),

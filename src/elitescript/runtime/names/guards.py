@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from elitescript.runtime.names.identities import Identities
 
 _MISSING: Final = object()
-_SPEC_DEPTH: Final = 2
+_SPEC_DEPTH: Final = 1
 """Fields inside fields of a format string; the limit of `str.format`."""
 
 

@@ -17,6 +17,7 @@ from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any, Final, NoReturn, Protocol
 
 from elitescript.language.modules import AVAILABLE, COPIED_NAMES, NETWORK, SHARED, SHARED_NAMES
+from elitescript.language.policy import is_dunder
 from elitescript.runtime.sealed import Sealed, hidden_slot, no_copy
 from elitescript.runtime.stdlib.loader import ABSENT, CopyLoader, forwarded, real
 from elitescript.runtime.threads.scheduler import Scheduler, noting_calls
@@ -203,15 +204,17 @@ def _own_wraps(names: dict[str, Any]) -> None:
     """Replace `wraps` by one without lists of attributes, which could name any attribute."""
 
     def update_wrapper(wrapper: Any, wrapped: Any) -> Any:
-        """Give a function the name and the text of the one that it wraps."""
+        """Give a function the name, the text and the attributes of the one that it wraps."""
         for attribute in ("__name__", "__qualname__", "__doc__"):
             value = getattr(wrapped, attribute, None)
             if type(value) is str:
                 setattr(wrapper, attribute, value)
+        if type(wrapped) is FunctionType and type(wrapper) is FunctionType:
+            wrapper.__dict__.update({name: value for name, value in vars(wrapped).items() if not is_dunder(name)})
         return wrapper
 
     def wraps(wrapped: Any) -> Callable[[Any], Any]:
-        """Decorator that gives a function the name and the text of the one that it wraps."""
+        """Decorator that gives a function the name, the text and the attributes of the one that it wraps."""
         return lambda wrapper: update_wrapper(wrapper, wrapped)
 
     names["update_wrapper"] = update_wrapper
@@ -257,12 +260,34 @@ def _without_evaluation(names: dict[str, Any]) -> None:
     names["NewType"].__init__.__globals__["ForwardRef"] = _ForwardRef
 
 
+def _own_date_errors(names: dict[str, Any]) -> None:
+    """Give the errors of dates the texts that the C code of Python gives them."""
+    space = names["date"].today.__func__.__globals__
+
+    def plain(check: Callable[..., Any]) -> Callable[..., Any]:
+        def checked(*args: Any) -> Any:
+            try:
+                return check(*args)
+            except ValueError as error:
+                if len(error.args) != 2:
+                    raise
+                text, value = error.args
+                text = f"year {value} is out of range" if text.startswith("year") else text
+                raise ValueError("day is out of range for month" if text.startswith("day") else text) from None
+
+        return checked
+
+    for name in ("_check_date_fields", "_check_time_fields"):
+        space[name] = plain(space[name])
+
+
 _LONG: Final = SHARED | {"os", "random", "re", "subprocess", "time"}
 """Modules with functions whose calls may take long; those of copies stay as they are: some look at their caller."""
 
 
 _FIXES: Final[dict[str, Callable[[dict[str, Any]], None]]] = {
     "collections": _own_user_string,
+    "datetime": _own_date_errors,
     "functools": _own_wraps,
     "json": _own_json_error,
     "typing": _without_evaluation,
