@@ -721,6 +721,10 @@ class VirtualRobot:
         if run.state == "":
             run.state = state
             run.threads = self._explained(run)
+            if state == "time_limit" and (words := self._arm_words()) and run.threads:
+                first, *others = run.threads
+                because = "; ".join(filter(None, (first.because, words)))
+                run.threads = (first._replace(because=because), *others)
             self._host.stop(state)
             self._host.run_tick(self.tick)
             if self._outside.surroundings is not None:
@@ -746,12 +750,22 @@ class VirtualRobot:
         """Warn of a contact."""
         self._event(Warned(tick, contact.text, "main", contact.line, "W273"))
 
+    def _arm_words(self) -> str:
+        """Return what keeps the arm from moving; empty if nothing does."""
+        still = "the speed percentage is 0" if self.controller.speed_scale == 0.0 else ""
+        return "; ".join(filter(None, (self.controller.safety.obstruction, still)))
+
     def _report_stuck(self) -> None:
         assert self._run is not None
         threads = self._explained(self._run)
+<<<<<<< HEAD
         reasons = [_held(thread) for thread in threads]
         reasons += filter(None, (self.controller.safety.obstruction,))
         reasons += [Said("the speed percentage is 0")] if self.controller.speed_scale == 0.0 else []
+=======
+        waits = "; ".join(f"{thread.name} (line {thread.line}) {thread.held}" for thread in threads)
+        waits = "; ".join(filter(None, (waits, self._arm_words())))
+>>>>>>> main
         line = threads[0].line if threads else 0
         source = self._run.unit.source
         text = source.line(line) if line else ""

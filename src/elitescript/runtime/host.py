@@ -353,13 +353,19 @@ class ScriptHost:
             facts: what is known beside the threads; None for nothing.
             start_tick: tick from which the times in it are counted.
         """
-        reasons = self.reasons(facts, start_tick)
+        reasons = self.reasons(facts, start_tick, is_paused=self.is_paused)
         if reasons is None:
             return self.threads()
         return tuple(state_of(strand)._replace(because=reasons.of(strand)) for strand in self._scheduler.strands)
 
-    def reasons(self, facts: Facts | None = None, start_tick: int = 0) -> Reasons | None:
-        """Return what says why threads do not go on, for as long as time stands; None before the first program."""
+    def reasons(self, facts: Facts | None = None, start_tick: int = 0, *, is_paused: bool = False) -> Reasons | None:
+        """Return what says why threads do not go on, for as long as time stands; None before the first program.
+
+        Args:
+            facts: what is known beside the threads; None for nothing.
+            start_tick: tick from which the times in it are counted.
+            is_paused: whether it is a pause that they wait for.
+        """
         if self._unit is None:
             return None
         # Imported late: most programs go on.
@@ -367,7 +373,9 @@ class ScriptHost:
         from elitescript.runtime.why.reasons import Reasons
 
         strands, connections = self._scheduler.strands, self.connections.values()
-        return Reasons(self._unit, self._program, strands, connections, facts or Facts(), start_tick)
+        return Reasons(
+            self._unit, self._program, strands, connections, facts or Facts(), start_tick, is_paused=is_paused
+        )
 
     # ---------------------------------------------------------------- time
 

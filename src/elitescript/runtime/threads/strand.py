@@ -449,6 +449,14 @@ class ThreadState(NamedTuple):
     """Why it does not go on; empty if that was not asked for, or is not known."""
 
     @property
+    def held(self) -> str:
+        """What holds it, in words behind its name."""
+        if self.because and (not self.waits_for or self.waits_for.startswith(TIME_TO_GO_BY)):
+            return f"is held: {self.because}"
+        words = f"waits for {self.waits_for}" if self.waits_for else "is held"
+        return f"{words}: {self.because}" if self.because else words
+
+    @property
     def doing(self) -> str:
         """State in words."""
         words = said("waiting for {waits_for}", waits_for=self.waits_for) if self.waits_for else "running"
