@@ -50,8 +50,8 @@ from elitescript.observer import OBSERVATION
 from elitescript.run import FINDINGS, NOT_DELIVERED, EndState, Look, ProgramGlobals, Run
 from elitescript.runtime.environment import ProgramEnvironment
 from elitescript.runtime.probe import Probe, noted, probed, witness
-from elitescript.runtime.threads.strand import ThreadState, is_stop
-from elitescript.said import Said, joined, said
+from elitescript.runtime.threads.strand import is_stop
+from elitescript.said import joined, said
 
 if TYPE_CHECKING:
     from typing import Unpack
@@ -723,7 +723,7 @@ class VirtualRobot:
             run.threads = self._explained(run)
             if state == "time_limit" and (words := self._arm_words()) and run.threads:
                 first, *others = run.threads
-                because = "; ".join(filter(None, (first.because, words)))
+                because = joined("; ", filter(None, (first.because, words)))
                 run.threads = (first._replace(because=because), *others)
             self._host.stop(state)
             self._host.run_tick(self.tick)
@@ -753,19 +753,14 @@ class VirtualRobot:
     def _arm_words(self) -> str:
         """Return what keeps the arm from moving; empty if nothing does."""
         still = "the speed percentage is 0" if self.controller.speed_scale == 0.0 else ""
-        return "; ".join(filter(None, (self.controller.safety.obstruction, still)))
+        return joined("; ", filter(None, (self.controller.safety.obstruction, still)))
 
     def _report_stuck(self) -> None:
         assert self._run is not None
         threads = self._explained(self._run)
-<<<<<<< HEAD
-        reasons = [_held(thread) for thread in threads]
-        reasons += filter(None, (self.controller.safety.obstruction,))
-        reasons += [Said("the speed percentage is 0")] if self.controller.speed_scale == 0.0 else []
-=======
-        waits = "; ".join(f"{thread.name} (line {thread.line}) {thread.held}" for thread in threads)
-        waits = "; ".join(filter(None, (waits, self._arm_words())))
->>>>>>> main
+        text = "{thread} (line {line}) {held}"
+        waits = [said(text, thread=thread.name, line=thread.line, held=thread.held) for thread in threads]
+        waits += filter(None, (self._arm_words(),))
         line = threads[0].line if threads else 0
         source = self._run.unit.source
         text = source.line(line) if line else ""
@@ -773,7 +768,7 @@ class VirtualRobot:
             self.tick,
             "R130",
             "Stuck",
-            said("nothing can ever happen again: {waits}", waits=joined("; ", reasons)),
+            said("nothing can ever happen again: {waits}", waits=joined("; ", waits)),
             line,
             1,
             "main",
@@ -825,16 +820,6 @@ class VirtualRobot:
             # Scripts must not catch what is wrong with a listener: it leaves through `run`.
             self._listener_error = error
             self._host.interrupt()
-
-
-def _held(thread: ThreadState) -> str:
-    """Return why a thread does not go on."""
-    held: str = Said("is held")
-    if thread.waits_for:
-        held = said("waits for {waits_for}", waits_for=thread.waits_for)
-    if thread.because:
-        held = said("{held}: {because}", held=held, because=thread.because)
-    return said("{thread} (line {line}) {held}", thread=thread.name, line=thread.line, held=held)
 
 
 def _findings_of(

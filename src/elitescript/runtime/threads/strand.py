@@ -18,7 +18,7 @@ from greenlet import GreenletExit, getcurrent, greenlet  # type: ignore[import-u
 from elitescript.language.modules import COPIED
 from elitescript.messages.timing import seconds
 from elitescript.records import NamedTuple
-from elitescript.said import said
+from elitescript.said import Said, said
 
 READY: Final = "ready"
 WAITING: Final = "waiting"
@@ -452,9 +452,9 @@ class ThreadState(NamedTuple):
     def held(self) -> str:
         """What holds it, in words behind its name."""
         if self.because and (not self.waits_for or self.waits_for.startswith(TIME_TO_GO_BY)):
-            return f"is held: {self.because}"
-        words = f"waits for {self.waits_for}" if self.waits_for else "is held"
-        return f"{words}: {self.because}" if self.because else words
+            return said("is held: {because}", because=self.because)
+        words = said("waits for {waits_for}", waits_for=self.waits_for) if self.waits_for else Said("is held")
+        return said("{words}: {because}", words=words, because=self.because) if self.because else words
 
     @property
     def doing(self) -> str:
