@@ -18,7 +18,7 @@ from elitescript.messages.observations import (
     ReadingResumed,
     TextBeyondAscii,
 )
-from elitescript.testing.world import TcpServer, World
+from elitescript.testing.world import SerialDevice, TcpServer, World
 
 AT = (100, "cam", "socket", 7, "main")
 
@@ -207,6 +207,31 @@ class TestInRuns:
     )
     def test_numbers(self, answer, expected):
         assert found(['socket_send_line("x")', "r = socket_read_ascii_float(3)"], answers={"x": answer}) == expected
+
+    def test_an_alarm_says_which_reading_gave_nan(self):
+        body = ["r = socket_read_ascii_float(3, timeout=0.1)", "x = r[2]", "movel([x, 0, 0.4, 0, 0, 0])"]
+        lines = "".join(f"  {line}\n" for line in body)
+        text = f'def f():\n  socket_open("10.0.0.7", 5000)\n{lines}end\n'
+        run = VirtualRobot("CS66", world=World([Device()])).run(text)
+        assert (
+            run.alarms[0]
+            .details["hint"]
+            .startswith("nan comes from socket_read_ascii_float in line 3, which has read 0 of 3 numbers")
+        )
+        text = "def f():\n  x = float('nan')\n  movel([x, 0, 0.4, 0, 0, 0])\nend\n"
+        assert "nan comes" not in VirtualRobot("CS66").run(text).alarms[0].details["hint"]
+
+    def test_serial_texts_and_data_left_unread(self):
+        class Scale(SerialDevice):
+            line = "box"
+
+            def line_received(self, line):
+                return "12.5"
+
+        text = 'def f():\n  serial_config(True, 115200, 0, 1)\n  serial_write("22 °C\\n")\n  sleep(0.2)\nend\n'
+        run = VirtualRobot("CS66", world=World([Scale()])).run(text)
+        assert [(row.code, row.line) for row in run.findings] == [("N280", 2), ("N282", 3)]
+        assert "'12.5\\n'" in run.findings[0].text
 
     def test_a_peer_that_has_closed_is_told_once(self):
         body = ['socket_send_line("x")', "sleep(0.1)", *['socket_send_line("y")', "s = socket_read_string()"] * 2]

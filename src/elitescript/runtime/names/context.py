@@ -30,6 +30,7 @@ from elitescript.runtime.environment import TASK_PATH, Files, ProgramEnvironment
 from elitescript.runtime.files import content_of
 from elitescript.runtime.threads.scheduler import Scheduler
 from elitescript.runtime.threads.strand import TIME_TO_GO_BY, Stopped, Strand
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.plausibility import Doubt
@@ -114,6 +115,7 @@ class Context:
 
     Attributes:
         is_look: whether it belongs to what only looks at the program.
+        missing: what the last reading with missing values says of them; None before.
     """
 
     __slots__ = (
@@ -130,6 +132,7 @@ class Context:
         "is_look",
         "machine",
         "micro_lines",
+        "missing",
         "profile",
         "scheduler",
         "task_path",
@@ -160,6 +163,7 @@ class Context:
         self._lines: SerialLines | None = None
         self.micro_lines: list[MicroLine] = []
         self.is_look = False
+        self.missing: str | None = None
 
     def forget_copies(self) -> None:
         """Hold what it remembers apart from the context that it is a copy of."""
@@ -237,6 +241,8 @@ class Context:
         """Close every connection; the program is over."""
         if self._sockets is not None:
             self._sockets.close_all()
+        if self._lines is not None:
+            self._lines.tell_left()
         if self._procedures is not None:
             self._procedures.close_all()
 
@@ -274,7 +280,9 @@ class Context:
 
         *Assumed*: drivers send their control program before the arm has power, and it streams from then on.
         """
-        text = f"{error}; servoj, speedj and speedl return after their time and move nothing until it is ready"
+        text = said(
+            "{error}; servoj, speedj and speedl return after their time and move nothing until it is ready", error=error
+        )
         self.warn_once("arm not ready", text, hint=error.hint or "")
         self.wait_ticks(max(1, ticks_for(request.t_s or 0.0)))
 
@@ -332,7 +340,11 @@ class Context:
         limit = self.profile.thread_limit
         if self._port.thread_count() >= limit:
             raise ScriptStateError(
-                f"too many threads: firmware {self.profile.name} runs at most {limit} at a time",
+                said(
+                    "too many threads: firmware {profile} runs at most {limit} at a time",
+                    profile=self.profile.name,
+                    limit=limit,
+                ),
                 code="R121",
                 value=limit + 1,
                 limit=f"<= {limit}",
@@ -397,7 +409,7 @@ class Context:
 
         if size > TEXT_MAX:
             raise InvalidValueError(
-                f"a text of {size} characters; at most {TEXT_MAX} are said at once",
+                said("a text of {size} characters; at most {limit} are said at once", size=size, limit=TEXT_MAX),
                 value=size,
                 limit=f"<= {TEXT_MAX}",
                 unit="characters",
@@ -405,12 +417,12 @@ class Context:
             )
         if is_whole:
             scheduler = self.scheduler
-            said = scheduler.said
-            if said is None:
-                said = scheduler.said = SaidText()
-            while (ticks := said.wait_ticks(scheduler.now)) and not self.strand.is_dying:
+            texts = scheduler.said
+            if texts is None:
+                texts = scheduler.said = SaidText()
+            while (ticks := texts.wait_ticks(scheduler.now)) and not self.strand.is_dying:
                 scheduler.wait(ROOM_FOR_TEXT, scheduler.now + ticks)
-            said.add(size, scheduler.now)
+            texts.add(size, scheduler.now)
 
     def flush(self) -> None:
         """Emit a last line without its end: the program is over."""
@@ -475,6 +487,17 @@ class Context:
 
         return mistaken(meaning, kind)
 
+    def note_missing(self, command: str, came: int, number: int) -> None:
+        """See `commands.definition.context.Robot.note_missing`."""
+        self.missing = said(
+            "nan comes from {command} in line {line}, which has read {came} of {number} numbers: look at its first "
+            "element before you use the others",
+            command=command,
+            line=self.strand.line,
+            came=came,
+            number=number,
+        )
+
     def remember(self, kind: str, value: Six) -> None:
         """Remember the result of a command; only the newest results are kept."""
         if value.count(0.0) > ZEROS_MAX:
@@ -534,7 +557,7 @@ class Context:
 
     def leave(self, name: str) -> NoReturn:
         """End the program like `halt()`, with a warning: `exit()` and similar functions."""
-        self.warn(f"{name}() ends the program like halt()")
+        self.warn(said("{name}() ends the program like halt()", name=name))
         self.halt()
 
     def thread_failed(self, error: BaseException) -> NoReturn:
