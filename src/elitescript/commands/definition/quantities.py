@@ -11,6 +11,7 @@ Coercion: bool and int stand for each other; an int stands for a float; a float 
 from __future__ import annotations
 
 from math import isfinite
+from types import FunctionType
 from typing import Annotated, Any, Final
 
 from elitescript.errors import ArgumentRangeError, ArgumentTypeError, ScriptError
@@ -63,6 +64,8 @@ class Quantity:
         """Return the error for a value of another type."""
         wanted = wanted or self.type_name
         given = "None" if value is None else f"{type(value).__name__} {shown(value)}"
+        if isinstance(value, FunctionType):
+            given = f"function {value.__name__}"
         return ArgumentTypeError(f"must be {wanted}, not {given}", value=value, limit=wanted, unit=self.unit)
 
     def out_of_range(self, value: Any, limit: str = "") -> ScriptError:

@@ -17,6 +17,7 @@ from elitescript.errors import ArgumentCountError, InternalError, ScriptError, S
 from elitescript.messages.motion import DIRECTION_M
 from elitescript.messages.profile import release_of
 from elitescript.records import NamedTuple
+from elitescript.said import said
 
 if TYPE_CHECKING:
     from elitescript.commands.definition.plausibility import Doubt, Judge
@@ -44,6 +45,11 @@ FORMS_MAX: Final = 64
 """Forms of calls of a command that are kept; a program writes few."""
 _VARIADIC: Final = 0x04
 """Flag of a code object whose function takes `*more` (`inspect.CO_VARARGS`, without importing it)."""
+
+
+_HANDLED: Final = ("stop_thread", "join_thread")
+_JOINED: Final = (12, 18, 24)
+"""Numbers of two, three and four lists of six."""
 
 
 class Param:
@@ -206,6 +212,28 @@ class Command:
     def call_hint(self) -> str:
         """What to do about a wrong call."""
         return f"it is called as {self.signature}"
+
+    def hint_about(self, value: object) -> str:
+        """Return what to do about a value that the command refuses: what is commonly meant, or how it is called."""
+        if self.name in _HANDLED and callable(value):
+            name = getattr(value, "__name__", repr(value))
+            return said(
+                "{name} takes what start_thread has returned: h = start_thread({function}, ())",
+                name=self.name,
+                function=name if name.isidentifier() else "f",
+            )
+        if isinstance(value, (list, tuple)) and len(value) in _JOINED and self.takes_six:
+            return said(
+                "{count} numbers are lists that were joined: `+` puts one behind the other, `*` repeats one; "
+                "pose_add and pose_trans add an offset",
+                count=len(value),
+            )
+        return self.call_hint
+
+    @property
+    def takes_six(self) -> bool:
+        """Whether a parameter is a list of six numbers."""
+        return any(getattr(param.quantity, "count", None) == 6 for param in self.params)
 
     def bind(self, args: tuple[Any, ...], kwargs: dict[str, Any]) -> list[Any]:
         """Put arguments in order, fill in defaults, coerce and check.
